@@ -1,0 +1,41 @@
+"""Stribeck: friction models that control and mechatronics engineers can simulate, prove, fit and ship."""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
+    from stribeck.laws import law
+    from stribeck.parameter_sets import parameters
+    from stribeck.scenario import Scenario
+    from stribeck.simulation import Solution, simulate
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "BuildError", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError", "StribeckNote", "law",
+    "parameters", "simulate",
+]  # fmt: skip
+
+# Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
+_HOME = {
+    **dict.fromkeys(
+        ("BuildError", "InputError", "NotDifferentiable", "StribeckError", "StribeckNote"), "stribeck.errors"
+    ),
+    "law": "stribeck.laws",
+    "parameters": "stribeck.parameter_sets",
+    "Scenario": "stribeck.scenario",
+    **dict.fromkeys(("Solution", "simulate"), "stribeck.simulation"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name in _HOME:
+        return getattr(importlib.import_module(_HOME[name]), name)
+    raise AttributeError(f"module 'stribeck' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return [*__all__, "__version__"]

@@ -1,0 +1,59 @@
+"""Gaussian elimination of a sparse matrix, carried out on symbols once so that the generated code has no loops."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from stribeck.expressions.graph import ONE, ZERO, Expr, is_zero
+
+Keep = Callable[[str, Expr], Expr]  # keeps a computed entry under a name and returns the symbol to use for it
+
+
+def order_of_elimination(matrix: Sequence[Sequence[Expr]]) -> list[int]:
+    """Diagonal pivots, fewest new entries first (Markowitz); the velocity, tied to all others, comes out
+    last: it is then the first unknown found, and the next stage waits for it."""
+    n = len(matrix)
+    filled = [[not is_zero(matrix[i][j]) or i == j for j in range(n)] for i in range(n)]
+    left, order = list(range(n)), []
+    while left:
+        cost = {k: (sum(filled[i][k] for i in left) - 1) * (sum(filled[k][j] for j in left) - 1) for k in left}
+        pivot = min(left, key=lambda k: (cost[k], k))
+        order.append(pivot)
+        left.remove(pivot)
+        for i in left:
+            for j in left:
+                filled[i][j] |= filled[i][pivot] and filled[pivot][j]
+    return order
+
+
+def eliminate(matrix: Sequence[Sequence[Expr]], names: Sequence[str], right: Sequence[Expr], keep: Keep) -> list[Expr]:
+    """Solve matrix * x = right; entries that belong to the factorisation go through ``keep``.
+
+    ``right`` are symbols; the result holds only them, kept entries and entries of the matrix.
+    """
+    n, w = len(matrix), [list(row) for row in matrix]
+    order = order_of_elimination(matrix)
+    r = list(right)
+    inverse: dict[int, Expr] = {}
+    for step, k in enumerate(order):
+        inverse[k] = keep(f"d_{names[k]}", ONE / w[k][k])
+        for i in order[step + 1 :]:
+            if is_zero(w[i][k]):
+                continue
+            factor = keep(f"l_{names[i]}_{names[k]}", w[i][k] * inverse[k])
+            for j in order[step + 1 :]:
+                if not is_zero(w[k][j]):
+                    w[i][j] = w[i][j] - factor * w[k][j]
+            r[i] = r[i] - factor * r[k]
+        for j in order[step + 1 :]:
+            if not is_zero(w[k][j]):
+                w[k][j] = keep(f"u_{names[k]}_{names[j]}", w[k][j])
+    x: list[Expr] = [ZERO] * n
+    for step in reversed(range(n)):
+        k = order[step]
+        total = r[k]
+        for j in order[step + 1 :]:
+            if not is_zero(w[k][j]):
+                total = total - w[k][j] * x[j]
+        x[k] = total * inverse[k]
+    return x

@@ -1,0 +1,73 @@
+"""Declarations of constants: unit, meaning and allowed range, written once for laws, plants, drives and signals.
+
+Validation, the JSON Schema, the listings and the documentation all read them from here.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Constant:
+    """A number that an equation uses.
+
+    ``above`` is an exclusive bound and ``at_least`` an inclusive one. A constant with a ``default`` may be left out;
+    ``optional`` ones are off (None) unless given, and the equation then takes another form.
+    """
+
+    unit: str
+    meaning: str
+    above: float | None = None
+    at_least: float | None = None
+    default: float | None = None
+    optional: bool = False
+    rotary_unit: str | None = None
+
+    @property
+    def allowed(self) -> str:
+        """What is allowed, in words."""
+        if self.above is not None:
+            return f"a finite number > {self.above:g}"
+        return "a finite number" if self.at_least is None else f"a finite number >= {self.at_least:g}"
+
+    @property
+    def required(self) -> bool:
+        """True where a value must be given."""
+        return self.default is None and not self.optional
+
+    def problem(self, value: Any) -> str | None:
+        """What is wrong with a value, or None."""
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            return f"must be {self.allowed}, not {kind_of(value)}"
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        ok = math.isfinite(number)
+        ok = ok and (self.above is None or number > self.above)
+        ok = ok and (self.at_least is None or number >= self.at_least)
+        return None if ok else f"must be {self.allowed}"
+
+
+def kind_of(value: Any) -> str:
+    """What a value of a file is, in plain words."""
+    names = {bool: "a true/false value", str: "text", list: "a list", dict: "a table", type(None): "nothing"}
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        return "a number"
+    return names.get(type(value), f"a {type(value).__name__}")
+
+
+def show(value: Any) -> str:
+    """A value as it may stand in a message of one line."""
+    if isinstance(value, str):
+        text = repr(value)
+    elif isinstance(value, bool):
+        text = str(value).lower()
+    elif isinstance(value, list | tuple | dict) and len(str(value)) > 40:
+        text = f"{kind_of(value)} of {len(value)}"
+    else:
+        text = " ".join(str(value).split())
+    return text if len(text) <= 80 else f"{text[:77]}..."

@@ -1,0 +1,42 @@
+"""The exceptions of Stribeck. Each says what was wrong, with which value, and what would be right."""
+
+from __future__ import annotations
+
+import difflib
+import warnings
+from collections.abc import Iterable, Sequence
+
+
+class StribeckError(Exception):
+    """Any error that Stribeck raises on purpose."""
+
+
+class InputError(StribeckError, ValueError):
+    """Bad input. ``problems`` holds one line for each problem found: the key's path, the value, what is allowed."""
+
+    def __init__(self, problems: str | Sequence[str]) -> None:
+        self.problems: list[str] = [problems] if isinstance(problems, str) else list(problems)
+        super().__init__("\n".join(self.problems))
+
+
+class NotDifferentiable(StribeckError, ArithmeticError):
+    """A derivative was asked for where the law has none."""
+
+
+class BuildError(StribeckError, RuntimeError):
+    """The machine's C compiler did not build a system; the message is its first complaint."""
+
+
+class StribeckNote(UserWarning):
+    """Something a user should know that does not stop the work: a dropped constant, a missing compiler."""
+
+
+def note(text: str) -> None:
+    """Tell the user one line: a :class:`StribeckNote` in Python, a line on standard error from the command."""
+    warnings.warn(text, StribeckNote, stacklevel=3)
+
+
+def nearest(name: str, known: Iterable[str]) -> str:
+    """`` (did you mean 'x'?)`` for the known name closest to ``name``, or nothing when none is close."""
+    match = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
+    return f" (did you mean '{match[0]}'?)" if match else ""

@@ -1,0 +1,139 @@
+"""Expressions written out as straight-line code: C for the simulator and the exports, Python for evaluation."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from stribeck.expressions import ops
+from stribeck.expressions.graph import Expr, ordered
+
+_ATOM, _UNARY, _MUL, _ADD, _COMPARE, _AND, _OR, _TERNARY = range(8)
+_LONGEST_LINE = 110
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """How a language writes what differs between them."""
+
+    declare: str
+    functions: Mapping[str, str]
+    both: str
+    either: str
+    where: str
+    statement_end: str
+    where_precedence: int = _TERNARY
+
+
+C = Dialect(
+    declare="const double ",
+    functions={"abs": "fabs", "sign": "sign_of", "exp": "exp_of", "atan": "atan_of"},
+    both="&&",
+    either="||",
+    where="{0} ? {1} : {2}",
+    statement_end=";",
+)
+PYTHON = Dialect(
+    declare="", functions={}, both="", either="", where="where({0}, {1}, {2})", statement_end="", where_precedence=_ATOM
+)
+
+
+def _literal(x: float) -> str:
+    return "INFINITY" if x == float("inf") else "-INFINITY" if x == float("-inf") else repr(x)
+
+
+class Writer:
+    """Writes statements that compute some outputs.
+
+    A node becomes a variable of its own when it is used more than once, carries a label, or its text would be long;
+    all others are written where they are used.
+    """
+
+    def __init__(self, dialect: Dialect, inputs: Mapping[str, str], taken: Iterable[str] = ()) -> None:
+        self.dialect, self.inputs = dialect, inputs
+        self.taken = set(taken) | {text for text in inputs.values() if text.isidentifier()}
+        self.lines: list[str] = []
+        self._text: dict[Expr, tuple[str, int]] = {}
+
+    def write(self, outputs: Sequence[tuple[str, Expr]]) -> list[str]:
+        """The statements that assign each output expression to its target, in order."""
+        nodes = ordered(expr for _, expr in outputs)
+        uses = Counter(arg for node in nodes for arg in node.args)
+        uses.update(expr for _, expr in outputs)
+        for target, expr in outputs:
+            for node in ordered([expr]):
+                if node not in self._text:
+                    self._text[node] = self._statement(node, uses[node])
+            self.lines.append(f"{target} = {self._text[expr][0]}{self.dialect.statement_end}")
+        return self.lines
+
+    def _statement(self, node: Expr, uses: int) -> tuple[str, int]:
+        text, precedence = self._format(node)
+        if node.op in ("symbol", "constant", "lt", "le", "both", "either"):
+            return text, precedence
+        if uses == 1 and not node.label and len(text) <= _LONGEST_LINE:
+            return text, precedence
+        name = self._name(node.label)
+        self.lines.append(f"{self.dialect.declare}{name} = {text}{self.dialect.statement_end}")
+        return name, _ATOM
+
+    def _name(self, label: str | None) -> str:
+        base = label or "t"
+        name, count = base, 1
+        while name in self.taken or (label is None and name == "t"):
+            name, count = f"{base}{count}" if label is None else f"{base}_{count + 1}", count + 1
+        self.taken.add(name)
+        return name
+
+    def _arg(self, node: Expr, limit: int) -> str:
+        text, precedence = self._text[node]
+        return text if precedence <= limit else f"({text})"
+
+    def _format(self, node: Expr) -> tuple[str, int]:
+        op, args = node.op, node.args
+        if op == "symbol":
+            return self.inputs[str(node.value)], _ATOM
+        if op == "constant":
+            assert isinstance(node.value, float)
+            return _literal(node.value), _ATOM if node.value >= 0 else _UNARY
+        if op in ("add", "sub"):
+            return f"{self._arg(args[0], _ADD)} {'+' if op == 'add' else '-'} {self._arg(args[1], _MUL)}", _ADD
+        if op in ("mul", "div"):
+            return f"{self._arg(args[0], _MUL)} {'*' if op == 'mul' else '/'} {self._arg(args[1], _UNARY)}", _MUL
+        if op == "neg":
+            return f"-{self._arg(args[0], _ATOM)}", _UNARY
+        if op in ("lt", "le"):
+            return f"{self._arg(args[0], _ADD)} {'<' if op == 'lt' else '<='} {self._arg(args[1], _ADD)}", _COMPARE
+        if op in ("both", "either"):
+            sign = getattr(self.dialect, op)
+            if not sign:
+                return f"{op}({self._arg(args[0], _OR)}, {self._arg(args[1], _OR)})", _ATOM
+            level = _AND if op == "both" else _OR
+            return f"{self._arg(args[0], _COMPARE)} {sign} {self._arg(args[1], _COMPARE)}", level
+        if op == "where":
+            texts = (self._arg(args[0], _OR), self._arg(args[1], _ADD), self._arg(args[2], _ADD))
+            return self.dialect.where.format(*texts), self.dialect.where_precedence
+        name = self.dialect.functions.get(op, op)
+        return f"{name}({', '.join(self._arg(a, _TERNARY) for a in args)})", _ATOM
+
+
+def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[..., tuple[Any, ...]]:
+    """A Python function of the named inputs that returns the outputs; works on numbers and arrays.
+
+    The names of the inputs may hold dots; arguments are positional.
+    """
+    arguments = [f"a{i}" for i in range(len(inputs))]
+    writer = Writer(PYTHON, dict(zip(inputs, arguments, strict=True)), taken=dir(ops))
+    lines = writer.write([(f"r{i}", expr) for i, expr in enumerate(outputs)])
+    results = "".join(f"r{i}, " for i in range(len(outputs)))
+    source = f"def f({', '.join(arguments)}):\n" + "".join(f"    {line}\n" for line in [*lines, f"return ({results})"])
+    names = {name: getattr(ops, name) for name in ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign")}
+    scope: dict[str, Any] = {
+        **names, "where": ops.where, "both": ops.both, "either": ops.either, "abs": abs, "pow": pow,
+        "INFINITY": float("inf"),
+    }  # fmt: skip
+    exec(compile(source, "<stribeck equations>", "exec"), scope)
+    function: Callable[..., tuple[Any, ...]] = scope["f"]
+    return function

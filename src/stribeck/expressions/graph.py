@@ -1,0 +1,344 @@
+"""Expressions as a graph of shared nodes, with exact derivatives.
+
+The nodes keep the order of operations in which an equation was written, so that generated C and the NumPy evaluation
+of the same function agree to rounding, and equal subexpressions are one node, which makes common terms free.
+"""
+
+from __future__ import annotations
+
+import weakref
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from stribeck.expressions import ops
+
+Number = int | float
+
+
+class Expr:
+    """A node: an operation on other nodes, a named symbol, or a constant. Equal nodes are the same object."""
+
+    __slots__ = ("__weakref__", "args", "label", "op", "value")
+
+    op: str
+    args: tuple[Expr, ...]
+    value: float | str | None
+    label: str | None
+
+    def __add__(self, other: Any) -> Expr:
+        return _add(self, wrap(other))
+
+    def __radd__(self, other: Any) -> Expr:
+        return _add(wrap(other), self)
+
+    def __sub__(self, other: Any) -> Expr:
+        return _sub(self, wrap(other))
+
+    def __rsub__(self, other: Any) -> Expr:
+        return _sub(wrap(other), self)
+
+    def __mul__(self, other: Any) -> Expr:
+        return _mul(self, wrap(other))
+
+    def __rmul__(self, other: Any) -> Expr:
+        return _mul(wrap(other), self)
+
+    def __truediv__(self, other: Any) -> Expr:
+        return _div(self, wrap(other))
+
+    def __rtruediv__(self, other: Any) -> Expr:
+        return _div(wrap(other), self)
+
+    def __neg__(self) -> Expr:
+        return _neg(self)
+
+    def __abs__(self) -> Expr:
+        return _function("abs", self)
+
+    def __pow__(self, power: Any) -> Expr:
+        return _power(self, power)
+
+    def __lt__(self, other: Any) -> Expr:
+        return _node("lt", self, wrap(other))
+
+    def __le__(self, other: Any) -> Expr:
+        return _node("le", self, wrap(other))
+
+    def __gt__(self, other: Any) -> Expr:
+        return _node("lt", wrap(other), self)
+
+    def __ge__(self, other: Any) -> Expr:
+        return _node("le", wrap(other), self)
+
+    def __bool__(self) -> bool:
+        raise TypeError("the truth of an expression is not known while it is built: use where(condition, a, b)")
+
+    def __repr__(self) -> str:
+        if self.op in ("symbol", "constant"):
+            return str(self.value)
+        return f"{self.op}({', '.join(map(repr, self.args))})"
+
+
+_nodes: weakref.WeakValueDictionary[tuple[Any, ...], Expr] = weakref.WeakValueDictionary()
+
+
+def _node(op: str, *args: Expr, value: float | str | None = None) -> Expr:
+    # repr tells 0.0 from -0.0, which compare equal
+    key = (op, args, repr(value))
+    node = _nodes.get(key)
+    if node is None:
+        node = Expr()
+        node.op, node.args, node.value, node.label = op, args, value, None
+        _nodes[key] = node
+    return node
+
+
+def symbol(name: str) -> Expr:
+    """The input called ``name``."""
+    return _node("symbol", value=name)
+
+
+def constant(x: Number) -> Expr:
+    """A number."""
+    return _node("constant", value=float(x))
+
+
+def wrap(x: Any) -> Expr:
+    """A number as a node; nodes pass through."""
+    if isinstance(x, Expr):
+        return x
+    if isinstance(x, int | float | np.floating | np.integer):
+        return constant(float(x))
+    raise TypeError(f"{x!r} does not mix with expressions: {type(x).__name__}")
+
+
+ZERO, ONE = constant(0.0), constant(1.0)
+
+
+def is_zero(x: Expr) -> bool:
+    """True for the constant 0: a structural zero."""
+    return x.op == "constant" and x.value == 0.0
+
+
+def _number(x: Expr) -> float | None:
+    return x.value if x.op == "constant" and isinstance(x.value, float) else None
+
+
+def _add(a: Expr, b: Expr) -> Expr:
+    m, n = _number(a), _number(b)
+    if m is not None and n is not None:
+        return constant(m + n)
+    if m == 0.0:
+        return b
+    if n == 0.0:
+        return a
+    if b.op == "neg":
+        return _sub(a, b.args[0])
+    if a.op == "neg":
+        return _sub(b, a.args[0])
+    return _node("add", a, b)
+
+
+def _sub(a: Expr, b: Expr) -> Expr:
+    m, n = _number(a), _number(b)
+    if m is not None and n is not None:
+        return constant(m - n)
+    if n == 0.0:
+        return a
+    if m == 0.0:
+        return _neg(b)
+    if b.op == "neg":
+        return _add(a, b.args[0])
+    return _node("sub", a, b)
+
+
+def _mul(a: Expr, b: Expr) -> Expr:
+    m, n = _number(a), _number(b)
+    if m is not None and n is not None:
+        return constant(m * n)
+    if m == 0.0 or n == 0.0:
+        return ZERO
+    if m == 1.0:
+        return b
+    if n == 1.0:
+        return a
+    if m == -1.0:
+        return _neg(b)
+    if n == -1.0:
+        return _neg(a)
+    if a.op == "neg":
+        return _neg(_mul(a.args[0], b))
+    if b.op == "neg":
+        return _neg(_mul(a, b.args[0]))
+    return _node("mul", a, b)
+
+
+def _div(a: Expr, b: Expr) -> Expr:
+    m, n = _number(a), _number(b)
+    if m is not None and n:
+        return constant(m / n)
+    if m == 0.0:
+        return ZERO
+    if n == 1.0:
+        return a
+    if a.op == "neg":
+        return _neg(_div(a.args[0], b))
+    if b.op == "neg":
+        return _neg(_div(a, b.args[0]))
+    return _node("div", a, b)
+
+
+def _neg(a: Expr) -> Expr:
+    n = _number(a)
+    if n is not None:
+        return constant(-n)
+    return a.args[0] if a.op == "neg" else _node("neg", a)
+
+
+def _power(base: Expr, power: Any) -> Expr:
+    """Whole powers become products, as a person would compute them; others stay powers."""
+    if isinstance(power, Expr) and power.op == "constant":
+        power = power.value
+    if isinstance(power, Expr) or float(power) != int(power) or abs(power) > 64:
+        return _node("pow", base, wrap(power))
+    if power < 0:
+        return _div(ONE, _power(base, -power))
+    result, square, rest = ONE, base, int(power)
+    while rest:
+        if rest & 1:
+            result = _mul(result, square)
+        square, rest = _mul(square, square), rest >> 1
+    return result
+
+
+def _function(op: str, x: Expr) -> Expr:
+    n = _number(x)
+    if n is None:
+        return _node(op, x)
+    with np.errstate(all="ignore"):
+        return constant(float(abs(n) if op == "abs" else getattr(ops, op)(n)))
+
+
+class _Graph:
+    """The operations of :mod:`stribeck.expressions.ops` on nodes."""
+
+    def __getattr__(self, op: str) -> Callable[[Any], Expr]:
+        return lambda x: _function(op, wrap(x))
+
+    @staticmethod
+    def where(condition: Expr, a: Any, b: Any) -> Expr:
+        if isinstance(condition, bool | np.bool_):
+            return wrap(a if condition else b)
+        a, b = wrap(a), wrap(b)
+        return a if a is b else _node("where", condition, a, b)
+
+    @staticmethod
+    def both(a: Expr, b: Expr) -> Expr:
+        return _node("both", a, b)
+
+    @staticmethod
+    def either(a: Expr, b: Expr) -> Expr:
+        return _node("either", a, b)
+
+
+ops.register("stribeck", _Graph())
+
+
+# The partial derivatives of an operation by its arguments: given the node and its arguments.
+_PARTIALS: dict[str, Callable[..., tuple[Any, ...]]] = {
+    "add": lambda n, a, b: (1, 1),
+    "sub": lambda n, a, b: (1, -1),
+    "mul": lambda n, a, b: (b, a),
+    "div": lambda n, a, b: (1 / b, -n / b),
+    "neg": lambda n, a: (-1,),
+    "pow": lambda n, a, b: (b * a ** (b - 1), 0 if b.op == "constant" else n * ops.log(a)),
+    "sqrt": lambda n, a: (0.5 / n,),
+    "exp": lambda n, a: (n,),
+    "log": lambda n, a: (1 / a,),
+    "sin": lambda n, a: (ops.cos(a),),
+    "cos": lambda n, a: (-ops.sin(a),),
+    "atan": lambda n, a: (1 / (1 + a * a),),
+    "tanh": lambda n, a: (1 - n * n,),
+    "abs": lambda n, a: (ops.sign(a),),
+    "sign": lambda n, a: (0,),
+}
+
+
+def derivative(of: Expr, by: Expr, known: dict[Expr, Expr] | None = None) -> Expr:
+    """The derivative of a node by a symbol; ``known`` keeps results between calls with the same ``by``."""
+    known = {} if known is None else known
+    for node in ordered([of]):
+        if node in known:
+            continue
+        if node is by:
+            known[node] = ONE
+        elif node.op == "where":
+            known[node] = _Graph.where(node.args[0], known[node.args[1]], known[node.args[2]])
+        elif node.op in _PARTIALS and not all(is_zero(known[a]) for a in node.args):
+            total = ZERO
+            for partial, arg in zip(_PARTIALS[node.op](node, *node.args), node.args, strict=True):
+                total = total + wrap(partial) * known[arg]
+            known[node] = total
+        else:
+            known[node] = ZERO
+    return known[of]
+
+
+def ordered(outputs: Iterable[Expr]) -> list[Expr]:
+    """Every node that the outputs need, each after its arguments."""
+    order: dict[Expr, None] = {}
+    stack: list[tuple[Expr, bool]] = [(node, False) for node in reversed(list(outputs))]
+    while stack:
+        node, ready = stack.pop()
+        if node in order:
+            continue
+        if ready:
+            order[node] = None
+        else:
+            stack.append((node, True))
+            stack.extend((arg, False) for arg in reversed(node.args))
+    return list(order)
+
+
+def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
+    """The same operation on other arguments, simplified anew."""
+    if args == node.args:
+        return node
+    build: dict[str, Callable[..., Expr]] = {
+        "add": _add, "sub": _sub, "mul": _mul, "div": _div, "neg": _neg, "pow": _power, "where": _Graph.where,
+    }  # fmt: skip
+    if node.op in build:
+        new = build[node.op](*args)
+    elif node.op in ("lt", "le", "both", "either"):
+        new = _node(node.op, *args)
+    else:
+        new = _function(node.op, *args)
+    if new.label is None and new.op not in ("symbol", "constant"):
+        new.label = node.label
+    return new
+
+
+def rewrite(outputs: Iterable[Expr], rule: Callable[[Expr], Expr]) -> list[Expr]:
+    """The outputs with ``rule`` applied to every node, arguments first."""
+    outputs = list(outputs)
+    new: dict[Expr, Expr] = {}
+    for node in ordered(outputs):
+        new[node] = rule(rebuild(node, tuple(new[a] for a in node.args)))
+    return [new[node] for node in outputs]
+
+
+def substitute(outputs: Iterable[Expr], values: Mapping[Expr, Expr]) -> list[Expr]:
+    """The outputs with the nodes that are keys of ``values`` replaced."""
+    outputs = list(outputs)
+    new: dict[Expr, Expr] = dict(values)
+    for node in ordered(outputs):
+        if node not in new:
+            new[node] = rebuild(node, tuple(new[a] for a in node.args))
+    return [new[node] for node in outputs]
+
+
+def symbols(outputs: Iterable[Expr]) -> set[str]:
+    """The names of the symbols that the outputs depend on."""
+    return {str(node.value) for node in ordered(outputs) if node.op == "symbol"}

@@ -1,0 +1,117 @@
+"""The operations that equations are written in.
+
+An equation of Stribeck is a plain Python function over these operations, the arithmetic operators, ``abs`` and
+comparisons. The same function then runs on NumPy arrays (step through it in a debugger), on the nodes of
+:mod:`stribeck.expressions.graph` (Jacobian, C) and on SymPy symbols (LaTeX, proofs). Which one is decided here, by
+the type of the arguments; a further kind of value joins with :func:`register`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+Value = Any  # a number, an array, a graph node, a SymPy expression: whatever a backend works on
+
+pi = math.pi
+
+
+class _Sympy:
+    """SymPy expressions; SymPy is imported only when one arrives."""
+
+    def __getattr__(self, name: str) -> Callable[..., Value]:
+        import sympy
+
+        table = {
+            "where": lambda c, a, b: sympy.Piecewise((a, c), (b, True)),
+            "both": sympy.And, "either": sympy.Or,
+        }  # fmt: skip
+        return table.get(name) or getattr(sympy, name)  # type: ignore[no-any-return]
+
+
+_numeric: Any = SimpleNamespace(
+    exp=np.exp, log=np.log, sqrt=np.sqrt, sin=np.sin, cos=np.cos, atan=np.arctan, tanh=np.tanh, sign=np.sign,
+    where=np.where, both=np.logical_and, either=np.logical_or,
+)  # fmt: skip
+_by_package: dict[str, Any] = {"sympy": _Sympy()}
+_by_type: dict[type, Any] = {}
+
+
+def register(package: str, backend: Any) -> None:
+    """Let values whose type lives in ``package`` be handled by ``backend``, which has the operations."""
+    _by_package[package] = backend
+    _by_type.clear()
+
+
+def _backend(*values: Value) -> Any:
+    for value in values:
+        kind = type(value)
+        if kind not in _by_type:
+            _by_type[kind] = _by_package.get(kind.__module__.split(".")[0], _numeric)
+        if _by_type[kind] is not _numeric:
+            return _by_type[kind]
+    return _numeric
+
+
+def exp(x: Value) -> Value:
+    """e to the power x."""
+    return _backend(x).exp(x)
+
+
+def log(x: Value) -> Value:
+    """Natural logarithm."""
+    return _backend(x).log(x)
+
+
+def sqrt(x: Value) -> Value:
+    """Square root."""
+    return _backend(x).sqrt(x)
+
+
+def sin(x: Value) -> Value:
+    """Sine of x in radians."""
+    return _backend(x).sin(x)
+
+
+def cos(x: Value) -> Value:
+    """Cosine of x in radians."""
+    return _backend(x).cos(x)
+
+
+def atan(x: Value) -> Value:
+    """Arc tangent, in radians."""
+    return _backend(x).atan(x)
+
+
+def tanh(x: Value) -> Value:
+    """Hyperbolic tangent."""
+    return _backend(x).tanh(x)
+
+
+def sign(x: Value) -> Value:
+    """-1, 0 or 1; its derivative is taken as 0."""
+    return _backend(x).sign(x)
+
+
+def where(condition: Value, a: Value, b: Value) -> Value:
+    """a where the condition holds, else b."""
+    return _backend(condition, a, b).where(condition, a, b)
+
+
+def both(a: Value, b: Value) -> Value:
+    """Logical and of two conditions."""
+    return _backend(a, b).both(a, b)
+
+
+def either(a: Value, b: Value) -> Value:
+    """Logical or of two conditions."""
+    return _backend(a, b).either(a, b)
+
+
+def clip(x: Value, low: Value, high: Value) -> Value:
+    """x limited to [low, high]."""
+    return where(x < low, low, where(x > high, high, x))

@@ -1,0 +1,102 @@
+"""Friction laws, each equation written once; a new file in this folder is found by itself."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import pkgutil
+import sys
+from collections.abc import Mapping
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+from types import ModuleType
+
+from stribeck import parameter_sets
+from stribeck.errors import InputError, nearest
+from stribeck.laws.base import BristleLaw, Claims, Law, Relation, Scales, StaticLaw
+
+__all__ = ["BristleLaw", "Claims", "Law", "Relation", "Scales", "StaticLaw", "builtin", "find", "law"]
+
+_LISTED_FIRST = ("lugre", "elastoplastic", "dahl", "static")
+
+
+@lru_cache(maxsize=1)
+def builtin() -> dict[str, type[Law]]:
+    """Every law of the package by name."""
+    files = {m.name for m in pkgutil.iter_modules(__path__)}
+    ordered = [*_LISTED_FIRST, *sorted(files - set(_LISTED_FIRST))]
+    found: dict[str, type[Law]] = {}
+    for name in ordered:
+        found.update(_laws_of(importlib.import_module(f"{__name__}.{name}")))
+    return found
+
+
+def _laws_of(module: ModuleType) -> dict[str, type[Law]]:
+    return {
+        value.name: value
+        for key, value in vars(module).items()
+        if isinstance(value, type) and issubclass(value, Law) and value.__module__ == module.__name__
+        and not key.startswith("_") and value not in (Law, BristleLaw, StaticLaw)
+    }  # fmt: skip
+
+
+def find(name: str, folder: Path | None = None) -> type[Law]:
+    """The law called ``name``: a built-in one, or ``FILE.py:NAME`` with FILE relative to ``folder``.
+
+    Raises:
+        InputError: there is no such law, or the file does not load.
+    """
+    if not isinstance(name, str):
+        raise InputError(f"{name!r}: must be the name of a law")
+    if ".py:" in name:
+        return _from_file(name, folder)
+    if name not in builtin():
+        guess = nearest(name, builtin()) or f" (known: {', '.join(builtin())}; or FILE.py:NAME)"
+        raise InputError(f"{name!r}: no such law{guess}")
+    return builtin()[name]
+
+
+def _from_file(name: str, folder: Path | None) -> type[Law]:
+    file, _, wanted = name.rpartition(":")
+    path = (folder or Path()) / file
+    try:
+        text = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{name!r}: cannot read {path}: {error.strerror}") from None
+    # the content is part of the name: an edited file is loaded anew
+    module_name = f"_stribeck_user_{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
+    if module_name not in sys.modules:
+        spec = importlib.util.spec_from_file_location(module_name, path)
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[module_name] = module
+        try:
+            spec.loader.exec_module(module)
+        except Exception as error:
+            del sys.modules[module_name]
+            raise InputError(f"{name!r}: {path} does not load: {type(error).__name__}: {error}") from error
+    module = sys.modules[module_name]
+    laws = _laws_of(module)
+    by_class = {cls.__name__: cls for cls in laws.values()}
+    if wanted in laws or wanted in by_class:
+        return laws.get(wanted) or by_class[wanted]
+    raise InputError(f"{name!r}: {path} has no law '{wanted}' (it has {', '.join(by_class) or 'none'})")
+
+
+def law(name: str, parameters: str | Mapping[str, float] | None = None, **constants: float) -> Law:
+    """A friction law with its constants.
+
+    Args:
+        name: a built-in law's name (:func:`builtin` lists them) or ``"FILE.py:NAME"`` for one of your own.
+        parameters: the machine's parameters in SI units, as a mapping, as the name of a built-in set
+            (``stribeck.parameters()`` lists them) or as the path of a set's file.
+        **constants: the law's own constants (``k_v=1e7``); they also override single parameters.
+
+    Raises:
+        InputError: an unknown law or set, or bad values; one line for each problem.
+    """
+    if isinstance(parameters, str):
+        parameters = parameter_sets.load(parameters).values
+    return find(name)({**(parameters or {}), **constants})

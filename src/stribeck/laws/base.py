@@ -1,0 +1,392 @@
+"""What a friction law is: its constants, its equations, what it claims, and all that follows from the equations.
+
+A law is a class with one or two short functions written like the literature prints them::
+
+    class MyLaw(BristleLaw):
+        '''One line that says what it is.'''
+
+        source = "Who, where, which equation"
+        claims = Claims(unique=True, bounded=True, smooth=False, passive=False, drift_free=False)
+        k_v = Constant("s/m", "steepness of the smooth sign", above=0)
+
+        @staticmethod
+        def dz_dt(p, v, z):
+            return v - abs(v) / g(p, v) * z
+
+``p`` holds the constants by name; ``v`` and ``z`` are numbers, arrays, graph nodes or SymPy symbols.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stribeck.constants import Constant, show
+from stribeck.errors import InputError, NotDifferentiable, nearest
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
+from stribeck.expressions.ops import Value
+
+# Parameters of a machine: they belong to the contact, whichever law describes it.
+PARAMETERS: dict[str, Constant] = {
+    "sigma_0": Constant("N/m", "bristle stiffness", above=0, rotary_unit="N m/rad"),
+    "sigma_1": Constant("N s/m", "bristle damping", at_least=0, rotary_unit="N m s/rad"),
+    "sigma_2": Constant("N s/m", "viscous friction", at_least=0, rotary_unit="N m s/rad"),
+    "F_c": Constant("N", "Coulomb friction force", above=0, rotary_unit="N m"),
+    "F_s": Constant("N", "static friction force", above=0, rotary_unit="N m"),
+    "v_s": Constant("m/s", "Stribeck velocity", above=0, rotary_unit="rad/s"),
+}
+
+Claim = bool | Callable[[Any], Value] | None
+
+
+@dataclass(frozen=True)
+class Relation:
+    """A condition between constants: the one to blame, what is allowed in words, and the test."""
+
+    key: str
+    allowed: str
+    holds: Callable[[Any], bool]
+    needs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Claims:
+    """What a law claims to guarantee: True, False, or a condition on its constants; None where it does not apply.
+
+    unique: one solution z(t) for every piecewise continuous v(t). bounded: z stays within :meth:`Law.z_bound`
+    whatever v(t). smooth: dz/dt is continuously differentiable in (v, z). passive: from v to F, with z within that
+    bound (unrestricted where there is none). drift_free: dz/dt = v exactly for |z| <= :meth:`Law.z_elastic`.
+    """
+
+    unique: Claim = None
+    bounded: Claim = None
+    smooth: Claim = None
+    passive: Claim = None
+    drift_free: Claim = None
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Natural magnitudes of a law with given constants; the default tolerances are proportional to them."""
+
+    length: float
+    speed: float
+    force: float
+
+
+@dataclass(frozen=True)
+class _Derivatives:
+    """What the graph of a law's equations gives: a function (constants, v, z) -> F and the derivatives of dz/dt and F
+    by v and by z; and whether dz/dt is linear in z."""
+
+    function: Callable[..., tuple[Any, ...]]
+    names: tuple[str, ...]
+    linear: bool
+
+
+STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c, ("F_c", "F_s")),)
+
+
+class Law:
+    """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
+
+    Args:
+        values: the constants by name, SI units.
+
+    Raises:
+        InputError: a constant is unknown, missing, of the wrong type, not finite or unphysical; every problem found.
+    """
+
+    name: ClassVar[str] = ""
+    source: ClassVar[str] = "user"
+    claims: ClassVar[Claims] = Claims()
+    uses: ClassVar[tuple[str, ...]] = ()  # the machine parameters that the equations use
+    relations: ClassVar[tuple[Relation, ...]] = ()
+    has_z: ClassVar[bool] = True
+    _derivatives: ClassVar[dict[Any, _Derivatives]] = {}
+
+    def __init__(self, values: Mapping[str, Any]) -> None:
+        if found := self.problems(values):
+            raise InputError([f"{path}: {text}" for path, text in found])
+        declared = self.constants()
+        self.values: dict[str, float | None] = {
+            name: float(values[name]) if values.get(name) is not None else constant.default
+            for name, constant in declared.items()
+        }
+        # parameters of the machine that this law does not use, such as v_s for the event threshold
+        self.machine: dict[str, float] = {
+            name: float(value) for name, value in values.items() if name in PARAMETERS and value is not None
+        }
+        self.p: Any = SimpleNamespace(**self.values)
+
+    def __init_subclass__(cls) -> None:
+        super().__init_subclass__()
+        if "name" not in cls.__dict__:
+            cls.name = cls.__name__
+
+    # -- equations: the part that a law writes ---------------------------------------------------------------------
+
+    @staticmethod
+    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        """Rate of the bristle deflection, m/s."""
+        raise NotImplementedError
+
+    @staticmethod
+    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+        """Friction force in N, positive when it opposes positive velocity."""
+        raise NotImplementedError
+
+    @staticmethod
+    def stored_energy(p: Any, z: Value) -> Value:
+        """Energy kept by the bristles, J."""
+        return 0.0 * z
+
+    @staticmethod
+    def scales(p: Any) -> Scales:
+        """Natural length (m), speed (m/s) and force (N) of the law."""
+        raise NotImplementedError
+
+    @staticmethod
+    def z_bound(p: Any) -> Value:
+        """Z of the claim ``bounded``, m."""
+        raise NotImplementedError
+
+    @staticmethod
+    def z_elastic(p: Any) -> Value:
+        """z_0 of the claim ``drift_free``, m."""
+        raise NotImplementedError
+
+    # -- declarations ----------------------------------------------------------------------------------------------
+
+    @classmethod
+    def constants(cls) -> dict[str, Constant]:
+        """Every constant of the law by name: the machine's parameters first, then its own."""
+        own = {
+            name: value
+            for base in reversed(cls.__mro__)
+            for name, value in vars(base).items()
+            if isinstance(value, Constant)
+        }
+        return {**{name: PARAMETERS[name] for name in cls.uses}, **own}
+
+    @classmethod
+    def own_constants(cls) -> dict[str, Constant]:
+        """The constants that belong to the law and not to the machine: k_v, z_ba, ..."""
+        return {name: constant for name, constant in cls.constants().items() if name not in PARAMETERS}
+
+    @classmethod
+    def problems(cls, values: Mapping[str, Any]) -> list[tuple[str, str]]:
+        """What is wrong with the values: (name, message) for each problem; an empty list when all is well.
+
+        Parameters of a machine that the law does not use are allowed, and checked.
+        """
+        declared = cls.constants()
+        known = {**PARAMETERS, **declared}
+        found = []
+        for name, value in values.items():
+            if name not in known:
+                has = ", ".join(cls.own_constants()) or "none of its own"
+                guess = nearest(name, known) or f" (it has {has})"
+                found.append((name, f"{show(value)}: law '{cls.name}' has no constant '{name}'{guess}"))
+            elif not (value is None and known[name].optional) and (text := known[name].problem(value)):
+                found.append((name, f"{show(value)}: {text}"))
+        for name, constant in declared.items():
+            if constant.required and name not in values:
+                unit = f" in {constant.unit}" if constant.unit else ""
+                found.append(
+                    (name, f"missing: law '{cls.name}' needs it ({constant.meaning}, {constant.allowed}{unit})")
+                )
+        wrong = {name for name, _ in found}
+        for relation in dict.fromkeys((*cls.relations, *STATIC_ABOVE_COULOMB)):
+            if all(need in values and need not in wrong for need in relation.needs):
+                given = SimpleNamespace(**{need: float(values[need]) for need in relation.needs})
+                if not relation.holds(given):
+                    stated = ", ".join(f"{n} = {show(values[n])}" for n in relation.needs if n != relation.key)
+                    found.append((relation.key, f"{show(values[relation.key])}: must be {relation.allowed} ({stated})"))
+        return found
+
+    @property
+    def structure(self) -> tuple[str, ...]:
+        """The optional constants that are on: they change the form of the equations."""
+        return tuple(name for name, c in self.constants().items() if c.optional and self.values[name] is not None)
+
+    @classmethod
+    def symbolic(cls, make: Callable[[str], Value], structure: tuple[str, ...] = ()) -> SimpleNamespace:
+        """The constants as symbols; optional ones that are off are None."""
+        return SimpleNamespace(
+            **{n: None if c.optional and n not in structure else make(n) for n, c in cls.constants().items()}
+        )
+
+    def guarantees(self) -> dict[str, bool | None]:
+        """The claims evaluated for these values: True, False, or None where a property does not apply."""
+        result: dict[str, bool | None] = {}
+        for field in fields(Claims):
+            claim = getattr(self.claims, field.name)
+            result[field.name] = bool(claim(self.p)) if callable(claim) else claim
+        return result
+
+    @property
+    def jumps_at_rest(self) -> bool:
+        """True where F is discontinuous at v = 0, so that a body cannot come to rest in a simulation."""
+        above, below = self.force(1e-300, 0.0), self.force(-1e-300, 0.0)
+        return bool(abs(above - below) > 1e-9 * self.scales(self.p).force)
+
+    # -- evaluation: NumPy -----------------------------------------------------------------------------------------
+
+    def rate(self, v: ArrayLike, z: ArrayLike) -> NDArray[np.float64]:
+        """dz/dt in m/s for velocities v (m/s) and deflections z (m); shapes broadcast."""
+        v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
+        with np.errstate(all="ignore"):
+            return np.asarray(self.dz_dt(self.p, v, z))[()]
+
+    def force(self, v: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.float64]:
+        """Friction force in N for velocities v (m/s) and deflections z (m); shapes broadcast."""
+        v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
+        with np.errstate(all="ignore"):
+            return np.asarray(self.friction(self.p, v, z, self.dz_dt(self.p, v, z)))[()]
+
+    def jacobian(self, v: ArrayLike, z: ArrayLike = 0.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """The derivatives of dz/dt by v and by z (1/s), at velocities v and deflections z."""
+        rate_v, rate_z = self._evaluate(np.asarray(v, float), np.asarray(z, float))[1:3]
+        return rate_v, rate_z
+
+    def force_rate(self, v: ArrayLike, z: ArrayLike, dv_dt: ArrayLike) -> NDArray[np.float64]:
+        """dF/dt in N/s at velocities v (m/s), deflections z (m) and accelerations dv_dt (m/s^2); shapes broadcast.
+
+        Raises:
+            NotDifferentiable: F has no time derivative there: v = 0, and F or its two one-sided derivatives differ.
+        """
+        v, z, dv_dt = np.broadcast_arrays(np.asarray(v, float), np.asarray(z, float), np.asarray(dv_dt, float))
+        value, _ = self._force_rate(v, z, dv_dt)
+        at_rest = v == 0
+        if at_rest.any():
+            # both limits v -> 0+ and v -> 0-; where the equations are smooth they agree to rounding
+            (above, force_above), (below, force_below) = (
+                self._force_rate(np.where(at_rest, side, v), z, dv_dt) for side in (1e-300, -1e-300)
+            )
+            with np.errstate(all="ignore"):
+                differs = ~(abs(above - below) <= 1e-9 * (abs(above) + abs(below)))
+                # a force that jumps is met only when v passes through 0
+                jumps = (abs(force_above - force_below) > 1e-9 * self.scales(self.p).force) & (dv_dt != 0)
+            if (at_rest & (differs | jumps)).any():
+                raise NotDifferentiable(
+                    f"law '{self.name}' has no dF/dt at v = 0: its equation holds |v| or sgn(v), so the "
+                    "derivatives from the two sides differ; use a smooth law such as lugre_sobczyk or lugre_majorant"
+                )
+            value = np.where(at_rest, above, value)
+        return value[()]
+
+    def steady_deflection(self, v: ArrayLike) -> NDArray[np.float64]:
+        """The deflection z in m at which dz/dt = 0 when v (m/s) is held; 0 at v = 0.
+
+        The root that a bristle starting from z = 0 reaches: the closed form where dz/dt is linear in z, bisection else.
+        """
+        v = np.asarray(v, float)
+        if not self.has_z:
+            return np.zeros_like(v)[()]
+        with np.errstate(all="ignore"):
+            if self._graph().linear:
+                z = np.asarray(-self.rate(v, 0.0) / self.jacobian(v, 0.0)[1])
+            else:
+                z = _bisect(lambda z: self.rate(v, z) * np.sign(v), np.sign(v), self.scales(self.p).length)
+        return np.where(v == 0, 0.0, z)[()]
+
+    def steady_force(self, v: ArrayLike) -> NDArray[np.float64]:
+        """The friction force in N when v (m/s) is held for long.
+
+        At v = 0 a body can be held by a range of forces; 0, the middle, is returned.
+        """
+        v = np.asarray(v, float)
+        with np.errstate(all="ignore"):
+            force = np.asarray(self.friction(self.p, v[()], self.steady_deflection(v), 0.0 * v[()]))
+        return np.where(v == 0, 0.0, force)[()]
+
+    # -- derivatives, from the graph of the equations --------------------------------------------------------------
+
+    def _graph(self) -> _Derivatives:
+        key = (type(self), self.structure)
+        if key not in Law._derivatives:
+            p, v, z = self.symbolic(symbol, self.structure), symbol("v"), symbol("z")
+            rate = wrap(self.dz_dt(p, v, z)) if self.has_z else wrap(0)
+            force = wrap(self.friction(p, v, z, rate))
+            outputs = [force, *(derivative(of, by) for of in (rate, force) for by in (v, z))]
+            names = tuple(name for name, value in vars(p).items() if isinstance(value, Expr))
+            function = python_function([*names, "v", "z"], outputs)
+            Law._derivatives[key] = _Derivatives(function, names, linear="z" not in symbols([outputs[2]]))
+        return Law._derivatives[key]
+
+    def _evaluate(self, v: NDArray[np.float64], z: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        """F and the derivatives of dz/dt and F by v and z."""
+        graph = self._graph()
+        v, z = np.broadcast_arrays(v, z)
+        with np.errstate(all="ignore"):
+            return [
+                np.broadcast_to(x, v.shape)[()] for x in graph.function(*(self.values[n] for n in graph.names), v, z)
+            ]
+
+    def _force_rate(
+        self, v: NDArray[np.float64], z: NDArray[np.float64], dv_dt: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        force, _, _, force_v, force_z = self._evaluate(v, z)
+        rate = self.rate(v, z) if self.has_z else 0.0
+        with np.errstate(all="ignore"):
+            return np.asarray(force_v * dv_dt + force_z * rate), np.asarray(force)
+
+
+def _bisect(f: Callable[[Any], Any], direction: Any, start: float) -> NDArray[np.float64]:
+    """The first root of f along ``direction`` from 0, f positive before it; inf where none is found."""
+    low, high = np.zeros_like(direction), np.full_like(direction, start)
+    for _ in range(200):
+        short = f(direction * high) > 0
+        if not short.any():
+            break
+        high = np.where(short, 2 * high, high)
+    for _ in range(120):
+        middle = 0.5 * (low + high)
+        positive = f(direction * middle) > 0
+        low, high = np.where(positive, middle, low), np.where(positive, high, middle)
+    return np.asarray(direction * high)
+
+
+class BristleLaw(Law):
+    """A law with one state, the mean deflection z of bristles: F = sigma_0 z + sigma_1 dz/dt + sigma_2 v."""
+
+    uses: ClassVar[tuple[str, ...]] = ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")
+    relations: ClassVar[tuple[Relation, ...]] = STATIC_ABOVE_COULOMB
+
+    @staticmethod
+    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+        """The paper's eq. 1."""
+        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v
+
+    @staticmethod
+    def stored_energy(p: Any, z: Value) -> Value:
+        """The bristles' elastic energy, J."""
+        return p.sigma_0 * z**2 / 2
+
+    @staticmethod
+    def scales(p: Any) -> Scales:
+        """F_s/sigma_0, v_s and F_s."""
+        return Scales(p.F_s / p.sigma_0, p.v_s, p.F_s)
+
+    @staticmethod
+    def z_bound(p: Any) -> Value:
+        """F_s/sigma_0."""
+        return p.F_s / p.sigma_0
+
+
+class StaticLaw(Law):
+    """A law without internal state: the force is a function of the velocity."""
+
+    has_z = False
+
+    @staticmethod
+    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        """There is no z: 0."""
+        return 0.0 * v

@@ -1,0 +1,38 @@
+"""The Dahl law."""
+
+from __future__ import annotations
+
+from math import sqrt
+from typing import Any
+
+from stribeck.expressions.ops import Value
+from stribeck.laws.base import BristleLaw, Claims, Scales
+
+
+class Dahl(BristleLaw):
+    """The Dahl law: hysteresis in presliding, Coulomb friction in sliding; no Stribeck effect."""
+
+    name = "dahl"
+    source = "Dahl, A solid friction model, TOR-0158(3107-18)-1, The Aerospace Corporation, 1968"
+    claims = Claims(unique=True, bounded=True, smooth=False, passive=True, drift_free=False)
+    uses = ("sigma_0", "F_c")
+    relations = ()
+
+    @staticmethod
+    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        return v - p.sigma_0 * abs(v) / p.F_c * z
+
+    @staticmethod
+    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+        """The bristles' elastic force alone."""
+        return p.sigma_0 * z
+
+    @staticmethod
+    def z_bound(p: Any) -> Value:
+        """F_c/sigma_0."""
+        return p.F_c / p.sigma_0
+
+    @staticmethod
+    def scales(p: Any) -> Scales:
+        """F_c/sigma_0, the speed at which 1 kg on the bristle spring passes it, and F_c."""
+        return Scales(p.F_c / p.sigma_0, p.F_c / sqrt(p.sigma_0), p.F_c)

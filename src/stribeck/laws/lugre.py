@@ -1,0 +1,75 @@
+"""The LuGre law and its smooth versions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stribeck.expressions.ops import Value, pi
+from stribeck.laws.base import BristleLaw, Claims
+from stribeck.laws.terms import K_V, S_0, g, m
+
+
+def passive_as_lugre(p: Any) -> Value:
+    """LuGre's condition, necessary and sufficient with sigma_0 z^2/2 as storage (Barabanov & Ortega 2000)."""
+    return p.sigma_2 * p.F_c >= p.sigma_1 * (p.F_s - p.F_c)
+
+
+def passive_as_majorant(p: Any) -> Value:
+    """LuGre's condition; k_v large enough that m - |v| <= F_s/sigma_1 makes it sufficient."""
+    steep = p.k_v * pi * p.F_s >= 2 * p.sigma_1
+    return passive_as_lugre(p) & steep
+
+
+class LuGre(BristleLaw):
+    """The LuGre law: presliding, Stribeck effect, hysteresis, varying break-away; |v| has no derivative at v = 0."""
+
+    name = "lugre"
+    source = "Canudas de Wit, Olsson, Astrom, Lischinsky, IEEE TAC 40(3):419-425, 1995; the paper's eqs 1-3"
+    claims = Claims(unique=True, bounded=True, smooth=False, passive=passive_as_lugre, drift_free=False)
+
+    @staticmethod
+    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        return v - abs(v) / g(p, v) * z
+
+
+class LuGreArctan(BristleLaw):
+    """The first smooth version of LuGre, |v| replaced by v S_0(v); z is not bounded."""
+
+    name = "lugre_arctan"
+    source = (
+        "Guenther, Perondi, DePieri, Valdiero, J. Braz. Soc. Mech. Sci. Eng. 28(1):48-57, 2006; the paper's eqs 4-6"
+    )
+    claims = Claims(unique=True, bounded=False, smooth=True, passive=lambda p: p.sigma_1 <= 0, drift_free=False)
+    k_v = K_V
+
+    @staticmethod
+    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        return v - v * S_0(p, v) / g(p, v) * z
+
+
+class LuGreSobczyk(BristleLaw):
+    """The paper's proposed smooth LuGre: bounded, but not passive for any parameters; creeps under a held load."""
+
+    name = "lugre_sobczyk"
+    source = "Sobczyk, Perondi, Cunha, A continuous approximation of the LuGre friction model, eqs 7-9"
+    claims = Claims(unique=True, bounded=True, smooth=True, passive=False, drift_free=False)
+    k_v = K_V
+
+    @staticmethod
+    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        S_1 = S_0(p, v) ** 2
+        S_2 = v * S_0(p, v)
+        return S_1 * v - S_2 / g(p, v) * z
+
+
+class LuGreMajorant(BristleLaw):
+    """LuGre with |v| replaced by a smooth majorant m(v) >= |v|: bounded, passive when LuGre is, closest to LuGre."""
+
+    name = "lugre_majorant"
+    source = "Stribeck, docs/theory.md"
+    claims = Claims(unique=True, bounded=True, smooth=True, passive=passive_as_majorant, drift_free=False)
+    k_v = K_V
+
+    @staticmethod
+    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        return v - m(p, v) / g(p, v) * z

@@ -1,0 +1,50 @@
+"""The functions of velocity that the laws share, as the paper prints them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import wraps
+from typing import Any
+
+from stribeck.constants import Constant
+from stribeck.expressions.graph import Expr
+from stribeck.expressions.ops import Value, atan, exp, pi
+
+K_V = Constant("s/m", "steepness of the smooth sign", above=0, rotary_unit="s/rad")
+
+# Set by stribeck.laws.render: it then wants terms by name, with their definitions apart.
+on_term: Callable[[str, str, tuple[Value, ...], Value], Value] | None = None
+
+
+def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
+    """Give a function of an equation a name, under which generated C and rendered equations show it."""
+
+    def decorate(function: Callable[..., Value]) -> Callable[..., Value]:
+        @wraps(function)
+        def named(p: Any, *args: Value) -> Value:
+            value = function(p, *args)
+            if isinstance(value, Expr) and value.label is None and value.args:
+                value.label = function.__name__
+            return value if on_term is None else on_term(function.__name__, latex, args, value)
+
+        return named
+
+    return decorate
+
+
+@term("g")
+def g(p: Any, v: Value) -> Value:
+    """Steady deflection in m (the paper's f_s, eq. 3)."""
+    return (p.F_c + (p.F_s - p.F_c) * exp(-((v / p.v_s) ** 2))) / p.sigma_0
+
+
+@term("S_0")
+def S_0(p: Any, v: Value) -> Value:
+    """Smooth sign of v (eq. 4)."""
+    return (2 / pi) * atan(p.k_v * v)
+
+
+@term("m")
+def m(p: Any, v: Value) -> Value:
+    """Smooth majorant of |v| in m/s: |v| <= m(v) <= |v| + 2/(pi k_v)."""
+    return v * S_0(p, v) + (2 / pi) / p.k_v

@@ -1,0 +1,61 @@
+"""Parameters of known machines: data files, each with its source."""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from stribeck.errors import InputError, nearest
+
+_FOLDER = Path(__file__).parent
+
+
+@dataclass(frozen=True)
+class ParameterSet:
+    """A machine's friction parameters in SI units (N, m; for a rotary machine N m, rad) and where they are from."""
+
+    name: str
+    title: str
+    source: str
+    motion: str  # "linear" or "rotary"
+    values: dict[str, float] = field(hash=False)
+
+
+@lru_cache(maxsize=1)
+def parameters() -> dict[str, ParameterSet]:
+    """Every built-in parameter set by name."""
+    return {path.stem: _read(path) for path in sorted(_FOLDER.glob("*.toml"))}
+
+
+def load(name: str, folder: Path | None = None) -> ParameterSet:
+    """A built-in set by name, or the set in a TOML file, its path relative to ``folder``.
+
+    A file holds its numbers in ``[parameters]`` or at the top; a number may also be a table with a ``value``.
+
+    Raises:
+        InputError: there is no such set, or its file cannot be read.
+    """
+    if name in parameters():
+        return parameters()[name]
+    if name.endswith(".toml"):
+        return _read((folder or Path()) / name)
+    guess = nearest(name, parameters()) or f" (known: {', '.join(parameters())}; or a file NAME.toml)"
+    raise InputError(f"{name!r}: no such parameter set{guess}")
+
+
+def _read(path: Path) -> ParameterSet:
+    try:
+        data: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{str(path)!r}: cannot be read: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(f"{str(path)!r}: is not TOML: {error}") from None
+    words = {key: str(data.pop(key, "")) for key in ("title", "source", "motion")}
+    table = data.get("parameters", {k: v for k, v in data.items() if k not in ("schema", "name")})
+    if not isinstance(table, dict):
+        raise InputError(f"{str(path)!r}: parameters must be a table of numbers")
+    values = {k: v["value"] if isinstance(v, dict) and "value" in v else v for k, v in table.items()}
+    return ParameterSet(path.stem, words["title"], words["source"], words["motion"] or "linear", values)

@@ -1,0 +1,1 @@
+"""What a friction law acts on."""

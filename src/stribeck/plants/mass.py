@@ -1,0 +1,27 @@
+"""A single body on a surface."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from stribeck.constants import Constant
+from stribeck.expressions.ops import Value
+
+
+class Mass:
+    """A rigid body that a drive pushes and friction holds back."""
+
+    kind = "mass"
+    constants: ClassVar[dict[str, Constant]] = {
+        "mass": Constant("kg", "mass of the body", above=0, rotary_unit="kg m^2")
+    }
+
+    @staticmethod
+    def acceleration(p: Any, u: Value, F: Value) -> Value:
+        """dv/dt in m/s^2 under the drive's force u and the friction force F, N."""
+        return (u - F) / p.mass
+
+    @staticmethod
+    def kinetic_energy(p: Any, v: Value) -> Value:
+        """Kinetic energy, J."""
+        return p.mass * v**2 / 2

@@ -1,0 +1,259 @@
+"""Signals of time: what a drive is given. All are continuous from the right."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stribeck.constants import Constant, show
+from stribeck.errors import InputError, nearest
+from stribeck.expressions.ops import Value, pi, sin
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Segments:
+    """A piecewise linear signal: value + slope (t - start) from each start to the next."""
+
+    start: Array
+    value: Array
+    slope: Array
+
+    def at(self, t: ArrayLike) -> Array:
+        """The signal at the times t, from the right where it jumps."""
+        t = np.asarray(t, float)
+        i = np.clip(np.searchsorted(self.start, t, side="right") - 1, 0, None)
+        p = Segment(self.start[i], self.value[i], self.slope[i])
+        return np.asarray(Segment.equation(p, t))
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One piece of :class:`Segments`, or symbols for it."""
+
+    start: Value
+    value: Value
+    slope: Value
+
+    @staticmethod
+    def equation(p: Any, t: Value) -> Value:
+        """The signal within its current segment."""
+        return p.value + p.slope * (t - p.start)
+
+
+class Signal:
+    """A signal of time. ``smooth`` ones are one equation; the others are straight pieces between breakpoints."""
+
+    kind: ClassVar[str]
+    meaning: ClassVar[str]
+    constants: ClassVar[dict[str, Constant]] = {}
+    smooth: ClassVar[bool] = False
+
+    def __init__(self, values: dict[str, float] | None = None) -> None:
+        self.values = values or {}
+
+    @cached_property
+    def segments(self) -> Segments:
+        """The pieces of a signal that is not smooth."""
+        raise NotImplementedError
+
+    @staticmethod
+    def equation(p: Any, t: Value) -> Value:
+        """The signal at time t, for smooth signals."""
+        raise NotImplementedError
+
+    @property
+    def longest_step(self) -> float:
+        """The longest step in s that cannot miss a wave of the signal."""
+        return math.inf
+
+    def at(self, t: ArrayLike) -> Array:
+        """The signal at the times t (s), as an array of the same shape."""
+        return self.segments.at(t)
+
+    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
+        """The times in (0, t_end] at which \\|signal\\| passes ``level``, each with True where it rises."""
+        s = self.segments
+        times = np.concatenate([[0.0], s.start[(s.start > 0) & (s.start < t_end)], [t_end]])
+        found = []
+        i = np.clip(np.searchsorted(s.start, times[:-1], side="right") - 1, 0, None)
+        left, right = s.at(times[:-1]), s.value[i] + s.slope[i] * (times[1:] - s.start[i])
+        last: bool | None = None
+        for t0, t1, a, b in zip(times[:-1], times[1:], left, right, strict=True):
+            if last is not None and (abs(a) >= level) != last:
+                found.append((float(t0), not last))
+            cuts = sorted(
+                t0 + (target - a) * (t1 - t0) / (b - a) for target in (level, -level) if (a - target) * (b - target) < 0
+            )
+            above = abs(a) >= level
+            for cut in cuts:
+                above = not above
+                found.append((float(cut), above))
+            last = bool(abs(b) >= level)
+        return found
+
+
+class Ramp(Signal):
+    """rate * t."""
+
+    kind, meaning = "ramp", "rate * t"
+    constants: ClassVar[dict[str, Constant]] = {"rate": Constant("signal/s", "slope of the signal")}
+
+    @cached_property
+    def segments(self) -> Segments:
+        return Segments(np.zeros(1), np.zeros(1), np.array([self.values["rate"]]))
+
+
+class Step(Signal):
+    """0 before ``time``, ``value`` from then on."""
+
+    kind, meaning = "step", "0 before time, value from then on"
+    constants: ClassVar[dict[str, Constant]] = {
+        "value": Constant("signal", "the signal from time on"),
+        "time": Constant("s", "when the signal jumps"),
+    }
+
+    @cached_property
+    def segments(self) -> Segments:
+        return _segments(np.array([self.values["time"]] * 2), np.array([0.0, self.values["value"]]))
+
+
+class Sine(Signal):
+    """offset + amplitude sin(2 pi frequency t + phase)."""
+
+    kind, meaning, smooth = "sine", "offset + amplitude sin(2 pi frequency t + phase)", True
+    constants: ClassVar[dict[str, Constant]] = {
+        "amplitude": Constant("signal", "amplitude"),
+        "frequency": Constant("Hz", "frequency", above=0),
+        "offset": Constant("signal", "mean", default=0.0),
+        "phase": Constant("rad", "phase at t = 0", default=0.0),
+    }
+
+    @staticmethod
+    def equation(p: Any, t: Value) -> Value:
+        """The signal at time t."""
+        return p.offset + p.amplitude * sin(2 * pi * p.frequency * t + p.phase)
+
+    @property
+    def longest_step(self) -> float:
+        return 0.125 / self.values["frequency"]
+
+    def at(self, t: ArrayLike) -> Array:
+        return np.asarray(self.equation(SimpleNamespace(**self.values), np.asarray(t, float)))
+
+    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
+        v = self.values
+        found: list[tuple[float, bool]] = []
+        rate = 2 * np.pi * v["frequency"]
+        for target in (level, -level):
+            x = (target - v["offset"]) / v["amplitude"] if v["amplitude"] else 2.0
+            if abs(x) >= 1:
+                continue
+            for angle in (np.arcsin(x), np.pi - np.arcsin(x)):
+                first = ((angle - v["phase"]) % (2 * np.pi)) / rate
+                rises = bool(v["amplitude"] * np.cos(angle) * np.sign(target) > 0)
+                found += [(float(t), rises) for t in np.arange(first, t_end, 2 * np.pi / rate) if t > 0]
+        return sorted(found)
+
+
+@dataclass
+class Points(Signal):
+    """Straight lines between points, constant outside; two equal times make a jump."""
+
+    t: Array = field(default_factory=lambda: np.zeros(1))
+    value: Array = field(default_factory=lambda: np.zeros(1))
+    kind: ClassVar[str] = "points"
+    meaning: ClassVar[str] = "straight lines between points, constant outside; two equal times make a jump"
+
+    def __post_init__(self) -> None:
+        self.values = {}
+
+    @staticmethod
+    def problems(t: Array, value: Array) -> list[tuple[str, str]]:
+        """What is wrong with such points: (key, message)."""
+        if len(t) == 0:
+            return [("t", "[]: must hold at least one time")]
+        found = []
+        if len(t) != len(value):
+            found.append(("value", f"a list of {len(value)}: must be as long as t ({len(t)})"))
+        for key, x in (("t", t), ("value", value)):
+            bad = np.flatnonzero(~np.isfinite(x))
+            if len(bad):
+                found.append((f"{key}[{bad[0]}]", f"{x[bad[0]]}: must be a finite number"))
+        if not found and (down := np.flatnonzero(np.diff(t) < 0)).size:
+            i = int(down[0]) + 1
+            found.append((f"t[{i}]", f"{show(float(t[i]))}: times must not decrease (the one before is {t[i - 1]})"))
+        return found
+
+    @cached_property
+    def segments(self) -> Segments:
+        return _segments(self.t, self.value)
+
+
+class File(Points):
+    """Two columns of a recorded table, read as points."""
+
+    kind, meaning = "file", "two columns of a CSV or Parquet file, read as points"
+
+    @classmethod
+    def read(cls, path: Path, time: str, value: str) -> File:
+        """The signal in the columns ``time`` (s) and ``value`` of a CSV or Parquet file.
+
+        Raises:
+            InputError: the file or a column is not there, or holds what is not a finite number; times decrease.
+        """
+        columns = read_columns(path, {"time": time, "value": value})
+        if found := cls.problems(columns["time"], columns["value"]):
+            rows = {"t": time, "value": value}
+            raise InputError([f"path: {path}: column '{rows[k.split('[')[0]]}', row {k}: {text}" for k, text in found])
+        return cls(columns["time"], columns["value"])
+
+
+def read_columns(path: Path, wanted: dict[str, str]) -> dict[str, Array]:
+    """The named columns of a CSV or Parquet file as arrays of numbers; ``wanted`` maps a key to a column's name."""
+    import pyarrow
+    from pyarrow import csv, parquet
+
+    try:
+        is_parquet = path.suffix.lower() in (".parquet", ".pq")
+        table = parquet.read_table(path) if is_parquet else csv.read_csv(path)
+    except (OSError, pyarrow.ArrowException) as error:
+        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
+        raise InputError(f"path: {str(path)!r}: cannot be read: {reason}") from None
+    problems, result = [], {}
+    for key, name in wanted.items():
+        if name not in table.column_names:
+            guess = nearest(name, table.column_names) or f" (it has {', '.join(table.column_names)})"
+            problems.append(f"{key}: {name!r}: {path} has no such column{guess}")
+            continue
+        column = table.column(name)
+        if not (pyarrow.types.is_floating(column.type) or pyarrow.types.is_integer(column.type)):
+            problems.append(f"{key}: {name!r}: this column of {path} holds {column.type}, not numbers")
+        elif column.null_count:
+            problems.append(f"{key}: {name!r}: this column of {path} has {column.null_count} empty cells")
+        else:
+            result[key] = np.asarray(column.to_numpy(), float)
+    if problems:
+        raise InputError(problems)
+    return result
+
+
+def _segments(t: Array, value: Array) -> Segments:
+    """Pieces of a polyline that is constant outside its points."""
+    length = np.diff(t)
+    inner = np.flatnonzero(length > 0)
+    start = np.concatenate([[min(0.0, t[0])], t[:-1][inner], t[-1:]])
+    levels = np.concatenate([value[:1], value[:-1][inner], value[-1:]])
+    slope = np.concatenate([[0.0], np.diff(value)[inner] / length[inner], [0.0]])
+    return Segments(start, levels, slope)
+
+
+KINDS: dict[str, type[Signal]] = {s.kind: s for s in (Points, Ramp, Sine, Step, File)}

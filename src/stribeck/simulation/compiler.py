@@ -1,0 +1,105 @@
+"""The machine's C compiler: which it is, and how it is called."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import platform
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from stribeck.errors import BuildError
+
+# Rounding may differ in the last bit from what is written; nan, inf and the order of evaluation of calls do not change.
+_FLAGS = (
+    "-O3", "-fno-math-errno", "-fno-trapping-math", "-fno-signed-zeros", "-fassociative-math", "-freciprocal-math",
+    "-fPIC", "-shared", "-fvisibility=hidden",
+)  # fmt: skip
+_TIME_LIMIT = 120  # s
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """A C compiler: the words of its command, and what tells it from another one or another version."""
+
+    command: tuple[str, ...]
+    identity: str
+
+    @property
+    def key(self) -> str:
+        """All that decides which library a source becomes: the compiler, its flags and this machine's processor."""
+        return "|".join((self.identity, *_FLAGS, platform.system(), _processor()))
+
+    def build(self, source: Path, library: Path) -> None:
+        """Compile a C file into a shared library.
+
+        Raises:
+            BuildError: with the compiler's first complaint.
+        """
+        complaint = ""
+        for target in (("-march=native",), ()):  # not every compiler knows its own machine
+            command = [*self.command, *_FLAGS, *target, "-o", str(library), str(source), "-lm"]
+            try:
+                result = subprocess.run(
+                    command, capture_output=True, text=True, timeout=_TIME_LIMIT, check=False, errors="replace",
+                    stdin=subprocess.DEVNULL,
+                )  # fmt: skip
+            except subprocess.TimeoutExpired:
+                raise BuildError(f"{self.command[0]} did not finish within {_TIME_LIMIT} s") from None
+            except OSError as error:
+                raise BuildError(f"{self.command[0]} cannot be run: {error.strerror}") from None
+            if result.returncode == 0 and library.is_file():
+                return
+            complaint = complaint or _first_complaint(result.stderr) or f"exit status {result.returncode}, no message"
+        raise BuildError(f"{Path(self.command[0]).name} failed: {complaint}")
+
+
+def find() -> Compiler | None:
+    """The compiler to use: $STRIBECK_CC or $CC, then cc, gcc, clang, then ziglang; None where there is none.
+
+    ``STRIBECK_CC=none`` turns compilation off.
+    """
+    for variable in ("STRIBECK_CC", "CC"):
+        if words := os.environ.get(variable, "").split():
+            if words == ["none"]:
+                return None
+            path = shutil.which(words[0])
+            if path or variable == "STRIBECK_CC":
+                return _from_path(path or words[0], words[1:])
+    for name in ("cc", "gcc", "clang"):
+        if path := shutil.which(name):
+            return _from_path(path, [])
+    if importlib.util.find_spec("ziglang"):
+        from importlib.metadata import version
+
+        return Compiler((sys.executable, "-m", "ziglang", "cc"), f"ziglang {version('ziglang')}")
+    return None
+
+
+def _from_path(path: str, options: list[str]) -> Compiler:
+    try:
+        real = Path(path).resolve()
+        state = real.stat()
+        identity = f"{real} {state.st_size} {state.st_mtime_ns}"  # cheaper than asking for its version
+    except OSError:
+        identity = path
+    return Compiler((path, *options), " ".join((identity, *options)))
+
+
+def _processor() -> str:
+    """The processor's model and features: a library for one may be an illegal instruction for another."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(errors="replace").splitlines()
+        wanted = ("model name", "flags", "Features", "CPU part")
+        first = {line.split(":")[0].strip(): line for line in reversed(lines) if line.startswith(wanted)}
+        return "".join(first[key] for key in sorted(first)) or platform.machine()
+    except OSError:
+        return f"{platform.machine()} {platform.processor()}"
+
+
+def _first_complaint(text: str) -> str:
+    lines = [line.strip() for line in text.splitlines() if line.strip()]
+    return next((line for line in lines if "error" in line.lower()), lines[0] if lines else "")

@@ -1,0 +1,100 @@
+"""The compiled solver, called through ctypes (which releases the GIL)."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable
+from ctypes import POINTER, c_double, c_int, c_int8, c_int64
+
+import numpy as np
+
+from stribeck.errors import BuildError
+from stribeck.scenario import Scenario
+from stribeck.simulation.result import Result, piecewise
+
+# The fields of Run in runtime/rodas5p.c, in the same order.
+_POINTERS = ("parameters", "atol", "x", "piece_start", "piece_value", "piece_slope", "out", "event_time")
+_DOUBLES = (
+    "rtol", "t", "t_end", "h", "h_limit", "step", "threshold", "h_smallest", "h_largest", "last_h", "last_error",
+)  # fmt: skip
+_INTEGERS = (
+    "pieces", "piece", "rows", "row", "event_room", "events", "accepted", "rejected", "rates", "jacobians",
+    "attempts_left", "rejected_last", "restart",
+)  # fmt: skip
+_SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 40 ms
+_EVENT_ROOM = 4096
+
+_DONE, _MORE, _EVENTS_FULL, _STEP_TOO_SMALL, _NOT_FINITE = 0, 1, 2, -1, -2
+
+
+class Run(ctypes.Structure):
+    """What Python and the compiled solver share."""
+
+    _fields_ = (
+        *((name, POINTER(c_double)) for name in _POINTERS),
+        ("event_rises", POINTER(c_int8)),
+        *((name, c_double) for name in _DOUBLES),
+        *((name, c_int64) for name in _INTEGERS),
+    )
+
+
+def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
+    """Integrate the scenario with its compiled system; ``progress`` is told the share of time done."""
+    library.stribeck_run_size.restype = c_int64
+    library.stribeck_advance.argtypes, library.stribeck_advance.restype = [POINTER(Run)], c_int
+    if library.stribeck_run_size() != ctypes.sizeof(Run):
+        raise BuildError("the compiled system was built for another version of Stribeck")
+    system, values, atol = scenario.system, scenario.values(), scenario.atol()
+    starts, levels, slopes = piecewise(scenario)
+    x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
+    out = np.empty((scenario.rows, len(system.states)))
+    event_time, event_rises = np.empty(_EVENT_ROOM), np.empty(_EVENT_ROOM, np.int8)
+    arrays = {
+        "parameters": np.array([values[key] for key in system.parameters]),
+        "atol": np.array([atol[state.name] for state in system.states]),
+        "x": x, "out": out, "event_time": event_time,
+        "piece_start": starts, "piece_value": levels, "piece_slope": slopes,
+    }  # fmt: skip
+    run = Run()
+    for name, array in arrays.items():
+        setattr(run, name, array.ctypes.data_as(POINTER(c_double)))
+    run.event_rises = event_rises.ctypes.data_as(POINTER(c_int8))
+    run.rtol, run.t_end, run.step = scenario.solve.rtol, scenario.end, scenario.output.step
+    run.h = run.h_smallest = np.inf
+    run.h_limit = scenario.signal.longest_step
+    run.threshold, run.pieces, run.rows = scenario.threshold, len(starts), scenario.rows
+    run.event_room, run.restart = _EVENT_ROOM, 1
+
+    times: list[float] = []
+    rises: list[bool] = []
+    status, left = _MORE, scenario.solve.max_steps
+    while status in (_MORE, _EVENTS_FULL) and left > 0:
+        run.attempts_left = attempts = min(_SLICE, left)
+        status = library.stribeck_advance(ctypes.byref(run))
+        left -= attempts - max(run.attempts_left, 0)
+        times += event_time[: run.events].tolist()
+        rises += event_rises[: run.events].astype(bool).tolist()
+        run.events = 0
+        if progress is not None:
+            progress(run.t / run.t_end)
+    return Result(
+        states=out[: run.row],
+        events=list(zip(times, rises, strict=True)),
+        reason=_reason(status, run, scenario),
+        stats={
+            "accepted": run.accepted, "rejected": run.rejected, "rates": run.rates, "jacobians": run.jacobians,
+            "smallest_step": run.h_smallest if np.isfinite(run.h_smallest) else None,
+            "largest_step": run.h_largest or None,
+            "solver": "rodas5p",
+        },
+    )  # fmt: skip
+
+
+def _reason(status: int, run: Run, scenario: Scenario) -> str | None:
+    if status == _DONE:
+        return None
+    if status == _STEP_TOO_SMALL:
+        return f"at t = {run.t:.9g} s the step needed for solve.rtol fell below what floating point resolves"
+    if status == _NOT_FINITE:
+        return f"after t = {run.t:.9g} s the equations are no longer finite"
+    return f"gave up at t = {run.t:.9g} s after solve.max_steps = {scenario.solve.max_steps} attempted steps"

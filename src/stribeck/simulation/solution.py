@@ -1,0 +1,105 @@
+"""The solution of a scenario: its columns, events, statistics and status."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.drives.base import Column
+from stribeck.errors import nearest
+from stribeck.scenario import Scenario
+from stribeck.simulation.result import Result
+
+if TYPE_CHECKING:
+    import pandas
+
+Array = NDArray[np.float64]
+
+
+class Solution:
+    """A simulated scenario.
+
+    ``solution.t`` holds the times in s and ``solution["y"]`` a column as an array of the same length; the columns are
+    ``y``, ``v``, ``z``, ``F`` and what the drive and the output options add (:attr:`columns`).
+
+    Attributes:
+        scenario: what was simulated.
+        status: ``"done"``, or ``"failed"``; the rows reached are kept.
+        reason: why it failed, else None.
+        events: ``{"slip": times, "stick": times}`` in s: where \\|v\\| rises, and falls, through v_s.
+        stats: accepted and rejected steps, evaluations, the solver, and seconds spent solving and building.
+    """
+
+    def __init__(self, scenario: Scenario, result: Result) -> None:
+        self.scenario = scenario
+        self.reason = result.reason
+        self.status = "done" if result.reason is None else "failed"
+        self.stats = result.stats
+        self._states = result.states
+        self.events = {
+            "slip": np.array([t for t, rises in result.events if rises]),
+            "stick": np.array([t for t, rises in result.events if not rises]),
+        }
+
+    @cached_property
+    def t(self) -> Array:
+        """Times of the rows, s: i * output.step."""
+        return np.arange(len(self._states), dtype=float) * self.scenario.output.step
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns after t: name, unit and meaning."""
+        return self.scenario.system.columns
+
+    @cached_property
+    def _columns(self) -> dict[str, Array]:
+        system = self.scenario.system
+        states = {state.name: self._states[:, i] for i, state in enumerate(system.states)}
+        with np.errstate(all="ignore"):
+            found = system.quantities(self.scenario.groups(), self.scenario.signal.at(self.t), states)
+        return {
+            column.name: np.array(np.broadcast_to(np.asarray(found[column.name], float), self.t.shape))
+            for column in self.columns
+        }
+
+    def __getitem__(self, name: str) -> Array:
+        if name == "t":
+            return self.t
+        if name not in self._columns:
+            known = ["t", *self._columns]
+            raise KeyError(f"{name!r}: no such column{nearest(name, known) or ' (known: ' + ', '.join(known) + ')'}")
+        return self._columns[name]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The columns as a pandas data frame, t first (needs pandas)."""
+        import pandas
+
+        return pandas.DataFrame({"t": self.t, **self._columns})
+
+    @property
+    def peaks(self) -> dict[str, float]:
+        """The largest magnitude of each column over the rows."""
+        return {c.name: float(np.max(np.abs(self[c.name]), initial=0.0)) for c in self.columns}
+
+    @property
+    def final(self) -> dict[str, float]:
+        """The last row."""
+        return {name: float(self[name][-1]) for name in ("t", *self._columns)} if len(self.t) else {}
+
+    def summary(self) -> dict[str, Any]:
+        """What ``stribeck run --json`` prints, without the files."""
+        law = self.scenario.law
+        return {
+            "status": self.status,
+            "reason": self.reason,
+            "scenario": self.scenario.name,
+            "law": {"name": law.name, "constants": law.values},
+            "rows": len(self.t),
+            "steps": self.stats,
+            "events": {kind: times.tolist() for kind, times in self.events.items()},
+            "peaks": self.peaks,
+            "final": self.final,
+        }
