@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
 
@@ -25,6 +26,7 @@ class Constant:
     default: float | None = None
     optional: bool = False
     rotary_unit: str | None = None
+    example: float | None = None  # a value that makes sense, for documentation and tests
 
     @property
     def allowed(self) -> str:
@@ -40,7 +42,7 @@ class Constant:
 
     def problem(self, value: Any) -> str | None:
         """What is wrong with a value, or None."""
-        if isinstance(value, bool) or not isinstance(value, int | float):
+        if isinstance(value, bool) or not isinstance(value, Real):
             return f"must be {self.allowed}, not {kind_of(value)}"
         try:
             number = float(value)
@@ -55,7 +57,7 @@ class Constant:
 def kind_of(value: Any) -> str:
     """What a value of a file is, in plain words."""
     names = {bool: "a true/false value", str: "text", list: "a list", dict: "a table", type(None): "nothing"}
-    if isinstance(value, int | float) and not isinstance(value, bool):
+    if isinstance(value, Real) and not isinstance(value, bool):
         return "a number"
     return names.get(type(value), f"a {type(value).__name__}")
 
@@ -66,8 +68,13 @@ def show(value: Any) -> str:
         text = repr(value)
     elif isinstance(value, bool):
         text = str(value).lower()
-    elif isinstance(value, list | tuple | dict) and len(str(value)) > 40:
-        text = f"{kind_of(value)} of {len(value)}"
+    elif isinstance(value, list | tuple):
+        inside = ", ".join(show(x) for x in value) if len(value) <= 4 else ""
+        text = f"[{inside}]" if len(inside) <= 40 and len(value) <= 4 else f"a list of {len(value)}"
+    elif isinstance(value, dict):
+        text = f"a table with {', '.join(map(str, value))}" if value else "an empty table"
+    elif isinstance(value, int) and abs(value) >= 10**20:
+        text = f"a whole number of {math.floor(math.log10(abs(value))) + 1} digits"
     else:
-        text = " ".join(str(value).split())
+        text = str(value)
     return text if len(text) <= 80 else f"{text[:77]}..."

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import builtins
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -41,6 +42,8 @@ PYTHON = Dialect(
 
 
 def _literal(x: float) -> str:
+    if x != x:
+        return "NAN"
     return "INFINITY" if x == float("inf") else "-INFINITY" if x == float("-inf") else repr(x)
 
 
@@ -59,6 +62,7 @@ class Writer:
 
     def write(self, outputs: Sequence[tuple[str, Expr]]) -> list[str]:
         """The statements that assign each output expression to its target, in order."""
+        self.taken.update(target for target, _ in outputs)
         nodes = ordered(expr for _, expr in outputs)
         uses = Counter(arg for node in nodes for arg in node.args)
         uses.update(expr for _, expr in outputs)
@@ -125,14 +129,14 @@ def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[
     The names of the inputs may hold dots; arguments are positional.
     """
     arguments = [f"a{i}" for i in range(len(inputs))]
-    writer = Writer(PYTHON, dict(zip(inputs, arguments, strict=True)), taken=dir(ops))
+    writer = Writer(PYTHON, dict(zip(inputs, arguments, strict=True)), taken=(*dir(ops), *dir(builtins)))
     lines = writer.write([(f"r{i}", expr) for i, expr in enumerate(outputs)])
     results = "".join(f"r{i}, " for i in range(len(outputs)))
     source = f"def f({', '.join(arguments)}):\n" + "".join(f"    {line}\n" for line in [*lines, f"return ({results})"])
     names = {name: getattr(ops, name) for name in ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign")}
     scope: dict[str, Any] = {
         **names, "where": ops.where, "both": ops.both, "either": ops.either, "abs": abs, "pow": pow,
-        "INFINITY": float("inf"),
+        "INFINITY": float("inf"), "NAN": float("nan"),
     }  # fmt: skip
     exec(compile(source, "<stribeck equations>", "exec"), scope)
     function: Callable[..., tuple[Any, ...]] = scope["f"]

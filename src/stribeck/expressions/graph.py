@@ -6,6 +6,7 @@ of the same function agree to rounding, and equal subexpressions are one node, w
 
 from __future__ import annotations
 
+import threading
 import weakref
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
@@ -60,6 +61,17 @@ class Expr:
     def __pow__(self, power: Any) -> Expr:
         return _power(self, power)
 
+    def __rpow__(self, base: Any) -> Expr:
+        return _power(wrap(base), self)
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Number):
+            raise TypeError("equations cannot test for equality: use where(x <= 0, a, b) or sign(x)")
+        return self is other
+
+    __hash__ = object.__hash__
+    __array_ufunc__ = None  # NumPy leaves arithmetic with nodes to them
+
     def __lt__(self, other: Any) -> Expr:
         return _node("lt", self, wrap(other))
 
@@ -82,16 +94,18 @@ class Expr:
 
 
 _nodes: weakref.WeakValueDictionary[tuple[Any, ...], Expr] = weakref.WeakValueDictionary()
+_lock = threading.Lock()
 
 
 def _node(op: str, *args: Expr, value: float | str | None = None) -> Expr:
     # repr tells 0.0 from -0.0, which compare equal
     key = (op, args, repr(value))
-    node = _nodes.get(key)
-    if node is None:
-        node = Expr()
-        node.op, node.args, node.value, node.label = op, args, value, None
-        _nodes[key] = node
+    with _lock:  # two threads must not make the same symbol twice
+        node = _nodes.get(key)
+        if node is None:
+            node = Expr()
+            node.op, node.args, node.value, node.label = op, args, value, None
+            _nodes[key] = node
     return node
 
 

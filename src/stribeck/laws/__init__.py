@@ -12,11 +12,17 @@ from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
 
-from stribeck import parameter_sets
-from stribeck.errors import InputError, nearest
-from stribeck.laws.base import BristleLaw, Claims, Law, Relation, Scales, StaticLaw
+import numpy as np
 
-__all__ = ["BristleLaw", "Claims", "Law", "Relation", "Scales", "StaticLaw", "builtin", "find", "law"]
+from stribeck import parameter_sets
+from stribeck.constants import kind_of, show
+from stribeck.errors import InputError, nearest
+from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
+
+__all__ = [
+    "BristleLaw", "Claims", "Law", "Relation", "Scales", "StaticLaw", "builtin", "find", "law", "parameters_for",
+    "trouble",
+]  # fmt: skip
 
 _LISTED_FIRST = ("lugre", "elastoplastic", "dahl", "static")
 
@@ -48,7 +54,7 @@ def find(name: str, folder: Path | None = None) -> type[Law]:
         InputError: there is no such law, or the file does not load.
     """
     if not isinstance(name, str):
-        raise InputError(f"{name!r}: must be the name of a law")
+        raise InputError(f"{show(name)}: must be the name of a law, not {kind_of(name)}")
     if ".py:" in name:
         return _from_file(name, folder)
     if name not in builtin():
@@ -62,8 +68,8 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
     path = (folder or Path()) / file
     try:
         text = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{name!r}: cannot read {path}: {error.strerror}") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{name!r}: cannot read {path}: {getattr(error, 'strerror', error)}") from None
     # the content is part of the name: an edited file is loaded anew
     module_name = f"_stribeck_user_{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
     if module_name not in sys.modules:
@@ -74,7 +80,7 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
         sys.modules[module_name] = module
         try:
             spec.loader.exec_module(module)
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             del sys.modules[module_name]
             raise InputError(f"{name!r}: {path} does not load: {type(error).__name__}: {error}") from error
     module = sys.modules[module_name]
@@ -82,7 +88,40 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
     by_class = {cls.__name__: cls for cls in laws.values()}
     if wanted in laws or wanted in by_class:
         return laws.get(wanted) or by_class[wanted]
+    if isinstance(getattr(module, wanted, None), type):
+        raise InputError(f"{name!r}: {wanted} is no law: it must be derived from BristleLaw, StaticLaw or Law")
     raise InputError(f"{name!r}: {path} has no law '{wanted}' (it has {', '.join(by_class) or 'none'})")
+
+
+def trouble(law: Law) -> str | None:
+    """What keeps a law's equations from being evaluated, for a law of the user's own; None where all is well."""
+    try:
+        scales = law.scales(law.p)
+        values = (law.force(scales.speed, 0.5 * scales.length), *law.jacobian(scales.speed, 0.5 * scales.length))
+    except Exception as error:
+        return f"its equations cannot be evaluated: {type(error).__name__}: {error}"
+    return None if all(np.ndim(x) == 0 for x in values) else "its equations must give one number for one v and z"
+
+
+def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None) -> dict[str, float]:
+    """The values that a law takes from a parameter set: a machine's set may hold the constants of other laws too.
+
+    Args:
+        law: the law; None where it is not known, and the machine's own parameters are wanted.
+        name: a built-in set, or a TOML file.
+        folder: where a file's path begins.
+
+    Raises:
+        InputError: there is no such set, or it holds a number that no law knows.
+    """
+    values = parameter_sets.load(name, folder).values
+    own = law.constants() if law is not None else {}
+    known = dict.fromkeys(n for each in (PARAMETERS, own, *(c.constants() for c in builtin().values())) for n in each)
+    if law is not None and (odd := [n for n, x in values.items() if n not in known and not isinstance(x, str)]):
+        raise InputError(
+            [f"{name!r}: {n} = {show(values[n])}: no law has such a constant{nearest(n, known)}" for n in odd]
+        )
+    return {n: value for n, value in values.items() if n in PARAMETERS or n in own}
 
 
 def law(name: str, parameters: str | Mapping[str, float] | None = None, **constants: float) -> Law:
@@ -97,6 +136,6 @@ def law(name: str, parameters: str | Mapping[str, float] | None = None, **consta
     Raises:
         InputError: an unknown law or set, or bad values; one line for each problem.
     """
-    if isinstance(parameters, str):
-        parameters = parameter_sets.load(parameters).values
-    return find(name)({**(parameters or {}), **constants})
+    found = find(name)
+    values = parameters_for(found, parameters) if isinstance(parameters, str) else parameters or {}
+    return found({**values, **constants})

@@ -92,6 +92,8 @@ class _Derivatives:
 
 STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c, ("F_c", "F_s")),)
 
+_SLOWEST = 1e-100
+
 
 class Law:
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
@@ -193,7 +195,7 @@ class Law:
             if name not in known:
                 has = ", ".join(cls.own_constants()) or "none of its own"
                 guess = nearest(name, known) or f" (it has {has})"
-                found.append((name, f"{show(value)}: law '{cls.name}' has no constant '{name}'{guess}"))
+                found.append((name, f"{show(value)}: law '{cls.name}' has no such constant{guess}"))
             elif not (value is None and known[name].optional) and (text := known[name].problem(value)):
                 found.append((name, f"{show(value)}: {text}"))
         for name, constant in declared.items():
@@ -286,10 +288,12 @@ class Law:
         """The deflection z in m at which dz/dt = 0 when v (m/s) is held; 0 at v = 0.
 
         The root that a bristle starting from z = 0 reaches: the closed form where dz/dt is linear in z, bisection else.
+        Slower speeds than 1e-100 m/s are taken as that: products of them would vanish.
         """
         v = np.asarray(v, float)
         if not self.has_z:
             return np.zeros_like(v)[()]
+        v = np.where(abs(v) < _SLOWEST, _SLOWEST * np.sign(v), v)
         with np.errstate(all="ignore"):
             if self._graph().linear:
                 z = np.asarray(-self.rate(v, 0.0) / self.jacobian(v, 0.0)[1])

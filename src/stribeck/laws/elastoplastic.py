@@ -10,7 +10,9 @@ from stribeck.laws.base import STATIC_ABOVE_COULOMB, BristleLaw, Claims, Relatio
 from stribeck.laws.lugre import passive_as_lugre, passive_as_majorant
 from stribeck.laws.terms import K_V, S_0, g, m, term
 
-Z_BA = Constant("m", "break-away deflection, below which the contact is elastic", above=0, rotary_unit="rad")
+Z_BA = Constant(
+    "m", "break-away deflection, below which the contact is elastic", above=0, rotary_unit="rad", example=7e-6
+)
 BREAK_AWAY = Relation("z_ba", "less than F_c/sigma_0", lambda p: p.z_ba * p.sigma_0 < p.F_c, ("z_ba", "F_c", "sigma_0"))
 
 
@@ -28,11 +30,16 @@ def alpha(p: Any, v: Value, z: Value) -> Value:
     return where(v * z <= 0, 0.0, alpha_0(p, v, z))
 
 
+@term("s")
+def s(p: Any, v: Value, z: Value) -> Value:
+    """Where |z| stands between z_ba (0) and g(v) (1)."""
+    return clip((abs(z) - p.z_ba) / (g(p, v) - p.z_ba), 0.0, 1.0)
+
+
 @term("a")
 def a(p: Any, v: Value, z: Value) -> Value:
-    """Share of plastic motion as a quintic smoothstep of |z| from z_ba to g(v)."""
-    s = clip((abs(z) - p.z_ba) / (g(p, v) - p.z_ba), 0.0, 1.0)
-    return s**3 * (10 - 15 * s + 6 * s**2)
+    """Share of plastic motion: the quintic smoothstep of s."""
+    return s(p, v, z) ** 3 * (10 - 15 * s(p, v, z) + 6 * s(p, v, z) ** 2)
 
 
 class _ElastoPlastic(BristleLaw):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from stribeck.expressions.ops import Value, pi
+from stribeck.expressions.ops import Value, both, pi
 from stribeck.laws.base import BristleLaw, Claims
 from stribeck.laws.terms import K_V, S_0, g, m
 
@@ -17,7 +17,7 @@ def passive_as_lugre(p: Any) -> Value:
 def passive_as_majorant(p: Any) -> Value:
     """LuGre's condition; k_v large enough that m - |v| <= F_s/sigma_1 makes it sufficient."""
     steep = p.k_v * pi * p.F_s >= 2 * p.sigma_1
-    return passive_as_lugre(p) & steep
+    return both(passive_as_lugre(p), steep)
 
 
 class LuGre(BristleLaw):

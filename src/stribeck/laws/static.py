@@ -57,12 +57,12 @@ class Makkar(StaticLaw):
 
     name = "makkar"
     source = "Makkar, Dixon, Sawyer, Hu, Proc. IEEE/ASME AIM 2005, 600-605"
-    g1 = Constant("N", "height of the Stribeck peak", at_least=0, rotary_unit="N m")
-    g2 = Constant("s/m", "steepness at rest", above=0, rotary_unit="s/rad")
-    g3 = Constant("s/m", "decay of the Stribeck peak", at_least=0, rotary_unit="s/rad")
-    g4 = Constant("N", "Coulomb friction", at_least=0, rotary_unit="N m")
-    g5 = Constant("s/m", "steepness of Coulomb friction", above=0, rotary_unit="s/rad")
-    g6 = Constant("N s/m", "viscous friction", at_least=0, rotary_unit="N m s/rad")
+    g1 = Constant("N", "height of the Stribeck peak", at_least=0, rotary_unit="N m", example=0.25)
+    g2 = Constant("s/m", "steepness at rest", above=0, rotary_unit="s/rad", example=100.0)
+    g3 = Constant("s/m", "decay of the Stribeck peak", at_least=0, rotary_unit="s/rad", example=10.0)
+    g4 = Constant("N", "Coulomb friction", at_least=0, rotary_unit="N m", example=0.1)
+    g5 = Constant("s/m", "steepness of Coulomb friction", above=0, rotary_unit="s/rad", example=100.0)
+    g6 = Constant("N s/m", "viscous friction", at_least=0, rotary_unit="N m s/rad", example=0.01)
 
     @staticmethod
     def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:

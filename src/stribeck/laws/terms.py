@@ -10,7 +10,7 @@ from stribeck.constants import Constant
 from stribeck.expressions.graph import Expr
 from stribeck.expressions.ops import Value, atan, exp, pi
 
-K_V = Constant("s/m", "steepness of the smooth sign", above=0, rotary_unit="s/rad")
+K_V = Constant("s/m", "steepness of the smooth sign", above=0, rotary_unit="s/rad", example=1e7)
 
 # Set by stribeck.laws.render: it then wants terms by name, with their definitions apart.
 on_term: Callable[[str, str, tuple[Value, ...], Value], Value] | None = None
@@ -47,4 +47,4 @@ def S_0(p: Any, v: Value) -> Value:
 @term("m")
 def m(p: Any, v: Value) -> Value:
     """Smooth majorant of |v| in m/s: |v| <= m(v) <= |v| + 2/(pi k_v)."""
-    return v * S_0(p, v) + (2 / pi) / p.k_v
+    return v * S_0(p, v) + 2 / (pi * p.k_v)

@@ -1,0 +1,1 @@
+"""What solutions tell: comparisons between laws."""

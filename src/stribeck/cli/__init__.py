@@ -1,0 +1,55 @@
+"""The command ``stribeck``: one file a command, each thin."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from typing import Any, NoReturn
+
+from stribeck.errors import InputError, StribeckError, StribeckNote
+
+
+def main(arguments: list[str] | None = None) -> NoReturn:
+    """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 interrupted."""
+    sys.exit(_status(arguments))
+
+
+def _status(arguments: list[str] | None) -> int:
+    from stribeck.cli.app import app
+
+    warnings.simplefilter("always", StribeckNote)
+    warnings.showwarning = _show  # type: ignore[assignment]
+    try:
+        result = app(args=arguments, prog_name="stribeck", standalone_mode=False)
+        if result == 130:  # Typer's own word for Ctrl-C
+            raise KeyboardInterrupt
+        return result if isinstance(result, int) else 0
+    except InputError as error:
+        for line in error.problems:
+            print(line, file=sys.stderr)
+        return 2
+    except StribeckError as error:
+        print(f"stribeck: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("stribeck: interrupted", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()  # the reader has gone: nothing is left to tell
+        return 1
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        print(f"stribeck: {where}{error.strerror or error}", file=sys.stderr)
+        return 1
+    except Exception as error:
+        usage = getattr(error, "format_message", None)
+        if usage is None:
+            raise
+        if text := " ".join(usage().split()):  # none where the help was printed instead
+            print(f"stribeck: {text} (stribeck --help)", file=sys.stderr)
+        return 2
+
+
+def _show(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+    text = str(message) if issubclass(category, StribeckNote) else f"{category.__name__}: {message}"
+    print(f"stribeck: {text}", file=sys.stderr)

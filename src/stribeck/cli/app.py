@@ -1,0 +1,122 @@
+"""The commands and their options."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+import stribeck
+
+app = typer.Typer(
+    help="Friction models that you can simulate, prove, fit and ship.",
+    no_args_is_help=True,
+    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+ScenarioFile = Annotated[
+    Path, typer.Argument(metavar="SCENARIO.toml", help="Scenario file; 'stribeck new' writes one.")
+]
+Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files; made if need be.")]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="PATH=VALUE", help="Replace a value, such as law.k_v=1e6; may be repeated."),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"stribeck {stribeck.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _common(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def run(
+    scenario: ScenarioFile,
+    out: Out = None,
+    set_: Set = None,
+    json: Json = False,
+    keep_c: Annotated[
+        Path | None, typer.Option("--keep-c", metavar="FILE", help="Write the generated C here, to read or debug.")
+    ] = None,
+) -> int:
+    """Simulate one scenario; without --out, print the summary and write nothing."""
+    from stribeck.cli import run as command
+
+    return command.run(scenario, out, set_ or [], json, keep_c)
+
+
+@app.command()
+def compare(
+    scenario: ScenarioFile,
+    law: Annotated[
+        list[str],
+        typer.Option("--law", metavar="NAME[:KEY=VALUE,...]", help="A law to compare; the first is the reference."),
+    ],
+    out: Out = None,
+    set_: Set = None,
+    json: Json = False,
+) -> int:
+    """Simulate one scenario under several laws and show where they deviate."""
+    from stribeck.cli import compare as command
+
+    return command.compare(scenario, law, out, set_ or [], json)
+
+
+@app.command()
+def laws(
+    law: Annotated[
+        list[str] | None, typer.Argument(metavar="[LAW]...", help="Only these; FILE.py:NAME is one too.")
+    ] = None,
+    json: Json = False,
+    test: Annotated[bool, typer.Option("--test", help="Test numerically all that the laws claim.")] = False,
+) -> int:
+    """List the laws: equation, constants, units, source, what each guarantees."""
+    from stribeck.cli import laws as command
+
+    return command.laws(law or [], json, test)
+
+
+@app.command()
+def new(
+    name: Annotated[
+        str, typer.Argument(metavar="[NAME]", help="A name for it, or that of a built-in example.")
+    ] = "my_rig",
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Where to; NAME.toml unless given.")] = None,
+    examples: Annotated[bool, typer.Option("--list", help="List the built-in examples.")] = False,
+) -> int:
+    """Write a commented scenario file to start from."""
+    from stribeck.cli import new as command
+
+    return command.new(name, out, examples)
+
+
+@app.command()
+def paper(
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the report.")] = Path("stribeck-report"),
+    json: Json = False,
+) -> int:
+    """Simulate the phenomena of the paper and leave one page with the plots."""
+    from stribeck.cli import paper as command
+
+    return command.paper(out, json)
+
+
+@app.command()
+def doctor(json: Json = False) -> int:
+    """Show compiler, cache and versions, and run a self-test."""
+    from stribeck.cli import doctor as command
+
+    return command.doctor(json)

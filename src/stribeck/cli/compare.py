@@ -1,0 +1,71 @@
+"""``stribeck compare``."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+from stribeck.analysis.comparison import Comparison, compare_laws
+from stribeck.cli import show
+from stribeck.errors import InputError
+from stribeck.laws.base import PARAMETERS
+from stribeck.scenario import parse_assignment
+
+_LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
+
+
+def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool) -> int:
+    """Simulate the scenario under each law, print the deviations from the first, write an overlay."""
+    scenario = show.load(path, assignments)
+    variants = {text: scenario.with_changes(_changes(text)) for text in laws}
+    if len(variants) < len(laws):
+        raise InputError(f"--law: {max(laws, key=laws.count)!r}: given twice; must differ from the others")
+    if out is not None:
+        show.check_folder(out)
+    with show.progress(scenario.name) as tell:
+        comparison = compare_laws(variants, tell)
+    summary: dict[str, Any] = {**comparison.summary(), "files": []}
+    if out is not None:
+        from stribeck.report.compare import write
+
+        summary["files"] = write(comparison, out, summary)
+    if json:
+        show.print_json(summary)
+    else:
+        _print(comparison, summary["files"])
+    for label, solution in comparison.solutions.items():
+        if solution.status != "done":
+            show.failed(f"{scenario.name} with {label}", solution.reason)
+    return 0 if comparison.status == "done" else 1
+
+
+def _changes(text: str) -> dict[str, Any]:
+    """``NAME:KEY=VALUE,...`` as changes to a scenario."""
+    match = _LAW.fullmatch(text)
+    if match is None:
+        raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
+    changes: dict[str, Any] = {"law.name": match["name"]}
+    for part in (match["constants"] or "").split(","):
+        if part.strip() or match["constants"] == "":
+            if "=" not in part:
+                raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
+            key, value = parse_assignment(part)
+            changes[f"law.parameters.{key}" if key in PARAMETERS else f"law.{key}"] = value
+    return changes
+
+
+def _print(comparison: Comparison, files: list[str]) -> None:
+    reference = next(iter(comparison.solutions))
+    print(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak")
+    width = max(map(len, comparison.solutions))
+    print(f"  {'law':{width}}" + "".join(f"{name:>24}" for name in ("y", "v", "F")))
+    for label, deviations in comparison.deviations.items():
+        cells = "".join(f"{d['max']:14.4g}{_percent(d['max_relative']):>10}" for d in deviations.values())
+        print(f"  {label:{width}}{cells}")
+    for file in files:
+        print(f"  wrote {file}")
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:.3g} %"

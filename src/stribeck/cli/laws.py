@@ -1,0 +1,87 @@
+"""``stribeck laws``."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, fields
+from typing import Any
+
+from stribeck import laws as registry
+from stribeck.cli.show import print_json
+from stribeck.laws.base import Claims, Law
+from stribeck.laws.render import condition, equations
+from stribeck.parameter_sets import parameters
+
+
+def laws(names: list[str], json: bool, test: bool) -> int:
+    """List the laws named, or all; with ``test``, test what they claim."""
+    chosen = [registry.find(name) for name in names] or list(registry.builtin().values())
+    if test:
+        return _test(chosen, json)
+    described = [_describe(law) for law in chosen]
+    if json:
+        sets = {name: {k: v for k, v in asdict(s).items() if k != "name"} for name, s in parameters().items()}
+        print_json({"laws": described, "parameter_sets": sets})
+        return 0
+    for law in described:
+        _print(law)
+    if not names:
+        print("parameter sets: " + ", ".join(parameters()))
+    return 0
+
+
+def _describe(law: type[Law]) -> dict[str, Any]:
+    constants = {
+        name: {
+            "unit": c.unit or "1", "rotary_unit": c.rotary_unit, "meaning": c.meaning, "allowed": c.allowed,
+            "required": c.required, "default": c.default, "where": "law.parameters" if name in law.uses else "law",
+        }
+        for name, c in law.constants().items()
+    }  # fmt: skip
+    return {
+        "name": law.name,
+        "summary": " ".join((law.__doc__ or "").split()),
+        "equations": [asdict(e) for e in equations(law)],
+        "parameters": constants,
+        "source": law.source,
+        "guarantees": {field.name: _guarantee(law, field.name) for field in fields(Claims)},
+    }
+
+
+def _guarantee(law: type[Law], name: str) -> Any:
+    claim = getattr(law.claims, name)
+    return {"if": asdict(condition(claim, law))} if callable(claim) else claim
+
+
+def _print(law: dict[str, Any]) -> None:
+    print(f"{law['name']}: {law['summary']}")
+    for equation in law["equations"]:
+        print(f"    {equation['text']}")
+    words = []
+    for name, claim in law["guarantees"].items():
+        if claim is not None:
+            text = f"if {claim['if']['text']}" if isinstance(claim, dict) else "yes" if claim else "no"
+            words.append(f"{name.replace('_', '-')}: {text}")
+    print(f"  claims     {'; '.join(words) or 'no internal state, so none of the five properties'}")
+    own = [f"{n} ({p['unit']}, {p['meaning']})" for n, p in law["parameters"].items() if p["where"] == "law"]
+    if own:
+        print(f"  constants  {'; '.join(own)}")
+    print(f"  parameters {', '.join(n for n, p in law['parameters'].items() if p['where'] != 'law') or 'none'}")
+    print(f"  source     {law['source']}\n")
+
+
+def _test(chosen: list[type[Law]], json: bool) -> int:
+    from stribeck.laws.claims import violations
+
+    found: dict[str, list[str]] = {}
+    for law in chosen:
+        values = {n: v for n, v in parameters()["canudas1995"].values.items() if n in law.constants()}
+        values |= {n: c.example for n, c in law.own_constants().items() if c.example is not None and n not in values}
+        found[law.name] = violations(law(values))
+    if json:
+        print_json({"violations": found})
+    else:
+        for name, texts in found.items():
+            print(f"{name}: {'all that it claims holds in the tests' if not texts else ''}")
+            for text in texts:
+                print(f"    {text}")
+    return 1 if any(found.values()) else 0

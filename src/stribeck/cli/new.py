@@ -1,0 +1,49 @@
+"""``stribeck new``."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from stribeck import examples
+from stribeck.errors import InputError
+from stribeck.report.files import write_text
+
+_START = "stick_slip"  # the example that a new name starts from
+
+_HELP = """\
+# {name}: a scenario for 'stribeck run'. SI units everywhere (rotary machines: N m, rad).
+# [law] name: 'stribeck laws' lists them; parameters: a table as here, a built-in set ("canudas1995") or a file.
+# [drive] kind: "force" (N), "spring" (position of the far end, m), "pid" (setpoint, m) or "velocity" (m/s).
+# [drive.signal] kind: "points" (t, value), "ramp" (rate), "sine" (amplitude, frequency, offset, phase),
+#                      "step" (value, time) or "file" (path, time, value: columns of a CSV or Parquet file).
+"""
+
+
+def new(name: str, out: Path | None, show_list: bool) -> int:
+    """Write the example called ``name``, or one to start from under that name."""
+    if show_list:
+        for example in examples.names():
+            first = examples.path(example).read_text(encoding="utf-8").splitlines()[0]
+            print(f"{example:14} {first.lstrip('# ')}")
+        return 0
+    if not re.fullmatch(r"[A-Za-z0-9][\w .-]*", name):
+        raise InputError(f"NAME: {name!r}: must be letters, digits, '_', '-', '.' and spaces")
+    known = name in examples.names()
+    text = examples.path(name if known else _START).read_text(encoding="utf-8")
+    if not known:
+        body = text[text.index("schema = ") :].replace(f'name = "{_START}"', f'name = "{name}"', 1)
+        text = _HELP.format(name=name) + body
+    target = out or Path(f"{name}.toml")
+    copies = {target.parent / data.name: data for data in (examples.companions(name) if known else [])}
+    for path in (target, *copies):
+        if path.exists():
+            raise InputError(f"--out: {str(path)!r}: exists already; must be a new file")
+    if not target.parent.is_dir():
+        raise InputError(f"--out: {str(target)!r}: there is no folder {target.parent}")
+    for path, data in copies.items():
+        write_text(path, data.read_text(encoding="utf-8"))
+        print(f"wrote {path}")
+    write_text(target, text)
+    print(f"wrote {target}; run it: stribeck run {target} --out {target.stem}")
+    return 0

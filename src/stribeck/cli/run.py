@@ -1,0 +1,55 @@
+"""``stribeck run``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from stribeck.cli import show
+from stribeck.simulation import c_source, simulate
+
+if TYPE_CHECKING:
+    from stribeck.simulation import Solution
+
+
+def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c: Path | None) -> int:
+    """Simulate, write what was asked for, print the summary."""
+    scenario = show.load(path, assignments)
+    if out is not None:
+        show.check_folder(out)
+    with show.progress(scenario.name) as tell:
+        solution = simulate(scenario, tell)
+    summary = solution.summary()
+    summary["files"] = []
+    if keep_c is not None:
+        from stribeck.report.files import write_text
+
+        write_text(keep_c, c_source(scenario))
+        summary["files"].append(str(keep_c))
+    if out is not None:
+        from stribeck.report.run import write
+
+        summary["files"] += write(solution, out, summary)
+    if json:
+        show.print_json(summary)
+    else:
+        _print(solution, summary["files"])
+    if solution.status != "done":
+        show.failed(scenario.name, solution.reason)
+        return 1
+    return 0
+
+
+def _print(solution: Solution, files: list[str]) -> None:
+    scenario, stats = solution.scenario, solution.stats
+    print(f"{scenario.name}: {solution.status}, law {scenario.law.name}, {len(solution.t)} rows of {scenario.rows}")
+    milliseconds = 1e3 * stats["seconds"]
+    print(f"  {stats['accepted']} steps ({stats['rejected']} rejected) in {milliseconds:.1f} ms, {stats['solver']}")
+    slips, sticks = len(solution.events["slip"]), len(solution.events["stick"])
+    print(f"  |v| rises through v_s {slips} times (slip), falls through it {sticks} times (stick)")
+    print(f"  {'':8}{'peak':>16}{'final':>16}")
+    peaks, final = solution.peaks, solution.final
+    for column in solution.columns:
+        print(f"  {column.name:8}{peaks[column.name]:16.8g}{final.get(column.name, float('nan')):16.8g} {column.unit}")
+    for file in files:
+        print(f"  wrote {file}")

@@ -1,0 +1,75 @@
+"""What the commands share: scenario options, progress, and printing."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from stribeck.errors import InputError
+from stribeck.scenario import Scenario, parse_assignment
+
+
+def load(path: Path, assignments: list[str]) -> Scenario:
+    """The scenario of the command line: the file with every --set applied."""
+    return Scenario.load(path, dict(parse_assignment(text) for text in assignments))
+
+
+def print_json(data: Any) -> None:
+    """One JSON object; what is not finite becomes null, which JSON knows."""
+    from stribeck.report.files import finite
+
+    print(json.dumps(finite(data), allow_nan=False))
+
+
+def check_folder(out: Path) -> None:
+    """Refuse, before anything runs, a folder that cannot be written.
+
+    Raises:
+        InputError: with the reason.
+    """
+    existing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
+    if not existing.is_dir():
+        raise InputError(f"--out: {str(out)!r}: {existing} is a file; must be a folder or a new name")
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"--out: {str(out)!r}: cannot be made: {error.strerror}") from None
+
+
+@contextmanager
+def progress(what: str) -> Iterator[Callable[[float], None] | None]:
+    """A progress bar on standard error where that is a terminal; it shows only when the work takes a while."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from time import monotonic
+
+    started, bar = monotonic(), None
+
+    def tell(share: float) -> None:
+        nonlocal bar
+        if bar is None and monotonic() - started > 0.5:
+            from rich.console import Console
+            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
+
+            columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+            bar = Progress(*columns, console=Console(stderr=True), transient=True)
+            bar.start()
+            bar.add_task(what, total=1.0)
+        if bar is not None:
+            bar.update(bar.task_ids[0], completed=share)
+
+    try:
+        yield tell
+    finally:
+        if bar is not None:
+            bar.stop()
+
+
+def failed(what: str, reason: str | None) -> None:
+    """Say on standard error that a computation failed, and why."""
+    print(f"stribeck: {what} failed: {reason}; the part that was reached is kept", file=sys.stderr)

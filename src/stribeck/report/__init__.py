@@ -1,0 +1,1 @@
+"""Files that people and tools read: tables, plots and pages."""

@@ -1,0 +1,74 @@
+"""Files written beside and renamed, so that none is ever left half-written."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from stribeck.simulation import Solution
+
+
+def write_with(path: Path, write: Callable[[Path], Any]) -> None:
+    """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind."""
+    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    try:
+        write(beside)
+        beside.replace(path)
+    except BaseException:
+        with suppress(OSError):
+            beside.unlink()
+        raise
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a text file in UTF-8."""
+    write_with(path, lambda beside: beside.write_text(text, encoding="utf-8"))
+
+
+def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
+    """The solution's columns as ``stem.csv`` (full double precision) and ``stem.parquet`` (units in the metadata)."""
+    import pyarrow
+    from pyarrow import csv, parquet
+
+    fields = [pyarrow.field("t", pyarrow.float64(), metadata={"unit": "s", "meaning": "time"})]
+    fields += [
+        pyarrow.field(c.name, pyarrow.float64(), metadata={"unit": c.unit, "meaning": c.meaning})
+        for c in solution.columns
+    ]
+    about = {
+        "scenario": solution.scenario.name,
+        "law": solution.scenario.law.name,
+        "status": solution.status,
+        "reason": solution.reason or "",
+    }
+    columns = [solution[field.name] for field in fields]
+    table = pyarrow.table(columns, schema=pyarrow.schema(fields, metadata=about))
+    paths = [folder / f"{stem}.csv", folder / f"{stem}.parquet"]
+
+    def write_csv(beside: Path) -> None:
+        with beside.open("wb") as file:  # pyarrow would put the names in quotes
+            file.write(",".join(table.column_names).encode() + b"\n")
+            csv.write_csv(table, file, csv.WriteOptions(include_header=False))
+
+    write_with(paths[0], write_csv)
+    write_with(paths[1], lambda beside: parquet.write_table(table, beside))
+    return paths
+
+
+def finite(data: Any) -> Any:
+    """The data with every number that is not finite replaced by None: JSON knows none of them."""
+    if isinstance(data, dict):
+        return {key: finite(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return [finite(value) for value in data]
+    return None if isinstance(data, float) and not math.isfinite(data) else data
+
+
+def write_json(path: Path, data: Any) -> None:
+    """Write data as JSON for people and programs."""
+    write_text(path, json.dumps(finite(data), indent=2, allow_nan=False) + "\n")

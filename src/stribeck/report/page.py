@@ -1,0 +1,60 @@
+"""A report as a list of chapters, and the self-contained HTML page that shows it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from importlib.resources import files
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table: its head and its rows, as text."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+@dataclass(frozen=True)
+class FigureSvg:
+    """A figure: a name for its file, the SVG, and a caption that says what to see."""
+
+    name: str
+    svg: str
+    caption: str
+
+    @property
+    def inline(self) -> str:
+        """The SVG to stand in HTML: no prolog, no fixed size, and ids that clash with no other figure's."""
+        body = self.svg[self.svg.index("<svg") :]
+        body = re.sub(r'(<svg[^>]*?) width="[^"]*"', r"\1", body, count=1)
+        body = re.sub(r'(<svg[^>]*?) height="[^"]*"', r"\1", body, count=1)
+        body = re.sub(r"<metadata>.*?</metadata>", "", body, flags=re.DOTALL)
+        body = re.sub(r'\bid="', f'id="{self.name}-', body)
+        body = re.sub(r'(xlink:href="|url\()#', rf"\1#{self.name}-", body)
+        return body.replace("<svg", f'<svg role="img" aria-label="{self.name}"', 1)
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A chapter of a report: text, tables and figures for people, ``numbers`` for programs."""
+
+    key: str
+    title: str
+    text: Sequence[str] = ()
+    tables: Sequence[Table] = ()
+    figures: Sequence[FigureSvg] = ()
+    numbers: dict[str, Any] = field(default_factory=dict)
+
+
+def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence[Chapter]) -> str:
+    """The page: nothing in it is fetched from elsewhere."""
+    import jinja2
+
+    template = files("stribeck.report").joinpath("page.html").read_text(encoding="utf-8")
+    environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
+    return environment.from_string(template).render(
+        title=title, about=about, introduction=introduction, chapters=chapters
+    )

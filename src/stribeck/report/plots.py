@@ -1,0 +1,125 @@
+"""Plots: one style for all, drawn with matplotlib's figures (no pyplot, no screen) and returned as SVG text."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.simulation import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Array = NDArray[np.float64]
+
+# Okabe and Ito's colours, which colour-blind readers tell apart; lines also differ in their dashes.
+COLOURS = ("#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+DASHES: tuple[Any, ...] = (
+    "-",
+    (0, (5, 1.5)),
+    (0, (1.5, 1.5)),
+    "-.",
+    (0, (8, 2, 1, 2, 1, 2)),
+    (0, (1, 3)),
+    (0, (10, 3)),
+)
+_STYLE: dict[str, Any] = {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["Helvetica", "Arial", "DejaVu Sans"],
+    "font.size": 9,
+    "axes.titlesize": 9,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.use_mathtext": False,
+    "grid.color": "#dddddd",
+    "grid.linewidth": 0.5,
+    "lines.linewidth": 1.3,
+    "legend.frameon": False,
+    "legend.fontsize": 9,
+    "legend.handlelength": 3,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "stribeck",
+}
+_BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """Within, matplotlib draws in the common style."""
+    import matplotlib
+
+    with matplotlib.rc_context(cast(Any, _STYLE)):
+        yield
+
+
+def figure(layout: Sequence[Sequence[str]], height: float) -> tuple[Figure, dict[str, Axes]]:
+    """A page-wide figure with panels named as in ``layout``, ``height`` in inches. Call within :func:`style`."""
+    from matplotlib.figure import Figure as NewFigure
+
+    made = NewFigure(figsize=(7.2, height), layout="constrained")
+    axes = made.subplot_mosaic([list(row) for row in layout])
+    for axis in axes.values():
+        axis.locator_params(nbins=6)
+    return made, axes
+
+
+def svg(made: Figure) -> str:
+    """The figure as SVG text; the same figure gives the same text. Call within :func:`style`."""
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    buffer = io.StringIO()
+    FigureCanvasSVG(made)
+    made.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
+    return buffer.getvalue()
+
+
+def thin(x: Array, y: Array) -> tuple[Array, Array]:
+    """A long line reduced to the extremes of each stretch: what print can show, with no peak lost."""
+    size = len(x) // _BLOCKS
+    if size < 8:
+        return x, y
+    usable = len(x) // size * size
+    start = np.arange(0, usable, size)
+    extremes = [f(part[:usable].reshape(-1, size), 1) for part in (x, y) for f in (np.argmin, np.argmax)]
+    keep = np.unique(np.concatenate([start, *(start + e for e in extremes), np.arange(usable, len(x))]))
+    return x[keep], y[keep]
+
+
+def draw(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
+    """One line a solution of column ``y`` against column ``x``, with names and units on the axes."""
+    units = {column.name: column.unit for column in next(iter(solutions.values())).columns} | {"t": "s"}
+    for i, (label, solution) in enumerate(solutions.items()):
+        line = thin(solution[x], solution[y])
+        axis.plot(*line, color=COLOURS[i % len(COLOURS)], linestyle=DASHES[i % len(DASHES)], label=label)
+    axis.set_xlabel(f"{x} ({units[x]})")
+    axis.set_ylabel(f"{y} ({units[y]})")
+
+
+def legend(made: Figure, axis: Axes) -> None:
+    """One legend for the whole figure, above the panels, from one panel's lines."""
+    handles, labels = axis.get_legend_handles_labels()
+    made.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
+
+
+def overview(solutions: Mapping[str, Solution]) -> str:
+    """Position, velocity and friction force against time, and the force against velocity and position, as SVG."""
+    failed = [label for label, solution in solutions.items() if solution.status != "done"]
+    name = next(iter(solutions.values())).scenario.name
+    with style():
+        made, axes = figure([["y", "v"], ["F", "F"], ["Fv", "Fy"]], 6.6)
+        for panel, x, y in (("y", "t", "y"), ("v", "t", "v"), ("F", "t", "F"), ("Fv", "v", "F"), ("Fy", "y", "F")):
+            draw(axes[panel], solutions, x, y)
+        early = f" (failed early: {', '.join(failed)})" if failed else ""
+        axes["y"].set_title(f"{name}{early}")
+        legend(made, axes["y"])
+        return svg(made)

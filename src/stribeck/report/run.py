@@ -1,0 +1,21 @@
+"""The files of ``stribeck run --out``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from stribeck.report import plots
+from stribeck.report.files import write_json, write_table, write_text
+from stribeck.simulation import Solution
+
+
+def write(solution: Solution, folder: Path, summary: dict[str, Any]) -> list[str]:
+    """Write trajectory.csv and .parquet, plot.svg and, last, summary.json; the paths."""
+    paths = write_table(solution, folder, "trajectory")
+    paths.append(folder / "plot.svg")
+    write_text(paths[-1], plots.overview({solution.scenario.law.name: solution}))
+    paths.append(folder / "summary.json")
+    files = [str(path) for path in paths]
+    write_json(paths[-1], {**summary, "files": [*summary["files"], *files]})
+    return files

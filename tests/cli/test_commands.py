@@ -1,0 +1,104 @@
+"""compare, laws, new, doctor, paper."""
+
+import json
+import re
+
+import pytest
+
+from stribeck import Scenario, examples
+from stribeck.laws import builtin
+
+
+def test_compare_names_deviations_from_the_first(stribeck, scenario, tmp_path):
+    laws = ["--law", "lugre", "--law", "lugre_sobczyk:k_v=1e6", "--law", "lugre_majorant:k_v=1e6,F_s=1.5"]
+    out = tmp_path / "out"
+    data = json.loads(stribeck("compare", scenario, *laws, "--json", "--out", out).out)
+    assert data["reference"] == "lugre"
+    assert list(data["laws"]) == laws[1::2]
+    sobczyk, majorant = (data["laws"][name]["deviations"]["y"] for name in laws[3::2])
+    assert sobczyk["max"] > 1e3 * majorant["max"] > 0
+    assert sobczyk["max_relative"] == pytest.approx(sobczyk["max"] / data["laws"]["lugre"]["peaks"]["y"])
+    assert sobczyk["rms"] < sobczyk["max"]
+    assert (out / "compare.svg").exists()
+    assert json.loads((out / "summary.json").read_text())["laws"].keys() == data["laws"].keys()
+
+
+def test_compare_prints_a_table(stribeck, scenario):
+    result = stribeck("compare", scenario, "--law", "lugre", "--law", "dahl")
+    assert result.status == 0
+    assert re.search(r"dahl +\S+ +\S+ %", result.out)
+
+
+@pytest.mark.parametrize(
+    ("law", "line"),
+    [
+        ("lugr", "law.name: 'lugr': no such law (did you mean 'lugre'?)"),
+        ("lugre:k_v=1e6", "law.k_v: 1000000.0: law 'lugre' has no such constant (it has none of its own)"),
+        ("lugre:k_v", "--law: 'lugre:k_v': must be NAME or NAME:KEY=VALUE,..."),
+        ("lugre_majorant:k_v=-1", "law.k_v: -1: must be"),
+    ],
+)
+def test_compare_refuses_a_bad_law(stribeck, scenario, law, line):
+    result = stribeck("compare", scenario, "--law", "lugre_sobczyk", "--law", law, "--json")
+    assert result.status == 2
+    assert result.out == ""
+    assert line in result.err
+
+
+def test_a_law_of_the_users_own(stribeck, scenario):
+    example = re.search(r"```python\n(.*?)```", (examples.path("x").parents[3] / "docs" / "adding-a-law.md").read_text(), re.S)
+    (scenario.parent / "mylaw.py").write_text(example[1])
+    result = stribeck("run", scenario, "--json", "--set", "law.name=mylaw.py:RootLuGre")
+    assert json.loads(result.out)["law"]["name"] == "root_lugre"
+    listing = stribeck("laws", f"{scenario.parent}/mylaw.py:RootLuGre")
+    assert "dz/dt = v - (sqrt(v² + 1/k_v²)/g(v)) z" in listing.out
+    assert stribeck("laws", f"{scenario.parent}/mylaw.py:RootLuGre", "--test").status == 0
+
+
+def test_laws_lists_all_with_equations(stribeck):
+    data = json.loads(stribeck("laws", "--json").out)
+    assert [law["name"] for law in data["laws"]] == list(builtin())
+    lugre = data["laws"][0]
+    assert lugre["equations"][0]["latex"] == r"\dot{z} = v - \frac{\left|v\right|}{g(v)} z"
+    assert lugre["parameters"]["sigma_0"]["unit"] == "N/m"
+    assert lugre["guarantees"]["bounded"] is True
+    assert lugre["guarantees"]["passive"]["if"]["text"] == "σ₁ (F_s - F_c) <= σ₂ F_c"
+    assert set(data["parameter_sets"]["canudas1995"]) == {"title", "source", "motion", "values"}
+    text = stribeck("laws").out
+    assert all(f"{name}: " in text for name in builtin())
+
+
+@pytest.mark.parametrize("name", [*examples.names(), "my rig-1"])
+def test_new_writes_a_scenario_that_runs(stribeck, tmp_path, name, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert stribeck("new", name).status == 0
+    assert Scenario.load(tmp_path / f"{name}.toml").name == name
+    assert stribeck("run", f"{name}.toml", "--set", "solve.t_end=0.2").status == 0
+    again = stribeck("new", name)
+    assert again.status == 2
+    assert "exists already" in again.err
+
+
+def test_doctor_passes_its_self_test(stribeck):
+    data = json.loads(stribeck("doctor", "--json").out)
+    assert data["self_test"]["passed"]
+    assert {"compiler", "cache", "packages", "stribeck"} <= set(data)
+    assert "self-test  passed" in stribeck("doctor").out
+
+
+def test_paper_leaves_a_self_contained_page(stribeck, tmp_path):
+    result = stribeck("paper", "--out", tmp_path / "report", "--json")
+    data = json.loads(result.out)
+    page = (tmp_path / "report" / "report.html").read_text()
+    assert page.count("<svg") == page.count("</svg>") == 6
+    fetched = re.findall(r'(?:src|href)="(?!#)([^"]+)"|url\((?!#)([^)]+)\)|@import', page)
+    assert fetched == []
+    ids = re.findall(r'\bid="([^"]+)"', page)
+    assert len(ids) == len(set(ids))
+    chapters = data["chapters"]
+    assert chapters["presliding"]["y"]["lugre"] == pytest.approx([44.86e-6, 45.31e-6, -9.564e-6, -10.02e-6], rel=1e-3)
+    assert chapters["limit_cycle"]["lugre"] == pytest.approx(
+        {"amplitude": 0.063902, "period": 24.44, "overshoot": 1.50047}, rel=2e-4
+    )
+    forces = [1.43242, 1.31321, 1.21995, 1.09861, 1.02449, 1.00425, 1.00747]
+    assert chapters["break_away"]["forces"]["lugre"] == pytest.approx(forces, abs=1.1e-5)
