@@ -6,6 +6,8 @@ import difflib
 import warnings
 from collections.abc import Iterable, Sequence
 
+_LONGEST_LINE, _HEAD = 300, 180
+
 
 class StribeckError(Exception):
     """Any error that Stribeck raises on purpose."""
@@ -15,7 +17,7 @@ class InputError(StribeckError, ValueError):
     """Bad input. ``problems`` holds one line for each problem found: the key's path, the value, what is allowed."""
 
     def __init__(self, problems: str | Sequence[str]) -> None:
-        self.problems: list[str] = [problems] if isinstance(problems, str) else list(problems)
+        self.problems: list[str] = [one_line(p) for p in ([problems] if isinstance(problems, str) else problems)]
         super().__init__("\n".join(self.problems))
 
 
@@ -29,6 +31,12 @@ class BuildError(StribeckError, RuntimeError):
 
 class StribeckNote(UserWarning):
     """Something a user should know that does not stop the work: a dropped constant, a missing compiler."""
+
+
+def one_line(text: str) -> str:
+    """The text as one line that a terminal can show: no control characters, and no middle where it is too long."""
+    text = " ".join("".join(c if c.isprintable() else " " for c in text).split())
+    return text if len(text) <= _LONGEST_LINE else f"{text[:_HEAD]}...{text[_HEAD + 3 - _LONGEST_LINE :]}"
 
 
 def note(text: str) -> None:

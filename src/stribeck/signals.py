@@ -83,22 +83,31 @@ class Signal:
         """The times in (0, t_end] at which \\|signal\\| passes ``level``, each with True where it rises."""
         s = self.segments
         times = np.concatenate([[0.0], s.start[(s.start > 0) & (s.start < t_end)], [t_end]])
-        found = []
         i = np.clip(np.searchsorted(s.start, times[:-1], side="right") - 1, 0, None)
         left, right = s.at(times[:-1]), s.value[i] + s.slope[i] * (times[1:] - s.start[i])
-        last: bool | None = None
-        for t0, t1, a, b in zip(times[:-1], times[1:], left, right, strict=True):
-            if last is not None and (abs(a) >= level) != last:
-                found.append((float(t0), not last))
-            cuts = sorted(
-                t0 + (target - a) * (t1 - t0) / (b - a) for target in (level, -level) if (a - target) * (b - target) < 0
-            )
-            above = abs(a) >= level
-            for cut in cuts:
+        jumps = np.append(False, (abs(left[1:]) >= level) != (abs(right[:-1]) >= level))
+        passes = {side * level: (side * left >= level) != (side * right >= level) for side in (1, -1)}
+        found: list[tuple[float, bool]] = []
+        for j in np.flatnonzero(jumps | passes[level] | passes[-level]):
+            t0, t1, a, b = times[j], times[j + 1], left[j], right[j]
+            cuts = [t0] if jumps[j] else []
+            cuts += [t0 + (target - a) * (t1 - t0) / (b - a) for target, passed in passes.items() if passed[j]]
+            above = (abs(a) >= level) != jumps[j]
+            for cut in sorted(cuts):
                 above = not above
-                found.append((float(cut), above))
-            last = bool(abs(b) >= level)
-        return found
+                found.append((float(cut), bool(above)))
+        return _without_touches(found)
+
+
+def _without_touches(crossings: list[tuple[float, bool]]) -> list[tuple[float, bool]]:
+    """The crossings without those that are undone in the same instant: there the signal only touches the level."""
+    kept: list[tuple[float, bool]] = []
+    for t, rises in crossings:
+        if kept and math.isclose(t, kept[-1][0], rel_tol=1e-14, abs_tol=0.0):
+            kept.pop()
+        else:
+            kept.append((t, rises))
+    return [(t, rises) for t, rises in kept if t > 0]
 
 
 class Ramp(Signal):
@@ -212,8 +221,13 @@ class File(Points):
         """
         columns = read_columns(path, {"time": time, "value": value})
         if found := cls.problems(columns["time"], columns["value"]):
-            rows = {"t": time, "value": value}
-            raise InputError([f"path: {path}: column '{rows[k.split('[')[0]]}', row {k}: {text}" for k, text in found])
+            names = {"t": time, "value": value}
+
+            def place(where: str) -> str:
+                key, _, row = where.partition("[")
+                return f"column {names[key]!r}, row {row[:-1]}" if row else f"column {names[key]!r}"
+
+            raise InputError([f"path: {path}: {place(where)}: {text}" for where, text in found])
         return cls(columns["time"], columns["value"])
 
 

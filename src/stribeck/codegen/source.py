@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import textwrap
+import threading
 from collections.abc import Iterable, Sequence
 from importlib.resources import files
 
@@ -16,15 +17,20 @@ _RESERVED = frozenset(
     """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-    p c t x dx piece jac fac shift df_dt exp log sqrt sin cos atan tanh fabs pow sign_of exp_of atan_of INFINITY
-    N V_STATE
+    p c t x dx piece jac fac shift df_dt exp log sqrt sin cos atan tanh fabs pow sign_of exp_of atan_of
+    N V_STATE INFINITY NAN HUGE_VAL M_PI M_E unix linux
     """.split()  # noqa: SIM905
 )
 
 
+# Nodes are shared, and so are their labels: the code of a system must not depend on what else there is.
+_one_at_a_time = threading.Lock()
+
+
 def source(system: System) -> str:
     """One C file for the system: compile it alone, as a shared library."""
-    return _Source(system).text()
+    with _one_at_a_time:
+        return _Source(system).text()
 
 
 class _Source:
@@ -40,7 +46,11 @@ class _Source:
         n, t = len(rates), symbol("t")
         by_state = [[derivative(rate, symbol(name)) for name in self.names] for rate in rates]
         by_time = [derivative(rate, t) for rate in rates]
-        flat = self._hoist([*rates, *(entry for row in by_state for entry in row), *by_time])
+        outputs = [*rates, *(entry for row in by_state for entry in row), *by_time]
+        for node in ordered(outputs):
+            node.label = None
+        system.rates()  # sets the labels of this system
+        flat = self._hoist(outputs)
         self.rates, self.by_time = flat[:n], flat[n + n * n :]
         self.by_state = [flat[n + i * n : n + (i + 1) * n] for i in range(n)]
 

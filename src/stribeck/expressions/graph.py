@@ -249,15 +249,31 @@ class _Graph:
         return a if a is b else _node("where", condition, a, b)
 
     @staticmethod
-    def both(a: Expr, b: Expr) -> Expr:
+    def both(a: Any, b: Any) -> Any:
+        known, other = (a, b) if isinstance(a, bool | np.bool_) else (b, a)
+        if isinstance(known, bool | np.bool_):
+            return other if known else False
         return _node("both", a, b)
 
     @staticmethod
-    def either(a: Expr, b: Expr) -> Expr:
+    def either(a: Any, b: Any) -> Any:
+        known, other = (a, b) if isinstance(a, bool | np.bool_) else (b, a)
+        if isinstance(known, bool | np.bool_):
+            return True if known else other
         return _node("either", a, b)
 
 
 ops.register("stribeck", _Graph())
+
+
+def _finite(infinite: Expr, slope: Expr) -> Expr:
+    """A slope, taken as 0 where it is infinite: |x|^0.5 then has the slope 0 at 0, as |x| has, and not 0 * inf."""
+    return _Graph.where(infinite, 0.0, slope)
+
+
+def _power_slope(a: Expr, b: Expr) -> Expr:
+    slope, power = b * a ** (b - 1), _number(b)
+    return slope if power is not None and power >= 1 else _finite(_Graph.both(abs(a) <= 0, b < 1), slope)
 
 
 # The partial derivatives of an operation by its arguments: given the node and its arguments.
@@ -267,8 +283,11 @@ _PARTIALS: dict[str, Callable[..., tuple[Any, ...]]] = {
     "mul": lambda n, a, b: (b, a),
     "div": lambda n, a, b: (1 / b, -n / b),
     "neg": lambda n, a: (-1,),
-    "pow": lambda n, a, b: (b * a ** (b - 1), 0 if b.op == "constant" else n * ops.log(a)),
-    "sqrt": lambda n, a: (0.5 / n,),
+    "pow": lambda n, a, b: (
+        _finite(ops.both(abs(a) <= 0, b < 1), b * a ** (b - 1)),
+        0 if b.op == "constant" else n * ops.log(a),
+    ),
+    "sqrt": lambda n, a: (_finite(n <= 0, 0.5 / n),),
     "exp": lambda n, a: (n,),
     "log": lambda n, a: (1 / a,),
     "sin": lambda n, a: (ops.cos(a),),

@@ -33,9 +33,14 @@ class _Sympy:
         return table.get(name) or getattr(sympy, name)  # type: ignore[no-any-return]
 
 
+def _where(condition: Value, a: Value, b: Value) -> Value:
+    chosen: Any = np.where(condition, a, b)
+    return chosen[()]  # a number for numbers
+
+
 _numeric: Any = SimpleNamespace(
     exp=np.exp, log=np.log, sqrt=np.sqrt, sin=np.sin, cos=np.cos, atan=np.arctan, tanh=np.tanh, sign=np.sign,
-    where=np.where, both=np.logical_and, either=np.logical_or,
+    where=_where, both=np.logical_and, either=np.logical_or,
 )  # fmt: skip
 _by_package: dict[str, Any] = {"sympy": _Sympy()}
 _by_type: dict[type, Any] = {}

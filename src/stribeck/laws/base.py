@@ -31,6 +31,7 @@ from stribeck.errors import InputError, NotDifferentiable, nearest
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import Value
+from stribeck.laws.numeric import first_root, shaped
 
 # Parameters of a machine: they belong to the contact, whichever law describes it.
 PARAMETERS: dict[str, Constant] = {
@@ -111,6 +112,7 @@ class Law:
     uses: ClassVar[tuple[str, ...]] = ()  # the machine parameters that the equations use
     relations: ClassVar[tuple[Relation, ...]] = ()
     has_z: ClassVar[bool] = True
+    symmetric: ClassVar[bool] = True  # F and dz/dt change sign with (v, z)
     _derivatives: ClassVar[dict[Any, _Derivatives]] = {}
 
     def __init__(self, values: Mapping[str, Any]) -> None:
@@ -245,13 +247,13 @@ class Law:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m); shapes broadcast."""
         v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
         with np.errstate(all="ignore"):
-            return np.asarray(self.dz_dt(self.p, v, z))[()]
+            return shaped(self.dz_dt(self.p, v, z), v, z)
 
     def force(self, v: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.float64]:
         """Friction force in N for velocities v (m/s) and deflections z (m); shapes broadcast."""
         v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
         with np.errstate(all="ignore"):
-            return np.asarray(self.friction(self.p, v, z, self.dz_dt(self.p, v, z)))[()]
+            return shaped(self.friction(self.p, v, z, self.dz_dt(self.p, v, z)), v, z)
 
     def jacobian(self, v: ArrayLike, z: ArrayLike = 0.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The derivatives of dz/dt by v and by z (1/s), at velocities v and deflections z."""
@@ -273,7 +275,7 @@ class Law:
                 self._force_rate(np.where(at_rest, side, v), z, dv_dt) for side in (1e-300, -1e-300)
             )
             with np.errstate(all="ignore"):
-                differs = ~(abs(above - below) <= 1e-9 * (abs(above) + abs(below)))
+                differs = ~(abs(above - below) <= 1e-9 * (abs(above) + abs(below)) + 1e-250)  # what 1e-300 m/s leaves
                 # a force that jumps is met only when v passes through 0
                 jumps = (abs(force_above - force_below) > 1e-9 * self.scales(self.p).force) & (dv_dt != 0)
             if (at_rest & (differs | jumps)).any():
@@ -298,7 +300,7 @@ class Law:
             if self._graph().linear:
                 z = np.asarray(-self.rate(v, 0.0) / self.jacobian(v, 0.0)[1])
             else:
-                z = _bisect(lambda z: self.rate(v, z) * np.sign(v), np.sign(v), self.scales(self.p).length)
+                z = first_root(lambda z: self.rate(v, z) * np.sign(v), np.sign(v), self.scales(self.p).length)
         return np.where(v == 0, 0.0, z)[()]
 
     def steady_force(self, v: ArrayLike) -> NDArray[np.float64]:
@@ -341,21 +343,6 @@ class Law:
         rate = self.rate(v, z) if self.has_z else 0.0
         with np.errstate(all="ignore"):
             return np.asarray(force_v * dv_dt + force_z * rate), np.asarray(force)
-
-
-def _bisect(f: Callable[[Any], Any], direction: Any, start: float) -> NDArray[np.float64]:
-    """The first root of f along ``direction`` from 0, f positive before it; inf where none is found."""
-    low, high = np.zeros_like(direction), np.full_like(direction, start)
-    for _ in range(200):
-        short = f(direction * high) > 0
-        if not short.any():
-            break
-        high = np.where(short, 2 * high, high)
-    for _ in range(120):
-        middle = 0.5 * (low + high)
-        positive = f(direction * middle) > 0
-        low, high = np.where(positive, middle, low), np.where(positive, high, middle)
-    return np.asarray(direction * high)
 
 
 class BristleLaw(Law):

@@ -20,7 +20,7 @@ class Dahl(BristleLaw):
 
     @staticmethod
     def dz_dt(p: Any, v: Value, z: Value) -> Value:
-        return v - p.sigma_0 * abs(v) / p.F_c * z
+        return v - p.sigma_0 / p.F_c * abs(v) * z
 
     @staticmethod
     def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:

@@ -72,4 +72,4 @@ class Makkar(StaticLaw):
     def scales(p: Any) -> Scales:
         """The speed at which the steeper tanh bends."""
         speed = 1 / max(p.g2, p.g5)
-        return Scales(_TIME * speed, speed, max(p.g1, p.g4))
+        return Scales(_TIME * speed, speed, max(p.g1, p.g4, p.g6 * speed))

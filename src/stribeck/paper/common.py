@@ -1,45 +1,64 @@
-"""What the chapters share: the three laws, their simulations, and numbers as text."""
+"""What the chapters share: the laws, their simulations, lines and numbers as text."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 from stribeck import examples
 from stribeck.errors import StribeckError
+from stribeck.report.page import Chapter
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 
-# label, law, its own constants
-LAWS: tuple[tuple[str, str, dict[str, float]], ...] = (
-    ("lugre", "lugre", {}),
-    ("lugre_sobczyk, k_v = 1e7 s/m", "lugre_sobczyk", {"k_v": 1e7}),
-    ("lugre_majorant, k_v = 1e6 s/m", "lugre_majorant", {"k_v": 1e6}),
-)
-REFERENCE = LAWS[0][0]
+Variant = tuple[str, dict[str, float]]  # a law and its own constants
+
+STEEPNESSES = (1e6, 1e7, 1e8)  # s/m, the paper's k_v
+REFERENCE = "lugre"
+# What the paper compares: the original, and its proposal at three values of k_v.
+PAPER: dict[str, Variant] = {
+    REFERENCE: ("lugre", {}),
+    **{f"proposed, k_v = 1e{n} s/m": ("lugre_sobczyk", {"k_v": 10.0**n}) for n in (6, 7, 8)},
+}
+PROPOSED = tuple(PAPER)[1:]
+
+Done = Mapping[str, Chapter]  # the chapters before, for what they computed
 
 
-def scenario(example: str, law: str, constants: dict[str, float], **changes: Any) -> Scenario:
+def scenario(example: str, variant: Variant, **changes: Any) -> Scenario:
     """An example scenario under a law; keywords replace values, with __ for the dot: drive__signal__rate=2.0."""
+    law, constants = variant
     data = Scenario.load(examples.path(example)).data
     table = {"name": law, "parameters": data["law"]["parameters"], **constants}
-    paths = {path.replace("__", "."): value for path, value in changes.items()}
-    return Scenario({**data, "law": table}).with_changes(paths)
+    return Scenario({**data, "law": table}).with_changes({k.replace("__", "."): v for k, v in changes.items()})
 
 
-def simulate_all(example: str, **changes: Any) -> dict[str, Solution]:
-    """An example scenario under each of the laws, by label.
+def solve(wanted: Scenario, label: str = "") -> Solution:
+    """The solution of a scenario that must succeed.
 
     Raises:
-        StribeckError: a simulation failed.
+        StribeckError: the simulation failed.
     """
-    found = {}
-    for label, law, constants in LAWS:
-        found[label] = simulate(scenario(example, law, constants, **changes))
-        if found[label].reason:
-            raise StribeckError(f"{example} under {label} failed: {found[label].reason}")
-    return found
+    solution = simulate(wanted)
+    if solution.reason:
+        raise StribeckError(f"{wanted.name} under {label or wanted.law.name} failed: {solution.reason}")
+    return solution
 
 
-def percent(share: float) -> str:
+def solve_all(example: str, variants: Mapping[str, Variant] = PAPER, **changes: Any) -> dict[str, Solution]:
+    """An example scenario under each of the laws, by label."""
+    return {label: solve(scenario(example, variant, **changes), label) for label, variant in variants.items()}
+
+
+def record(solutions: Mapping[str, Solution]) -> dict[str, Any]:
+    """The columns of several solutions below each other, with the law's label in the column ``law``."""
+    import numpy as np
+
+    names = ("t", *(column.name for column in next(iter(solutions.values())).columns))
+    labels = np.repeat(list(solutions), [len(s.t) for s in solutions.values()])
+    return {"law": labels, **{name: np.concatenate([s[name] for s in solutions.values()]) for name in names}}
+
+
+def percent(share: float | None) -> str:
     """A share as a percentage with three digits."""
-    return f"{100 * share:.3g} %"
+    return "-" if share is None else f"{100 * share:.3g} %"

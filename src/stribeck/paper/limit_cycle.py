@@ -2,41 +2,62 @@
 
 from __future__ import annotations
 
+from stribeck.analysis.comparison import deviations
 from stribeck.analysis.oscillation import amplitude_and_period
-from stribeck.paper.common import REFERENCE, simulate_all
+from stribeck.paper import sketches
+from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, solve_all
 from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.report.page import Chapter, Table
 
-_SETTLED = 150.0  # s
+SETTLED = 150.0  # s
 
 
-def chapter() -> Chapter:
+def chapter(done: Done) -> Chapter:
     """Position over the whole run, the first 100 s, and after the transients."""
-    solutions = simulate_all("limit_cycle")
+    solutions = solve_all("limit_cycle")
     reference = solutions[REFERENCE]
     with plots.style():
-        made, axes = plots.figure([["all", "all"], ["first", "late"]], 4.8)
+        made, axes = plots.figure([["all", "all"], ["first", "late"]], 5.2)
         for panel in ("all", "first", "late"):
             plots.draw(axes[panel], solutions, "t", "y")
-            axes[panel].plot(reference.t, reference["r"], color="#888888", linewidth=0.8)
+            axes[panel].plot(reference.t, reference["r"], color=plots.GREY, linewidth=0.8)
+        axes["all"].set_title("(a) complete simulation (setpoint in grey)")
         axes["first"].set_xlim(0, 100)
-        axes["first"].set_title("first 100 s")
-        axes["late"].set_xlim(_SETTLED, 250)
+        axes["first"].set_title("(b) first 100 s")
+        axes["late"].set_xlim(SETTLED, 250)
         axes["late"].set_ylim(0.9, 1.1)
-        axes["late"].set_title("after the transients")
+        axes["late"].set_title("(c) after the transients")
         plots.legend(made, axes["all"])
-        svg = plots.svg(made)
-    rows, numbers = [], {}
-    for label, solution in solutions.items():
-        late = solution.t > _SETTLED
-        amplitude, period = amplitude_and_period(solution.t[late], solution["y"][late])
-        numbers[label] = {"amplitude": amplitude, "period": period, "overshoot": solution.peaks["y"]}
-        rows.append([label, f"{amplitude:.6f}", f"{period:.2f}", f"{solution.peaks['y']:.5f}"])
-    table = Table(["law", "amplitude (m)", "period (s)", "largest y (m)"], rows)
-    caption = (
-        "The setpoint (grey) steps by 1 m at 10 s. The controller's integral winds up while the body sticks, and the "
-        "body jumps over the setpoint again and again: a limit cycle."
+        figure = plots.finish(
+            made, "fig09_limit_cycle",
+            "The setpoint steps by 1 m at 10 s. The controller's integral winds up while the body sticks, and the body "
+            "jumps over the setpoint again and again: a limit cycle.",
+        )  # fmt: skip
+    cycles = {}
+    for label, s in solutions.items():
+        late = s.t > SETTLED
+        cycles[label] = amplitude_and_period(s.t[late], s["y"][late])
+    off = {label: deviations(reference, solutions[label])["y"]["max_relative"] for label in PROPOSED}
+    rows = [
+        [label, f"{a:.6f}", f"{period:.2f}", f"{solutions[label].peaks['y']:.5f}", percent(off.get(label))]
+        for label, (a, period) in cycles.items()
+    ]
+    table = Table(["law", "amplitude (m)", "period (s)", "largest y (m)", "largest deviation / peak"], rows)
+    numbers = {
+        "amplitude": {label: a for label, (a, _) in cycles.items()},
+        "period": {label: period for label, (_, period) in cycles.items()},
+        "overshoot": {label: s.peaks["y"] for label, s in solutions.items()},
+        "deviation_of_peak": off,
+    }
+    text = (
+        "Friction and integral action together hunt around the setpoint: K_p = 3 N/m, K_i = 4 N/(m s), K_d = 6 N s/m.",
     )
-    text = ("Friction and integral action together hunt around the setpoint.",)
-    figures = [FigureSvg("fig09_limit_cycle", svg, caption)]
-    return Chapter("limit_cycle", "Limit cycle under PID control", text, [table], figures, numbers)
+    return Chapter(
+        "limit_cycle",
+        "Limit cycles under PID control",
+        text,
+        [table],
+        [sketches.pid(), figure],
+        numbers,
+        record(solutions),
+    )

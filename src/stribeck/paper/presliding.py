@@ -5,35 +5,37 @@ from __future__ import annotations
 import numpy as np
 
 from stribeck.analysis.comparison import deviations
-from stribeck.paper.common import REFERENCE, percent, simulate_all
+from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, solve_all
 from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.report.page import Chapter, Table
 
 _INSTANTS = (10.0, 15.0, 35.0, 40.0)  # s: the ends of the ramps and of the holds
 
 
-def chapter() -> Chapter:
+def chapter(done: Done) -> Chapter:
     """Friction against displacement under a force below F_s, and the displacement at four instants."""
-    solutions = simulate_all("presliding")
-    with plots.style():
-        made, axes = plots.figure([["Fy", "yt"]], 3.2)
-        plots.draw(axes["Fy"], solutions, "y", "F")
-        plots.draw(axes["yt"], solutions, "t", "y")
-        plots.legend(made, axes["Fy"])
-        svg = plots.svg(made)
+    solutions = solve_all("presliding")
     at = {label: [float(np.interp(t, s.t, s["y"])) for t in _INSTANTS] for label, s in solutions.items()}
-    off = {label: deviations(solutions[REFERENCE], s)["y"]["max_relative"] or 0.0 for label, s in solutions.items()}
-    rows = [[label, *(f"{1e6 * y:.2f}" for y in at[label]), percent(off[label])] for label in solutions]
+    off = {label: deviations(solutions[REFERENCE], solutions[label])["y"]["max_relative"] or 0.0 for label in PROPOSED}
+    # over the last second of the first hold, when what is elastic has settled
+    held = {label: float(np.interp(15.0, s.t, s["y"]) - np.interp(14.0, s.t, s["y"])) for label, s in solutions.items()}
+    with plots.style():
+        made, axes = plots.figure([["F_y", "y_t"]], 3.3)
+        plots.draw(axes["F_y"], solutions, "y", "F")
+        plots.draw(axes["y_t"], solutions, "t", "y")
+        plots.legend(made, axes["F_y"])
+        figure = plots.finish(
+            made, "fig04_presliding",
+            "Friction force against displacement (left, the paper's panel) and displacement against time (right) while the "
+            "force is ramped to 0.95 F_s, held for 5 s, reversed, held and released. LuGre comes to rest during a hold; the "
+            f"proposed law creeps, by {1e6 * held[PROPOSED[0]]:.2f}, {1e6 * held[PROPOSED[1]]:.2f} and "
+            f"{1e6 * held[PROPOSED[2]]:.2f} um/s, so its deviation grows for as long as the force is held.",
+        )  # fmt: skip
+    rows = [[label, *(f"{1e6 * y:.2f}" for y in at[label]), percent(off.get(label))] for label in solutions]
     table = Table(["y (um) at t =", *(f"{t:g} s" for t in _INSTANTS), "largest deviation / peak"], rows)
-    caption = (
-        "Friction force against displacement (left) and displacement against time (right) while the force is ramped to "
-        "0.95 F_s, held, reversed, held and released. During a hold LuGre comes to rest; the continuous versions creep."
-    )
     text = (
-        "A force that stays below the static friction moves the body by the deflection of the bristles alone. This is "
-        "where a smooth |v| costs most, since all speeds are small.",
+        "A force that stays below the static friction moves the body by the deflection of the bristles alone. All speeds are "
+        "small here, so this is where a smooth |v| costs most.",
     )
-    numbers = {"instants": _INSTANTS, "y": at, "deviation_of_peak": off}
-    return Chapter(
-        "presliding", "Presliding displacement", text, [table], [FigureSvg("fig04_presliding", svg, caption)], numbers
-    )
+    numbers = {"instants": _INSTANTS, "y": at, "deviation_of_peak": off, "creep": held}
+    return Chapter("presliding", "Presliding displacement", text, [table], [figure], numbers, record(solutions))

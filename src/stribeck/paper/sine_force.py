@@ -3,40 +3,54 @@
 from __future__ import annotations
 
 from stribeck.analysis.comparison import deviations
-from stribeck.paper.common import REFERENCE, percent, simulate_all
+from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, scenario, solve, solve_all
 from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.report.page import Chapter, Table
 
 
-def chapter() -> Chapter:
-    """Friction force and velocity under a force of 1.1 F_s at 0.25 Hz."""
-    solutions = simulate_all("sine_force")
+def chapter(done: Done) -> Chapter:
+    """Friction force and velocity under a force of 1.1 F_s at 0.25 Hz, and the velocity with viscous friction alone."""
+    solutions = solve_all("sine_force")
     reference = solutions[REFERENCE]
+    sigma_2 = reference.scenario.law.values["sigma_2"] or 0.0
+    # the law of Makkar et al. without its first five terms is viscous friction
+    viscous_law = {"g1": 0.0, "g2": 1.0, "g3": 0.0, "g4": 0.0, "g5": 1.0, "g6": sigma_2}
+    viscous = solve(scenario("sine_force", ("makkar", viscous_law)), "viscous friction")
     with plots.style():
-        made, axes = plots.figure([["F", "v"]], 3.2)
+        made, axes = plots.figure([["F"], ["v"]], 5.0)
         plots.draw(axes["F"], solutions, "t", "F")
-        axes["F"].plot(reference.t, reference["u"], color="#888888", linewidth=0.8)
+        axes["F"].plot(reference.t, reference["u"], color=plots.GREY, linewidth=0.8)
+        axes["F"].annotate("applied force", (1.45, 1.45), color=plots.GREY, fontsize=8)
+        axes["F"].set_title("(a) friction force")
         plots.draw(axes["v"], solutions, "t", "v")
-        plots.legend(made, axes["v"])
-        svg = plots.svg(made)
-    rows, numbers = [], {}
-    for label, solution in solutions.items():
-        off = deviations(reference, solution)
-        numbers[label] = {name: off[name]["max_relative"] for name in ("v", "F")}
-        numbers[label] |= {"F_peak": solution.peaks["F"], "v_peak": solution.peaks["v"]}
-        rows.append(
-            [
-                label,
-                f"{solution.peaks['F']:.4f}",
-                f"{solution.peaks['v']:.5f}",
-                percent(off["v"]["max_relative"] or 0.0),
-            ]
-        )
-    table = Table(["law", "peak F (N)", "peak v (m/s)", "deviation of v / peak"], rows)
-    caption = (
-        "Friction follows the applied force (grey) until F_s is reached, falls to F_c, and the body moves in the "
-        "direction of the force until it sticks again."
-    )
+        axes["v"].plot(viscous.t, viscous["v"], color=plots.GREY, linewidth=1.0)
+        axes["v"].annotate("viscous friction alone", (2.1, 1.7), color=plots.GREY, fontsize=8)
+        axes["v"].set_title("(b) velocity")
+        plots.legend(made, axes["F"])
+        figure = plots.finish(
+            made, "fig07_sine_force",
+            "Friction follows the applied force (grey) until F_s is reached, falls to F_c, and the body moves in the "
+            f"direction of the force until it sticks again. With viscous friction alone (b, grey) the body never rests and "
+            f"reaches {viscous.peaks['v']:.3f} m/s where LuGre reaches {reference.peaks['v']:.3f} m/s.",
+        )  # fmt: skip
+    off = {label: deviations(reference, solutions[label]) for label in PROPOSED}
+    rows = [
+        [
+            label,
+            f"{s.peaks['F']:.4f}",
+            f"{s.peaks['v']:.5f}",
+            percent(off[label]["v"]["max_relative"]) if label in off else "-",
+        ]
+        for label, s in solutions.items()
+    ]
+    table = Table(["law", "peak F (N)", "peak v (m/s)", "largest deviation of v / peak"], rows)
+    numbers = {
+        "v_peak": {label: s.peaks["v"] for label, s in solutions.items()}
+        | {"viscous friction alone": viscous.peaks["v"]},
+        "F_peak": {label: s.peaks["F"] for label, s in solutions.items()},
+        "deviation_of_peak_v": {label: each["v"]["max_relative"] for label, each in off.items()},
+    }
     text = ("The body must stay where it is while the force is below the static friction, and move above it.",)
-    figures = [FigureSvg("fig07_sine_force", svg, caption)]
-    return Chapter("sine_force", "A sinusoidal force above F_s", text, [table], figures, numbers)
+    return Chapter(
+        "sine_force", "A sinusoidal force just above F_s", text, [table], [figure], numbers, record(solutions)
+    )

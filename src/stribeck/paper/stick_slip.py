@@ -3,39 +3,53 @@
 from __future__ import annotations
 
 from stribeck.analysis.comparison import deviations
-from stribeck.paper.common import REFERENCE, percent, simulate_all
+from stribeck.paper import sketches
+from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, solve_all
 from stribeck.report import plots
-from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.report.page import Chapter, Table
 
 
-def chapter() -> Chapter:
-    """Position, a closer look at the last slip, velocity and friction force."""
-    solutions = simulate_all("stick_slip")
+def chapter(done: Done) -> Chapter:
+    """Position over the whole run and closer; velocity and friction force beside them."""
+    solutions = solve_all("stick_slip")
     reference = solutions[REFERENCE]
     with plots.style():
-        made, axes = plots.figure([["y", "detail"], ["v", "F"]], 4.8)
+        made, axes = plots.figure([["y", "detail"], ["v", "F"]], 5.4)
         plots.draw(axes["y"], solutions, "t", "y")
-        axes["y"].plot(reference.t, reference["x"], color="#888888", linewidth=0.8)
-        axes["y"].annotate("far end of the spring", (22, 2.2), (4, 3.2), color="#666666", fontsize=8)
+        axes["y"].plot(reference.t, reference["x"], color=plots.GREY, linewidth=0.8)
+        axes["y"].annotate("far end x", (14, 2.6), color=plots.GREY, fontsize=8)
+        axes["y"].set_title("(a) complete simulation")
         plots.draw(axes["detail"], solutions, "t", "y")
         last = float(reference.events["slip"][-2])
-        axes["detail"].set_xlim(last - 0.1, last + 0.3)
-        near = reference["y"][(reference.t > last - 0.1) & (reference.t < last + 0.3)]
-        axes["detail"].set_ylim(near.min() - 0.002, near.max() + 0.002)
-        axes["detail"].set_title("the fifth slip, closer")
+        near = (reference.t > last - 0.6) & (reference.t < last + 0.7)
+        axes["detail"].set_xlim(last - 0.6, last + 0.7)
+        axes["detail"].set_ylim(reference["y"][near].min() - 0.02, reference["y"][near].max() + 0.05)
+        axes["detail"].set_title("(b) detail: the fifth slip")
         plots.draw(axes["v"], solutions, "t", "v")
         plots.draw(axes["F"], solutions, "t", "F")
-        plots.legend(made, axes["v"])
-        svg = plots.svg(made)
-    rows, numbers = [], {}
-    for label, solution in solutions.items():
-        off = deviations(reference, solution)["y"]["max_relative"] or 0.0
-        numbers[label] = {"y_end": solution.final["y"], "slips": len(solution.events["slip"]), "deviation_of_peak": off}
-        rows.append([label, f"{len(solution.events['slip'])}", f"{solution.final['y']:.6f}", percent(off)])
-    table = Table(["law", "slips", "y at 40 s (m)", "largest deviation / peak"], rows)
-    caption = (
-        "The far end of the spring moves at 0.1 m/s; the body stands still until the spring force passes the static "
-        "friction, then jumps. The laws differ in when they let go, by an amount that does not grow chaotically."
+        plots.legend(made, axes["y"])
+        figure = plots.finish(
+            made, "fig06_stick_slip",
+            "The far end of the spring moves at 0.1 m/s. The body stands still until the spring force passes the static "
+            "friction, then jumps; the slower its law lets go, the later. Deviations do not grow chaotically.",
+        )  # fmt: skip
+    off = {label: deviations(reference, solutions[label])["y"] for label in PROPOSED}
+    rows = [
+        [
+            label, f"{len(s.events['slip'])}", f"{s.final['y']:.6f}",
+            f"{off[label]['max']:.3e}" if label in off else "-",
+            percent(off[label]["max_relative"]) if label in off else "-",
+        ]
+        for label, s in solutions.items()
+    ]  # fmt: skip
+    table = Table(["law", "slips", "y at 40 s (m)", "largest deviation (m)", "of the peak"], rows)
+    numbers = {
+        "y_end": {label: s.final["y"] for label, s in solutions.items()},
+        "slips": {label: s.events["slip"].tolist() for label, s in solutions.items()},
+        "deviation": {label: each["max"] for label, each in off.items()},
+        "deviation_of_peak": {label: each["max_relative"] for label, each in off.items()},
+    }
+    text = ("A body on a slowly pulled spring sticks and slips: mass 1 kg, spring 2 N/m.",)
+    return Chapter(
+        "stick_slip", "Stick-slip motion", text, [table], [sketches.spring(), figure], numbers, record(solutions)
     )
-    text = ("A body on a slowly pulled spring sticks and slips.",)
-    return Chapter("stick_slip", "Stick-slip", text, [table], [FigureSvg("fig06_stick_slip", svg, caption)], numbers)

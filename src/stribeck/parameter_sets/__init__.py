@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -25,9 +25,13 @@ class ParameterSet:
 
 
 @lru_cache(maxsize=1)
-def parameters() -> dict[str, ParameterSet]:
-    """Every built-in parameter set by name."""
+def _built_in() -> dict[str, ParameterSet]:
     return {path.stem: _read(path) for path in sorted(_FOLDER.glob("*.toml"))}
+
+
+def parameters() -> dict[str, ParameterSet]:
+    """Every built-in parameter set by name; a copy, to be changed at will."""
+    return {name: replace(each, values=dict(each.values)) for name, each in _built_in().items()}
 
 
 def load(name: str, folder: Path | None = None) -> ParameterSet:
@@ -46,16 +50,32 @@ def load(name: str, folder: Path | None = None) -> ParameterSet:
     raise InputError(f"{name!r}: no such parameter set{guess}")
 
 
-def _read(path: Path) -> ParameterSet:
+def read_toml(path: Path) -> dict[str, Any]:
+    """The content of a TOML file.
+
+    Raises:
+        InputError: the file cannot be read, or is not TOML.
+    """
     try:
-        data: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))  # some editors begin a file with a mark
     except OSError as error:
-        raise InputError(f"{str(path)!r}: cannot be read: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(f"{str(path)!r}: is not TOML: {error}") from None
+        text = f"cannot be read: {error.strerror}"
+    except UnicodeDecodeError:
+        text = "is not text in UTF-8"
+    except tomllib.TOMLDecodeError as error:
+        text = f"is not TOML: {error}"
+    except ValueError:
+        text = "cannot be read: the path or a number in it is impossible"
+    except RecursionError:
+        text = "cannot be read: its lists or tables are nested too deeply"
+    raise InputError(f"{path}: {text}")
+
+
+def _read(path: Path) -> ParameterSet:
+    data = read_toml(path)
     words = {key: str(data.pop(key, "")) for key in ("title", "source", "motion")}
     table = data.get("parameters", {k: v for k, v in data.items() if k not in ("schema", "name")})
     if not isinstance(table, dict):
-        raise InputError(f"{str(path)!r}: parameters must be a table of numbers")
+        raise InputError(f"{path}: parameters must be a table of numbers")
     values = {k: v["value"] if isinstance(v, dict) and "value" in v else v for k, v in table.items()}
     return ParameterSet(path.stem, words["title"], words["source"], words["motion"] or "linear", values)

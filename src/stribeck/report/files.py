@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -58,6 +58,15 @@ def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
     write_with(paths[0], write_csv)
     write_with(paths[1], lambda beside: parquet.write_table(table, beside))
     return paths
+
+
+def write_columns(path: Path, columns: Mapping[str, Any]) -> None:
+    """Columns of equal length as a Parquet file."""
+    import pyarrow
+    from pyarrow import parquet
+
+    table = pyarrow.table(dict(columns))
+    write_with(path, lambda beside: parquet.write_table(table, beside))
 
 
 def finite(data: Any) -> Any:

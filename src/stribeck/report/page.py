@@ -11,19 +11,21 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Table:
-    """A table: its head and its rows, as text."""
+    """A table: its head and its rows, as text; ``prose`` for cells of words instead of numbers."""
 
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
+    prose: bool = False
 
 
 @dataclass(frozen=True)
 class FigureSvg:
-    """A figure: a name for its file, the SVG, and a caption that says what to see."""
+    """A figure: a name for its files, the SVG (and PNG), and a caption that says what to see."""
 
     name: str
     svg: str
     caption: str
+    png: bytes = b""
 
     @property
     def inline(self) -> str:
@@ -39,7 +41,7 @@ class FigureSvg:
 
 @dataclass(frozen=True)
 class Chapter:
-    """A chapter of a report: text, tables and figures for people, ``numbers`` for programs."""
+    """A chapter of a report: text, tables and figures for people, ``numbers`` and ``data`` (columns) for programs."""
 
     key: str
     title: str
@@ -47,6 +49,7 @@ class Chapter:
     tables: Sequence[Table] = ()
     figures: Sequence[FigureSvg] = ()
     numbers: dict[str, Any] = field(default_factory=dict)
+    data: dict[str, Any] = field(default_factory=dict)
 
 
 def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence[Chapter]) -> str:

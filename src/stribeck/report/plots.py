@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.report.page import FigureSvg
 from stribeck.simulation import Solution
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ DASHES: tuple[Any, ...] = (
     (0, (1, 3)),
     (0, (10, 3)),
 )
+GREY = "#808080"
 _STYLE: dict[str, Any] = {
     "font.family": "sans-serif",
     "font.sans-serif": ["Helvetica", "Arial", "DejaVu Sans"],
@@ -95,12 +97,16 @@ def thin(x: Array, y: Array) -> tuple[Array, Array]:
     return x[keep], y[keep]
 
 
+def line(axis: Axes, i: int, x: Any, y: Any, label: str, **options: Any) -> None:
+    """The figure's line number ``i``: its colour and dashes follow from the number."""
+    axis.plot(x, y, color=COLOURS[i % len(COLOURS)], linestyle=DASHES[i % len(DASHES)], label=label, **options)
+
+
 def draw(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
     """One line a solution of column ``y`` against column ``x``, with names and units on the axes."""
     units = {column.name: column.unit for column in next(iter(solutions.values())).columns} | {"t": "s"}
     for i, (label, solution) in enumerate(solutions.items()):
-        line = thin(solution[x], solution[y])
-        axis.plot(*line, color=COLOURS[i % len(COLOURS)], linestyle=DASHES[i % len(DASHES)], label=label)
+        line(axis, i, *thin(solution[x], solution[y]), label)
     axis.set_xlabel(f"{x} ({units[x]})")
     axis.set_ylabel(f"{y} ({units[y]})")
 
@@ -108,7 +114,20 @@ def draw(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
 def legend(made: Figure, axis: Axes) -> None:
     """One legend for the whole figure, above the panels, from one panel's lines."""
     handles, labels = axis.get_legend_handles_labels()
-    made.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
+    room = 88  # characters beside each other at the legend's size, a line's sample counted as six
+    fits = max(1, room // (6 + max(map(len, labels))))
+    columns = len(labels) if sum(len(label) + 6 for label in labels) <= room else min(fits, (len(labels) + 1) // 2)
+    made.legend(handles, labels, loc="outside upper center", ncols=columns)
+
+
+def finish(made: Figure, name: str, caption: str) -> FigureSvg:
+    """The drawn figure as SVG and PNG under a name, with its caption. Call within :func:`style`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    text, buffer = svg(made), io.BytesIO()
+    FigureCanvasAgg(made)
+    made.savefig(buffer, format="png", dpi=160, metadata={"Software": None})
+    return FigureSvg(name, text, caption, buffer.getvalue())
 
 
 def overview(solutions: Mapping[str, Solution]) -> str:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import tomllib
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,13 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from stribeck import drives, laws, parameter_sets, signals
+from stribeck import drives, laws, signals
 from stribeck.constants import kind_of, show
 from stribeck.drives import Drive
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import PARAMETERS, Law
+from stribeck.parameter_sets import read_toml
 from stribeck.scenario import memory, tables
-from stribeck.scenario.changes import changed, parse_assignment
+from stribeck.scenario.changes import changed, parse_assignment, plain
 from stribeck.signals import Signal
 from stribeck.system import Groups, System
 
@@ -45,14 +45,14 @@ class Scenario:
     def __init__(
         self, data: Mapping[str, Any] | None = None, *, folder: str | Path | None = None, **tables_: Any
     ) -> None:
-        self.data: dict[str, Any] = {"schema": 1, **tables_} if data is None else {**data, **tables_}
+        self.data: dict[str, Any] = plain({"schema": 1, **tables_} if data is None else {**data, **tables_})
         self.folder = Path(folder) if folder is not None else Path()
         self.law: Law
         self.drive: type[Drive]
         self.signal: Signal
         problems = _Reader(self).read()
         if problems:
-            raise InputError([f"{path}: {text}" if path else text for path, text in problems])
+            raise InputError([f"{path}: {text}" for path, text in problems])
 
     @classmethod
     def load(cls, path: str | Path, changes: Mapping[str, Any] | None = None) -> Scenario:
@@ -62,14 +62,7 @@ class Scenario:
             InputError: the file cannot be read, is not TOML, or is no valid scenario; one line for each problem.
         """
         path = Path(path)
-        try:
-            data = tomllib.loads(path.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-        except UnicodeDecodeError:
-            raise InputError(f"{path}: is not text in UTF-8") from None
-        except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
-            raise InputError(f"{path}: is not TOML: {str(error) or type(error).__name__}") from None
+        data = read_toml(path)
         if not data:
             raise InputError(f"{path}: is empty; 'stribeck new' writes a scenario to start from")
         data.setdefault("name", path.stem)
@@ -157,8 +150,7 @@ class _Reader:
         s = self.scenario
         s.solve = self._table(tables.Solve, "solve")
         s.output = self._table(tables.Output, "output")
-        if not self.problems:
-            self._together()
+        self._together()
         return self.problems
 
     def _table(self, model: type[tables.Table], name: str) -> Any:
@@ -170,12 +162,15 @@ class _Reader:
         self.problems += found
         return table
 
+    def _unknown(self, table: dict[str, Any], path: str, known: Iterable[str]) -> None:
+        """Name the keys that are not known."""
+        known = dict.fromkeys(known)
+        for key in [key for key in table if key not in known]:
+            guess = nearest(key, known) or f" (known here: {', '.join(known)})"
+            self.problems.append((f"{path}.{key}" if path else key or "''", f"{show(table[key])}: unknown key{guess}"))
+
     def _top(self) -> None:
-        known = ("schema", "name", *_TABLES)
-        for key, value in self.data.items():
-            if key not in known:
-                guess = nearest(key, known) or f" (known here: {', '.join(known)})"
-                self.problems.append((key, f"{show(value)}: unknown key{guess}"))
+        self._unknown(self.data, "", ("schema", "name", *_TABLES))
         schema, name = self.data.get("schema"), self.data.get("name", "")
         if "schema" not in self.data:
             self.problems.append(("schema", "missing: must be given (schema = 1, the version of the file format)"))
@@ -188,36 +183,54 @@ class _Reader:
         table = self.data.get("law")
         if not isinstance(table, dict):
             text = "missing: the table [law] must be given (with name and parameters)"
-            self.problems.append(("law", text if table is None else f"{show(table)}: must be a table"))
+            self.problems.append(("law", text if table is None else _no_table(table)))
             return
-        if "name" not in table:
-            self.problems.append(("law.name", "missing: must be given (the name of a law)"))
-            return
-        try:
-            law = laws.find(table["name"], self.folder)
-        except InputError as error:
-            self.problems += [("law.name", text) for text in error.problems]
-            return
-        parameters = self._parameters(table, law)
-        if parameters is None:
-            return
+        law = self._named_law(table)
+        given = self._parameters(table, law)
+        parameters = given or {}
         own = {name: value for name, value in table.items() if name not in ("name", "parameters")}
         paths = {name: f"law.parameters.{name}" for name in (*PARAMETERS, *parameters)} | {n: f"law.{n}" for n in own}
         for name in [name for name in own if name in PARAMETERS or name in parameters]:
             text = "belongs in law.parameters" if name in PARAMETERS else "stands in law.parameters too"
             self.problems.append((f"law.{name}", f"{show(own.pop(name))}: {text}"))
-        values = {**parameters, **own}
-        found = law.problems(values)
+        misspelt = {name: own.pop(name) for name in list(own) if nearest(name, ("name", "parameters"))}
+        self._unknown(misspelt, "law", ("name", "parameters"))
+        if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
+            found = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
+            if ".py:" not in str(table.get("name")):
+                every = (name for each in laws.builtin().values() for name in each.constants())
+                self._unknown(own, "law", ("name", "parameters", *every, *PARAMETERS))
+        else:
+            found = law.problems({**parameters, **own})
+        if given is None:  # said already
+            found = [(name, text) for name, text in found if name not in PARAMETERS]
         self.problems += [(paths.get(name, f"law.{name}"), text) for name, text in found]
-        if not found:
-            self.scenario.law = law(values)
+        if law is not None and given is not None and not found:
+            self._evaluate(law({**parameters, **own}))
 
-    def _parameters(self, table: dict[str, Any], law: type[Law]) -> dict[str, Any] | None:
+    def _evaluate(self, law: Law) -> None:
+        if ".py:" in self.data["law"]["name"] and (trouble := laws.trouble(law)):
+            self.problems.append(("law.name", f"{show(self.data['law']['name'])}: {trouble}"))
+        else:
+            self.scenario.law = law
+
+    def _named_law(self, table: dict[str, Any]) -> type[Law] | None:
+        if "name" not in table:
+            self.problems.append(("law.name", "missing: must be given (the name of a law, or FILE.py:NAME)"))
+            return None
+        try:
+            return laws.find(table["name"], self.folder)
+        except InputError as error:
+            self.problems += [("law.name", text) for text in error.problems]
+            return None
+
+    def _parameters(self, table: dict[str, Any], law: type[Law] | None) -> dict[str, Any] | None:
+        """The machine's parameters; None where they are missing or cannot be read, which is then said."""
         given = table.get("parameters")
         if given is None:
-            if any(law.constants()[name].required for name in law.uses):
-                needs = ", ".join(law.uses)
-                text = f"missing: must be a table of numbers or the name of a set; law '{law.name}' needs {needs}"
+            if law is not None and any(law.constants()[name].required for name in law.uses):
+                needs = f"law '{law.name}' needs {', '.join(law.uses)}"
+                text = f"missing: must be a table of numbers or the name of a set; {needs}"
                 self.problems.append(("law.parameters", text))
                 return None
             return {}
@@ -228,34 +241,35 @@ class _Reader:
             self.problems.append(("law.parameters", f"{show(given)}: {text}"))
             return None
         try:
-            values = parameter_sets.load(given, self.folder).values
+            return laws.parameters_for(law, given, self.folder)
         except InputError as error:
             self.problems += [("law.parameters", text) for text in error.problems]
             return None
-        # a set belongs to a machine and may hold more than this law knows
-        return {name: value for name, value in values.items() if name in PARAMETERS or name in law.constants()}
 
     def _drive(self) -> None:
         table = self.data.get("drive")
         if not isinstance(table, dict):
             kinds = ", ".join(drives.KINDS)
             text = f"missing: the table [drive] must be given (with kind, one of {kinds}, and signal)"
-            self.problems.append(("drive", text if table is None else f"{show(table)}: must be a table"))
+            self.problems.append(("drive", text if table is None else _no_table(table)))
             return
-        kind = self._kind(table, "drive", list(drives.KINDS))
+        kind = self._kind(table, "drive", drives.KINDS, tables.drive_table)
         if kind is not None:
             values, found = tables.validate(tables.drive_table(kind), table, "drive")
-            self.problems += [p for p in found if not p[0].startswith("drive.signal") or "signal" not in table]
+            self.problems += [p for p in found if p[0] != "drive.signal" or "signal" not in table]
             self.scenario.drive = drives.KINDS[kind]
             if values is not None:
                 self.scenario.drive_values = {n: getattr(values, n) for n in drives.KINDS[kind].constants}
         if "signal" in table:
             self._signal(table["signal"])
 
-    def _kind(self, table: dict[str, Any], path: str, kinds: list[str]) -> str | None:
+    def _kind(
+        self, table: dict[str, Any], path: str, kinds: Mapping[str, Any], model: Callable[[str], type[tables.Table]]
+    ) -> str | None:
         kind = table.get("kind")
         if isinstance(kind, str) and kind in kinds:
             return kind
+        self._unknown(table, path, (name for each in kinds for name in model(each).model_fields))
         allowed = f"one of {', '.join(kinds)}"
         if "kind" not in table:
             self.problems.append((f"{path}.kind", f"missing: must be given ({allowed})"))
@@ -267,9 +281,9 @@ class _Reader:
     def _signal(self, table: Any) -> None:
         path = "drive.signal"
         if not isinstance(table, dict):
-            self.problems.append((path, f"{show(table)}: must be a table, not {kind_of(table)}"))
+            self.problems.append((path, _no_table(table)))
             return
-        kind = self._kind(table, path, list(signals.KINDS))
+        kind = self._kind(table, path, signals.KINDS, tables.signal_table)
         if kind is None:
             return
         values, found = tables.validate(tables.signal_table(kind), table, path)
@@ -281,7 +295,8 @@ class _Reader:
             try:
                 self.scenario.signal = signals.File.read(self.folder / values.path, values.time, values.value)
             except InputError as error:
-                self.problems += [(path, text) for text in error.problems]
+                keyed = (text.partition(": ") for text in error.problems)
+                self.problems += [(f"{path}.{key}", text) for key, _, text in keyed]
         elif cls is signals.Points:
             t, value = np.array(values.t, float), np.array(values.value, float)
             wrong = signals.Points.problems(t, value)
@@ -296,31 +311,49 @@ class _Reader:
         moved = drive is not None and drive.sets_velocity
         if moved and "plant" not in self.data:
             self.data["plant"] = {}
-        if drive is None and isinstance(self.data.get("plant"), dict):
-            return  # which keys are allowed depends on the drive
+        if drive is None:  # whether a mass must be given depends on the drive
+            if "plant" in self.data:
+                found = tables.validate(tables.plant_table(True), self.data["plant"], "plant")[1]
+                self.problems += [p for p in found if not p[1].startswith("missing")]
+            return
         table = self._table(tables.plant_table(not moved), "plant")
         if table is not None:
             self.scenario.mass = None if moved else table.mass
             self.scenario.initial = {"v": 0.0, **dict(table.initial)}
 
     def _together(self) -> None:
-        """What can only be judged with every table in hand."""
+        """What can only be judged with several tables in hand, as far as they are valid."""
         s = self.scenario
-        states = [state.name for state in s.system.states]
-        for name in s.solve.atol:
+        law, drive = getattr(s, "law", None), getattr(s, "drive", None)
+        initial: dict[str, float] = getattr(s, "initial", {})
+        if law is not None and not law.has_z and initial.get("z"):
+            self.problems.append(("plant.initial.z", f"{initial['z']}: law '{law.name}' has no z; leave it out"))
+        if law is None or drive is None:
+            return
+        system = System(type(law), law.structure, drive, None, s.output is not None and s.output.energy)
+        states = [state.name for state in system.states]
+        for name in s.solve.atol if s.solve else ():
             if name not in states:
-                text = f"{s.solve.atol[name]}: there is no such state (the states are {', '.join(states)})"
-                self.problems.append((f"solve.atol.{name}", text))
-        if not s.law.has_z and s.initial["z"] != 0:
-            self.problems.append(("plant.initial.z", f"{s.initial['z']}: law '{s.law.name}' has no z; leave it out"))
-        if s.law.jumps_at_rest and not s.drive.sets_velocity:
-            text = f"missing: the force of law '{s.law.name}' jumps at v = 0, and a body under it cannot come to rest"
-            self.problems.append(
-                ("law.k_v", f"{text}; give k_v > 0 in s/m for a smooth sign, or drive.kind = 'velocity'")
-            )
-        needed = float(s.rows) * 8 * 2 * (1 + len(s.system.columns))
+                guess = nearest(name, states) or f" (the states are {', '.join(states)})"
+                self.problems.append((f"solve.atol.{name}", f"{s.solve.atol[name]}: there is no such state{guess}"))
+        if law.jumps_at_rest and not drive.sets_velocity:
+            smooth = "k_v" in law.constants()
+            text = f"the force of law '{law.name}' jumps at v = 0, and a body under it cannot come to rest"
+            text = f"missing: {text}; give k_v > 0 in s/m for a smooth sign" if smooth else f"{show(law.name)}: {text}"
+            self.problems.append(("law.k_v" if smooth else "law.name", f"{text}, or use drive.kind = 'velocity'"))
+        if s.solve and s.output:
+            self._rows(len(system.columns))
+
+    def _rows(self, columns: int) -> None:
+        """Refuse an output that memory cannot hold: the states are kept beside the columns."""
+        rows, step = self.scenario.rows, self.scenario.output.step
+        needed = float(rows) * 8 * 2 * (1 + columns)
         if needed > (room := memory.available()):
-            more = "more than " if s.rows >= _ROWS_LARGEST else ""
-            text = f"{s.solve.t_end / s.output.step:.3g} rows would take {more}{memory.size(needed)} of memory"
+            more = "more than " if rows >= _ROWS_LARGEST else ""
+            text = f"{more}{rows:.3g} rows would take {more}{memory.size(needed)} of memory"
             free = f"{memory.size(room)} are free; must be larger"
-            self.problems.append(("output.step", f"{show(s.output.step)}: {text}, and {free}"))
+            self.problems.append(("output.step", f"{show(step)}: {text}, and {free}"))
+
+
+def _no_table(value: Any) -> str:
+    return f"{show(value)}: must be a table, not {kind_of(value)}"

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-import copy
 import tomllib
 from collections.abc import Mapping
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
-from stribeck import laws, parameter_sets
+import numpy as np
+
+from stribeck import laws
 from stribeck.errors import InputError, note
 from stribeck.laws.base import PARAMETERS
+
+_DEEPEST = 8
 
 
 def parse_assignment(text: str) -> tuple[str, Any]:
@@ -24,9 +27,27 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     if not sign or not all(path.split(".")):
         raise InputError(f"--set {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
     try:
-        return path, tomllib.loads(f"x = {value}")["x"]
-    except tomllib.TOMLDecodeError:
+        read = tomllib.loads(f"x = {value}")
+    except (ValueError, RecursionError):
         return path, value.strip()
+    return path, read["x"] if len(read) == 1 else value.strip()
+
+
+def plain(value: Any, path: str = "", depth: int = 0) -> Any:
+    """A copy made of plain Python values, as a file gives them: NumPy's become numbers and lists.
+
+    Raises:
+        InputError: the value is nested deeper than any scenario.
+    """
+    if depth > _DEEPEST:
+        raise InputError(f"{path}: nested too deeply: must be at most {_DEEPEST} tables or lists deep")
+    if isinstance(value, Mapping):
+        return {str(key): plain(inner, path or str(key), depth + 1) for key, inner in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return plain(value.tolist(), path, depth)
+    if isinstance(value, list | tuple):
+        return [inner if type(inner) is float else plain(inner, path, depth + 1) for inner in value]
+    return str(value) if isinstance(value, PurePath) else value
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -34,16 +55,31 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, Any], folder: Path) -
 
     A new ``law.name`` drops the constants of the old law that the new one does not have, and says so.
     """
-    new: dict[str, Any] = copy.deepcopy(dict(data))
+    new: dict[str, Any] = plain(data)
     if "law.name" in changes:
         _set(new, "law.name", changes["law.name"])
         _drop_foreign_constants(new, folder)
-    for path, value in changes.items():
-        if path.startswith("law.parameters.") and isinstance(new.get("law", {}).get("parameters"), str):
-            new["law"]["parameters"] = dict(parameter_sets.load(new["law"]["parameters"], folder).values)
-        if path != "law.name":
-            _set(new, path, value)
+    for path in sorted(changes, key=lambda path: path.count(".")):  # a table before what is in it
+        if path == "law.name" or (path.startswith("law.parameters.") and not _unfold_parameters(new, folder)):
+            continue
+        _set(new, path, plain(changes[path], path))
     return new
+
+
+def _unfold_parameters(data: dict[str, Any], folder: Path) -> bool:
+    """Put the values of a set in the place of its name; False where there is no such set, as validation will say."""
+    law = data.get("law")
+    if not isinstance(law, dict) or not isinstance(law.get("parameters"), str):
+        return True
+    try:
+        known: type[laws.Law] | None = laws.find(str(law.get("name")), folder)
+    except InputError:
+        known = None
+    try:
+        law["parameters"] = laws.parameters_for(known, law["parameters"], folder)
+    except InputError:
+        return False
+    return True
 
 
 def _set(data: dict[str, Any], path: str, value: Any) -> None:

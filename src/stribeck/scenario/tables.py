@@ -31,7 +31,9 @@ class Solve(Table):
     atol: dict[str, Annotated[float, Field(gt=0)]] = Field(
         default_factory=dict, description="absolute tolerance by state; the default scales with F_s/sigma_0 and v_s"
     )
-    max_steps: int = Field(1_000_000_000, gt=0, description="attempted steps after which the run is given up")
+    max_steps: int = Field(
+        1_000_000_000, gt=0, le=10**18, description="attempted steps after which the run is given up"
+    )
 
 
 class Output(Table):
@@ -114,47 +116,51 @@ def validate(model: type[Table], data: Any, path: str) -> tuple[Any, list[Proble
     try:
         return model.model_validate(data), []
     except ValidationError as error:
-        return None, [_problem(details, model, path) for details in error.errors(include_url=False)]
+        found: dict[str, Problem] = {}  # of a list, the first wrong value
+        for details in error.errors(include_url=False):
+            problem = _problem(details, model, path)
+            found.setdefault(problem[0].partition("[")[0], problem)
+        return None, list(found.values())
 
 
 def _problem(details: Any, model: type[Table], path: str) -> Problem:
-    where, value, context = details["loc"], details["input"], details.get("ctx", {})
+    where, value, kind = details["loc"], details["input"], details["type"]
     name = ".".join(str(part) for part in where if not isinstance(part, int))
-    full = f"{path}.{name}" if path else name
-    full += "".join(f"[{part}]" for part in where if isinstance(part, int))
-    kind = details["type"]
-    if kind == "missing":
-        field = model.model_fields.get(str(where[0]))
-        meaning = f" ({field.description})" if field and field.description and len(where) == 1 else ""
-        return full, f"missing: must be given{meaning}"
+    full = f"{path}.{name}" + "".join(f"[{part}]" for part in where if isinstance(part, int))
     if kind == "extra_forbidden":
-        known = _known_keys(model, where[:-1])
+        known = list(_declared(model, where[:-1])["properties"])
+        if name == "initial.v":
+            return full, f"{show(value)}: must be left out: the drive sets the velocity"
         guess = nearest(str(where[-1]), known) or f" (known here: {', '.join(known)})"
         return full, f"{show(value)}: unknown key{guess}"
-    return full, f"{show(value)}: must be {_allowed(kind, context, value)}"
+    declared = _declared(model, where)
+    if kind == "missing":
+        return full, f"missing: must be given ({declared['description']})"
+    text = f"{show(value)}: must be {_allowed(declared)}"
+    is_number = kind_of(value) == "a number" and declared.get("type") in ("number", "integer")
+    return full, f"{text}, not {kind_of(value)}" if kind.endswith("_type") and not is_number else text
 
 
-def _known_keys(model: type[BaseModel], where: tuple[Any, ...]) -> list[str]:
+def _declared(model: type[Table], where: tuple[Any, ...]) -> dict[str, Any]:
+    """The JSON Schema of a key."""
+    node = schema = model.model_json_schema()
     for part in where:
-        annotation = model.model_fields[str(part)].annotation
-        if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-            model = annotation
-    return list(model.model_fields)
+        inner = "items" if isinstance(part, int) else "additionalProperties"
+        node = node.get("properties", {}).get(part) or node[inner]
+        node = node.get("anyOf", [node])[0]  # the other one is the None of what may be left out
+        if "$ref" in node:
+            node = schema["$defs"][node["$ref"].rpartition("/")[2]]
+    return node
 
 
-def _allowed(kind: str, context: dict[str, Any], value: Any) -> str:
-    plain = {
-        "finite_number": "a finite number", "int_type": f"a whole number, not {kind_of(value)}",
-        "float_type": "a finite number" if type(value) is int else f"a number, not {kind_of(value)}",
-        "string_type": f"text, not {kind_of(value)}",
-        "bool_type": f"true or false, not {kind_of(value)}", "list_type": f"a list, not {kind_of(value)}",
-        "dict_type": f"a table, not {kind_of(value)}", "model_type": f"a table, not {kind_of(value)}",
-        "string_too_short": "text that is not empty",
+def _allowed(declared: dict[str, Any]) -> str:
+    if "const" in declared:
+        return repr(declared["const"])
+    words = {
+        "number": "a finite number", "integer": "a whole number", "string": "text", "boolean": "true or false",
+        "array": "a list", "object": "a table",
     }  # fmt: skip
-    bounds = {"greater_than": (">", "gt"), "greater_than_equal": (">=", "ge"), "less_than_equal": ("<=", "le")}
-    if kind in bounds:
-        sign, key = bounds[kind]
-        return f"a number {sign} {context[key]:g}"
-    if kind == "literal_error":
-        return str(context["expected"])
-    return plain.get(kind, kind.replace("_", " "))
+    signs = {"exclusiveMinimum": ">", "minimum": ">=", "maximum": "<="}
+    bounds = " and ".join(f"{sign} {declared[key]:g}" for key, sign in signs.items() if key in declared)
+    empty = "that is not empty" if "minLength" in declared else ""
+    return f"{words[declared['type']]} {bounds}{empty}".rstrip()

@@ -36,7 +36,9 @@ def simulate(scenario: Scenario, progress: Callable[[float], None] | None = None
         note("no C compiler found: solving with SciPy, some hundred times slower (pip install 'stribeck[compiler]')")
     else:
         try:
-            library, built = cache.library(source(scenario.system), chosen)
+            found, built = cache.library(source(scenario.system), chosen)
+            native.check(found)
+            library = found
             build_seconds = perf_counter() - started
         except (BuildError, OSError) as error:
             note(f"compiling failed ({' '.join(str(error).split())}): solving with SciPy, some hundred times slower")

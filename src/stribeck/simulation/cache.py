@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
-import shutil
 import tempfile
 from hashlib import sha256
 from pathlib import Path
@@ -65,36 +64,32 @@ def _from_disk(key: str) -> ctypes.CDLL | None:
 
 
 def _build(key: str, source: str, compiler: Compiler) -> ctypes.CDLL:
+    with tempfile.TemporaryDirectory(prefix="stribeck-", ignore_cleanup_errors=True) as work:
+        code, built = Path(work) / "system.c", Path(work) / "system.so"
+        code.write_text(source, encoding="utf-8")
+        compiler.build(code, built)
+        return ctypes.CDLL(str(_keep(key, built)))
+
+
+def _keep(key: str, built: Path) -> Path:
+    """The library's place in the cache, or where it is when the cache cannot be written."""
     home = folder()
+    kept = home / f"{key}-{_digest(built)}.so"
     try:
         home.mkdir(parents=True, exist_ok=True)
-        work = Path(tempfile.mkdtemp(prefix="build-", dir=home))
+        with tempfile.NamedTemporaryFile(prefix="build-", dir=home, delete=False) as draft:
+            try:
+                draft.write(built.read_bytes())
+                draft.close()
+                Path(draft.name).replace(kept)
+            except OSError:
+                with contextlib.suppress(OSError):
+                    Path(draft.name).unlink()
+                raise
     except OSError as error:
         _say_not_kept(home, error)
-        work = Path(tempfile.mkdtemp(prefix="stribeck-"))
-        home = work
-    try:
-        try:
-            code, built = work / "system.c", work / "system.so"
-            code.write_text(source, encoding="utf-8")
-        except OSError as error:
-            if home == work:
-                raise
-            _say_not_kept(home, error)
-            shutil.rmtree(work, ignore_errors=True)
-            home = work = Path(tempfile.mkdtemp(prefix="stribeck-"))
-            code, built = work / "system.c", work / "system.so"
-            code.write_text(source, encoding="utf-8")
-        compiler.build(code, built)
-        kept = home / f"{key}-{_digest(built)}.so"
-        try:
-            built.replace(kept)
-        except OSError as error:
-            _say_not_kept(home, error)
-            kept = built
-        return ctypes.CDLL(str(kept))
-    finally:
-        shutil.rmtree(work, ignore_errors=True)
+        return built
+    return kept
 
 
 def _say_not_kept(home: Path, error: OSError) -> None:

@@ -53,7 +53,8 @@ class Compiler:
                 raise BuildError(f"{self.command[0]} cannot be run: {error.strerror}") from None
             if result.returncode == 0 and library.is_file():
                 return
-            complaint = complaint or _first_complaint(result.stderr) or f"exit status {result.returncode}, no message"
+            silent = f"exit status {result.returncode}, no message" if result.returncode else "it wrote no library"
+            complaint = complaint or _first_complaint(result.stderr) or silent
         raise BuildError(f"{Path(self.command[0]).name} failed: {complaint}")
 
 

@@ -62,7 +62,11 @@ def solve(scenario: Scenario, progress: Callable[[float], None] | None = None) -
                 atol=tolerances, max_step=scenario.signal.longest_step,
             )  # fmt: skip
             while solver.status == "running" and reason is None:
-                message = solver.step()
+                try:
+                    message = solver.step()
+                except ValueError:  # its linear algebra refuses what is not finite
+                    reason = f"after t = {solver.t:.9g} s the equations are no longer finite"
+                    break
                 if solver.status == "failed":
                     reason = f"at t = {solver.t:.9g} s SciPy's Radau failed: {message}"
                     break

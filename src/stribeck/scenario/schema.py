@@ -1,0 +1,156 @@
+"""The JSON Schema of a scenario file, made from the declarations that validate it; editors complete and check with it.
+
+``python -m stribeck.scenario.schema`` writes it to the file that the package ships.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from stribeck import drives, laws, parameter_sets, signals
+from stribeck.constants import Constant
+from stribeck.laws.base import PARAMETERS, Law
+from stribeck.scenario import tables
+from stribeck.system import System
+
+Node = dict[str, Any]
+
+FILE = Path(__file__).parent.parent / "scenario.schema.json"
+_MACHINE: Node = {name: {"$ref": f"#/$defs/{name}"} for name in PARAMETERS}
+_TOML_FILE: Node = {"type": "string", "pattern": "\\.toml$", "description": "a file, relative to the scenario file"}
+
+
+def json_schema() -> Node:
+    """The schema, as JSON Schema draft 2020-12."""
+    moved = {"properties": {"drive": {"properties": {"kind": {"const": _moving()}}, "required": ["kind"]}}}
+    velocity_is_set = {"properties": {"plant": {"properties": {"initial": {"properties": {"v": False}}}}}}
+    mass_is_needed = {"properties": {"plant": {"required": ["mass"]}}, "required": ["plant"]}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A scenario of Stribeck: a friction law on a body, and what moves it (SI units)",
+        **_object(
+            {
+                "schema": {"const": 1, "description": "the version of the file format"},
+                "name": {"type": "string", "description": "the scenario's name; the file's unless given"},
+                "law": {"oneOf": [*map(_law, laws.builtin().values()), _own_law()], "description": "the friction law"},
+                "plant": {**_model(tables.plant_table(True)), "required": [], "description": "what friction acts on"},
+                "drive": {"oneOf": [_drive(kind) for kind in drives.KINDS], "description": "what moves it"},
+                "solve": _solve(),
+                "output": _model(tables.Output),
+            },
+            ["schema", "law", "drive", "solve", "output"],
+        ),
+        "if": moved,
+        "then": velocity_is_set,
+        "else": mass_is_needed,
+        "$defs": {
+            "signal": {"oneOf": [_model(tables.signal_table(kind)) for kind in signals.KINDS]},
+            "set": {"anyOf": [_set(), _TOML_FILE]},
+            **_numbers(PARAMETERS),
+        },
+    }
+
+
+def _moving() -> str:
+    """The kind of drive that sets the velocity."""
+    (kind,) = (kind for kind, drive in drives.KINDS.items() if drive.sets_velocity)
+    return kind
+
+
+def _object(properties: Node, required: list[str], others: bool | Node = False) -> Node:
+    return {"type": "object", "properties": properties, "required": required, "additionalProperties": others}
+
+
+def _number(constant: Constant) -> Node:
+    unit = f", {constant.unit}" if constant.unit else ""
+    optional = {"exclusiveMinimum": constant.above, "minimum": constant.at_least, "default": constant.default}
+    given = {key: value for key, value in optional.items() if value is not None}
+    return {"type": "number", "description": f"{constant.meaning}{unit}", **given}
+
+
+def _numbers(constants: dict[str, Constant]) -> Node:
+    return {name: _number(constant) for name, constant in constants.items()}
+
+
+# -- the law ---------------------------------------------------------------------------------------------------------
+
+
+def _law(law: type[Law]) -> Node:
+    constants, own = law.constants(), law.own_constants()
+    needed = [name for name in law.uses if constants[name].required]
+    table = _object({**_MACHINE, **_numbers(own)}, needed)
+    about = (law.__doc__ or "").strip().partition("\n")[0]
+    node = _object(
+        {"name": {"const": law.name, "description": about}, **_numbers(own), "parameters": _parameters(table)},
+        ["name", *(["parameters"] if needed else [])],
+    )
+    places = [_somewhere(name) for name, constant in own.items() if constant.required]
+    return {**node, **({"allOf": places} if places else {})}
+
+
+def _own_law() -> Node:
+    """A law in a file of the user's: its constants are not known here."""
+    name = {"type": "string", "pattern": "\\.py:.", "description": "FILE.py:NAME, a law of your own"}
+    table = _object(_MACHINE, [], {"type": "number"})
+    return _object({"name": name, "parameters": _parameters(table)}, ["name"], {"type": "number"})
+
+
+def _parameters(table: Node) -> Node:
+    return {"anyOf": [table, {"$ref": "#/$defs/set"}], "description": "the machine's parameters"}
+
+
+def _set() -> Node:
+    titles = {name: each.title for name, each in parameter_sets.parameters().items()}
+    return {"enum": list(titles), "description": "; ".join(f"{name}: {title}" for name, title in titles.items())}
+
+
+def _somewhere(name: str) -> Node:
+    """A constant of the law stands in [law] or among the parameters, in the file or in one that it names."""
+    inside: Node = {"anyOf": [{"type": "object", "required": [name]}, _TOML_FILE]}
+    return {"anyOf": [{"required": [name]}, {"properties": {"parameters": inside}, "required": ["parameters"]}]}
+
+
+# -- tables that pydantic declares -----------------------------------------------------------------------------------
+
+
+def _drive(kind: str) -> Node:
+    node, signal = _model(tables.drive_table(kind)), drives.KINDS[kind].signal
+    node["properties"]["signal"] = {"$ref": "#/$defs/signal", "description": f"{signal.meaning}, {signal.unit}"}
+    return node
+
+
+def _solve() -> Node:
+    node = _model(tables.Solve)
+    systems = (System(laws.BristleLaw, (), drive, None, energy=True) for drive in drives.KINDS.values())
+    states = dict.fromkeys(state.name for system in systems for state in system.states)
+    node["properties"]["atol"]["propertyNames"] = {"enum": sorted(states)}
+    return node
+
+
+def _model(model: type[tables.Table]) -> Node:
+    schema = model.model_json_schema()
+    definitions = schema.pop("$defs", {})
+
+    def plain(node: Any) -> Any:
+        """Without titles, which only repeat the names, and with references replaced by what they mean."""
+        if isinstance(node, list):
+            return [plain(inner) for inner in node]
+        if not isinstance(node, dict):
+            return node
+        if "$ref" in node:
+            return plain(definitions[node["$ref"].rpartition("/")[2]])
+        return {key: plain(value) for key, value in node.items() if key != "title" or not isinstance(value, str)}
+
+    result: Node = plain(schema)
+    return result
+
+
+def main() -> None:
+    """Write the schema to the file that the package ships."""
+    FILE.write_text(json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

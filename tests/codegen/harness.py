@@ -1,0 +1,73 @@
+"""The functions of generated C, one by one: the source plus a few exported wrappers, compiled without optimisation."""
+
+import ctypes
+import subprocess
+
+import numpy as np
+
+from stribeck.codegen import source
+from stribeck.simulation import compiler
+
+DOUBLES = np.ctypeslib.ndpointer(np.float64, flags="C")
+
+_WRAPPERS = """
+EXPORT void test_rates(const Parameters *p, const double *s, double t, const double *x, double *dx)
+{
+    const Segment piece = {s[0], s[1], s[2]};
+    Coefficients c;
+    prepare(p, &c);
+    rates(p, &c, &piece, t, x, dx);
+}
+
+EXPORT void test_solve(const Parameters *p, const double *s, double t, const double *x, double shift,
+                       const double *right, double *k, double *df_dt)
+{
+    const Segment piece = {s[0], s[1], s[2]};
+    Coefficients c;
+    Jacobian jac;
+    Factors fac;
+    prepare(p, &c);
+    jacobian(p, &c, &piece, t, x, &jac, df_dt);
+    factorise(p, &c, &jac, shift, &fac);
+    solve(p, &c, &jac, shift, &fac, right, k);
+}
+
+/* n steps of length h, accepted whatever their error: no step control. */
+EXPORT void test_steps(Run *run, double h, int n, double s, double *inside)
+{
+    const Parameters *p = (const Parameters *)run->parameters;
+    const Segment piece = {0, run->piece_value[0], 0};
+    Coefficients c;
+    prepare(p, &c);
+    for (int step = 0; step < n; step++) {
+        double k[STAGES][N], x_new[N], f0[N], df_dt[N], d[3];
+        Jacobian jac;
+        rates(p, &c, &piece, run->t, run->x, f0);
+        jacobian(p, &c, &piece, run->t, run->x, &jac, df_dt);
+        attempt(run, p, &c, &piece, &jac, f0, df_dt, h, k, x_new);
+        for (int i = 0; i < N; i++) {
+            dense(k, i, d);
+            inside[step * N + i] = interpolate(s, run->x[i], x_new[i], d);
+        }
+        for (int i = 0; i < N; i++) run->x[i] = x_new[i];
+        run->t += h;
+    }
+}
+
+#if V_STATE >= 0
+EXPORT void test_events(Run *run, double v0, double v1, const double *d) { note_events(run, 0, 1, v0, v1, d); }
+#endif
+"""
+
+
+def compiled(system, folder):
+    """The source of a system with the wrappers, loaded."""
+    code, library = folder / "system.c", folder / "system.so"
+    code.write_text(source(system) + _WRAPPERS)
+    chosen = compiler.find()
+    subprocess.run([*chosen.command, "-O0", "-fPIC", "-shared", "-o", library, code, "-lm"], check=True)
+    loaded = ctypes.CDLL(str(library))
+    a, d = DOUBLES, ctypes.c_double
+    loaded.test_rates.argtypes = [a, a, d, a, a]
+    loaded.test_solve.argtypes = [a, a, d, a, d, a, a, a]
+    return loaded

@@ -1,0 +1,96 @@
+"""The generated functions against the equations evaluated with NumPy, and derivatives against differences."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import derivative, symbol
+from stribeck.signals import Segment
+from stribeck.system import Groups
+from tests.codegen.harness import compiled
+from tests.codegen.systems import IDS, VALUES, VARIANTS, parameters, states, systems
+from tests.simulation.rig import needs_compiler
+
+PIECE = np.array([0.2, 0.6, -1.5])
+T = 0.7
+
+
+def rates_by_numpy(system, x):
+    """The time derivatives from the laws' and drives' own functions on numbers."""
+    values = {owner: SimpleNamespace(**{n: VALUES[n] for o, n in system.parameters if o == owner}) for owner in
+              ("law", "plant", "drive", "signal")}  # fmt: skip
+    law = system.law.symbolic(lambda name: VALUES[name], system.options)
+    groups = Groups(law, values["plant"], values["drive"], values["signal"])
+    signal = system.signal.equation(groups.signal, T) if system.signal else Segment.equation(Segment(*PIECE), T)
+    named = {state.name: value for state, value in zip(system.states, x, strict=True)}
+    k = system.quantities(groups, signal, named)
+    own = tuple(named[state.name] for state in system.drive.states)
+    by_name = dict(
+        zip(
+            (state.name for state in system.drive.states),
+            system.drive.rates(groups.drive, signal, k["y"], k["v"], own),
+            strict=True,
+        )
+    )
+    by_name |= {"y": k["v"], "z": k["dz_dt"], "E_in": k["u"] * k["v"], "v": (k["u"] - k["F"]) / VALUES["mass"]}
+    stored = VALUES["sigma_0"] * named["z"] * k["dz_dt"] if system.law.has_z else 0.0
+    by_name["E_dissipated"] = k["F"] * k["v"] - stored
+    return np.array([by_name[state.name] for state in system.states], float)
+
+
+def differences(function, x, h=1e-6):
+    """The derivatives of a function of a vector by central differences, a column for each entry."""
+    return np.stack([(function(x + h * e) - function(x - h * e)) / (2 * h) for e in np.eye(len(x))], axis=-1)
+
+
+def graph_functions(system):
+    """The rates and their Jacobian from the graph, as functions of t and the states."""
+    names = [state.name for state in system.states]
+    inputs = [f"{owner}.{name}" for owner, name in system.parameters]
+    inputs += ["segment.start", "segment.value", "segment.slope", "t", *names]
+    rates, n = system.rates(), len(names)
+    by_all = [derivative(rate, symbol(name)) for rate in rates for name in ("t", *names)]
+    f, jacobian = python_function(inputs, rates), python_function(inputs, by_all)
+
+    def values(t, x):
+        return np.array(f(*parameters(system), *PIECE, t, *x), float)
+
+    def derivatives(t, x):
+        found = jacobian(*parameters(system), *PIECE, t, *x)
+        return np.array(found, float).reshape(n, n + 1)
+
+    return values, derivatives
+
+
+@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
+def test_graph(law, options):
+    for system in systems(law, options):
+        values, derivatives = graph_functions(system)
+        for x in states(system):
+            np.testing.assert_allclose(values(T, x), rates_by_numpy(system, x), rtol=1e-13, atol=1e-14)
+            by_all = derivatives(T, x)
+            by_states = differences(lambda x, f=values: f(T, x), x)
+            by_time = differences(lambda t, f=values, x=x: f(t[0], x), np.array([T]))
+            np.testing.assert_allclose(by_all, np.hstack([by_time, by_states]), rtol=1e-6, atol=1e-7)
+
+
+@needs_compiler
+@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
+def test_compiled_functions(law, options, tmp_path):
+    """Rates, and the solution of (shift I - J) k = right, whose J is the Jacobian and whose elimination is code."""
+    for i, system in enumerate(systems(law, options, energy=(True,))):
+        folder = tmp_path / str(i)
+        folder.mkdir()
+        library = compiled(system, folder)
+        values, derivatives = graph_functions(system)
+        n, p = len(system.states), parameters(system)
+        for x in states(system):
+            dx, k, df_dt, right = np.empty(n), np.empty(n), np.empty(n), np.linspace(-1, 2, n)
+            library.test_rates(p, PIECE, T, x, dx)
+            np.testing.assert_allclose(dx, values(T, x), rtol=1e-12, atol=1e-13)
+            library.test_solve(p, PIECE, T, x, 3.7, right, k, df_dt)
+            by_all = derivatives(T, x)
+            np.testing.assert_allclose(df_dt, by_all[:, 0], rtol=1e-12, atol=1e-13)
+            np.testing.assert_allclose((3.7 * np.eye(n) - by_all[:, 1:]) @ k, right, rtol=1e-10, atol=1e-10)

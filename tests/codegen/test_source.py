@@ -1,0 +1,111 @@
+"""The generated C as a text: it compiles without a warning, its names are readable and clash with nothing."""
+
+import re
+import subprocess
+import threading
+
+import numpy as np
+import pytest
+
+from stribeck.codegen import source
+from stribeck.laws import BristleLaw, builtin
+from stribeck.simulation import compiler
+from tests.codegen.systems import IDS, VARIANTS, systems
+from tests.simulation.rig import needs_compiler, rig, solved
+
+STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror", "-fsyntax-only")
+
+
+@needs_compiler
+@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
+def test_compiles_without_a_warning(law, options, tmp_path):
+    files = []
+    for i, system in enumerate(systems(law, options)):
+        files.append(tmp_path / f"system{i}.c")
+        files[-1].write_text(source(system))
+    found = subprocess.run([*compiler.find().command, *STRICT, *files], capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stderr
+
+
+@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
+def test_depends_on_the_system_alone(law, options):
+    """Neither on what else there is, nor on what else is being made: or the cache would miss."""
+    before = [source(system) for system in systems(law, options)]
+    others = [system for other, on in VARIANTS for system in systems(other, on)]
+    alive = [system.rates() for system in others]
+    threads = [threading.Thread(target=source, args=(system,)) for system in others[:8]]
+    for thread in threads:
+        thread.start()
+    assert [source(system) for system in reversed(systems(law, options))] == before[::-1]
+    for thread in threads:
+        thread.join()
+    assert len(alive) == len(others)
+
+
+def test_says_what_it_is_and_names_what_it_holds():
+    text = source(systems(builtin()["lugre_sobczyk"], ())[0])
+    assert "Law: lugre_sobczyk" in text
+    assert "/* N/m, bristle stiffness (law.sigma_0) */" in text
+    for name in ("g", "S_0", "dz_dt", "F", "u"):
+        assert re.search(rf"const double {name} = ", text), name
+    assert max(map(len, text.splitlines())) < 250
+    assert "[0]" not in re.sub(r"(x|dx|k|right|df_dt)\[\d\]", "", text.split("/* ---- The solver")[0])
+
+
+AWKWARD = '''
+from stribeck.constants import Constant
+from stribeck.laws import BristleLaw
+
+class Awkward(BristleLaw):
+    """A law whose constants have the names of C's words, of states and of the code's own variables. */"""
+
+    source = "nobody */ #error"
+    uses = ("sigma_0", "v_s", "F_c")
+    relations = ()
+    {}
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - abs(v) * z * p.sigma_0 / p.F_c * ({}) / {}
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.sigma_0 * z
+
+    @staticmethod
+    def scales(p):
+        from stribeck.laws import Scales
+        return Scales(p.F_c / p.sigma_0, p.v_s, p.F_c)
+'''
+NAMES = (
+    "g", "t", "x", "y", "v", "z", "F", "u", "p", "c", "k", "h", "I", "mass", "stiffness", "double", "start", "value",
+    "slope", "exp", "atan", "run", "N", "right", "shift", "jac", "fac", "piece", "dx", "df_dt", "c0", "c1", "inv_mass",
+    "t1", "t2", "sign_of", "prepare", "solve", "A", "C", "NODE", "STAGES", "attempt", "Run", "Jacobian", "E_in",
+    "M_PI", "NAN", "linux",
+)  # fmt: skip
+
+
+@needs_compiler
+@pytest.mark.parametrize("drive", ["force", {"kind": "spring", "stiffness": 2.0}])
+def test_constants_of_any_name(drive, tmp_path):
+    declared = "\n    ".join(f"{name} = Constant('', 'awkward', above=0)" for name in NAMES)
+    mean = " + ".join(f"p.{name}" for name in NAMES)
+    (tmp_path / "law.py").write_text(AWKWARD.format(declared, mean, float(len(NAMES))))
+    own = dict.fromkeys(NAMES, 1.0)
+    parameters = {"sigma_0": 1e5, "F_c": 1.0, "v_s": 1e-3}
+    data = rig({"name": "law.py:Awkward", "parameters": parameters, **own}, drive, {"kind": "ramp", "rate": 0.8}, 1.0)
+    plain = rig({"name": "dahl", "parameters": parameters}, drive, {"kind": "ramp", "rate": 0.8}, 1.0)
+    np.testing.assert_allclose(solved(data, folder=tmp_path)["y"], solved(plain)["y"], rtol=1e-7, atol=1e-12)
+
+
+def test_a_law_whose_terms_are_named_like_its_constants(tmp_path):
+    class Twice(BristleLaw):
+        """A law with a constant g beside the term g."""
+
+        @staticmethod
+        def dz_dt(p, v, z):
+            from stribeck.laws.terms import g
+
+            return v - abs(v) / g(p, v) * z
+
+    assert "const double g = " in source(systems(Twice, ())[0])

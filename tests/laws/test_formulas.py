@@ -1,0 +1,276 @@
+"""The laws' numbers against formulas written down a second time, from theory.md section 1."""
+
+from __future__ import annotations
+
+from math import atan, copysign, exp, nan, pi, sin, tanh
+
+import numpy as np
+import pytest
+
+from stribeck import InputError, NotDifferentiable, law, parameters
+from stribeck.laws import builtin
+
+P = parameters()["canudas1995"].values
+S0, S1, S2, FC, FS, VS = (P[n] for n in ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s"))
+KV, ZBA = 1e6, 7e-6
+G1, G2, G3, G4, G5, G6 = MAKKAR = (0.25, 100.0, 10.0, 0.1, 100.0, 0.01)
+OWN = {"k_v": KV, "z_ba": ZBA, **dict(zip(("g1", "g2", "g3", "g4", "g5", "g6"), MAKKAR, strict=True))}
+SMOOTH = [n for n, c in builtin().items() if c.claims.smooth or not c.has_z]
+
+
+def make(name: str, **changes):
+    constants = builtin()[name].own_constants()
+    return law(name, "canudas1995", **{n: x for n, x in OWN.items() if n in constants}, **changes)
+
+
+def g(v):
+    return (FC + (FS - FC) * exp(-((v / VS) ** 2))) / S0
+
+
+def S(v):
+    return 2 / pi * atan(KV * v)
+
+
+def m(v):
+    return v * S(v) + 2 / (pi * KV)
+
+
+def alpha_0(v, z):
+    if abs(z) <= ZBA:
+        return 0.0
+    return 1.0 if abs(z) >= g(v) else 0.5 + 0.5 * sin(pi * (abs(z) - (g(v) + ZBA) / 2) / (g(v) - ZBA))
+
+
+def alpha(v, z):
+    return alpha_0(v, z) if v * z > 0 else 0.0
+
+
+def a(v, z):
+    s = min(max((abs(z) - ZBA) / (g(v) - ZBA), 0.0), 1.0)
+    return 10 * s**3 - 15 * s**4 + 6 * s**5
+
+
+RATES = {
+    "lugre": lambda v, z: v - abs(v) / g(v) * z,
+    "lugre_arctan": lambda v, z: v - v * S(v) / g(v) * z,
+    "lugre_sobczyk": lambda v, z: S(v) ** 2 * v - v * S(v) / g(v) * z,
+    "lugre_majorant": lambda v, z: v - m(v) / g(v) * z,
+    "elastoplastic": lambda v, z: v - alpha(v, z) * abs(v) / g(v) * z,
+    "elastoplastic_sobczyk": lambda v, z: S(v) ** 2 * v - alpha_0(v, z) * v * S(v) / g(v) * z,
+    "elastoplastic_majorant": lambda v, z: v - a(v, z) * m(v) / g(v) * z,
+    "dahl": lambda v, z: v - S0 * abs(v) / FC * z,
+}
+STATIC = {
+    "coulomb_viscous": lambda v: FC * S(v) + S2 * v,
+    "stribeck": lambda v: (FC + (FS - FC) * exp(-((v / VS) ** 2))) * S(v) + S2 * v,
+    "makkar": lambda v: G1 * (tanh(G2 * v) - tanh(G3 * v)) + G4 * tanh(G5 * v) + G6 * v,
+}
+SPEEDS = (0.0, 1e-9, 3e-7, 1e-6, 1e-4, 7e-4, 1e-3, 2.5e-3, 0.03, 1.0)
+V = [s * v for v in SPEEDS for s in (1, -1)]
+Z = [s * z for z in (0.0, 1e-9, 5e-6, 7e-6, 7.1e-6, 9e-6, 1.2e-5, 1.5e-5) for s in (1, -1)]
+
+
+def test_every_law_is_tested():
+    assert {*RATES, *STATIC} == set(builtin())
+
+
+@pytest.mark.parametrize("name", RATES)
+def test_rate_and_force(name):
+    model = make(name)
+    for v in V:
+        for z in Z:
+            rate = RATES[name](v, z)
+            scale = abs(v) + abs(z) * (abs(v) + 1 / KV) / g(v)
+            assert model.rate(v, z) == pytest.approx(rate, rel=1e-12, abs=1e-14 * scale), (v, z)
+            force = S0 * z if name == "dahl" else S0 * z + S1 * rate + S2 * v
+            assert model.force(v, z) == pytest.approx(force, rel=1e-12, abs=1e-14 * S1 * scale), (v, z)
+
+
+@pytest.mark.parametrize("name", STATIC)
+def test_static_force(name):
+    model = make(name)
+    assert not model.has_z
+    for v in V:
+        assert model.force(v) == pytest.approx(STATIC[name](v), rel=1e-12, abs=1e-15)
+        assert model.steady_force(v) == pytest.approx(STATIC[name](v), rel=1e-12, abs=1e-15)
+        assert model.rate(v, 1.0) == 0.0
+        assert model.steady_deflection(v) == 0.0
+
+
+@pytest.mark.parametrize("delta", [0.5, 1.0, 2.0, 3.5])
+@pytest.mark.parametrize("k_v", [None, KV])
+def test_stribeck_curve(delta, k_v):
+    model = law("stribeck", "canudas1995", delta=delta, k_v=k_v)
+    for v in V:
+        side = S(v) if k_v else np.sign(v)
+        force = side * (FC + (FS - FC) * exp(-(abs(v / VS) ** delta))) + S2 * v
+        assert model.force(v) == pytest.approx(force, rel=1e-12, abs=1e-15)
+
+
+STEADY = {
+    "lugre": lambda v: g(v),
+    "lugre_arctan": lambda v: g(v) / S(v),
+    "lugre_sobczyk": lambda v: g(v) * S(v),
+    "lugre_majorant": lambda v: g(v) * v / m(v),
+    "elastoplastic": lambda v: g(v),
+    "dahl": lambda v: FC / S0,
+}
+
+
+@pytest.mark.parametrize("name", STEADY)
+def test_steady_values(name):
+    model = make(name)
+    for v in V:
+        z = copysign(STEADY[name](abs(v)), v) if v else 0.0
+        assert model.steady_deflection(v) == pytest.approx(z, rel=1e-9)
+        force = S0 * z + (0 if name == "dahl" else S2 * v)
+        assert model.steady_force(v) == pytest.approx(force, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", RATES)
+def test_steady_deflection_stops_the_bristle(name):
+    model = make(name)
+    v = np.array([v for v in V if v])
+    z = model.steady_deflection(v)
+    assert np.all(np.sign(z) == np.sign(v))
+    assert model.rate(v, z) == pytest.approx(0.0 * v, abs=1e-9 * abs(v).max())
+    assert np.all(abs(model.rate(v, z)) <= 1e-6 * abs(v))
+    assert np.all(model.rate(v, 0.5 * z) * np.sign(v) > 0)  # and it is reached from 0
+
+
+def test_break_away_deflections_of_the_smooth_elastoplastic_laws():
+    """From rest, elastoplastic_sobczyk leaves z_ba at once; the majorant law does when pulled, and stays below LuGre."""
+    assert make("elastoplastic_sobczyk").steady_deflection(1e-12) == pytest.approx(ZBA, rel=1e-2)
+    assert ZBA < make("elastoplastic_majorant").steady_deflection(1e-6) < g(1e-6)
+
+
+def test_an_infinite_steady_force():
+    """lugre_arctan has no bound: the slower the speed, the larger the force."""
+    forces = make("lugre_arctan").steady_force(10.0 ** -np.arange(3, 12))
+    assert np.all(np.diff(forces) > 0)
+    assert forces[-1] > 1e4 * FS
+
+
+@pytest.mark.parametrize("name", [*RATES, *STATIC])
+def test_force_rate(name):
+    """dF/dt along a motion: v(t) = v + w t, and z follows its equation."""
+    model = make(name)
+    w, h = 0.3, 1e-9
+    for v in (v for v in V if abs(v) >= 1e-6):
+        for z in (-1.2e-5, 0.0, 2e-6, 8.3e-6):
+            rate = model.rate(v, z)
+            force = [model.force(v + s * w * h, z + s * rate * h) for s in (-1, 1)]
+            size = abs(S0 * z) + S1 * abs(v) + FS
+            expected = (force[1] - force[0]) / (2 * h)
+            assert model.force_rate(v, z, w) == pytest.approx(expected, rel=1e-5, abs=1e-15 * size / h)
+
+
+@pytest.mark.parametrize("name", SMOOTH)
+def test_smooth_laws_have_a_force_rate_at_rest(name):
+    model = make(name)
+    found = model.force_rate(0.0, np.array([-1e-5, 0.0, 1e-5]), np.array([[-1.0], [0.0], [2.0]]))
+    assert found.shape == (3, 3)
+    assert np.isfinite(found).all()
+
+
+def test_the_force_rate_at_rest_in_numbers():
+    """dF/dt = sigma_0 dz/dt + sigma_1 d2z/dt2 + sigma_2 dv/dt, all terms by hand."""
+    z, w, g0 = 8e-6, 2.0, FS / S0
+    assert make("lugre_sobczyk").force_rate(0.0, z, w) == pytest.approx(S2 * w)  # S_0^2 v and v S_0 vanish to 2nd order
+    assert make("lugre_arctan").force_rate(0.0, z, w) == pytest.approx((S1 + S2) * w)
+    leak = -2 / (pi * KV) / g0  # of lugre_majorant: dz/dt = v + leak z there
+    expected = S0 * leak * z + S1 * (w + leak * leak * z) + S2 * w
+    assert make("lugre_majorant").force_rate(0.0, z, w) == pytest.approx(expected)
+    assert make("coulomb_viscous").force_rate(0.0, 0.0, w) == pytest.approx((2 / pi * KV * FC + S2) * w)
+
+
+@pytest.mark.parametrize("name", ["lugre", "elastoplastic", "stribeck"])
+def test_no_force_rate_at_rest(name):
+    z = 1.4e-5
+    changes = {"k_v": None} if name == "stribeck" else {}
+    model = law(name, "canudas1995", **({"z_ba": ZBA} if name == "elastoplastic" else changes))
+    with pytest.raises(NotDifferentiable, match=rf"law '{name}' has no dF/dt at v = 0.*use a smooth law such as"):
+        model.force_rate(0.0, z, 1.0)
+    with pytest.raises(NotDifferentiable):
+        model.force_rate([1e-3, -0.0, 1.0], z, -1.0)
+    assert np.isfinite(model.force_rate([1e-3, -1e-3], z, 1.0)).all()
+
+
+def test_a_force_rate_where_both_sides_agree():
+    """At v = 0 the elasto-plastic law is elastic below z_ba, LuGre's |v| z vanishes with z, and Dahl's F has no |v|."""
+    model = law("elastoplastic", "canudas1995", z_ba=ZBA)
+    assert model.force_rate(0.0, 0.9 * ZBA, 3.0) == pytest.approx((S1 + S2) * 3.0)
+    assert make("lugre").force_rate(0.0, 0.0, 3.0) == pytest.approx((S1 + S2) * 3.0)
+    assert make("lugre").force_rate(0.0, 1e-5, 0.0) == pytest.approx(0.0, abs=1e-200)
+    assert make("lugre").force_rate(0.0, 0.0, 0.0) == pytest.approx(0.0, abs=1e-200)
+    assert make("dahl").force_rate(0.0, 1e-5, 3.0) == pytest.approx(0.0, abs=1e-200)
+
+
+EXTREMES = [s * v for v in (0.0, 5e-324, 1e-300, 1e6, 1e150, 1e300) for s in (1.0, -1.0)]
+
+
+@pytest.mark.parametrize("set_name", parameters())
+@pytest.mark.parametrize("name", [*RATES, *STATIC])
+def test_extreme_speeds(name, set_name):
+    p = parameters()[set_name].values
+    own = {n: x for n, x in OWN.items() if n in builtin()[name].own_constants()}
+    own |= {"z_ba": 0.7 * p["F_c"] / p["sigma_0"]} if "z_ba" in own else {}
+    model = law(name, set_name, **own)
+    length = model.scales(model.p).length
+    v, z = np.array(EXTREMES)[:, None], length * np.array([-0.99, -0.5, 0.0, 0.5, 0.99])
+    assert np.isfinite(model.rate(v, z)).all()
+    assert np.isfinite(model.force(v, z)).all()
+    steady = model.steady_force(v)
+    assert np.isfinite(steady).all()
+    assert np.all(steady * np.sign(v) >= 0)
+    assert np.all(np.isfinite(model.steady_deflection(v)))
+    derivatives = np.array(model.jacobian(v[:-2], z))  # at 1e300 m/s their terms overflow
+    assert not np.isnan(derivatives).any()
+    assert not np.isnan(model.force_rate(v[2:-2], z, 1.0)).any()
+
+
+def test_steady_force_next_to_rest():
+    tiny = np.array([1e-300, 1e-200, 1e-100, 1e-50])
+    assert make("lugre").steady_force(tiny) == pytest.approx(FS)
+    assert make("lugre_sobczyk").steady_force(tiny) == pytest.approx(0.0, abs=1e-30)
+    assert make("elastoplastic_sobczyk").steady_deflection(tiny) == pytest.approx(ZBA, rel=1e-6)
+
+
+def test_shapes_broadcast():
+    for name in (*RATES, *STATIC):
+        model = make(name)
+        v, z = np.full((4, 1), 1e-3), np.zeros(3)
+        for found in (model.force(v, z), model.rate(v, z), *model.jacobian(v, z), model.force_rate(v, z, 1.0)):
+            assert found.shape == (4, 3)
+        assert model.steady_force(v).shape == model.steady_deflection(v).shape == (4, 1)
+        for found in (model.force(1e-3), model.force(1, 0), model.rate(1e-3, 0), model.steady_force(1e-3)):
+            assert isinstance(found, np.float64)
+        assert model.force([1e-3, 1e-2]).shape == (2,)
+        assert np.isnan(model.force(nan, nan))
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "lines"),
+    [
+        ("lugre", {"k_v": 1e6}, ["k_v: 1000000.0: law 'lugre' has no such constant (it has none of its own)"]),
+        ("lugre_majorant", {}, ["k_v: missing: law 'lugre_majorant' needs it (steepness of the smooth sign, a finite"]),
+        ("lugre_majorant", {"k_v": 0.0, "v_s": -1}, ["k_v: 0.0: must be", "v_s: -1: must be a finite number > 0"]),
+        ("lugre", {"F_s": 0.5}, ["F_s: 0.5: must be at least F_c (F_c = 1.0)"]),
+        ("dahl", {"F_s": 0.5}, ["F_s: 0.5: must be at least F_c (F_c = 1.0)"]),
+        ("stribeck", {"delta": 0}, ["delta: 0: must be a finite number > 0"]),
+        ("elastoplastic", {"z_ba": 1e-5}, ["z_ba: 1e-05: must be less than F_c/sigma_0"]),
+    ],
+)
+def test_constants_are_checked(name, changes, lines):
+    with pytest.raises(InputError) as error:
+        law(name, "canudas1995", **changes)
+    found = sorted(error.value.problems)
+    assert len(found) == len(lines)
+    assert all(a.startswith(b) for a, b in zip(found, lines, strict=True)), found
+
+
+def test_whole_and_numpy_numbers_are_taken():
+    values = {**P, "F_c": 1, "F_s": np.int64(2), "v_s": np.float32(0.5)}
+    model = law("lugre", values)
+    assert model.values == {**P, "F_c": 1.0, "F_s": 2.0, "v_s": 0.5}
+    assert all(type(x) is float for x in model.values.values())

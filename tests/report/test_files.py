@@ -1,0 +1,54 @@
+"""Files are whole or not there; JSON is JSON; thinned lines keep their peaks."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stribeck.report.files import write_json, write_with
+from stribeck.report.page import Chapter, FigureSvg, Table, html
+from stribeck.report.plots import thin
+
+
+def test_a_failed_write_leaves_the_old_file_and_nothing_beside(tmp_path):
+    path = tmp_path / "a.txt"
+    path.write_text("old")
+
+    def fail(beside):
+        beside.write_text("half")
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_with(path, fail)
+    assert [p.name for p in tmp_path.iterdir()] == ["a.txt"]
+    assert path.read_text() == "old"
+
+
+def test_json_has_null_for_what_is_not_finite(tmp_path):
+    write_json(tmp_path / "a.json", {"a": [1.0, float("nan")], "b": float("inf")})
+    assert json.loads((tmp_path / "a.json").read_text()) == {"a": [1.0, None], "b": None}
+
+
+@given(st.integers(1, 60_000), st.integers(0, 100))
+def test_a_thinned_line_keeps_its_ends_and_extremes(count, seed):
+    rng = np.random.default_rng(seed)
+    x, y = np.arange(count, dtype=float), rng.standard_normal(count)
+    a, b = thin(x, y)
+    assert len(a) == len(b) <= max(count, 1)
+    assert len(a) < 20_000
+    assert (a[0], a[-1]) == (x[0], x[-1])
+    assert (b.min(), b.max()) == (y.min(), y.max())
+    assert np.isin(a, x).all()
+
+
+def test_page_escapes_text_and_keeps_figures_apart():
+    svg = '<?xml version="1.0"?>\n<svg width="10pt" height="5pt" viewBox="0 0 10 5"><path id="p"/><use xlink:href="#p"/></svg>'
+    figures = [FigureSvg("one", svg, "a < b"), FigureSvg("two", svg, "c")]
+    page = html("T & U", "about", ["<script>"], [Chapter("k", "Title", ["x"], [Table(["h"], [["1 < 2"]])], figures)])
+    assert "<script>" not in page
+    assert "a &lt; b" in page
+    assert 'id="one-p"' in page
+    assert 'xlink:href="#two-p"' in page
+    assert 'width="10pt"' not in page

@@ -1,0 +1,127 @@
+"""What a valid scenario holds: rows, signals, defaults, tolerances, constants."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from stribeck import Scenario, parameters
+from tests.scenario.valid_scenarios import CANUDAS, VALID, edited
+
+SPRING = VALID["spring_ramp"]
+QUICK = settings(deadline=None, derandomize=True, database=None)
+
+
+def with_values(t_end: float, step: float) -> Scenario:
+    return Scenario(edited(edited(SPRING, "solve.t_end", value=t_end), "output.step", value=step))
+
+
+@QUICK
+@given(st.integers(1, 10_000), st.floats(1e-6, 1e3))
+def test_whole_multiples_of_the_step_reach_t_end(n, step):
+    assert with_values(n * step, step).rows == n + 1
+
+
+@QUICK
+@given(st.floats(1e-3, 1e3), st.floats(1e-3, 1e3))
+def test_the_rule_for_rows(t_end, step):
+    scenario = with_values(t_end, step)
+    last = scenario.rows - 1
+    assert last == math.floor(t_end / step + 1e-9)
+    assert last * step <= t_end * (1 + 2e-9) + 1e-9 * step
+    assert (last + 1) * step > t_end
+    assert scenario.end == max(t_end, last * step)
+
+
+@pytest.mark.parametrize(
+    ("t_end", "step", "rows"),
+    [(1.0, 0.1, 11), (0.3, 0.1, 4), (0.7, 0.1, 8), (1.0, 1 / 3, 4), (1.0, 2.0, 1), (1.0, 0.4, 3), (250.0, 0.05, 5001)],
+)
+def test_rows(t_end, step, rows):
+    assert with_values(t_end, step).rows == rows
+
+
+def test_the_last_row_may_lie_behind_t_end():
+    scenario = with_values(0.3, 0.1)
+    assert 3 * 0.1 > 0.3
+    assert scenario.end == 3 * 0.1
+    slightly = with_values(1.0 - 1e-12, 0.25)
+    assert (slightly.rows, slightly.end) == (5, 1.0)
+
+
+def signal(**values):
+    return Scenario(edited(SPRING, "drive.signal", value=values)).signal
+
+
+def test_signals_are_continuous_from_the_right():
+    step = signal(kind="step", value=2.0, time=0.5)
+    assert step.at([-1.0, 0.0, math.nextafter(0.5, 0), 0.5, 9.0]).tolist() == [0.0, 0.0, 0.0, 2.0, 2.0]
+    points = signal(kind="points", t=[0.0, 1.0, 1.0, 1.0, 2.0], value=[1.0, 3.0, 7.0, 5.0, 6.0])
+    before = math.nextafter(1.0, 0)
+    assert points.at([-5.0, 0.0, 0.5, 1.0, 1.5, 2.0, 5.0]).tolist() == [1.0, 1.0, 2.0, 5.0, 5.5, 6.0, 6.0]
+    assert points.at(before) == pytest.approx(3.0)
+
+
+def test_jumps_at_the_ends():
+    points = signal(kind="points", t=[0.0, 0.0, 1.0, 1.0], value=[9.0, 1.0, 2.0, 3.0])
+    assert points.at([-1.0, 0.0, 0.5, 1.0, 2.0]).tolist() == [9.0, 1.0, 1.5, 3.0, 3.0]
+    assert signal(kind="points", t=[4.0], value=[7.0]).at([0.0, 4.0, 9.0]).tolist() == [7.0, 7.0, 7.0]
+    assert signal(kind="step", value=2.0, time=0.0).at(0.0) == 2.0
+    assert signal(kind="step", value=2.0, time=-1.0).at([-2.0, 0.0]).tolist() == [0.0, 2.0]
+
+
+def test_ramps_and_sines():
+    t = np.linspace(-1, 1, 7)
+    assert signal(kind="ramp", rate=-3.0).at(t) == pytest.approx(-3.0 * t)
+    full = signal(kind="sine", amplitude=2.0, frequency=0.7, offset=0.5, phase=0.3)
+    assert full.at(t) == pytest.approx(0.5 + 2.0 * np.sin(2 * np.pi * 0.7 * t + 0.3))
+    assert signal(kind="sine", amplitude=2.0, frequency=0.7).at(t) == pytest.approx(2 * np.sin(2 * np.pi * 0.7 * t))
+
+
+def test_defaults():
+    scenario = Scenario(SPRING)
+    assert scenario.name == "scenario"
+    assert (scenario.solve.rtol, scenario.solve.atol) == (1e-8, {})
+    assert scenario.output.energy is False
+    assert scenario.initial == {"y": 0.0, "v": 0.0, "z": 0.0}
+    assert scenario.mass == 1.0
+    assert isinstance(scenario.mass, float)  # the file says 1
+
+
+def test_tolerances_scale_with_the_law():
+    base = Scenario(edited(SPRING, "law", value={"name": "lugre", "parameters": CANUDAS}))
+    atol = base.atol()
+    finer = base.with_changes({"law.parameters.sigma_0": 1e7, "law.parameters.v_s": 0.1}).atol()
+    assert finer["y"] == pytest.approx(atol["y"] / 100)
+    assert finer["z"] == pytest.approx(atol["z"] / 100)
+    assert finer["v"] == pytest.approx(atol["v"] * 100)
+    assert base.with_changes({"solve.atol": {"y": 1e-3}}).atol() == {**atol, "y": 1e-3}
+
+
+def test_values_are_named_by_their_owner():
+    scenario = Scenario(VALID["velocity_sine"])
+    assert scenario.mass is None  # given, but a moved body needs none
+    assert scenario.values() == {
+        **{("law", n): CANUDAS[n] for n in ("F_c", "F_s", "v_s", "sigma_2")}, ("law", "delta"): 1.5,
+        ("law", "k_v"): 1e6, ("signal", "amplitude"): 0.001, ("signal", "frequency"): 1.5, ("signal", "offset"): 0.0015,
+        ("signal", "phase"): 1.57,
+    }  # fmt: skip
+    spring = Scenario(SPRING).values()
+    assert (spring["plant", "mass"], spring["drive", "stiffness"], spring["law", "z_ba"]) == (1.0, 2.0, 7e-6)
+    assert set(spring) == set(Scenario(SPRING).system.parameters)
+
+
+def test_scenarios_that_differ_in_numbers_share_a_system():
+    one, other = Scenario(SPRING), with_values(7.0, 0.3).with_changes({"law.k_v": 3.0, "drive.signal.rate": 9.0})
+    assert one.system == other.system
+    assert one.system != Scenario(SPRING).with_changes({"output.energy": True}).system
+
+
+@pytest.mark.parametrize("name", parameters())
+def test_every_built_in_set_serves(name):
+    law = {"name": "lugre_majorant", "k_v": 1e6, "parameters": name}
+    assert Scenario(edited(SPRING, "law", value=law)).law.machine == parameters()[name].values

@@ -1,0 +1,178 @@
+"""Compilers that fail, hang, lie or are not there: a line says so, and SciPy solves the same equations."""
+
+import importlib.util
+import shutil
+import sys
+import warnings
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario, StribeckNote, simulate
+from stribeck.simulation import cache, compiler
+from tests.simulation import independent
+from tests.simulation.rig import needs_compiler, rig
+
+DATA = rig("lugre_sobczyk", "force", {"kind": "ramp", "rate": 3.0}, 0.7, rows=50)
+
+
+@pytest.fixture(autouse=True)
+def _fresh(tmp_path, monkeypatch):
+    monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path / "cache"))
+    monkeypatch.delenv("CC", raising=False)
+    monkeypatch.setattr(cache, "_loaded", {})
+
+
+@pytest.fixture
+def use(tmp_path, monkeypatch):
+    """Make a shell script the compiler."""
+
+    def chosen(script, mode=0o755, name="mycc"):
+        path = tmp_path / name
+        path.write_text(script)
+        path.chmod(mode)
+        monkeypatch.setenv("STRIBECK_CC", str(path))
+
+    return chosen
+
+
+def said(solver):
+    """Simulate with the solver expected; the notes, after a look at the result."""
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        solution = simulate(Scenario(DATA))
+    assert solution.status == "done"
+    assert solution.stats["solver"] == solver
+    expected = independent.solve(DATA)
+    for name in ("y", "v", "F"):
+        np.testing.assert_allclose(solution[name], expected[name], rtol=0, atol=1e-6 * np.max(np.abs(expected[name])))
+    assert all(issubclass(w.category, StribeckNote) for w in caught)
+    notes = [str(w.message) for w in caught]
+    assert all("\n" not in text for text in notes)
+    return notes
+
+
+def test_a_compiler_that_complains(use):
+    use("#!/bin/sh\necho 'note: thinking' >&2\necho 'system.c:1: fatal error: no\nmore' >&2\nexit 1\n")
+    (note,) = said("scipy-radau")
+    assert note.startswith("compiling failed (mycc failed: system.c:1: fatal error: no): solving with SciPy")
+
+
+def test_a_compiler_that_fails_without_a_word(use):
+    use("#!/bin/sh\nexit 3\n")
+    assert "exit status 3, no message" in said("scipy-radau")[0]
+
+
+def test_a_compiler_that_complains_in_no_known_letters(use):
+    use("#!/bin/sh\nprintf 'error: \\377\\376 bad\\n' >&2\nexit 1\n")
+    assert "error" in said("scipy-radau")[0]
+
+
+def test_a_compiler_that_hangs(use, monkeypatch):
+    monkeypatch.setattr(compiler, "_TIME_LIMIT", 0.3)
+    use("#!/bin/sh\nexec sleep 60\n")
+    assert "did not finish within 0.3 s" in said("scipy-radau")[0]
+
+
+def test_a_compiler_that_writes_nothing(use):
+    use("#!/bin/sh\nexit 0\n")
+    assert "mycc failed: it wrote no library" in said("scipy-radau")[0]
+
+
+def test_a_compiler_that_writes_garbage(use):
+    use('#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done\necho garbage > "$2"\n')
+    (note,) = said("scipy-radau")
+    assert note.startswith("compiling failed (")
+
+
+@needs_compiler
+def test_garbage_in_the_cache_is_not_taken_for_a_library(use, monkeypatch, tmp_path):
+    use('#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done\necho garbage > "$2"\n')
+    said("scipy-radau")
+    assert len(said("scipy-radau")) >= 1
+    monkeypatch.delenv("STRIBECK_CC")
+    assert said("rodas5p") == []
+
+
+def test_a_compiler_that_builds_another_thing(use, tmp_path):
+    real = compiler.find()
+    if real is None:
+        pytest.skip("needs a C compiler")
+    (tmp_path / "other.c").write_text("int other(void) { return 1; }\n")
+    use(
+        '#!/bin/sh\nwhile [ "$1" != -o ]; do shift; done\n'
+        f'exec {" ".join(real.command)} -shared -fPIC -o "$2" {tmp_path}/other.c\n'
+    )
+    (note,) = said("scipy-radau")
+    assert note.startswith("compiling failed (")
+
+
+@pytest.mark.parametrize(
+    ("script", "mode", "word"), [("#!/bin/sh\n", 0o644, "Permission denied"), ("not a program", 0o755, "Exec format")]
+)
+def test_a_compiler_that_cannot_be_run(script, mode, word, use):
+    use(script, mode)
+    assert f"cannot be run: {word}" in said("scipy-radau")[0]
+
+
+def test_a_compiler_that_is_not_there(monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", "/nowhere/cc")
+    assert "/nowhere/cc cannot be run: No such file or directory" in said("scipy-radau")[0]
+
+
+def test_no_compiler(monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", "none")
+    (note,) = said("scipy-radau")
+    assert note.startswith("no C compiler found: solving with SciPy")
+    assert "stribeck[compiler]" in note
+
+
+@needs_compiler
+def test_a_compiler_that_does_not_know_this_machine(use):
+    real = " ".join(compiler.find().command)
+    use(
+        f'#!/bin/sh\nfor word; do [ "$word" = -march=native ] && echo "error: what?" >&2 && exit 1; done\n{real} "$@"\n'
+    )
+    assert said("rodas5p") == []
+
+
+@needs_compiler
+def test_options_stand_behind_the_command(monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", f"{compiler.find().command[0]} -O1 -DUSELESS")
+    assert compiler.find().command[1:] == ("-O1", "-DUSELESS")
+    assert said("rodas5p") == []
+
+
+def test_which_compiler_is_chosen(use, monkeypatch, tmp_path):
+    use("#!/bin/sh\n", name="first")
+    use("#!/bin/sh\n", name="second")
+    monkeypatch.setenv("CC", str(tmp_path / "first"))
+    assert compiler.find().command == (str(tmp_path / "second"),)
+    monkeypatch.delenv("STRIBECK_CC")
+    assert compiler.find().command == (str(tmp_path / "first"),)
+    monkeypatch.setenv("CC", "/nowhere/cc")  # set by other tools, for other ends
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    assert compiler.find() is None
+    shutil.copy(tmp_path / "first", tmp_path / "clang")
+    assert compiler.find().command == (str(tmp_path / "clang"),)
+
+
+def test_another_compiler_or_other_options_make_another_key(use, tmp_path, monkeypatch):
+    use("#!/bin/sh\n")
+    keys = [compiler.find().key]
+    use("#!/bin/sh\n# a newer version\n")
+    keys.append(compiler.find().key)
+    monkeypatch.setenv("STRIBECK_CC", f"{tmp_path}/mycc -O1")
+    keys.append(compiler.find().key)
+    monkeypatch.setattr(compiler, "_FLAGS", ("-O0",))
+    keys.append(compiler.find().key)
+    monkeypatch.setattr(compiler, "_processor", lambda: "another")
+    keys.append(compiler.find().key)
+    assert len(set(keys)) == 5
+
+
+@pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="needs the package ziglang")
+def test_zig(monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", f"{sys.executable} -m ziglang cc")
+    assert said("rodas5p") == []

@@ -1,0 +1,131 @@
+"""Slip and stick: where |v| rises, and falls, through v_s."""
+
+import ctypes
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario
+from stribeck.simulation.native import Run
+from tests.codegen.harness import compiled
+from tests.simulation.rig import law_table, needs_compiler, rig, solved
+
+pytestmark = needs_compiler
+
+V_S = 1e-3
+RIGS = {
+    "spring": rig("lugre", {"kind": "spring", "stiffness": 2.0}, {"kind": "ramp", "rate": 0.1}, 40.0),
+    "pid": rig(
+        "lugre_sobczyk", {"kind": "pid", "K_p": 3.0, "K_i": 4.0, "K_d": 6.0},
+        {"kind": "step", "value": 1.0, "time": 10.0}, 100.0,
+    ),
+    "force": rig("elastoplastic", "force", {"kind": "sine", "amplitude": 1.8, "frequency": 0.5}, 12.0),
+    "static": rig("coulomb_viscous", "force", {"kind": "sine", "amplitude": 3.0, "frequency": 0.5}, 6.0),
+}  # fmt: skip
+RIGS["static"]["law"]["parameters"] = {"F_c": 1.0, "sigma_2": 0.4, "v_s": V_S}
+
+
+def in_order(solution):
+    """The events as (time, True for slip), in order of time."""
+    events = solution.events
+    return sorted([(t, True) for t in events["slip"]] + [(t, False) for t in events["stick"]])
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_events_are_those_of_a_tight_run(name):
+    found = in_order(solved(RIGS[name]))
+    tight = {**RIGS[name], "solve": {**RIGS[name]["solve"], "rtol": 1e-12}}
+    expected = in_order(solved(tight))
+    assert len(found) > 4
+    assert [rises for _, rises in found] == [rises for _, rises in expected]
+    np.testing.assert_allclose([t for t, _ in found], [t for t, _ in expected], rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_slip_and_stick_take_turns(name):
+    rises = [rises for _, rises in in_order(solved(RIGS[name]))]
+    assert rises == [i % 2 == 0 for i in range(len(rises))]
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_events_lie_between_the_rows_where_the_speed_passes(name):
+    solution = solved({**RIGS[name], "output": {"step": 2e-4}})
+    t, above = solution.t, np.abs(solution["v"]) >= V_S
+    passes = np.flatnonzero(above[1:] != above[:-1])
+    found = in_order(solution)
+    assert [rises for _, rises in found] == above[passes + 1].tolist()
+    times = np.array([t for t, _ in found])
+    assert np.all((times >= t[passes]) & (times <= t[passes + 1]))
+
+
+def test_an_event_is_a_root_of_the_dense_output():
+    """A run whose rows fall on an event finds v_s there: rows do not change the steps."""
+    slip = float(solved(RIGS["spring"]).events["slip"][0])
+    again = solved({**RIGS["spring"], "output": {"step": slip}})
+    assert again["v"][1] == pytest.approx(V_S, rel=1e-9)
+
+
+def test_no_threshold_no_events():
+    law = law_table("coulomb_viscous", k_v=1e6)
+    law["parameters"] = {"F_c": 1.0, "sigma_2": 0.4}
+    solution = solved(rig(law, "force", {"kind": "ramp", "rate": 3.0}, 1.0))
+    assert solution["v"][-1] > V_S
+    assert in_order(solution) == []
+
+
+def test_more_events_than_the_buffer_holds(monkeypatch):
+    whole = in_order(solved(RIGS["force"]))
+    monkeypatch.setattr("stribeck.simulation.native._EVENT_ROOM", 17)
+    assert in_order(solved(RIGS["force"])) == whole
+    assert len(whole) > 17
+
+
+def test_a_prescribed_velocity_passes_where_its_signal_does():
+    points = {"kind": "points", "t": [0, 1, 2, 2, 3, 4], "value": [0, 2e-3, 0, -3e-3, -1e-3, -2e-3]}
+    solution = solved(rig("lugre", "velocity", points, 4.0))
+    np.testing.assert_allclose(solution.events["slip"], [0.5, 2.0], atol=1e-12)
+    np.testing.assert_allclose(solution.events["stick"], [1.5], atol=1e-12)
+    sine = {"kind": "sine", "amplitude": 2e-3, "frequency": 1.0}
+    solution = solved(rig("lugre", "velocity", sine, 1.0))
+    np.testing.assert_allclose(solution.events["slip"], [1 / 12, 7 / 12], atol=1e-12)
+    np.testing.assert_allclose(solution.events["stick"], [5 / 12, 11 / 12], atol=1e-12)
+
+
+def bernstein(values):
+    """v0, v1 and the dense coefficients of the quartic through values at s = 0, 1/4, 1/2, 3/4, 1."""
+    s = np.array([0.25, 0.5, 0.75])
+    v0, v1 = values[0], values[-1]
+    rest = (np.array(values[1:-1]) - (1 - s) * v0 - s * v1) / (s * (1 - s))
+    return v0, v1, np.linalg.solve(np.stack([np.ones(3), s, s * s], axis=1), rest)
+
+
+def events_of(library, v0, v1, d, threshold):
+    times, rises = np.zeros(32), np.zeros(32, np.int8)
+    run = Run(threshold=threshold, event_room=32)
+    run.event_time = times.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+    run.event_rises = rises.ctypes.data_as(ctypes.POINTER(ctypes.c_int8))
+    library.test_events(ctypes.byref(run), ctypes.c_double(v0), ctypes.c_double(v1), np.ascontiguousarray(d))
+    return [(float(t), bool(up)) for t, up in zip(times[: run.events], rises[: run.events], strict=True)]
+
+
+def test_every_crossing_within_one_step(tmp_path):
+    """Quartics of all shapes through both levels, against NumPy's roots."""
+    library = compiled(Scenario(RIGS["spring"]).system, tmp_path)
+    library.test_events.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double,
+                                    np.ctypeslib.ndpointer(np.float64)]  # fmt: skip
+    random, most = np.random.default_rng(1), 0
+    for _ in range(3000):
+        values = random.uniform(-1, 1, 5) * random.choice([0.5, 2.0, 4.0])
+        v0, v1, d = bernstein(values)
+        found = events_of(library, v0, v1, d, 0.3)
+        quartic = np.polyfit(np.linspace(0, 1, 5), values, 4)
+        expected = []
+        for level in (0.3, -0.3):
+            roots = np.roots(quartic - np.array([0, 0, 0, 0, level]))
+            real = roots.real[(np.abs(roots.imag) < 1e-9) & (roots.real > 0) & (roots.real < 1)]
+            expected += [(s, np.polyval(np.polyder(quartic), s) * level > 0) for s in real]
+        expected.sort()
+        assert [up for _, up in found] == [up for _, up in expected]
+        np.testing.assert_allclose([s for s, _ in found], [s for s, _ in expected], rtol=0, atol=1e-7)
+        most = max(most, len(found))
+    assert most >= 6

@@ -1,0 +1,123 @@
+"""Computations that fail: the status, the reason, and the rows that were reached."""
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario, simulate
+from stribeck.simulation import fallback
+from stribeck.simulation.solution import Solution
+from tests.simulation.rig import needs_compiler, rig
+
+LAWS = '''
+from stribeck.expressions.ops import sqrt, where
+from stribeck.laws import BristleLaw
+from stribeck.laws.terms import g
+
+class Ends(BristleLaw):
+    """Not a number once z has passed 0.5e-5 m."""
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - abs(v) / g(p, v) * z * sqrt(0.5e-5 - z) / sqrt(0.5e-5 - z)
+
+class Escapes(BristleLaw):
+    """Infinite within a finite time."""
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return 1e-3 + 1e9 * z * z
+
+class Chatters(BristleLaw):
+    """A rate that jumps against itself, so that no step is small enough."""
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return where(z < 1e-6, 1.0, -1.0) + 0.0 * v
+'''
+
+
+def compiled_run(scenario):
+    solution = simulate(scenario)
+    assert solution.stats["solver"] == "rodas5p"
+    return solution
+
+
+def fallback_run(scenario):
+    return Solution(scenario, fallback.solve(scenario))
+
+
+both = pytest.mark.parametrize("run", [pytest.param(compiled_run, marks=needs_compiler), fallback_run])
+
+
+def failed(run, data, folder=None):
+    """The reason of a failed run, after a look at its rows."""
+    solution = run(Scenario(data, folder=folder))
+    assert solution.status == "failed"
+    assert len(solution.t) == len(solution["F"]) < solution.scenario.rows
+    assert all(np.isfinite(solution[name]).all() for name in ("t", "y", "v", "z"))
+    assert solution.summary()["reason"] == solution.reason
+    assert "\n" not in solution.reason
+    return solution
+
+
+def user_law(name, tmp_path, **solve):
+    (tmp_path / "laws.py").write_text(LAWS)
+    law = {"name": f"laws.py:{name}", "parameters": "canudas1995"}
+    return rig(law, "force", {"kind": "ramp", "rate": 1.0}, 2.0, **solve)
+
+
+@both
+def test_equations_that_end(run, tmp_path):
+    solution = failed(run, user_law("Ends", tmp_path), tmp_path)
+    assert "no longer finite" in solution.reason or "Radau failed" in solution.reason
+    assert 0.4 < solution.t[-1] < 0.8
+    assert solution["z"][-1] == pytest.approx(0.5e-5, rel=0.05)
+
+
+@both
+def test_equations_that_escape(run, tmp_path):
+    solution = failed(run, user_law("Escapes", tmp_path), tmp_path)
+    assert "no longer finite" in solution.reason or "Radau failed" in solution.reason
+    np.testing.assert_array_equal(solution.t, np.arange(len(solution.t)) * 0.01)
+
+
+@both
+def test_steps_that_run_out(run, tmp_path):
+    solution = failed(run, user_law("Chatters", tmp_path, max_steps=2000), tmp_path)
+    assert "solve.max_steps = 2000" in solution.reason or "Radau failed" in solution.reason
+    data = rig("lugre", "force", {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}, 20.0, max_steps=300)
+    solution = failed(run, data)
+    assert "gave up at t = " in solution.reason
+    assert "solve.max_steps = 300" in solution.reason
+    assert 0 < solution.t[-1] < 20
+    assert solution.stats["accepted"] <= 300
+
+
+@both
+def test_a_controller_that_is_unstable(run):
+    away = {"kind": "pid", "K_p": -300.0, "K_i": 0.0, "K_d": -10.0}
+    data = rig("lugre_majorant", away, {"kind": "step", "value": 1.0, "time": 0.5}, 200.0, rtol=1e-3)
+    solution = failed(run, data)
+    assert "no longer finite" in solution.reason or "Radau failed" in solution.reason
+    assert 20 < solution.t[-1] < 40
+    assert abs(solution["y"][-1]) > 1e200
+
+
+@needs_compiler
+def test_a_step_that_is_too_small():
+    """After 10^12 s two times lie 10^-4 s apart: too far for a body that jumps off."""
+    solution = failed(compiled_run, rig("lugre", "force", {"kind": "step", "value": 5.0, "time": 1e12}, 2e12))
+    assert solution.reason.startswith("at t = 1e+12 s the step needed")
+    assert solution.t[-1] == 1e12
+    assert solution["y"][-1] == 0
+
+
+@needs_compiler
+def test_rows_of_a_failed_run_are_those_of_a_shorter_one():
+    data = rig("lugre", "force", {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}, 20.0, rows=2000)
+    whole, cut = simulate(Scenario(data)), simulate(Scenario({**data, "solve": {"t_end": 20.0, "max_steps": 1500}}))
+    assert 0 < len(cut.t) < len(whole.t)
+    for name in ("t", "y", "v", "z", "F"):
+        np.testing.assert_array_equal(cut[name], whole[name][: len(cut.t)])
+    for kind, times in cut.events.items():
+        np.testing.assert_array_equal(times, whole.events[kind][: len(times)])

@@ -1,0 +1,144 @@
+"""What a solution holds: rows, columns, statistics; and what makes a new one cheap."""
+
+import threading
+from time import perf_counter
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario, simulate
+from stribeck.simulation import native
+from tests.simulation.rig import law_table, needs_compiler, pid, rig, solved, spring
+
+pytestmark = needs_compiler
+
+PULL = {"kind": "ramp", "rate": 0.3}
+
+
+def test_rows_are_multiples_of_the_step():
+    data = rig("lugre", "force", PULL, 1.0)
+    for t_end, step, last in ((1.0, 0.1, 10), (0.3, 0.1, 3), (0.35, 0.1, 3), (0.05, 0.1, 0), (2.0, 0.3, 6)):
+        data["solve"]["t_end"], data["output"]["step"] = t_end, step
+        solution = solved(data)
+        np.testing.assert_array_equal(solution.t, np.arange(last + 1) * step)
+        assert len(solution["F"]) == last + 1
+
+
+def test_rows_do_not_steer_the_steps():
+    few, many = solved(rig("lugre", "force", PULL, 6.0, rows=2)), solved(rig("lugre", "force", PULL, 6.0, rows=6000))
+    assert few.stats["accepted"] == many.stats["accepted"]
+    assert few.final == many.final
+
+
+def test_columns_of_each_drive():
+    extra = {"force": ["u"], "spring": ["x", "u"], "pid": ["r", "u", "I"], "velocity": []}
+    for kind, drive in (("force", "force"), ("spring", spring("canudas1995")), ("pid", pid("canudas1995")),
+                        ("velocity", "velocity")):  # fmt: skip
+        solution = solved(rig("lugre", drive, PULL, 0.1))
+        assert [column.name for column in solution.columns] == ["y", "v", "z", "F", *extra[kind]]
+        assert set(solution.peaks) == {column.name for column in solution.columns}
+
+
+def test_columns_follow_from_the_states():
+    data = rig("lugre_sobczyk", pid("canudas1995"), {"kind": "step", "value": 1.0, "time": 0.5}, 3.0)
+    s, p = solved(data), data["drive"]
+    np.testing.assert_array_equal(s["r"], np.where(s.t >= 0.5, 1.0, 0.0))
+    np.testing.assert_allclose(s["u"], -p["K_p"] * (s["y"] - s["r"]) - p["K_i"] * s["I"] - p["K_d"] * s["v"])
+    np.testing.assert_array_equal(s["F"], s.scenario.law.force(s["v"], s["z"]))
+    static = solved(rig("makkar", "force", PULL, 0.1))
+    np.testing.assert_array_equal(static["z"], 0.0)
+
+
+def test_a_column_that_is_not_there():
+    with pytest.raises(KeyError, match="no such column"):
+        solved(rig("lugre", "force", PULL, 0.1))["q"]
+
+
+def test_data_frame():
+    pandas = pytest.importorskip("pandas")
+    solution = solved(rig("lugre", "force", PULL, 0.1))
+    frame = solution.to_pandas()
+    assert list(frame.columns) == ["t", "y", "v", "z", "F", "u"]
+    pandas.testing.assert_series_equal(frame["F"], pandas.Series(solution["F"], name="F"))
+    assert solution.final == frame.iloc[-1].to_dict()
+
+
+def test_statistics():
+    solution = solved(rig("lugre", spring("canudas1995"), PULL, 6.0))
+    stats = solution.stats
+    assert stats["accepted"] == stats["jacobians"] > 100
+    assert stats["rates"] >= 7 * (stats["accepted"] + stats["rejected"])
+    assert 0 < stats["smallest_step"] < stats["largest_step"] <= 6.0
+    assert stats["seconds"] > 0
+    assert solution.status == "done"
+    assert solution.reason is None
+    assert solution.summary()["steps"] is stats
+
+
+def test_progress_rises_to_one():
+    shares = []
+    simulate(Scenario(rig("lugre", "force", PULL, 6.0)), progress=shares.append)
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+
+
+def test_tolerances_are_kept():
+    """Tighter tolerances give smaller errors, down to rounding, and loose ones are cheap."""
+    data = rig("lugre_majorant", spring("canudas1995"), PULL, 6.0)
+    best, errors, steps = solved({**data, "solve": {"t_end": 6.0, "rtol": 1e-13}}), [], []
+    for rtol in (1e-3, 1e-5, 1e-7, 1e-9):
+        solution = solved({**data, "solve": {"t_end": 6.0, "rtol": rtol}})
+        errors.append(np.max(np.abs(solution["y"] - best["y"])) / best.peaks["y"] / rtol)
+        steps.append(solution.stats["accepted"])
+    assert max(errors) < 1
+    assert steps == sorted(steps)
+    assert steps[-1] > 5 * steps[0]
+
+
+def test_absolute_tolerances_of_states():
+    data = rig("lugre", "force", {"kind": "sine", "amplitude": 1e-3, "frequency": 5.0}, 2.0)
+    loose = solved({**data, "solve": {"t_end": 2.0, "atol": {"y": 1e-6, "v": 1e-5, "z": 1e-6}}})
+    assert loose.stats["accepted"] < 0.5 * solved(data).stats["accepted"]
+
+
+def test_numbers_do_not_compile_again():
+    data = rig("lugre_arctan", spring("canudas1995"), {"kind": "points", "t": [0, 1], "value": [0, 1]}, 0.2)
+    solved(data)
+    changed = rig(
+        law_table("lugre_arctan", on="valve_graphite", k_v=33.0), {"kind": "spring", "stiffness": 17.0},
+        {"kind": "ramp", "rate": 2.0}, 0.3, initial={"y": 1.0, "v": 0.1, "z": 1e-6}, mass=7.0, rtol=1e-6,
+    )  # fmt: skip
+    for table in (data, changed, {**changed, "drive": {**changed["drive"], "signal": {"kind": "step", "value": 1.0,
+                  "time": 0.1}}}):  # fmt: skip
+        assert solved(table).stats["built"] is False
+
+
+def test_the_lock_of_python_is_free_while_a_simulation_runs(monkeypatch):
+    monkeypatch.setattr(native, "_SLICE", 10**9)  # all in one call of compiled code
+    ringing = {"kind": "sine", "amplitude": 0.5, "frequency": 300.0}
+    solved(rig("dahl", "force", ringing, 0.1))  # compiled from here on
+    scenario = Scenario(rig("dahl", "force", ringing, 1000.0, max_steps=2_000_000))
+    thread = threading.Thread(target=simulate, args=(scenario,))
+    begin = last = perf_counter()
+    longest = 0.0
+    thread.start()
+    while thread.is_alive():
+        now = perf_counter()
+        longest, last = max(longest, now - last), now
+    assert longest < 0.5 * (last - begin)
+
+
+def test_threads_agree_with_one_another():
+    tables = [rig("lugre_majorant", spring("canudas1995"), {"kind": "ramp", "rate": r}, 6.0) for r in (0.1, 0.3)] * 3
+    expected, found = [solved(table)["y"] for table in tables], [None] * len(tables)
+
+    def run(i):
+        found[i] = solved(tables[i])["y"]
+
+    threads = [threading.Thread(target=run, args=(i,)) for i in range(len(tables))]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_array_equal(one, other)

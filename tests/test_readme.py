@@ -1,0 +1,67 @@
+"""Every command and every Python line of the README works as it stands."""
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from stribeck.cli import _status
+
+README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, re.S)
+
+
+def test_commands(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    commands = [line for line in blocks("sh")[1].splitlines() if line]
+    assert len(commands) == 9
+    for command in commands:
+        words = shlex.split(command, comments=True)
+        assert words[0] == "stribeck"
+        assert _status(words[1:]) == 0, command
+    assert sorted(p.name for p in (tmp_path / "first").iterdir()) == [
+        "plot.svg", "summary.json", "trajectory.csv", "trajectory.parquet",
+    ]  # fmt: skip
+    assert (tmp_path / "laws" / "compare.svg").exists()
+    assert "self-test  passed" in capsys.readouterr().out
+
+
+def test_python(capsys):
+    pytest.importorskip("pandas")
+    (code,) = blocks("python")
+    scope = {}
+    exec(compile(code, "README.md", "exec"), scope)
+    assert scope["solution"].status == "done"
+    assert len(scope["frame"]) == 4001
+    assert "done" in capsys.readouterr().out
+
+
+def test_make_targets_exist():
+    makefile = (Path(__file__).parent.parent / "Makefile").read_text()
+    for line in blocks("sh")[0].splitlines():
+        target = line.split()[1]
+        assert re.search(rf"^{target}:", makefile, re.M)
+
+
+def test_links_lead_somewhere():
+    root = Path(__file__).parent.parent
+    for link in re.findall(r"\]\((?!http)([^)#]+)\)", README):
+        assert (root / link).exists(), link
+
+
+def test_table_of_laws_is_what_the_laws_claim():
+    from stribeck.laws import builtin
+
+    rows = re.findall(r"^\| `(\w+)`[^|]*\| (\w+) \| (\w+) \| ([^|]+) \| ([^|]+) \|$", README, re.M)
+    assert {row[0] for row in rows} == {name for name, law in builtin().items() if law.has_z}
+    for name, smooth, bounded, passive, drift_free in rows:
+        claims = builtin()[name].claims
+        assert (smooth == "yes") == claims.smooth, name
+        assert (bounded == "yes") == claims.bounded, name
+        assert (drift_free.strip() != "no") == claims.drift_free, name
+        said = passive.strip()
+        assert claims.passive is {"yes": True, "no": False}[said] if said in ("yes", "no") else callable(claims.passive)
