@@ -20,6 +20,9 @@ class InputError(StribeckError, ValueError):
         self.problems: list[str] = [one_line(p) for p in ([problems] if isinstance(problems, str) else problems)]
         super().__init__("\n".join(self.problems))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:
+        return type(self), (self.problems,)  # between processes
+
 
 class NotDifferentiable(StribeckError, ArithmeticError):
     """A derivative was asked for where the law has none."""
@@ -41,7 +44,7 @@ def one_line(text: str) -> str:
 
 def note(text: str) -> None:
     """Tell the user one line: a :class:`StribeckNote` in Python, a line on standard error from the command."""
-    warnings.warn(text, StribeckNote, stacklevel=3)
+    warnings.warn(one_line(text), StribeckNote, stacklevel=3)
 
 
 def nearest(name: str, known: Iterable[str]) -> str:

@@ -248,11 +248,16 @@ def read_columns(path: Path, wanted: dict[str, str]) -> dict[str, Array]:
             guess = nearest(name, table.column_names) or f" (it has {', '.join(table.column_names)})"
             problems.append(f"{key}: {name!r}: {path} has no such column{guess}")
             continue
+        if (times := table.column_names.count(name)) > 1:
+            word = "twice" if times == 2 else f"{times} times"
+            problems.append(f"{key}: {name!r}: {path} has this column {word}; the name must be unique")
+            continue
         column = table.column(name)
         if not (pyarrow.types.is_floating(column.type) or pyarrow.types.is_integer(column.type)):
-            problems.append(f"{key}: {name!r}: this column of {path} holds {column.type}, not numbers")
+            kind = "text" if pyarrow.types.is_string(column.type) else str(column.type)
+            problems.append(f"{key}: {name!r}: this column of {path} holds {kind}, not numbers")
         elif column.null_count:
-            problems.append(f"{key}: {name!r}: this column of {path} has {column.null_count} empty cells")
+            problems.append(f"{key}: {name!r}: this column of {path} has {column.null_count} empty or nan cells")
         else:
             result[key] = np.asarray(column.to_numpy(), float)
     if problems:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import pytest
 
 from stribeck import InputError, Scenario, law
+from stribeck.laws import find
 from tests.scenario.valid_scenarios import CANUDAS, VALID, edited, toml
 
 LAW = '''
@@ -131,6 +134,34 @@ def test_constants_of_a_law_of_ones_own(tmp_path):
     assert line == "law.k: 0: must be a finite number > 0"
     line = refused(tmp_path, {"name": name, "k": 1, "k_v": 1e6, "parameters": CANUDAS})
     assert line == "law.k_v: 1000000.0: law 'mine' has no such constant (it has k)"
+
+
+STATIC = """
+from stribeck.laws import StaticLaw
+
+
+class Viscous(StaticLaw):
+    uses = ("sigma_2",)
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.sigma_2 * v
+"""
+
+
+def test_a_static_law_is_its_friction_only(tmp_path):
+    (tmp_path / "mylaw.py").write_text(STATIC)
+    data = edited(VALID["spring_ramp"], "law", value={"name": "mylaw.py:Viscous", "parameters": {"sigma_2": 2.0}})
+    scenario = Scenario(data, folder=tmp_path)
+    assert scenario.law.force(3.0) == 6.0
+    assert all(tolerance > 0 for tolerance in scenario.atol().values())
+
+
+def test_threads_load_a_law_once(tmp_path):
+    (tmp_path / "mylaw.py").write_text("import time\ntime.sleep(0.2)\n" + LAW)
+    with ThreadPoolExecutor(4) as pool:
+        found = set(pool.map(lambda _: find("mylaw.py:Mine", tmp_path), range(4)))
+    assert len(found) == 1
 
 
 TABLE = "[parameters]\n" + "".join(f"{name} = {value}\n" for name, value in CANUDAS.items())

@@ -18,7 +18,7 @@ _RESERVED = frozenset(
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
     p c t x dx piece jac fac shift df_dt exp log sqrt sin cos atan tanh fabs pow sign_of exp_of atan_of
-    N V_STATE INFINITY NAN HUGE_VAL M_PI M_E unix linux
+    N V_STATE INFINITY NAN HUGE_VAL M_PI M_E UNUSED unix linux
     """.split()  # noqa: SIM905
 )
 

@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import pkgutil
 import sys
+import threading
 from collections.abc import Mapping
 from functools import lru_cache
 from hashlib import sha256
@@ -24,6 +25,7 @@ __all__ = [
     "trouble",
 ]  # fmt: skip
 
+_loading = threading.RLock()  # another thread must not meet a module that is half loaded
 _LISTED_FIRST = ("lugre", "elastoplastic", "dahl", "static")
 
 
@@ -72,17 +74,18 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
         raise InputError(f"{name!r}: cannot read {path}: {getattr(error, 'strerror', error)}") from None
     # the content is part of the name: an edited file is loaded anew
     module_name = f"_stribeck_user_{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
-    if module_name not in sys.modules:
-        spec = importlib.util.spec_from_file_location(module_name, path)
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[module_name] = module
-        try:
-            spec.loader.exec_module(module)
-        except (Exception, SystemExit) as error:
-            del sys.modules[module_name]
-            raise InputError(f"{name!r}: {path} does not load: {type(error).__name__}: {error}") from error
+    with _loading:
+        if module_name not in sys.modules:
+            spec = importlib.util.spec_from_file_location(module_name, path)
+            assert spec is not None
+            assert spec.loader is not None
+            module = importlib.util.module_from_spec(spec)
+            sys.modules[module_name] = module
+            try:
+                spec.loader.exec_module(module)
+            except (Exception, SystemExit) as error:
+                del sys.modules[module_name]
+                raise InputError(f"{name!r}: {path} does not load: {type(error).__name__}: {error}") from error
     module = sys.modules[module_name]
     laws = _laws_of(module)
     by_class = {cls.__name__: cls for cls in laws.values()}

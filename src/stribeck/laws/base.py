@@ -378,6 +378,12 @@ class StaticLaw(Law):
     has_z = False
 
     @staticmethod
+    def scales(p: Any) -> Scales:
+        """v_s and F_s (or F_c) where the law has them, else 1 mm/s and 1 N; the distance gone in 10 ms."""
+        speed, force = getattr(p, "v_s", 1e-3), getattr(p, "F_s", getattr(p, "F_c", 1.0))
+        return Scales(1e-2 * speed, speed, force)
+
+    @staticmethod
     def dz_dt(p: Any, v: Value, z: Value) -> Value:
         """There is no z: 0."""
         return 0.0 * v

@@ -242,9 +242,7 @@ def _drift_free(s: _Samples) -> str | None:
 
 _Test = Callable[[_Samples], str | None]
 
-_SANITY: dict[str, _Test] = {
-    "values": _values, "arrays": _arrays, "derivatives": _jacobian, "force rate": _force_rate,
-}  # fmt: skip
+_SANITY: dict[str, _Test] = {"values": _values, "arrays": _arrays, "derivatives": _jacobian, "force rate": _force_rate}
 _CLAIMS: dict[str, _Test] = {
     "unique": _unique, "bounded": _bounded, "smooth": _smooth, "passive": _passive, "drift_free": _drift_free,
 }  # fmt: skip
