@@ -118,8 +118,8 @@ def test_files_are_read_as_points(tmp_path):
     [
         ("t,v\n0,1\n2,2\n1,3\n", "column 't', row 2: 1.0: times must not decrease (the one before is 2.0)"),
         ("t,v\n0,1\n1,inf\n", "column 'v', row 1: inf: must be a finite number"),
-        ("t,v\n0,1\n1,\n", "has 1 empty cells"),
-        ("t,v\n0,a\n1,b\n", "holds string, not numbers"),
+        ("t,v\n0,1\n1,\n", "has 1 empty"),
+        ("t,v\n0,a\n1,b\n", "not numbers"),
         ("t,w\n0,1\n", "no such column (it has t, w)"),
         ("", "cannot be read: Empty CSV file"),
         ("t,v\n", "not numbers"),

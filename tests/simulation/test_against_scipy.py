@@ -58,6 +58,13 @@ def test_other_machines(law, task, on):
     assert_agrees(rig(law, drive, signal, t_end, on=on))
 
 
+@pytest.mark.parametrize("law", ["elastoplastic", "elastoplastic_majorant", "lugre_majorant"])
+def test_corners_between_long_rests(law):
+    """A load that changes over hours: the body follows each corner within milliseconds, amid steps of an hour."""
+    t, value = [0.0, 1e4, 1.5e4, 3.5e4, 4e4, 5e4], [0.0, 0.9, 0.9, -0.9, -0.9, 0.0]
+    assert_agrees(rig(law, "force", {"kind": "points", "t": t, "value": value}, 5e4, rows=1000))
+
+
 @pytest.mark.parametrize("law", ["lugre", "lugre_sobczyk", "elastoplastic_majorant"])
 def test_slips_that_errors_put_off(law):
     """A slow creep to each break-away, which makes small errors of force large errors of time."""
@@ -90,7 +97,7 @@ def test_a_step_at_once_and_rows_that_miss_the_end():
     assert solved(data).t[-1] == 33 * 0.03
 
 
-@pytest.mark.parametrize("delta", [1.0, 1.3, 2.0])
+@pytest.mark.parametrize("delta", [0.5, 1.0, 1.3, 2.0])
 def test_stribeck_exponents(delta):
     law = law_table("stribeck", delta=delta)
     assert_agrees(rig(law, spring("canudas1995"), {"kind": "ramp", "rate": 0.3}, 6.0))

@@ -142,3 +142,14 @@ def test_threads_agree_with_one_another():
         thread.join()
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_a_recorded_signal_is_its_points(tmp_path):
+    t, value = [0.0, 0.2, 0.2, 0.5], [0.0, 1.2, -0.4, 1.7]
+    rows = "".join(f"{a},{b}\n" for a, b in zip(t, value, strict=True))
+    (tmp_path / "log.csv").write_text("time,force\n" + rows)
+    recorded = {"kind": "file", "path": "log.csv", "time": "time", "value": "force"}
+    found = solved(rig("lugre", "force", recorded, 0.6), folder=tmp_path)
+    expected = solved(rig("lugre", "force", {"kind": "points", "t": t, "value": value}, 0.6))
+    for name in ("y", "v", "F", "u"):
+        np.testing.assert_array_equal(found[name], expected[name])

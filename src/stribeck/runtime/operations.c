@@ -1,11 +1,16 @@
 /* Operations of the equations that math.h lacks, or that need not wait for it. */
-static inline double sign_of(double x) { return (x > 0) - (x < 0); }
+#if defined(__GNUC__)
+#define UNUSED __attribute__((unused))
+#else
+#define UNUSED
+#endif
+UNUSED static inline double sign_of(double x) { return (x > 0) - (x < 0); }
 
 /* exp, without the slow path of underflow: below -745.2 the result is 0. */
-static inline double exp_of(double x) { return x < -745.2 ? 0.0 : exp(x); }
+UNUSED static inline double exp_of(double x) { return x < -745.2 ? 0.0 : exp(x); }
 
 /* atan; for |x| >= 32, where a body slips, five terms of the asymptotic series are exact to rounding. */
-static inline double atan_of(double x)
+UNUSED static inline double atan_of(double x)
 {
     if (!(fabs(x) >= 32)) return atan(x);
     const double r = 1 / x, q = r * r;

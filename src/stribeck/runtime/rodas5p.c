@@ -73,6 +73,8 @@ typedef struct {
     int64_t rejected_last, restart;
 } Run;
 
+enum { JUMP = 1, CORNER = 2 }; /* why a run restarts with a step of unknown length */
+
 enum { DONE = 0, MORE = 1, EVENTS_FULL = 2, STEP_TOO_SMALL = -1, NOT_FINITE = -2 };
 
 EXPORT int64_t stribeck_run_size(void) { return (int64_t)sizeof(Run); }
@@ -127,6 +129,7 @@ static inline double interpolate(double s, double x0, double x1, const double d[
     return (1 - s) * x0 + s * (x1 + (1 - s) * (d[0] + s * (d[1] + s * d[2])));
 }
 
+#if V_STATE >= 0
 /* Find every s in (s0, s1] where the quartic with Bernstein coefficients b passes through zero, in order; b's first and
    last values lie at s0 and s1. A polynomial stays between its coefficients, so an interval without a change of sign
    among them holds no root, and one with a single change holds exactly one (Descartes). */
@@ -189,6 +192,7 @@ static void note_events(Run *run, double t, double h, double v0, double v1, cons
         run->event_rises[run->events++] = rises[i];
     }
 }
+#endif
 
 /* One attempt at a step of length h from run->x: the stages, the new state and its error against the tolerances. */
 static inline double attempt(const Run *run, const Parameters *p, const Coefficients *c, const Segment *piece,
@@ -246,7 +250,9 @@ EXPORT int stribeck_advance(Run *run)
         const Segment piece = {run->piece_start[n], run->piece_value[n], run->piece_slope[n]};
         double t_stop = n + 1 < run->pieces ? smaller(run->piece_start[n + 1], run->t_end) : run->t_end;
         if (run->restart) {
-            run->h = smaller(run->h, first_step(run, p, c, &piece, t_stop - run->t));
+            /* a long step over a corner would damp the fast motion it sets off, and nothing would tell */
+            const double ease = run->restart == CORNER ? 16 : 1;
+            run->h = smaller(run->h, ease * first_step(run, p, c, &piece, t_stop - run->t));
             run->rates += 2;
             run->restart = run->rejected_last = 0;
             run->last_h = 0;
@@ -307,7 +313,8 @@ EXPORT int stribeck_advance(Run *run)
             const int64_t q = run->piece++;
             const double before = run->piece_value[q] + run->piece_slope[q] * (run->t - run->piece_start[q]);
             const double jump = fabs(run->piece_value[q + 1] - before);
-            if (jump > 1e-12 * larger(fabs(before), fabs(run->piece_value[q + 1]))) run->restart = 1;
+            if (jump > 1e-12 * larger(fabs(before), fabs(run->piece_value[q + 1]))) run->restart = JUMP;
+            else if (!run->restart && run->piece_slope[q + 1] != run->piece_slope[q]) run->restart = CORNER;
         }
     }
     return DONE;

@@ -193,7 +193,8 @@ class _Reader:
         for name in [name for name in own if name in PARAMETERS or name in parameters]:
             text = "belongs in law.parameters" if name in PARAMETERS else "stands in law.parameters too"
             self.problems.append((f"law.{name}", f"{show(own.pop(name))}: {text}"))
-        misspelt = {name: own.pop(name) for name in list(own) if nearest(name, ("name", "parameters"))}
+        has = law.constants() if law is not None else {}
+        misspelt = {n: own.pop(n) for n in list(own) if n not in has and nearest(n, ("name", "parameters"))}
         self._unknown(misspelt, "law", ("name", "parameters"))
         if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
             found = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
