@@ -27,7 +27,7 @@ test: setup
 	$(BIN)/python -m pytest -n auto
 
 bench: setup
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r benchmarks/requirements.txt || true
+	-xargs -n1 $(BIN)/python -m pip install --quiet --disable-pip-version-check < benchmarks/requirements.txt
 	$(BIN)/python benchmarks/run.py
 
 clean:

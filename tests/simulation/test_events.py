@@ -129,3 +129,15 @@ def test_every_crossing_within_one_step(tmp_path):
         np.testing.assert_allclose([s for s, _ in found], [s for s, _ in expected], rtol=0, atol=1e-7)
         most = max(most, len(found))
     assert most >= 6
+
+
+def test_a_speed_that_rests_at_the_threshold_does_not_search_for_ever(tmp_path):
+    """Rounding around v_s has many signs and no crossings worth finding."""
+    library = compiled(Scenario(RIGS["spring"]).system, tmp_path)
+    library.test_events.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double,
+                                    np.ctypeslib.ndpointer(np.float64)]  # fmt: skip
+    random = np.random.default_rng(2)
+    for _ in range(200):
+        v0, v1, *d = 1e-19 * random.uniform(-1, 1, 5)
+        assert len(events_of(library, 1e-3 + v0, 1e-3 + v1, np.array(d), 1e-3)) <= 16
+    assert events_of(library, 1e300, -1e300, np.array([1e308, -1e308, 1e308]), 1e-3) == []

@@ -99,8 +99,8 @@ def test_a_controller_that_is_unstable(run):
     data = rig("lugre_majorant", away, {"kind": "step", "value": 1.0, "time": 0.5}, 200.0, rtol=1e-3)
     solution = failed(run, data)
     assert "no longer finite" in solution.reason or "Radau failed" in solution.reason
-    assert 20 < solution.t[-1] < 40
-    assert abs(solution["y"][-1]) > 1e200
+    assert 10 < solution.t[-1] < 40  # when squares overflow depends on the order the compiler gives to products
+    assert abs(solution["y"][-1]) > 1e100
 
 
 @needs_compiler

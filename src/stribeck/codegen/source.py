@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 import threading
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from importlib.resources import files
 
 from stribeck.codegen.elimination import eliminate
@@ -27,6 +28,7 @@ _RESERVED = frozenset(
 _one_at_a_time = threading.Lock()
 
 
+@lru_cache(maxsize=64)
 def source(system: System) -> str:
     """One C file for the system: compile it alone, as a shared library."""
     with _one_at_a_time:
@@ -68,6 +70,11 @@ class _Source:
         known: dict[Expr, bool] = {}
 
         def multiply(node: Expr) -> Expr:
+            if node.op == "mul" and node.args[0].op == "div" and node.args[1].op == "symbol":
+                # a state is there from the start: divided first, it does not wait for exp or atan
+                (a, b), state = node.args[0].args, node.args[1]
+                if not self._constant(b, known) and not self._constant(state, known):
+                    return a * (state / b)
             if node.op != "div" or not self._constant(node.args[1], known) or self._constant(node.args[0], known):
                 return node
             product = node.args[0] * (ONE / node.args[1])

@@ -133,12 +133,14 @@ static inline double interpolate(double s, double x0, double x1, const double d[
 /* Find every s in (s0, s1] where the quartic with Bernstein coefficients b passes through zero, in order; b's first and
    last values lie at s0 and s1. A polynomial stays between its coefficients, so an interval without a change of sign
    among them holds no root, and one with a single change holds exactly one (Descartes). */
-static int crossings(const double b[5], double s0, double s1, int depth, double *found, int8_t *rises, int count)
+static int crossings(const double b[5], double noise, double s0, double s1, int depth, double *found, int8_t *rises,
+                     int count)
 {
-    int changes = 0;
+    int changes = 0, flat = 1;
     for (int i = 0; i < 4; i++) changes += (b[i] >= 0) != (b[i + 1] >= 0);
+    for (int i = 0; i < 5; i++) flat &= fabs(b[i]) <= noise; /* rounding has signs of its own */
     if (changes == 0 || count >= 8) return count;
-    if (depth > 50 || (changes == 1 && s1 - s0 < 1e-14)) {
+    if (flat || depth > 50 || (changes == 1 && s1 - s0 < 1e-14)) {
         if ((b[0] >= 0) != (b[4] >= 0)) {
             found[count] = s1;
             rises[count++] = b[4] >= 0;
@@ -153,8 +155,8 @@ static int crossings(const double b[5], double s0, double s1, int depth, double 
         for (int i = 0; i < 4 - level; i++) w[i] = 0.5 * (w[i] + w[i + 1]);
     }
     const double middle = 0.5 * (s0 + s1);
-    count = crossings(left, s0, middle, depth + 1, found, rises, count);
-    return crossings(right, middle, s1, depth + 1, found, rises, count);
+    count = crossings(left, noise, s0, middle, depth + 1, found, rises, count);
+    return crossings(right, noise, middle, s1, depth + 1, found, rises, count);
 }
 
 /* Note where |v| passes the threshold within the step from t to t + h. */
@@ -167,15 +169,16 @@ static void note_events(Run *run, double t, double h, double v0, double v1, cons
         lowest = smaller(lowest, b[i]);
         highest = larger(highest, b[i]);
     }
-    const double level = run->threshold;
+    const double level = run->threshold, noise = 1e-14 * level;
+    if (!(highest - lowest < 1e100)) return; /* a run that is about to fail */
     if ((lowest > -level && highest < level) || lowest >= level || highest <= -level) return;
     double s[16], shifted[5];
     int8_t rises[16];
     for (int i = 0; i < 5; i++) shifted[i] = b[i] - level;
-    int count = crossings(shifted, 0, 1, 0, s, rises, 0);
+    int count = crossings(shifted, noise, 0, 1, 0, s, rises, 0);
     const int upper = count;
     for (int i = 0; i < 5; i++) shifted[i] = -b[i] - level;
-    count += crossings(shifted, 0, 1, 0, s + upper, rises + upper, 0);
+    count += crossings(shifted, noise, 0, 1, 0, s + upper, rises + upper, 0);
     for (int i = 1; i < count; i++) { /* two sorted lists into one */
         const double si = s[i];
         const int8_t ri = rises[i];

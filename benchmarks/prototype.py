@@ -1,0 +1,84 @@
+"""The C++ prototype of the same method, where its sources and a C++ compiler are at hand: a floor to compare with.
+
+The sources are no part of this project. They are looked for in $STRIBECK_PROTOTYPE, then in ../shared/prototypes
+beside the checkout.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import os
+import shutil
+import subprocess
+from ctypes import POINTER, c_double, c_int
+from pathlib import Path
+
+import limit_cycle as job
+import numpy as np
+from numpy.typing import NDArray
+
+FLAGS = ("-O3", "-march=native", "-ffast-math")
+PLAIN_FLAGS = ("-O3",)
+FIRST_STEP = 1e-6
+
+_WRAPPER = """
+#include "core.hpp"
+extern "C" int prototype(const double* c, double t0, double t1, double rtol, double atol, double h0, int rows,
+                         double step, double* out, double* events, int room, double threshold)
+{
+    Par p{};
+    p.s0 = c[0]; p.s1 = c[1]; p.s2 = c[2]; p.Fc = c[3]; p.Fs = c[4]; p.vs = c[5]; p.kv = c[6]; p.m = 1;
+    p.Kp = c[7]; p.Ki = c[8]; p.Kd = c[9]; p.yd = c[10];
+    const double rest[4] = {0, 0, 0, 0};
+    Stats stats;
+    return rodas5p<double, 1, 1>(p, t0, t1, rest, rtol, atol, h0, rows, t0, step, out, events, room, threshold, stats);
+}
+"""
+_CONSTANTS = np.array(
+    [job.SIGMA_0, job.SIGMA_1, job.SIGMA_2, job.F_C, job.F_S, job.V_S, job.K_V, job.K_P, job.K_I, job.K_D, job.SETPOINT]
+)
+
+
+class Missing(Exception):
+    """The prototype cannot be measured here; the text says why."""
+
+
+class Prototype:
+    """The compiled prototype. It starts at t = START from rest, with w = sigma_0 z and one absolute tolerance."""
+
+    def __init__(self, folder: Path, flags: tuple[str, ...]) -> None:
+        sources = Path(os.environ.get("STRIBECK_PROTOTYPE", Path(__file__).parents[2] / "shared" / "prototypes"))
+        compiler = os.environ.get("CXX") or shutil.which("g++")
+        if not (sources / "core.hpp").is_file():
+            raise Missing("its sources are not here (set STRIBECK_PROTOTYPE to their folder)")
+        if compiler is None:
+            raise Missing("there is no g++")
+        name = f"prototype-{len(flags)}"
+        code, library = folder / f"{name}.cpp", folder / f"{name}.so"
+        code.write_text(_WRAPPER)
+        command = [compiler, *flags, "-fPIC", "-shared", f"-I{sources}", "-o", str(library), str(code)]
+        result = subprocess.run(command, capture_output=True, text=True, check=False)
+        if result.returncode != 0:
+            raise Missing(f"it does not compile: {result.stderr.strip().partition(chr(10))[0]}")
+        pointer = POINTER(c_double)
+        self._run = ctypes.CDLL(str(library)).prototype
+        self._run.restype = c_int
+        self._run.argtypes = [
+            pointer, c_double, c_double, c_double, c_double, c_double, c_int, c_double, pointer, pointer, c_int,
+            c_double,
+        ]  # fmt: skip
+
+    def solve(self, rtol: float, atol: float) -> NDArray[np.float64]:
+        """y at the rows from START on; like stribeck it also locates slip instants and allocates its output."""
+        out, events = np.empty((job.ROWS - job.FIRST_ROW, 4)), np.empty(4096)
+        status = self._run(
+            _pointer(_CONSTANTS), job.START, job.END, rtol, atol, FIRST_STEP, len(out), job.STEP, _pointer(out),
+            _pointer(events), len(events), job.V_S,
+        )  # fmt: skip
+        if status != 0:
+            raise ArithmeticError(f"the prototype failed with status {status}")
+        return out[:, 0]
+
+
+def _pointer(array: NDArray[np.float64]) -> object:
+    return array.ctypes.data_as(POINTER(c_double))

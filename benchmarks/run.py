@@ -1,0 +1,42 @@
+"""All benchmarks: prints plain tables and writes results/*.json. Each runs in a process of its own."""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from pathlib import Path
+
+from measure import RESULTS, machine
+
+BENCHMARKS = ("single", "startup")
+
+
+def main() -> None:
+    """Run the benchmarks that are asked for, all unless told; the exit status is 1 where one failed to run."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(BENCHMARKS)}; all unless given")
+    parser.add_argument("--repetitions", type=int, help="repetitions of each")
+    parser.add_argument("--out", type=Path, default=RESULTS, help="folder of the results")
+    options = parser.parse_args()
+    for name in options.names:
+        if name not in BENCHMARKS:
+            parser.error(f"{name}: must be one of {', '.join(BENCHMARKS)}")
+    about = machine()
+    print(f"{about['date']}: {about['processor']}, {about['cores']} cores, {about['system']}, Python {about['python']}")
+    print(f"compiler: {about['compiler'] or 'none'}; load: {about['load']}")
+    print("Another process at work makes slow solvers look slower: a load near 0 is wanted.\n", flush=True)
+    failed = []
+    for name in options.names or BENCHMARKS:
+        file = Path(__file__).with_name(f"{name}.py")
+        command = [sys.executable, str(file), "--out", str(options.out / f"{name}.json")]
+        if options.repetitions:
+            command += ["--repetitions", str(options.repetitions)]
+        if subprocess.run(command, check=False).returncode != 0:
+            failed.append(name)
+    if failed:
+        sys.exit(f"did not run: {', '.join(failed)}")
+
+
+if __name__ == "__main__":
+    main()

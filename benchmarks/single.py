@@ -1,0 +1,288 @@
+"""One simulation: the limit cycle of 250 s by this project's solver and by its peers, each at the same error.
+
+The error at a single tolerance is a matter of luck: a change of rtol in its last digit can double it. So each solver's
+tolerance comes from a scan: it is the loosest rtol at which, and at all tighter ones of the scan, the typical error
+(the median of neighbouring tolerances) of y is at most 1e-6 of its range. Among several ratios atol/rtol the fastest is
+taken. Quick solvers are scanned in every run. The scan of the slow ones takes minutes (--scan): what it finds is kept
+in tolerances.json, and a run checks that it still gives the error.
+
+All solvers are timed in one interleaved run: in every repetition each in turn, in random order. The peers start when
+the setpoint steps (before that the body rests); this project's solver runs from t = 0 and locates all slip and stick
+instants besides.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import os
+import random
+import statistics
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import limit_cycle as job
+import numpy as np
+from measure import RESULTS, machine, spread, table, targets_table, write
+from solvers import BASE, PEERS_ATOL, Array, Solver, Stribeck, available, solve_ivp, tuned_rates
+
+LIMIT = 1e-6  # of the range of y
+REFERENCE_RTOL = 1e-12
+CHECK_RTOL = 1e-10
+TIGHTEST = -11  # log10 of the rtol at which a scan gives up
+# points of a scan for each decade of rtol, and how many neighbours on each side share in the typical error
+COARSE, FINE = (8, 1), (40, 5)
+QUICK = 0.02  # s: solvers faster than this are scanned finely, and in every run
+KEPT = Path(__file__).parent / "tolerances.json"
+TRUSTED = (LIMIT / 3, 1.5 * LIMIT)  # typical errors between which kept tolerances are used again
+BLOCK = 0.03  # s: a solver's calls within a repetition take about so long together; their median counts
+MOST_CALLS = 15
+# what, which peer, how many times faster than it, in which direction
+TARGETS = (
+    ("no slower than the C prototype", "C prototype", 1.0),
+    ("faster than SciPy odeint", "SciPy odeint", 60.0),
+    ("faster than solve_ivp LSODA", "solve_ivp LSODA", 120.0),
+    ("faster than numbalsoda", "numbalsoda", 3.5),
+)
+
+
+@dataclass
+class Choice:
+    """A solver with the tolerances found for it, and its times in s."""
+
+    solver: Solver
+    rtol: float
+    atol: float | None
+    error: float
+    quick: float
+    times: list[float] = field(default_factory=list)
+
+    def run(self) -> Array:
+        """Solve once."""
+        return self.solver.solve(self.rtol, self.atol)
+
+
+def reference() -> tuple[Array, dict[str, Any]]:
+    """The reference rows, and how well two others agree with them."""
+    own = Stribeck()
+    y = own.solve(REFERENCE_RTOL, None)
+    scale = float(np.max(np.abs(y)))
+    looser = float(np.max(np.abs(own.solve(10 * REFERENCE_RTOL, None) - y))) / scale
+    radau = float(np.max(np.abs(solve_ivp("Radau", tuned_rates)(CHECK_RTOL, CHECK_RTOL / 100) - y))) / scale
+    if max(looser, radau) > LIMIT / 10:
+        raise SystemExit(f"the reference is uncertain: {looser:.1e} by rtol, {radau:.1e} from SciPy's Radau")
+    return y, {
+        "solver": f"stribeck at rtol {REFERENCE_RTOL:g}",
+        "range_m": scale,
+        "differs_from_ten_times_the_rtol": looser,
+        f"differs_from_scipy_radau_at_{CHECK_RTOL:g}": radau,
+    }
+
+
+def seconds(call: Callable[[], object], calls: int) -> float:
+    """The median time of some calls in a row."""
+    times = []
+    for _ in range(calls):
+        started = perf_counter()
+        call()
+        times.append(perf_counter() - started)
+    return statistics.median(times)
+
+
+def tolerances(solvers: list[Solver], y: Array, kept: dict[str, Any]) -> tuple[list[Choice], dict[str, str]]:
+    """Each solver with its tolerances, kept or found by its scan, and those without; ``kept`` is brought up to date."""
+    choices: dict[str, Choice] = {}
+    failed = {}
+    for solver in solvers:
+        choice = like(solver, choices) or from_kept(solver, kept.get(solver.name), y)
+        if choice is None:
+            say(f"scan for the tolerances of {solver.name}")
+            choice = scan(solver, y)
+            if choice is not None and choice.quick >= QUICK:
+                kept[solver.name] = {"rtol": choice.rtol, "atol": choice.atol}
+        if choice is None:
+            failed[solver.name] = f"no tolerance of the scan gives an error of {LIMIT:g} of the range"
+        else:
+            choices[solver.name] = choice
+    return list(choices.values()), failed
+
+
+def like(solver: Solver, choices: dict[str, Choice]) -> Choice | None:
+    """The tolerances of the solver that this one says it is like."""
+    if solver.like not in choices:
+        return None
+    same = choices[solver.like]
+    choice = Choice(solver, same.rtol, same.atol, same.error, 0.0)
+    choice.quick = seconds(choice.run, 2)
+    return choice
+
+
+def from_kept(solver: Solver, kept: dict[str, float] | None, y: Array) -> Choice | None:
+    """The tolerances of an earlier scan, if they still give the error."""
+    if kept is None:
+        return None
+    share = kept["atol"] / kept["rtol"]
+    per_decade, reach = COARSE
+    nearby = [kept["rtol"] * 10 ** (i / per_decade) for i in range(-reach, reach + 1)]
+    error = statistics.median(error_of(solver, rtol, share, y) for rtol in nearby)
+    if not TRUSTED[0] <= error <= TRUSTED[1]:
+        return None
+    choice = Choice(solver, kept["rtol"], kept["atol"], error, 0.0)
+    choice.quick = seconds(choice.run, 1)
+    return choice
+
+
+def scan(solver: Solver, y: Array) -> Choice | None:
+    """The tolerances for the limit, with the share at which they are the fastest; None where there are none."""
+    choices = [choice for share in solver.shares if (choice := scan_share(solver, share, y)) is not None]
+    return min(choices, key=lambda choice: choice.quick, default=None)
+
+
+def scan_share(solver: Solver, share: float | None, y: Array) -> Choice | None:
+    """The loosest rtol from which on the typical error keeps the limit."""
+    per_decade, reach = FINE if is_quick(solver, share) else COARSE
+    rtols: list[float] = []
+    errors: list[float] = []
+    passed, exponent = 0, math.log10(solver.loosest)
+    while passed <= per_decade / 2 and exponent > TIGHTEST:
+        rtols.append(10**exponent)
+        errors.append(error_of(solver, rtols[-1], share, y))
+        passed = passed + 1 if errors[-1] < LIMIT / 10 else 0
+        exponent -= 1 / per_decade
+    typical = [statistics.median(errors[max(i - reach, 0) : i + reach + 1]) for i in range(len(errors))]
+    first = max((i + 1 for i, error in enumerate(typical) if error > LIMIT), default=0)
+    if first == len(rtols):
+        return None
+    rtol = rtols[first]
+    choice = Choice(solver, rtol, None if share is None else share * rtol, typical[first], 0.0)
+    choice.quick = min(seconds(choice.run, 1) for _ in range(15 if per_decade == FINE[0] else 2))
+    return choice
+
+
+def error_of(solver: Solver, rtol: float, share: float | None, y: Array) -> float:
+    """The largest error of y over the rows, as a part of the range; infinite where the solver gives up."""
+    try:
+        difference = solver.solve(rtol, None if share is None else share * rtol) - y
+    except ArithmeticError:
+        return math.inf
+    return float(np.max(np.abs(difference)) / np.max(np.abs(y)))
+
+
+def is_quick(solver: Solver, share: float | None) -> bool:
+    """Whether the scan can afford many points."""
+    rtol = solver.loosest / 10
+    return seconds(lambda: error_of(solver, rtol, share, np.ones(1)), 3) < QUICK
+
+
+def measure(choices: list[Choice], repetitions: int) -> None:
+    """Time all solvers, interleaved."""
+    for repetition in range(repetitions):
+        for choice in random.sample(choices, len(choices)):
+            calls = min(max(math.ceil(BLOCK / choice.quick), 1), MOST_CALLS)
+            choice.times.append(seconds(choice.run, calls))
+        say(f"repetition {repetition + 1} of {repetitions}")
+
+
+def say(text: str) -> None:
+    """Progress, on standard error."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def figures(choice: Choice, base: Choice) -> dict[str, Any]:
+    """A solver's line of the results; its ratios to the base are taken within repetitions."""
+    return {
+        "solver": choice.solver.name,
+        "what": choice.solver.what,
+        "rtol": choice.rtol,
+        "atol": choice.atol,
+        "error": choice.error,
+        "milliseconds": spread([1e3 * t for t in choice.times]),
+        "ratio": spread([t / b for t, b in zip(choice.times, base.times, strict=True)]),
+    }
+
+
+def judge(choices: list[Choice]) -> list[dict[str, Any]]:
+    """The targets, and whether they are met, at this project's default atol and at the peers' atol."""
+    times = {choice.solver.name: choice.times for choice in choices}
+    judged = []
+    for base in (BASE, PEERS_ATOL):
+        for text, peer, wanted in TARGETS:
+            ratio = None
+            if peer in times and base in times:
+                ratio = statistics.median(theirs / own for theirs, own in zip(times[peer], times[base], strict=True))
+            judged.append(
+                {
+                    "target": f"{base}: {text}",
+                    "wanted": f">= {wanted:g} x",
+                    "measured": "-" if ratio is None else f"{ratio:.3g} x",
+                    "met": None if ratio is None else ratio >= wanted,
+                }
+            )
+    return judged
+
+
+def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
+    """Find the tolerances, measure, and judge."""
+    about_machine = machine()
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["STRIBECK_CACHE"] = folder
+        say("reference")
+        y, about = reference()
+        solvers, missing = available(Path(folder))
+        kept = {} if rescan or not KEPT.is_file() else json.loads(KEPT.read_text())
+        choices, failed = tolerances(solvers, y, kept)
+        write(KEPT, kept)
+        missing |= failed
+        if not choices or choices[0].solver.name != BASE:
+            raise SystemExit(f"{BASE}: {missing[BASE]}")
+        measure(choices, repetitions)
+    lines = [figures(choice, choices[0]) for choice in choices]
+    return {
+        "benchmark": "limit cycle, one simulation",
+        "machine": about_machine,
+        "error_limit": LIMIT,
+        "rows": job.ROWS,
+        "reference": about,
+        "solvers": lines,
+        "not_measured": missing,
+        "targets": judge(choices),
+    }
+
+
+def report(results: dict[str, Any]) -> str:
+    """The results as plain text."""
+    rows = []
+    for line in results["solvers"]:
+        ms, ratio = line["milliseconds"], line["ratio"]
+        atol = "default" if line["atol"] is None else f"{line['atol']:.1e}"
+        rows.append(
+            (
+                line["solver"], f"{ms['median']:.3g}", f"{ms['q1']:.3g} - {ms['q3']:.3g}", f"{ratio['median']:.3g}",
+                f"{ratio['q1']:.3g} - {ratio['q3']:.3g}", f"{line['error']:.1e}", f"{line['rtol']:.1e}", atol,
+            )
+        )  # fmt: skip
+    head = ("solver", "ms", "quartiles", f"/ {BASE}", "quartiles", "error/range", "rtol", "atol")
+    missing = "".join(f"{name}: not measured: {reason}\n" for name, reason in results["not_measured"].items())
+    return f"{results['benchmark']}\n\n{table(head, rows)}\n{missing}\n{targets_table(results['targets'])}\n"
+
+
+def main() -> None:
+    """Run the benchmark, print the table, write the results."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--repetitions", type=int, default=15)
+    parser.add_argument("--scan", action="store_true", help="scan the slow solvers too (some minutes)")
+    parser.add_argument("--out", type=Path, default=RESULTS / "single.json")
+    options = parser.parse_args()
+    results = benchmark(options.repetitions, options.scan)
+    write(options.out, results)
+    print(report(results))
+
+
+if __name__ == "__main__":
+    main()

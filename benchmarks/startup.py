@@ -1,0 +1,177 @@
+"""Start-up: the time and the memory of whole processes, from the call of the command to its end.
+
+Each command runs in an environment of its own: its cache folder is a fresh one, filled beforehand for the cached cases
+and empty for the new ones. The commands take turns. Memory is the peak of the process and its children (the compiler).
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+from limit_cycle import SCENARIO
+from measure import RESULTS, machine, spread, table, targets_table, write
+
+MEMORY_LIMIT = 200.0  # MB
+KILO = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in bytes there
+
+
+@dataclass
+class Case:
+    """A command to time; ``prepare`` makes what it needs and returns the cache folder and further arguments.
+
+    Attributes:
+        limit: the target in s, or None.
+        beyond: the case whose time is taken off before the limit is applied.
+    """
+
+    name: str
+    command: list[str]
+    prepare: Callable[[], tuple[Path, list[str]]]
+    limit: float | None = None
+    beyond: str | None = None
+    times: list[float] = field(default_factory=list)
+    megabytes: list[float] = field(default_factory=list)
+
+    def run(self) -> None:
+        """Run once, keeping time and memory."""
+        cache, arguments = self.prepare()
+        environment = {**os.environ, "STRIBECK_CACHE": str(cache)}
+        started = perf_counter()
+        process = subprocess.Popen(
+            [*self.command, *arguments], env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+        )  # fmt: skip
+        assert process.stderr is not None
+        complaint = process.stderr.read()
+        _, status, usage = os.wait4(process.pid, 0)
+        self.times.append(perf_counter() - started)
+        process.stderr.close()
+        process.returncode = os.waitstatus_to_exitcode(status)
+        self.megabytes.append(usage.ru_maxrss * KILO / 1e6)
+        if process.returncode != 0:
+            raise SystemExit(f"{self.name}: exit status {process.returncode}: {complaint.decode(errors='replace')}")
+
+
+def stribeck() -> list[str]:
+    """The command of the environment that runs this file, else the one on the path."""
+    beside = Path(sys.executable).parent / "stribeck"
+    found = str(beside) if beside.is_file() else shutil.which("stribeck")
+    if found is None:
+        raise SystemExit("there is no command stribeck: install the project first")
+    return [found]
+
+
+def cases(folder: Path) -> list[Case]:
+    """The commands, each with its target."""
+    scenario, filled = folder / "limit_cycle.toml", folder / "filled"
+    scenario.write_text(SCENARIO)
+
+    def fresh() -> Path:
+        return Path(tempfile.mkdtemp(prefix="fresh-", dir=folder))
+
+    def with_out(cache: Path) -> tuple[Path, list[str]]:
+        return cache, ["--out", str(fresh())]
+
+    run = [*stribeck(), "run", str(scenario), "--json"]
+    return [
+        Case("python -c pass", [sys.executable, "-c", "pass"], lambda: (filled, [])),
+        Case("python -c 'import numpy'", [sys.executable, "-c", "import numpy"], lambda: (filled, [])),
+        Case("stribeck --help", [*stribeck(), "--help"], lambda: (filled, []), 0.2),
+        Case("run --json, cached", run, lambda: (filled, []), 0.4),
+        Case("run --json, new", run, lambda: (fresh(), []), 1.2),
+        Case("run --json --out, cached", run, lambda: with_out(filled), 0.8, "run --json, cached"),
+        Case("run --json --out, new", run, lambda: with_out(fresh()), 0.8, "run --json, new"),
+    ]
+
+
+def figures(case: Case) -> dict[str, Any]:
+    """A case's line of the results."""
+    return {"case": case.name, "seconds": spread(case.times), "peak_megabytes": max(case.megabytes)}
+
+
+def judge(measured: list[Case]) -> list[dict[str, Any]]:
+    """The targets, and whether they are met by the medians."""
+    medians = {case.name: spread(case.times)["median"] for case in measured}
+    judged = []
+    for case in measured:
+        if case.limit is None:
+            continue
+        value = medians[case.name] - (medians[case.beyond] if case.beyond else 0.0)
+        text = f"{case.name}, beyond the same without --out" if case.beyond else case.name
+        judged.append(
+            {
+                "target": text,
+                "wanted": f"<= {case.limit:g} s",
+                "measured": f"{value:.3f} s",
+                "met": value <= case.limit,
+            }
+        )
+    peak = max(max(case.megabytes) for case in measured)
+    judged.append(
+        {
+            "target": "peak memory of any of them",
+            "wanted": f"< {MEMORY_LIMIT:g} MB",
+            "measured": f"{peak:.0f} MB",
+            "met": peak < MEMORY_LIMIT,
+        }
+    )
+    return judged
+
+
+def benchmark(repetitions: int) -> dict[str, Any]:
+    """Run every command once unmeasured, then all in turn."""
+    about_machine = machine()
+    with tempfile.TemporaryDirectory() as folder:
+        measured = cases(Path(folder))
+        for case in measured:
+            case.run()
+        for case in measured:
+            case.times.clear()
+            case.megabytes.clear()
+        for repetition in range(repetitions):
+            for case in measured:
+                case.run()
+            print(f"repetition {repetition + 1} of {repetitions}", file=sys.stderr, flush=True)
+    return {
+        "benchmark": "start-up, whole processes",
+        "machine": about_machine,
+        "cases": [figures(case) for case in measured],
+        "targets": judge(measured),
+    }
+
+
+def report(results: dict[str, Any]) -> str:
+    """The results as plain text."""
+    rows = []
+    for line in results["cases"]:
+        s = line["seconds"]
+        rows.append(
+            (line["case"], f"{s['median']:.3f}", f"{s['q1']:.3f} - {s['q3']:.3f}", f"{line['peak_megabytes']:.0f}")
+        )
+    head = ("command", "s", "quartiles", "peak MB")
+    return f"{results['benchmark']}\n\n{table(head, rows)}\n\n{targets_table(results['targets'])}\n"
+
+
+def main() -> None:
+    """Run the benchmark, print the table, write the results."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--repetitions", type=int, default=11)
+    parser.add_argument("--out", type=Path, default=RESULTS / "startup.json")
+    options = parser.parse_args()
+    results = benchmark(options.repetitions)
+    write(options.out, results)
+    print(report(results))
+
+
+if __name__ == "__main__":
+    main()
