@@ -1,5 +1,6 @@
 """Every command and every Python line of the README works as it stands."""
 
+import json
 import re
 import shlex
 from pathlib import Path
@@ -65,3 +66,34 @@ def test_table_of_laws_is_what_the_laws_claim():
         assert (drift_free.strip() != "no") == claims.drift_free, name
         said = passive.strip()
         assert claims.passive is {"yes": True, "no": False}[said] if said in ("yes", "no") else callable(claims.passive)
+
+
+NAMES = {
+    "Stribeck, compiled": "stribeck",
+    "Stribeck with the peers' kind of atol": "stribeck, peers' atol",
+    "a hand-written C solver of the same method, `-ffast-math`": "C prototype",
+    "numbalsoda (LSODA, compiled equations)": "numbalsoda",
+    "SciPy odeint, Python equations tuned": "SciPy odeint, tuned",
+    "SciPy odeint, Python equations": "SciPy odeint",
+    "SciPy solve_ivp LSODA": "solve_ivp LSODA",
+    "SUNDIALS CVODE through scikit-sundae": "scikit-sundae CVODE",
+    "SciPy solve_ivp Radau": "solve_ivp Radau",
+}
+
+
+def test_speed_is_what_the_benchmark_measured():
+    folder = Path(__file__).parent.parent / "benchmarks" / "results"
+    single, startup = (json.loads((folder / f"{name}.json").read_text()) for name in ("single", "startup"))
+    measured = {row["solver"]: row for row in single["solvers"] if row.get("milliseconds")}
+    rows = re.findall(r"^\| ([^|]+) \| ([\d.]+) \| ([\d.e+]+) \|$", README, re.M)
+    assert [row[0] for row in rows] == list(NAMES)
+    for name, milliseconds, ratio in rows:
+        row = measured[NAMES[name]]
+        assert (milliseconds, ratio) == (f"{row['milliseconds']['median']:.3g}", f"{row['ratio']['median']:.3g}")
+    assert single["machine"]["date"][:10] in README
+    seconds = {case["case"]: case["seconds"]["median"] for case in startup["cases"]}
+    for case in ("stribeck --help", "run --json, cached", "run --json, new"):
+        assert f"{seconds[case]:.3g} s" in README
+    extra = seconds["run --json --out, cached"] - seconds["run --json, cached"]
+    assert f"{extra:.3g} s more" in README
+    assert all(case["peak_megabytes"] < 200 for case in startup["cases"])

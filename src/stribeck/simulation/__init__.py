@@ -33,7 +33,7 @@ def simulate(scenario: Scenario, progress: Callable[[float], None] | None = None
     library, built, build_seconds = None, False, 0.0
     chosen = compiler.find()
     if chosen is None:
-        note("no C compiler found: solving with SciPy, some hundred times slower (pip install 'stribeck[compiler]')")
+        note("no C compiler found: solving with SciPy, hundreds of times slower (pip install 'stribeck[compiler]')")
     else:
         try:
             found, built = cache.library(source(scenario.system), chosen)
@@ -41,7 +41,7 @@ def simulate(scenario: Scenario, progress: Callable[[float], None] | None = None
             library = found
             build_seconds = perf_counter() - started
         except (BuildError, OSError) as error:
-            note(f"compiling failed ({' '.join(str(error).split())}): solving with SciPy, some hundred times slower")
+            note(f"compiling failed ({' '.join(str(error).split())}): solving with SciPy, hundreds of times slower")
     result = _solve(library, scenario, progress)
     result.stats.update(
         {"built": built, "build_seconds": build_seconds, "seconds": perf_counter() - started - build_seconds}
