@@ -140,4 +140,7 @@ def test_a_speed_that_rests_at_the_threshold_does_not_search_for_ever(tmp_path):
     for _ in range(200):
         v0, v1, *d = 1e-19 * random.uniform(-1, 1, 5)
         assert len(events_of(library, 1e-3 + v0, 1e-3 + v1, np.array(d), 1e-3)) <= 16
+    for _ in range(200):
+        v0, v1, *d = 1e90 * random.uniform(-1, 1, 5)
+        assert len(events_of(library, v0, v1, np.array(d), 1e-3)) <= 16
     assert events_of(library, 1e300, -1e300, np.array([1e308, -1e308, 1e308]), 1e-3) == []

@@ -169,7 +169,7 @@ static void note_events(Run *run, double t, double h, double v0, double v1, cons
         lowest = smaller(lowest, b[i]);
         highest = larger(highest, b[i]);
     }
-    const double level = run->threshold, noise = 1e-14 * level;
+    const double level = run->threshold, noise = 1e-14 * larger(level, larger(fabs(lowest), fabs(highest)));
     if (!(highest - lowest < 1e100)) return; /* a run that is about to fail */
     if ((lowest > -level && highest < level) || lowest >= level || highest <= -level) return;
     double s[16], shifted[5];
