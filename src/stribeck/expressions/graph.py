@@ -271,11 +271,6 @@ def _finite(infinite: Expr, slope: Expr) -> Expr:
     return _Graph.where(infinite, 0.0, slope)
 
 
-def _power_slope(a: Expr, b: Expr) -> Expr:
-    slope, power = b * a ** (b - 1), _number(b)
-    return slope if power is not None and power >= 1 else _finite(_Graph.both(abs(a) <= 0, b < 1), slope)
-
-
 # The partial derivatives of an operation by its arguments: given the node and its arguments.
 _PARTIALS: dict[str, Callable[..., tuple[Any, ...]]] = {
     "add": lambda n, a, b: (1, 1),
