@@ -21,7 +21,7 @@ _INTEGERS = (
     "pieces", "piece", "rows", "row", "event_room", "events", "accepted", "rejected", "rates", "jacobians",
     "attempts_left", "rejected_last", "restart",
 )  # fmt: skip
-_SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 40 ms
+_SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
 _EVENT_ROOM = 4096
 # What one step may err by, as a share of the tolerances: errors made while a contact creeps towards break-away grow up
 # to a hundredfold before it slips, and the solution is to keep what the tolerances promise.
