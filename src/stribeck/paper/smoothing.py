@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from types import SimpleNamespace
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from stribeck.laws.terms import S_0, m
 from stribeck.paper.common import STEEPNESSES, Done
 from stribeck.report import plots
-from stribeck.report.page import Chapter, Table
+from stribeck.report.page import Chapter, FigureSvg, Table
 
 
 def chapter(done: Done) -> Chapter:
@@ -17,35 +19,22 @@ def chapter(done: Done) -> Chapter:
     v = np.concatenate([-np.geomspace(5e-6, 1e-9, 200), np.geomspace(1e-9, 5e-6, 200)])
     steep = {k_v: SimpleNamespace(k_v=k_v) for k_v in STEEPNESSES}
     labels = {k_v: f"k_v = {k_v:.0e} s/m".replace("e+0", "e") for k_v in STEEPNESSES}
-    with plots.style():
-        made, axes = plots.figure([["m", "S_0"]], 3.1)
-        plots.line(axes["m"], 0, v, abs(v), "exact: |v|, sgn v")
-        plots.line(axes["S_0"], 0, v, np.sign(v), "exact: |v|, sgn v")
-        for i, (k_v, p) in enumerate(steep.items(), start=1):
-            plots.line(axes["m"], i, v, v * S_0(p, v), labels[k_v])
-            plots.line(axes["S_0"], i, v, S_0(p, v), labels[k_v])
-        axes["m"].set(xlabel="v (m/s)", ylabel="v S_0(v) (m/s)", title="(a) m(v) = v S_0(v)")
-        axes["S_0"].set(xlabel="v (m/s)", ylabel="S_0(v)", title="(b) S_0(v)")
-        plots.legend(made, axes["m"])
-        two = plots.finish(
-            made, "fig02_smooth_sign",
-            "The paper's smooth versions of |v| (a) and of sgn v (b). Good approximations need a large k_v; v S_0(v) lies "
-            "below |v| everywhere, which is what leaves z without a bound in the first smooth law.",
-        )  # fmt: skip
-        made, axes = plots.figure([["S_1", "m"]], 3.1)
-        plots.line(axes["S_1"], 0, v, np.ones_like(v), "exact: 1, |v|")
-        plots.line(axes["m"], 0, v, abs(v), "exact: 1, |v|")
-        for i, (k_v, p) in enumerate(steep.items(), start=1):
-            plots.line(axes["S_1"], i, v, S_0(p, v) ** 2, labels[k_v])
-            plots.line(axes["m"], i, v, m(p, v), labels[k_v])
-        axes["S_1"].set(xlabel="v (m/s)", ylabel="S_1(v)", title="S_1(v) = S_0(v)^2")
-        axes["m"].set(xlabel="v (m/s)", ylabel="m(v) (m/s)", title="for comparison: this project's majorant of |v|")
-        plots.legend(made, axes["S_1"])
-        three = plots.finish(
-            made, "fig03_drive_factor",
-            "The factor S_1 of the proposed law (left) takes the drive of z away near rest: z stays bounded, and the contact "
-            "loses its stiffness there. The majorant law keeps the factor 1 and lifts |v| instead (right).",
-        )  # fmt: skip
+    two = _beside(
+        "fig02_smooth_sign",
+        "The paper's smooth versions of |v| (a) and of sgn v (b). Good approximations need a large k_v; v S_0(v) lies "
+        "below |v| everywhere, which is what leaves z without a bound in the first smooth law.",
+        v, steep, labels, "exact: |v|, sgn v",
+        Panel("v S_0(v) (m/s)", "(a) m(v) = v S_0(v)", abs, lambda p, v: v * S_0(p, v)),
+        Panel("S_0(v)", "(b) S_0(v)", np.sign, S_0),
+    )  # fmt: skip
+    three = _beside(
+        "fig03_drive_factor",
+        "The factor S_1 of the proposed law (left) takes the drive of z away near rest: z stays bounded, and the contact "
+        "loses its stiffness there. The majorant law keeps the factor 1 and lifts |v| instead (right).",
+        v, steep, labels, "exact: 1, |v|",
+        Panel("S_1(v)", "S_1(v) = S_0(v)^2", np.ones_like, lambda p, v: S_0(p, v) ** 2),
+        Panel("m(v) (m/s)", "for comparison: this project's majorant of |v|", abs, m),
+    )  # fmt: skip
     off = {labels[k]: [float(1 - S_0(p, x) ** 2) for x in (1e-6, 1e-4)] for k, p in steep.items()}
     rows = [[label, *(f"{x:.2e}" for x in values)] for label, values in off.items()]
     table = Table(["1 - S_1(v)", "at 1 um/s", "at 0.1 mm/s"], rows)
@@ -53,3 +42,27 @@ def chapter(done: Done) -> Chapter:
         "The proposed law replaces sgn v by S_0(v) = (2/pi) arctan(k_v v), |v| by v S_0(v), and multiplies v by S_1.",
     )
     return Chapter("smoothing", "The smooth functions", text, [table], [two, three], {"one_minus_S_1": off})
+
+
+class Panel(NamedTuple):
+    """A smooth function beside what it replaces."""
+
+    name: str
+    title: str
+    exact: Callable[[Any], Any]
+    smooth: Callable[[Any, Any], Any]
+
+
+def _beside(
+    name: str, caption: str, v: Any, steep: dict[float, Any], labels: dict[float, str], exact: str, *panels: Panel
+) -> FigureSvg:
+    """Two panels, each with the exact function and the smooth one for every steepness."""
+    with plots.style():
+        made, axes = plots.figure([["left", "right"]], 3.1)
+        for axis, panel in zip((axes["left"], axes["right"]), panels, strict=True):
+            plots.line(axis, 0, v, panel.exact(v), exact)
+            for i, (k_v, p) in enumerate(steep.items(), start=1):
+                plots.line(axis, i, v, panel.smooth(p, v), labels[k_v])
+            axis.set(xlabel="v (m/s)", ylabel=panel.name, title=panel.title)
+        plots.legend(made, axes["left"])
+        return plots.finish(made, name, caption)
