@@ -12,14 +12,14 @@ from stribeck.errors import BuildError
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result, piecewise
 
-# The fields of Run in runtime/rodas5p.c, in the same order.
+# The fields of Run in runtime/run.c, in the same order.
 _POINTERS = ("parameters", "atol", "x", "piece_start", "piece_value", "piece_slope", "out", "event_time")
 _DOUBLES = (
-    "rtol", "t", "t_end", "h", "h_limit", "step", "threshold", "h_smallest", "h_largest", "last_h", "last_error",
+    "rtol", "t", "t_end", "h", "h_limit", "step", "threshold", "h_smallest", "h_largest", "last_h", "last_root",
 )  # fmt: skip
 _INTEGERS = (
     "pieces", "piece", "rows", "row", "event_room", "events", "accepted", "rejected", "rates", "jacobians",
-    "attempts_left", "rejected_last", "restart",
+    "attempts_left", "held", "restart",
 )  # fmt: skip
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
 _EVENT_ROOM = 4096
