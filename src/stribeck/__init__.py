@@ -10,13 +10,13 @@ if TYPE_CHECKING:
     from stribeck.laws import law
     from stribeck.parameter_sets import parameters
     from stribeck.scenario import Scenario
-    from stribeck.simulation import Solution, simulate
+    from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
 
 __version__ = "0.1.0"
 
 __all__ = [
-    "BuildError", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError", "StribeckNote", "law",
-    "parameters", "simulate",
+    "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
+    "StribeckNote", "law", "parameters", "simulate", "simulate_ensemble",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -27,7 +27,7 @@ _HOME = {
     "law": "stribeck.laws",
     "parameters": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",
-    **dict.fromkeys(("Solution", "simulate"), "stribeck.simulation"),
+    **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),
 }
 
 

@@ -99,7 +99,7 @@ NAMES = (
     "g", "t", "x", "y", "v", "z", "F", "u", "p", "c", "k", "h", "I", "mass", "stiffness", "double", "start", "value",
     "slope", "exp", "atan", "run", "N", "right", "shift", "jac", "fac", "piece", "dx", "df_dt", "c0", "c1", "inv_mass",
     "t1", "t2", "sign_of", "prepare", "solve", "A", "C", "NODE", "STAGES", "attempt", "Run", "Jacobian", "E_in",
-    "M_PI", "NAN", "linux", "real", "mask", "select", "splat", "any", "exp_of", "LANES", "BY_LANE", "dense",
+    "M_PI", "NAN", "linux", "real", "mask", "choose", "splat", "any", "exp_of", "LANES", "BY_LANE", "dense",
 )  # fmt: skip
 
 

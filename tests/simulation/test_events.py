@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario
-from stribeck.simulation.native import Run
 from tests.codegen.harness import compiled
 from tests.simulation.rig import law_table, needs_compiler, rig, solved
 

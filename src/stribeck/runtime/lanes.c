@@ -203,15 +203,15 @@ EXPORT void stribeck_solve_batch(const Batch *b)
         jacobian(&l->p, &l->c, &l->piece, l->t, l->x, &jac, df_dt);
         const real wanted = smaller(l->h, l->h_limit);
         const mask last = l->t + wanted * 1.000001 >= l->t_stop;
-        const real h = select(last, l->t_stop - l->t, wanted), t_new = select(last, l->t_stop, l->t + h);
+        const real h = choose(last, l->t_stop - l->t, wanted), t_new = choose(last, l->t_stop, l->t + h);
         const real error =
             attempt(l->atol, b->rtol, &l->p, &l->c, &l->piece, &jac, f0, df_dt, l->t, l->x, h, k, x_new);
         const mask good = error <= 1, finite = error < 1e30;
         const real root = steering(error), plain = growth(root);
-        real factor = select(l->last_h > 0, predictive_growth(root, h, l->last_root, l->last_h), plain);
-        factor = select(l->held & (factor > 1), splat(1), factor);
-        const real grown = h * select(good, factor, select(finite, plain, splat(0.1)));
-        const real next_h = select(good & last, larger(l->h, grown), grown);
+        real factor = choose(l->last_h > 0, predictive_growth(root, h, l->last_root, l->last_h), plain);
+        factor = choose(l->held & (factor > 1), splat(1), factor);
+        const real grown = h * choose(good, factor, choose(finite, plain, splat(0.1)));
+        const real next_h = choose(good & last, larger(l->h, grown), grown);
         mask events = good & 0;
 #if V_STATE >= 0
         dense(k, V_STATE, d);
@@ -227,15 +227,15 @@ EXPORT void stribeck_solve_batch(const Batch *b)
         l->rejected -= ~good;
         l->h = next_h;
         l->held = ~good;
-        l->last_h = select(good, h, l->last_h);
-        l->last_root = select(good, remembered(root), l->last_root);
+        l->last_h = choose(good, h, l->last_h);
+        l->last_root = choose(good, remembered(root), l->last_root);
         const mask attention = rows | events | ends | failed;
         if (any(attention)) {
             attend(b, l, rows, events, ends, failed, h, t_new, error, k, x_new, d);
             for (int lane = 0; lane < LANES; lane++) anew |= l->restart[lane];
         }
         const mask moves = good & ~ends & ~failed; /* the others were moved, or given another trajectory, above */
-        for (int n = 0; n < N; n++) l->x[n] = select(moves, x_new[n], l->x[n]);
-        l->t = select(moves, t_new, l->t);
+        for (int n = 0; n < N; n++) l->x[n] = choose(moves, x_new[n], l->x[n]);
+        l->t = choose(moves, t_new, l->t);
     }
 }

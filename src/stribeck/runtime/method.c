@@ -48,8 +48,8 @@ static const double DENSE[3][STAGES] = {
     {11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643, -52.072871366152654,
      -59.78993625266729, -0.15582684282751913, 4.883087185713722}};
 
-static inline real larger(real a, real b) { return select(a > b, a, b); }
-static inline real smaller(real a, real b) { return select(a < b, a, b); }
+static inline real larger(real a, real b) { return choose(a > b, a, b); }
+static inline real smaller(real a, real b) { return choose(a < b, a, b); }
 
 /* Mean square of values, each in units of its tolerance for magnitudes between |x0| and |x1|. */
 static inline real scaled_square(const real *atol, double rtol, const real *x0, const real *x1, const real *values)
@@ -71,14 +71,14 @@ static inline real first_step(const real *atol, double rtol, const Parameters *p
     for (int i = 0; i < N; i++) zero[i] = splat(0);
     rates(p, c, piece, t, x, f0);
     const real d0 = sqrt_of(scaled_square(atol, rtol, x, x, x)), d1 = sqrt_of(scaled_square(atol, rtol, x, zero, f0));
-    const real h0 = smaller(select((d0 < 1e-5) | (d1 < 1e-5), splat(1e-6), 0.01 * d0 / d1), room);
+    const real h0 = smaller(choose((d0 < 1e-5) | (d1 < 1e-5), splat(1e-6), 0.01 * d0 / d1), room);
     for (int i = 0; i < N; i++) x1[i] = x[i] + h0 * f0[i];
     rates(p, c, piece, t + h0, x1, f1);
     for (int i = 0; i < N; i++) f1[i] -= f0[i];
     const real d = larger(d1, sqrt_of(scaled_square(atol, rtol, x, zero, f1)) / h0);
-    const real h1 = select(d <= 1e-15, larger(splat(1e-6), h0 * 1e-3), pow_of(0.01 / d, splat(0.2)));
+    const real h1 = choose(d <= 1e-15, larger(splat(1e-6), h0 * 1e-3), pow_of(0.01 / d, splat(0.2)));
     const real h = smaller(smaller(100 * h0, h1), room);
-    return select((h > 0) & (h < 1e300), h, smaller(splat(1e-6), room));
+    return choose((h > 0) & (h < 1e300), h, smaller(splat(1e-6), room));
 }
 
 /* Coefficients of the dense output x(t + s h) = (1-s) x0 + s (x1 + (1-s) (d0 + s (d1 + s d2))). */

@@ -1,8 +1,17 @@
-/* Numbers and operations for LANES trajectories at once, each in its own lane of a vector. */
+/* Numbers and operations for LANES trajectories at once, each in its own lane of the widest vectors there are. */
+#if !defined(LANES)
+#if defined(__AVX512F__)
+#define LANES 8
+#elif defined(__AVX__)
+#define LANES 4
+#else
+#define LANES 2
+#endif
+#endif
 typedef double real __attribute__((vector_size(LANES * 8)));
 typedef int64_t mask __attribute__((vector_size(LANES * 8)));
 UNUSED static inline real splat(double x) { return x - (real){0}; }
-UNUSED static inline real select(mask condition, real a, real b)
+UNUSED static inline real choose(mask condition, real a, real b)
 {
     return (real)(((mask)a & condition) | ((mask)b & ~condition));
 }
@@ -13,7 +22,7 @@ UNUSED static inline int any(mask m)
     return all != 0;
 }
 UNUSED static inline real abs_of(real x) { return (real)((mask)x & INT64_MAX); }
-UNUSED static inline real sign_of(real x) { return select(x > 0, splat(1), select(x < 0, splat(-1), splat(0))); }
+UNUSED static inline real sign_of(real x) { return choose(x > 0, splat(1), choose(x < 0, splat(-1), splat(0))); }
 
 /* Operations that laws need rarely, one lane after the other. */
 #define BY_LANE(name, function) \
@@ -34,10 +43,11 @@ UNUSED static inline real pow_of(real x, real y)
 }
 
 /* exp by x = n log 2 + r, |r| <= log(2)/2, and the series of degree 13 for e^r: within 2 units in the last place for
-   x in [-700, 700] (tests/simulation/test_lanes.py); below -700, where |result| < 1e-304, it is e^-700. */
+   x in [-700, 700] (tests/simulation/test_lanes.py); below -700, where the result is less than 1e-304, it is 0. */
 UNUSED static inline real exp_of(real x)
 {
-    x = select(x < -700, splat(-700), select(x > 700, splat(700), x));
+    const mask vanishes = x < -700;
+    x = choose(vanishes | (x > 700), splat(700), x);
     const double magic = 6755399441055744.0; /* 1.5 * 2^52: adding it rounds to a whole number */
     const real shifted = x * 1.4426950408889634 + magic, n = shifted - magic;
     const real r = (x - n * 6.93147180369123816490e-01) - n * 1.90821492927058770002e-10;
@@ -45,7 +55,7 @@ UNUSED static inline real exp_of(real x)
     const real low = (1 + r) + r2 * (1.0 / 2 + r * (1.0 / 6)) + r4 * ((1.0 / 24 + r * (1.0 / 120)) + r2 * (1.0 / 720 + r * (1.0 / 5040)));
     const real high = (1.0 / 40320 + r * (1.0 / 362880)) + r2 * (1.0 / 3628800 + r * (1.0 / 39916800)) + r4 * (1.0 / 479001600 + r * (1.0 / 6227020800.0));
     const real e = low + r8 * high;
-    return (real)((mask)e + ((mask)shifted << 52));
+    return choose(vanishes, splat(0), (real)((mask)e + ((mask)shifted << 52)));
 }
 
 /* atan by the reductions and the rational function of Cephes (S. L. Moshier, Methods and Programs for Mathematical
@@ -55,9 +65,9 @@ UNUSED static inline real atan_of(real x)
     const mask sign = (mask)x & INT64_MIN;
     const real a = abs_of(x);
     const mask big = a > 2.41421356237309504880, middle = a > 0.66;
-    const real numerator = select(big, splat(-1), select(middle, a - 1, a));
-    const real denominator = select(big, a, select(middle, a + 1, splat(1)));
-    const real base = select(big, splat(1.57079632679489661923), select(middle, splat(0.78539816339744830962), splat(0)));
+    const real numerator = choose(big, splat(-1), choose(middle, a - 1, a));
+    const real denominator = choose(big, a, choose(middle, a + 1, splat(1)));
+    const real base = choose(big, splat(1.57079632679489661923), choose(middle, splat(0.78539816339744830962), splat(0)));
     const real y = numerator / denominator, q = y * y;
     const real top = (((-8.750608600031904122785e-1 * q - 1.615753718733365076637e1) * q - 7.500855792314704667340e1) * q
                       - 1.228866684490136173410e2) * q - 6.485021904942025371773e1;

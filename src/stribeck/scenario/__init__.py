@@ -118,11 +118,15 @@ class Scenario:
         found |= {("signal", n): v for n, v in self.signal.values.items()} if self.signal.smooth else {}
         return found if self.mass is None else {**found, ("plant", "mass"): self.mass}
 
-    def atol(self) -> dict[str, float]:
-        """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale."""
-        scales = self.law.scales(self.law.p)
+    def atol(self, constants: Groups | None = None) -> dict[str, float]:
+        """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale.
+
+        With ``constants`` it is that of the same scenario with other values.
+        """
+        q = self.groups() if constants is None else constants
+        scales = self.law.scales(q.law)
         natural = {"y": scales.length, "v": scales.speed, "z": scales.length}
-        own = self.drive.state_scales(SimpleNamespace(**self.drive_values), scales.length, scales.force)
+        own = self.drive.state_scales(q.drive, scales.length, scales.force)
         natural |= dict(zip((s.name for s in self.drive.states), own, strict=True))
         natural |= dict.fromkeys(("E_in", "E_dissipated"), scales.force * scales.length)
         rtol = self.solve.rtol

@@ -42,7 +42,7 @@ def solve(scenario: Scenario, progress: Callable[[float], None] | None = None) -
     from scipy.integrate import Radau
 
     equations, atol = _Equations(scenario), scenario.atol()
-    starts, levels, slopes = piecewise(scenario)
+    starts, levels, slopes = piecewise(scenario.signal)
     x = np.array([scenario.initial.get(state.name, 0.0) for state in scenario.system.states])
     names = [state.name for state in scenario.system.states]
     speed = names.index("v") if "v" in names and scenario.threshold > 0 else None

@@ -10,7 +10,7 @@ import numpy as np
 
 from stribeck.errors import BuildError
 from stribeck.scenario import Scenario
-from stribeck.simulation.result import Result, piecewise
+from stribeck.simulation.result import Result, failure, piecewise
 
 # The fields of Run in runtime/run.c, in the same order.
 _POINTERS = ("parameters", "atol", "x", "piece_start", "piece_value", "piece_slope", "out", "event_time")
@@ -28,7 +28,7 @@ _EVENT_ROOM = 4096
 _STEP_SHARE = 0.01
 _RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
 
-_DONE, _MORE, _EVENTS_FULL, _STEP_TOO_SMALL, _NOT_FINITE = 0, 1, 2, -1, -2
+_MORE, _EVENTS_FULL = 1, 2
 
 
 class Run(ctypes.Structure):
@@ -40,6 +40,11 @@ class Run(ctypes.Structure):
         *((name, c_double) for name in _DOUBLES),
         *((name, c_int64) for name in _INTEGERS),
     )
+
+
+def step_share(scenario: Scenario) -> float:
+    """What one step may err by, as a share of the scenario's tolerances."""
+    return max(_STEP_SHARE, min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -60,8 +65,8 @@ def check(library: ctypes.CDLL) -> None:
 def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with its compiled and checked system; ``progress`` is told the share of time done."""
     system, values, atol = scenario.system, scenario.values(), scenario.atol()
-    share = max(_STEP_SHARE, min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
-    starts, levels, slopes = piecewise(scenario)
+    share = step_share(scenario)
+    starts, levels, slopes = piecewise(scenario.signal)
     x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
     out = np.empty((scenario.rows, len(system.states)))
     event_time, event_rises = np.empty(_EVENT_ROOM), np.empty(_EVENT_ROOM, np.int8)
@@ -96,7 +101,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     return Result(
         states=out[: run.row],
         events=list(zip(times, rises, strict=True)),
-        reason=_reason(status, run, scenario),
+        reason=failure(status, run.t, scenario.solve.max_steps),
         stats={
             "accepted": run.accepted, "rejected": run.rejected, "rates": run.rates, "jacobians": run.jacobians,
             "smallest_step": run.h_smallest if np.isfinite(run.h_smallest) else None,
@@ -104,13 +109,3 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
             "solver": "rodas5p",
         },
     )  # fmt: skip
-
-
-def _reason(status: int, run: Run, scenario: Scenario) -> str | None:
-    if status == _DONE:
-        return None
-    if status == _STEP_TOO_SMALL:
-        return f"at t = {run.t:.9g} s the step needed for solve.rtol fell below what floating point resolves"
-    if status == _NOT_FINITE:
-        return f"after t = {run.t:.9g} s the equations are no longer finite"
-    return f"gave up at t = {run.t:.9g} s after solve.max_steps = {scenario.solve.max_steps} attempted steps"

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.scenario import Scenario
+from stribeck.signals import Signal
 
 
 @dataclass(frozen=True)
@@ -21,10 +21,21 @@ class Result:
     stats: dict[str, Any]
 
 
-def piecewise(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def piecewise(signal: Signal) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Start, value and slope of the signal's pieces from t = 0 on; a single dummy piece for a smooth signal."""
-    if scenario.signal.smooth:
+    if signal.smooth:
         return np.zeros(1), np.zeros(1), np.zeros(1)
-    s = scenario.signal.segments
+    s = signal.segments
     first = max(int(np.searchsorted(s.start, 0.0, side="right")) - 1, 0)
     return s.start[first:].copy(), s.value[first:].copy(), s.slope[first:].copy()
+
+
+def failure(status: int, t: float, max_steps: int) -> str | None:
+    """Why a compiled run ended at t, by the status that runtime/run.c and lanes.c return; None when it is done."""
+    if status == 0:
+        return None
+    if status == -1:
+        return f"at t = {t:.9g} s the step needed for solve.rtol fell below what floating point resolves"
+    if status == -2:
+        return f"after t = {t:.9g} s the equations are no longer finite"
+    return f"gave up at t = {t:.9g} s after solve.max_steps = {max_steps} attempted steps"
