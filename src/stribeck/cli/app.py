@@ -76,6 +76,31 @@ def compare(
 
 
 @app.command()
+def sweep(
+    scenario: ScenarioFile,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the parts; made if need be.")],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="A range of a number; may be repeated."),
+    ] = None,
+    samples: Annotated[
+        int | None, typer.Option("--samples", metavar="N", help="N random points of the ranges, not their grid.")
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="What the random points are drawn by.", min=0)] = 0,
+    summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
+    set_: Set = None,
+    threads: Annotated[
+        int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
+    from stribeck.cli import sweep as command
+
+    return command.sweep(scenario, vary or [], samples, seed, summary, out, set_ or [], threads, json)
+
+
+@app.command()
 def laws(
     law: Annotated[
         list[str] | None, typer.Argument(metavar="[LAW]...", help="Only these; FILE.py:NAME is one too.")
