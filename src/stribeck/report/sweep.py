@@ -78,7 +78,7 @@ class Range:
 
     def _scaled(self, share: Array) -> Array:
         if self.log:
-            found = np.exp(math.log(self.first) + (math.log(self.last) - math.log(self.first)) * share)
+            found = 10 ** (math.log10(self.first) + math.log10(self.last / self.first) * share)
         else:
             found = self.first + (self.last - self.first) * share
         return np.where(share == 0, self.first, np.where(share == 1, self.last, found))

@@ -52,9 +52,9 @@ UNUSED static inline real exp_of(real x)
     const real shifted = x * 1.4426950408889634 + magic, n = shifted - magic;
     const real r = (x - n * 6.93147180369123816490e-01) - n * 1.90821492927058770002e-10;
     const real r2 = r * r, r4 = r2 * r2, r8 = r4 * r4;
-    const real low = (1 + r) + r2 * (1.0 / 2 + r * (1.0 / 6)) + r4 * ((1.0 / 24 + r * (1.0 / 120)) + r2 * (1.0 / 720 + r * (1.0 / 5040)));
+    const real low = r2 * (1.0 / 2 + r * (1.0 / 6)) + r4 * ((1.0 / 24 + r * (1.0 / 120)) + r2 * (1.0 / 720 + r * (1.0 / 5040)));
     const real high = (1.0 / 40320 + r * (1.0 / 362880)) + r2 * (1.0 / 3628800 + r * (1.0 / 39916800)) + r4 * (1.0 / 479001600 + r * (1.0 / 6227020800.0));
-    const real e = low + r8 * high;
+    const real e = 1 + (r + (low + r8 * high));
     return choose(vanishes, splat(0), (real)((mask)e + ((mask)shifted << 52)));
 }
 
