@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.control.sampled import Leg, Log
+from stribeck.control.sampled import legs as sampled_legs
+from stribeck.control.servo import ServoSystem
 from stribeck.scenario import Scenario
 
 
@@ -19,6 +23,7 @@ class Result:
     events: list[tuple[float, bool]]  # time; True where |v| rises through the threshold
     reason: str | None
     stats: dict[str, Any]
+    log: Log | None = None  # of a sampled controller
 
 
 def piecewise(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
@@ -28,3 +33,27 @@ def piecewise(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float
     s = scenario.signal.segments
     first = max(int(np.searchsorted(s.start, 0.0, side="right")) - 1, 0)
     return s.start[first:].copy(), s.value[first:].copy(), s.slope[first:].copy()
+
+
+def legs(scenario: Scenario, log: Log) -> Generator[Leg, NDArray[np.float64], None]:
+    """The stretches of a run within which no run-time constant changes: until when, and what changes at its begin.
+
+    The state at the end of each is to be sent back.
+    """
+    system, signal = scenario.system, scenario.signal
+    if scenario.servo is not None and scenario.servo.sampling is not None:
+        assert isinstance(system, ServoSystem)
+        yield from sampled_legs(system, scenario.servo.sampling, scenario.values(), signal, scenario.end, log)
+    elif not signal.smooth:
+        yield scenario.end, {}
+    else:
+        pieces = [(start, values) for start, values in signal.pieces if start < scenario.end]
+        ends = [*(start for start, _ in pieces[1:]), scenario.end]
+        for (_, values), end in zip(pieces, ends, strict=True):
+            yield end, {("signal", name): value for name, value in values.items()}
+
+
+def ended(scenario: Scenario, t: float, x: NDArray[np.float64]) -> str | None:
+    """Why equations that are no longer finite ended, where the plant says why."""
+    system = scenario.system
+    return system.ended(scenario.values(), t, x) if isinstance(system, ServoSystem) else None
