@@ -7,6 +7,7 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
+from stribeck.constants import Constant
 from stribeck.drives.base import Column, Drive
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.ops import Value
@@ -68,6 +69,19 @@ class System:
         names += [] if self.drive.sets_velocity else [("plant", n) for n in Mass.constants]
         names += [("drive", n) for n in self.drive.constants]
         return (*names, *(("signal", n) for n in (self.signal.constants if self.signal else ())))
+
+    def constant(self, owner: str, name: str) -> Constant:
+        """The declaration of a run-time constant."""
+        tables = {"law": self.law.constants(), "plant": Mass.constants, "drive": self.drive.constants}
+        return {**tables, "signal": self.signal.constants if self.signal else {}}[owner][name]
+
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """What this is, for the head of the generated code."""
+        law, drive = self.law, self.drive
+        return (
+            f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", f"Drive: {drive.kind}; {drive.meaning}."
+        )  # fmt: skip
 
     def symbolic(self) -> Groups:
         """The constants as symbols named ``group.name``."""

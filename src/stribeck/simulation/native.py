@@ -8,9 +8,10 @@ from ctypes import POINTER, c_double, c_int, c_int8, c_int64
 
 import numpy as np
 
+from stribeck.control.sampled import Log
 from stribeck.errors import BuildError
 from stribeck.scenario import Scenario
-from stribeck.simulation.result import Result, failure, piecewise
+from stribeck.simulation.result import Result, ended, failure, legs, piecewise
 
 # The fields of Run in runtime/run.c, in the same order.
 _POINTERS = ("parameters", "atol", "x", "piece_start", "piece_value", "piece_slope", "out", "event_time")
@@ -28,7 +29,7 @@ _EVENT_ROOM = 4096
 _STEP_SHARE = 0.01
 _RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
 
-_MORE, _EVENTS_FULL = 1, 2
+_DONE, _MORE, _EVENTS_FULL = 0, 1, 2
 
 
 class Run(ctypes.Structure):
@@ -80,28 +81,43 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     for name, array in arrays.items():
         setattr(run, name, array.ctypes.data_as(POINTER(c_double)))
     run.event_rises = event_rises.ctypes.data_as(POINTER(c_int8))
-    run.rtol, run.t_end, run.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
+    run.rtol, run.step = share * scenario.solve.rtol, scenario.output.step
     run.h = run.h_smallest = np.inf
     run.h_limit = scenario.signal.longest_step
     run.threshold, run.pieces, run.rows = scenario.threshold, len(starts), scenario.rows
-    run.event_room, run.restart = _EVENT_ROOM, 1
+    run.event_room = _EVENT_ROOM
 
     times: list[float] = []
     rises: list[bool] = []
-    status, left = _MORE, scenario.solve.max_steps
-    while status in (_MORE, _EVENTS_FULL) and left > 0:
-        run.attempts_left = attempts = min(_SLICE, left)
-        status = library.stribeck_advance(ctypes.byref(run))
-        left -= attempts - max(run.attempts_left, 0)
-        times += event_time[: run.events].tolist()
-        rises += event_rises[: run.events].astype(bool).tolist()
-        run.events = 0
-        if progress is not None:
-            progress(run.t / run.t_end)
+    status, left, log = _DONE, scenario.solve.max_steps, Log()
+    place = {key: i for i, key in enumerate(system.parameters)}
+    stretches = legs(scenario, log)
+    leg = next(stretches, None)
+    while leg is not None and status == _DONE:
+        run.t_end, changes = leg
+        for key, value in changes.items():
+            arrays["parameters"][place[key]] = value
+        status, run.restart = _MORE, 1
+        while status in (_MORE, _EVENTS_FULL) and left > 0:
+            run.attempts_left = attempts = min(_SLICE, left)
+            status = library.stribeck_advance(ctypes.byref(run))
+            left -= attempts - max(run.attempts_left, 0)
+            if run.events:
+                times += event_time[: run.events].tolist()
+                rises += event_rises[: run.events].astype(bool).tolist()
+                run.events = 0
+            if progress is not None:
+                progress(run.t / scenario.end)
+        if status == _DONE:
+            try:
+                leg = stretches.send(x)
+            except StopIteration:
+                leg = None
     return Result(
         states=out[: run.row],
         events=list(zip(times, rises, strict=True)),
-        reason=failure(status, run.t, scenario.solve.max_steps),
+        reason=(ended(scenario, run.t, x) if status < 0 else None) or failure(status, run.t, scenario.solve.max_steps),
+        log=log if log.t else None,
         stats={
             "accepted": run.accepted, "rejected": run.rejected, "rates": run.rates, "jacobians": run.jacobians,
             "smallest_step": run.h_smallest if np.isfinite(run.h_smallest) else None,

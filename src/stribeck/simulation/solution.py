@@ -39,7 +39,7 @@ class Solution:
         self.reason = result.reason
         self.status = "done" if result.reason is None else "failed"
         self.stats = result.stats
-        self.states = result.states
+        self.states, self._log = result.states, result.log
         self.events = {
             "slip": np.array([t for t, rises in result.events if rises]),
             "stick": np.array([t for t, rises in result.events if not rises]),
@@ -57,10 +57,10 @@ class Solution:
 
     @cached_property
     def _columns(self) -> dict[str, Array]:
-        system = self.scenario.system
-        states = {state.name: self.states[:, i] for i, state in enumerate(system.states)}
+        states = {state.name: self.states[:, i] for i, state in enumerate(self.scenario.system.states)}
+        states |= self._log.held(self.t) if self._log is not None else {}
         with np.errstate(all="ignore"):
-            found = system.quantities(self.scenario.groups(), self.scenario.signal.at(self.t), states)
+            found = self.scenario.columns(self.t, states)
         return {
             column.name: np.array(np.broadcast_to(np.asarray(found[column.name], float), self.t.shape))
             for column in self.columns
