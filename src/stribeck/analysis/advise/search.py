@@ -110,21 +110,22 @@ def smallest(
                 return None, sorted(points)
         low, high = high, high * 10
     known = dict(points)
+    aim, count = accuracy / 3, 0
     while high / low > 1 + accuracy:
-        middle = _between(low, high, known, tolerance)
+        count += 1
+        middle = _between(low, high, known, tolerance, aim if count % 3 else None)
         known[middle] = error(middle)
-        low, high = (low, middle) if known[middle] <= tolerance else (middle, high)
+        met = known[middle] <= tolerance
+        low, high = (low, middle) if met else (middle, high)
+        aim = -accuracy / 3 if met else accuracy / 3  # the other end closes in
     return high, sorted(points)
 
 
-def _between(low: float, high: float, known: dict[float, float], tolerance: float) -> float:
-    """Where the measure, as a power of k_v, would meet the tolerance; kept off the ends so that the bracket shrinks."""
+def _between(low: float, high: float, known: dict[float, float], tolerance: float, aim: float | None) -> float:
+    """Where the measure, as a power of k_v, would meet the tolerance, shifted by ``aim``; the middle where that is None."""
     above, below = known[low], known[high]
-    share = 0.5
-    if 0 < below < tolerance < above < math.inf:
-        share = math.log(above / tolerance) / math.log(above / below)
+    if aim is None or not 0 < below < tolerance < above < math.inf:
+        return math.sqrt(low * high)
     width = math.log(high / low)
-    margin = min(0.25, 2e-4 / width)
-    # aim just past the root, then the other end closes in
-    share = min(max(share + margin, margin), 1 - margin)
-    return low * math.exp(share * width)
+    at = width * math.log(above / tolerance) / math.log(above / below) + aim
+    return low * math.exp(min(max(at, abs(aim)), width - abs(aim)))

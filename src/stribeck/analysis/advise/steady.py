@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, pi, sqrt, tan
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from stribeck.analysis.advise.search import (
 from stribeck.laws.base import Law
 from stribeck.laws.terms import g
 
-_ACCURACY = 1e-12
+_ACCURACY = 1e-10
 
 
 def inverse(law: Law, q: float) -> tuple[float | None, str]:
@@ -37,6 +38,11 @@ def inverse(law: Law, q: float) -> tuple[float | None, str]:
     return None, ""
 
 
+def _carries(law: Law, v: Any, load: float) -> Any:
+    """True where steady friction at v is the load or more: at the z that carries it, z still grows."""
+    return law.rate(v, (load - law.p.sigma_2 * v) / law.p.sigma_0) >= 0
+
+
 @dataclass(frozen=True)
 class Creep(Tolerance):
     """The speed in m/s under a load held at a share of F_s."""
@@ -48,15 +54,13 @@ class Creep(Tolerance):
         """The slowest speed at which steady friction carries the load."""
         load = self.share * law.p.F_s
         v = np.geomspace(1e-12, 1e4, 321) / law.p.k_v
-        carries = np.asarray(law.steady_force(v)) >= load
-        first = int(carries.argmax())
-        if not carries.any() or first == 0:
-            return 0.0 if carries.any() else inf
-        low, high = float(v[first - 1]), float(v[first])
-        for _ in range(60):
-            middle = 0.5 * (low + high)
-            low, high = (low, middle) if law.steady_force(middle) >= load else (middle, high)
-        return high
+        for _ in range(6):
+            carries = _carries(law, v, load)
+            first = int(carries.argmax())
+            if not carries.any() or first == 0:
+                return 0.0 if carries.any() else inf
+            v = np.linspace(v[first - 1], v[first], 321)
+        return float(v[-1])
 
     def need(self, law: Law) -> Requirement:
         """A formula, or the k_v at which friction at the tolerated speed is the load."""
@@ -76,7 +80,7 @@ class Creep(Tolerance):
             detail = f"{formula}, q = (share F_s - sigma_2 v)/(sigma_0 g(v)), v the tolerated speed"
             return self._made(law, name, x / v, FORMULA, detail)
         # carried at the tolerated speed: then the creep is slower
-        k_v, _ = smallest(lambda k: max(0.0, load - float(with_k_v(law, k).steady_force(v))), 0.0, 1 / v, _ACCURACY)
+        k_v, _ = smallest(lambda k: 0.0 if _carries(with_k_v(law, k), v, load) else inf, 0.0, 1 / v, _ACCURACY)
         return self._made(law, name, k_v, STEADY, "steady friction at the tolerated speed is the load")
 
     @staticmethod
