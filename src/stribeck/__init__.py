@@ -6,6 +6,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from stribeck.analysis.advise import Advice, advise
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
     from stribeck.laws import law
     from stribeck.parameter_sets import parameters
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
-    "StribeckNote", "law", "parameters", "simulate", "simulate_ensemble",
+    "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
+    "StribeckNote", "advise", "law", "parameters", "simulate", "simulate_ensemble",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -24,6 +25,7 @@ _HOME = {
     **dict.fromkeys(
         ("BuildError", "InputError", "NotDifferentiable", "StribeckError", "StribeckNote"), "stribeck.errors"
     ),
+    **dict.fromkeys(("Advice", "advise"), "stribeck.analysis.advise"),
     "law": "stribeck.laws",
     "parameters": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",

@@ -33,40 +33,67 @@ def _describe(law: type[Law]) -> dict[str, Any]:
     constants = {
         name: {
             "unit": c.unit or "1", "rotary_unit": c.rotary_unit, "meaning": c.meaning, "allowed": c.allowed,
-            "required": c.required, "default": c.default, "where": "law.parameters" if name in law.uses else "law",
+            "required": c.required, "default": c.choices[0] if c.choices else c.default,
+            "where": "law.parameters" if name in law.uses else "law",
         }
         for name, c in law.constants().items()
     }  # fmt: skip
     return {
         "name": law.name,
         "summary": " ".join((law.__doc__ or "").split()),
-        "equations": [asdict(e) for e in equations(law)],
+        "equations": _equations(law),
         "parameters": constants,
         "source": law.source,
-        "guarantees": {field.name: _guarantee(law, field.name) for field in fields(Claims)},
+        "guarantees": _guarantees(law),
+        "with": {form[0]: _changed(law, form) for form in law.structures() if len(form) == 1},
     }
 
 
-def _guarantee(law: type[Law], name: str) -> Any:
-    claim = getattr(law.claims, name)
-    return {"if": asdict(condition(claim, law))} if callable(claim) else claim
+def _equations(law: type[Law], form: tuple[str, ...] = ()) -> list[dict[str, str]]:
+    return [asdict(e) for e in equations(law, form)]
+
+
+def _guarantees(law: type[Law], form: tuple[str, ...] = ()) -> dict[str, Any]:
+    claims = {field.name: getattr(law.claims, field.name) for field in fields(Claims)}
+    return {n: {"if": asdict(condition(c, law, form))} if callable(c) else c for n, c in claims.items()}
+
+
+def _changed(law: type[Law], form: tuple[str, ...]) -> dict[str, Any]:
+    """The equations and guarantees that a form of the law has and the usual one has not."""
+    usual, claims = _equations(law), _guarantees(law)
+    return {
+        "equations": [e for e in _equations(law, form) if e not in usual],
+        "guarantees": {n: c for n, c in _guarantees(law, form).items() if c != claims[n]},
+    }
 
 
 def _print(law: dict[str, Any]) -> None:
     print(f"{law['name']}: {law['summary']}")
     for equation in law["equations"]:
         print(f"    {equation['text']}")
-    words = []
-    for name, claim in law["guarantees"].items():
-        if claim is not None:
-            text = f"if {claim['if']['text']}" if isinstance(claim, dict) else "yes" if claim else "no"
-            words.append(f"{name.replace('_', '-')}: {text}")
-    print(f"  claims     {'; '.join(words) or 'no internal state, so none of the five properties'}")
-    own = [f"{n} ({p['unit']}, {p['meaning']})" for n, p in law["parameters"].items() if p["where"] == "law"]
+    words = _words(law["guarantees"])
+    print(f"  claims     {words or 'no internal state, so none of the five properties'}")
+    for form, changed in law["with"].items():
+        parts = [*(e["text"] for e in changed["equations"]), _words(changed["guarantees"])]
+        print(f"  with {form}: {'; '.join(part for part in parts if part)}")
+    own = [f"{n} ({_unit_or_words(p)}, {p['meaning']})" for n, p in law["parameters"].items() if p["where"] == "law"]
     if own:
         print(f"  constants  {'; '.join(own)}")
     print(f"  parameters {', '.join(n for n, p in law['parameters'].items() if p['where'] != 'law') or 'none'}")
     print(f"  source     {law['source']}\n")
+
+
+def _words(guarantees: dict[str, Any]) -> str:
+    words = []
+    for name, claim in guarantees.items():
+        if claim is not None:
+            text = f"if {claim['if']['text']}" if isinstance(claim, dict) else "yes" if claim else "no"
+            words.append(f"{name.replace('_', '-')}: {text}")
+    return "; ".join(words)
+
+
+def _unit_or_words(parameter: dict[str, Any]) -> str:
+    return str(parameter["allowed"] if parameter["allowed"].startswith("one of") else parameter["unit"])
 
 
 def _test(chosen: list[type[Law]], json: bool) -> int:

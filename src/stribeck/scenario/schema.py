@@ -64,6 +64,8 @@ def _object(properties: Node, required: list[str], others: bool | Node = False) 
 
 
 def _number(constant: Constant) -> Node:
+    if constant.choices:
+        return {"enum": list(constant.choices), "default": constant.choices[0], "description": constant.meaning}
     unit = f", {constant.unit}" if constant.unit else ""
     optional = {"exclusiveMinimum": constant.above, "minimum": constant.at_least, "default": constant.default}
     given = {key: value for key, value in optional.items() if value is not None}

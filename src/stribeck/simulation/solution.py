@@ -97,7 +97,7 @@ class Solution:
             "status": self.status,
             "reason": self.reason,
             "scenario": self.scenario.name,
-            "law": {"name": law.name, "constants": law.values},
+            "law": {"name": law.name, "constants": {**law.values, **law.choices}},
             "rows": len(self.t),
             "steps": self.stats,
             "events": {kind: times.tolist() for kind, times in self.events.items()},

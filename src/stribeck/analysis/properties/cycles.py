@@ -1,0 +1,180 @@
+"""Cycles of held speeds that draw energy: the counterexamples of passivity."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.analysis.properties import replay
+from stribeck.analysis.properties.storage import Storage, own_speeds
+from stribeck.laws.base import Law
+
+Array = NDArray[np.float64]
+
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
+_PANELS = 400
+_SLOW = 0.02  # share of its mean below which dz/dt ends a window: the time would grow without limit
+_SAFE = 1e-9  # net energy drawn as a share of what flows, below which rounding could have made it
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """z goes from ``start`` through a closed path; each piece holds a speed. Energies are put in, J."""
+
+    start: float
+    speeds: tuple[float, ...]
+    turns: tuple[float, ...]  # z at the end of each piece
+    durations: tuple[float, ...]
+    energies: tuple[float, ...]
+
+    @property
+    def drawn(self) -> float:
+        """Net energy drawn, J."""
+        return -sum(self.energies)
+
+    @property
+    def time(self) -> float:
+        """How long it takes, s."""
+        return sum(self.durations)
+
+    def evidence(self) -> dict[str, Any]:
+        """Numbers for people."""
+        return {
+            "energy_drawn": self.drawn, "time": self.time, "z_start": self.start,
+            "programme": [
+                {"v": v, "duration": d, "z_end": z, "energy_in": e}
+                for v, d, z, e in zip(self.speeds, self.durations, self.turns, self.energies, strict=True)
+            ],
+        }  # fmt: skip
+
+
+def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
+    """Time and energy put in while a held speed takes z from a to b."""
+    edges = np.linspace(a, b, _PANELS + 1)
+    half = 0.5 * np.diff(edges)
+    z = (0.5 * (edges[1:] + edges[:-1]))[:, None] + half[:, None] * _NODES
+    slowness = 1 / law.rate(v, z)
+    weights = half[:, None] * _WEIGHTS
+    return float((weights * slowness).sum()), float((weights * slowness * law.force(v, z) * v).sum())
+
+
+def find(law: Law, storage: Storage) -> Cycle | None:
+    """A short cycle that draws energy; None where none was found."""
+    at = abs(storage.worst[1]) if law.symmetric else storage.worst[1]
+    best: tuple[float, float, float, float, float] | None = None
+    for points in _windows(storage, at):
+        ups, downs = _candidates(storage, at)
+        best = _best(storage, ups, downs, points, best)
+    if best is None:
+        return None
+    return _closed(law, *best[1:])
+
+
+def _windows(storage: Storage, at: float) -> list[Array]:
+    """Grids of z in which to look for a cycle: over all of the range, the natural length, and around the worst place."""
+    r = storage.largest * (1 - 1e-9)
+    wide = [np.linspace(-x, x, 161) for x in {r, min(r, 1.5 * storage.law.scales(storage.law.p).length)}]
+    near = at + 0.5 * abs(at) * np.linspace(-1, 1, 121)
+    edge = at + (storage.largest - abs(at)) * np.copysign(1, at) * np.linspace(-3, 0.9, 121)
+    return [*wide, *(np.clip(np.sort(x), -r, r) for x in (near, edge))]
+
+
+def _candidates(storage: Storage, at: float) -> tuple[Array, Array]:
+    own = own_speeds(storage.law)
+    top = storage.v_max if storage.v_max is not None else own[-1] * 1e6
+    u = np.logspace(np.log10(min(own[0] * 1e-3, top * 1e-3)), np.log10(top), 64)
+    _, _, v_low, v_high = storage.extremes(np.array([at]))
+    speeds = np.concatenate([-u, u])
+    return np.append(speeds, v_high), np.append(speeds, v_low)
+
+
+def _best(storage: Storage, ups: Array, downs: Array, z: Array, best: Any) -> Any:
+    """The best (score, v_up, v_down, low, high): most energy for what flows, neither slow nor fast."""
+    z = np.unique(z)
+    f_up, e_up = storage.slopes(ups[:, None], z)
+    f_down, e_down = storage.slopes(downs[:, None], z)
+    dz = np.gradient(z)
+    speed = own_speeds(storage.law)[-1]
+    for i in range(len(ups)):
+        ok = f_up[i] > 0
+        if not ok.any():
+            continue
+        gain = np.where(ok & (f_down < 0), e_down - e_up[i], -np.inf) * dz
+        low, high, total = _largest_sums(gain)
+        for j in np.flatnonzero(total > 0):
+            a, b = low[j], high[j]
+            if b - a < 2:
+                continue
+            w = slice(a, b + 1)
+            w_up, w_down = f_up[i][w], -f_down[j][w]
+            if w_up.min() < _SLOW * w_up.mean() or w_down.min() < _SLOW * w_down.mean():
+                keep = (w_up >= _SLOW * w_up.mean()) & (w_down >= _SLOW * w_down.mean())
+                a, b = _longest(keep, a)
+                w = slice(a, b + 1)
+                if b - a < 2:
+                    continue
+            flows = float(((abs(e_up[i][w]) + abs(e_down[j][w])) * dz[w]).sum())
+            net = float(gain[j][w].sum())
+            time = float((dz[w] / f_up[i][w] - dz[w] / f_down[j][w]).sum())
+            share = net / flows
+            if not share > _SAFE:
+                continue
+            fast = max(abs(ups[i]), abs(downs[j])) / speed
+            cost = 2 * abs(np.log10(share / 0.3)) * (share < 0.3) + max(0.0, np.log10(time)) + max(0.0, np.log10(fast))
+            cost += 0.2 * abs(np.log10(time)) + 0.5 * np.log10(2 * storage.largest / (z[b] - z[a]))
+            if best is None or cost < best[0]:
+                best = (cost, float(ups[i]), float(downs[j]), float(z[a]), float(z[b]))
+    return best
+
+
+def _largest_sums(gain: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """For each row, the interval of columns with the largest sum (Kadane)."""
+    rows = len(gain)
+    best, low, high = np.full(rows, -np.inf), np.zeros(rows, int), np.zeros(rows, int)
+    total, start = np.full(rows, -np.inf), np.zeros(rows, int)
+    for k in range(gain.shape[1]):
+        fresh = ~(total > 0)
+        total = np.where(fresh, gain[:, k], total + gain[:, k])
+        start = np.where(fresh, k, start)
+        better = total > best
+        best, low, high = np.where(better, total, best), np.where(better, start, low), np.where(better, k, high)
+    return low, high, best
+
+
+def _longest(keep: NDArray[np.bool_], offset: int) -> tuple[int, int]:
+    best, start = (0, 0), 0
+    for k, ok in enumerate(np.append(keep, False)):
+        if not ok:
+            if k - 1 - start > best[1] - best[0]:
+                best = (start, k - 1)
+            start = k + 1
+    return best[0] + offset, best[1] + offset
+
+
+def _closed(law: Law, up: float, down: float, low: float, high: float) -> Cycle:
+    """The cycle between two deflections as pieces: from 0 where it passes it, else with the quicker way first, so that
+    a short way after a long one does not drown in the rounding of the time."""
+    t_up, t_down = integrate(law, up, low, high)[0], integrate(law, down, high, low)[0]
+    if low <= 0 <= high and 1e-3 < t_up / t_down < 1e3:
+        start, path = 0.0, [(up, high), (down, low), (up, 0.0)]
+    elif t_down < t_up:
+        start, path = high, [(down, low), (up, high)]
+    else:
+        start, path = low, [(up, high), (down, low)]
+    pieces, z = [], start
+    for v, end in path:
+        if end != z:
+            pieces.append((v, end, *integrate(law, v, z, end)))
+            z = end
+    speeds, turns, durations, energies = zip(*pieces, strict=True)
+    return Cycle(start, speeds, turns, durations, energies)
+
+
+def scenario(law: Law, cycle: Cycle) -> dict[str, Any] | None:
+    """The cycle as a scenario: E_in at its end is minus the energy drawn."""
+    drive, end = replay.velocity_drive(cycle.speeds, cycle.durations)
+    plant = {"initial": {"z": cycle.start}} if cycle.start else {}
+    return replay.scenario_of(law, "passive", drive, end, plant, energy=True)

@@ -1,0 +1,81 @@
+"""The proof of passivity with the law's own stored energy e z^2/2, for laws dz/dt = v - rho(v, z) z.
+
+With F = e z + b(v) dz/dt + c(v) v the power that is lost is D = F v - e z dz/dt = (b + c) v^2 + rho (e z^2 - b v z).
+For 0 <= rho <= r(v) and |z| <= Z its minimum over z has a closed form, from which v^2 divides out:
+D/v^2 >= b + c - r x (|b| - e x), x = min(Z/|v|, |b|/(2 e)). What is left depends on v alone and touches no zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from stribeck.analysis.properties.boxes import Cover, grid, not_negative
+from stribeck.analysis.properties.intervals import Evaluator, Interval, interval, point
+from stribeck.analysis.properties.model import Model, over_u, reciprocal
+from stribeck.analysis.properties.storage import own_speeds
+
+METHOD = "interval arithmetic over all v, with the stored energy sigma_0 z^2/2, its minimum over z in closed form and v^2 divided out"
+
+
+def speed_edges(model: Model, v_max: float | None) -> list[float]:
+    """Where speeds are cut at first: at the law's own, and one far below and above them."""
+    own = own_speeds(model.law)
+    edges = [0.0, own[0] * 1e-3, *own, own[-1] * 1e3]
+    if v_max is None:
+        return [*dict.fromkeys(edges), float("inf")]
+    return [*dict.fromkeys(x for x in edges if x < v_max), v_max]
+
+
+def prove(model: Model, v_max: float | None, reach: float | None, deadline: float) -> Cover:
+    """D >= 0 for all |z| <= reach and |v| <= v_max."""
+    law = model.relaxation
+    if law is None:
+        return Cover(False, 0, reason="dz/dt is not v - rho z")
+    boxes = 0
+    for side in (1, -1):
+        rho, b, c = (model.sided(x, side) for x in (law.rho, law.b, law.c))
+        evaluate = Evaluator([rho, over_u(rho), b, c])
+        top = np.inf if reach is None else reach
+        e, depth = point(law.e), point(top)
+
+        def bound(box: Sequence[Interval], evaluate: Evaluator = evaluate) -> Interval:
+            u = box[0]
+            t = reciprocal(u)
+            z = interval(np.full_like(u.low, -top), np.full_like(u.low, top))
+            rho, rho_t, b, c = evaluate({**model.constants, "u": u, "t": t, "z": z})
+            return _loss(rho, rho_t, b, c, e, depth, u, t)
+
+        cover = not_negative(bound, *grid([speed_edges(model, v_max)]), deadline)
+        boxes += cover.boxes
+        if not cover.holds:
+            return Cover(False, boxes, cover.where, cover.reason)
+    return Cover(True, boxes)
+
+
+def _loss(
+    rho: Interval, rho_t: Interval, b: Interval, c: Interval, e: Interval, depth: Interval, u: Interval, t: Interval
+) -> Interval:
+    """A lower bound of D/v^2 (as the low end); below zero also where rho might be negative."""
+    with np.errstate(all="ignore"):
+        size = abs(b)
+        high, low = point(size.high), point(size.low)
+        two_e = e + e
+        # x (|b| - e x) rises with x up to |b|/(2 e), and with |b|
+        x_high = _least(depth * point(t.high), high / two_e)
+        x_low = _least(depth * point(t.low), low / two_e)
+        lever = (high - e * x_low).high
+        near = (rho * x_high * (high - e * point(x_high.low))).high
+        y = _least(depth, high * point(u.high) / two_e)
+        far = (rho_t * y * point(lever)).high
+        spent = np.fmin(near, far)
+        value = (b + c) - point(np.maximum(spent, 0.0))
+    negative = ~((rho.low >= 0) & np.isfinite(spent))
+    return Interval(np.where(negative, -np.inf, value.low), np.where(np.isfinite(spent), value.high, np.inf))  # high: of a point
+
+
+def _least(a: Interval, b: Interval) -> Interval:
+    return Interval(np.fmin(a.low, b.low), np.fmin(a.high, b.high))
+
+
