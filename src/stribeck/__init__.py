@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
+    from stribeck.export import export
     from stribeck.laws import law
     from stribeck.parameter_sets import parameters
     from stribeck.scenario import Scenario
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "BuildError", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError", "StribeckNote", "law",
-    "parameters", "simulate",
+    "BuildError", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError", "StribeckNote", "export",
+    "law", "parameters", "simulate",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -24,6 +25,7 @@ _HOME = {
     **dict.fromkeys(
         ("BuildError", "InputError", "NotDifferentiable", "StribeckError", "StribeckNote"), "stribeck.errors"
     ),
+    "export": "stribeck.export",
     "law": "stribeck.laws",
     "parameters": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",
