@@ -49,9 +49,11 @@ def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
     states = {"v": v, "z": z}
     if not law.has_z:
         del outputs["dz_dt"], states["z"]
-    return ca.Function(
-        law.name, [*states.values(), *inputs.values()], list(outputs.values()), [*states, *inputs], list(outputs)
+    arguments = [*states.values(), *inputs.values()]
+    function: casadi.Function = ca.Function(
+        law.name, arguments, list(outputs.values()), [*states, *inputs], list(outputs)
     )
+    return function
 
 
 def kinks(law: Law) -> str | None:

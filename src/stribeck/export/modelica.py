@@ -21,13 +21,13 @@ MODELICA = Dialect(
     statement_end=";",
     where_precedence=0,
 )
-_KEYWORDS = frozenset(
-    "algorithm and annotation block break class connect connector constant constrainedby der discrete each else elseif "
-    "elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import "
-    "impure in initial inner input loop model not operator or outer output package parameter partial protected public "
-    "pure record redeclare replaceable return stream then true type when while within time "
-    "abs sign sqrt exp log sin cos atan tanh noEvent smooth Real u v y z F mass pow".split()
-)  # and the names that the block itself uses
+_KEYWORDS = frozenset(  # and the names that the block itself uses
+    """algorithm and annotation block break class connect connector constant constrainedby der discrete each else elseif
+    elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import
+    impure in initial inner input loop model not operator or outer output package parameter partial protected public
+    pure record redeclare replaceable return stream then true type when while within time
+    abs sign sqrt exp log sin cos atan tanh noEvent smooth Real u v y z F mass pow""".split()  # noqa: SIM905
+)
 
 _POW = """\
   function pow "a to the power b"
@@ -128,8 +128,8 @@ def _parameter(name: str, constant: Constant, value: float) -> str:
 
 
 def _place(side: int) -> str:
-    low, high = sorted((100 * side, 140 * side)) if side < 0 else (100, 120)
-    return f"annotation(Placement(transformation(extent={{{{{low},{-20 if side < 0 else -10}}},{{{high},{20 if side < 0 else 10}}}}})));"
+    corners = "{{-140,-20},{-100,20}}" if side < 0 else "{{100,-10},{120,10}}"
+    return f"annotation(Placement(transformation(extent={corners})));"
 
 
 def _nominal(law: Law) -> tuple[float, float]:

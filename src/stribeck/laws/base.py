@@ -32,6 +32,7 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import Value
 from stribeck.laws.numeric import first_root, shaped
+from stribeck.laws.tools import ToTools
 
 # Parameters of a machine: they belong to the contact, whichever law describes it.
 PARAMETERS: dict[str, Constant] = {
@@ -96,7 +97,7 @@ STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c
 _SLOWEST = 1e-100
 
 
-class Law:
+class Law(ToTools):
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
     Args:
