@@ -146,9 +146,8 @@ def _problems(target: str, part: str, self_test: bool, step: float | None) -> li
 def _check_place(out: Path, folder: bool) -> None:
     existing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
     if existing == out and existing.is_dir() is not folder:
-        raise InputError(
-            f"--out: {str(out)!r}: is a {'file' if folder else 'folder'}; must be a {'folder' if folder else 'file'} or a new name"
-        )
+        is_, must = ("file", "folder") if folder else ("folder", "file")
+        raise InputError(f"--out: {str(out)!r}: is a {is_}; must be a {must} or a new name")
     if existing != out and not existing.is_dir():
         raise InputError(f"--out: {str(out)!r}: {existing} is a file, not a folder")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import unicodedata
 from dataclasses import dataclass
 
 import stribeck
@@ -61,7 +62,24 @@ class Request:
             lines.append(
                 f"The law is {', '.join(kept) or 'none of the five properties'}{'; not ' if lost else ''}{', '.join(lost)}."
             )
-        return [*lines, f"Made by stribeck {stribeck.__version__} (Apache-2.0)."]
+        lines.append(f"Made by stribeck {stribeck.__version__} (Apache-2.0).")
+        return [ascii_only(line) for line in lines]
+
+
+def ascii_only(text: str) -> str:
+    """The text in ASCII, as compilers of firmware want it, on one line and with no end of a comment in it."""
+    result = ""
+    for c in text:
+        kind, name = unicodedata.decomposition(c).partition(" ")[0], unicodedata.name(c, "")
+        if c.isascii():
+            result += c if c.isprintable() else " "
+        elif kind in ("<super>", "<sub>"):
+            result += ("^" if kind == "<super>" else "_") + unicodedata.normalize("NFKC", c)
+        elif name.startswith("GREEK SMALL LETTER "):
+            result += name.rsplit(" ", 1)[-1].lower()
+        else:
+            result += unicodedata.normalize("NFKD", c).encode("ascii", "replace").decode()
+    return result.replace("*/", "* /").replace("/*", "/ *").replace("*)", "* )").replace("(*", "( *")
 
 
 def _origin(law: Law) -> str:
