@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,11 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.ndimage import minimum_filter
 from scipy.optimize import least_squares
 
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, StribeckError
 from stribeck.export.optional import package
+from stribeck.laws import builtin
 from stribeck.laws.base import Law
 from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
@@ -24,7 +27,8 @@ if TYPE_CHECKING:
     import control
 
 _RTOL = 1e-8
-_ROWS = 2048  # of a cycle
+_ROWS = 1024  # of a cycle
+_GRID = 16  # sizes and frequencies tried, each
 _BALANCED = 1e-4  # what may be left of a harmonic balance, as a share of its terms
 
 
@@ -54,7 +58,7 @@ def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem
     body, bristle = ([] if mass is None else ["y", "v"]), (["z"] if law.has_z else [])
     system = ct.nlsys(
         derivatives if body or bristle else None, outputs, name=law.name, inputs=["v" if mass is None else "u"],
-        states=[*body, *bristle], outputs=[*body, "F"],
+        outputs=[*body, "F"], **({"states": [*body, *bristle]} if body or bristle else {}),
         params={n: a for n, a in law.values.items() if a is not None},
     )  # fmt: skip
     system.friction = law
@@ -131,8 +135,12 @@ def _last_cycle(law: Law, drive: dict[str, Any], frequency: float, mass: float |
 
 
 def _law(law: Law) -> dict[str, Any]:
+    """The law as a scenario names it."""
     own = {n: x for n, x in law.values.items() if n not in law.machine and x is not None}
-    return {"name": law.name, **own, "parameters": law.machine}
+    name = law.name
+    if builtin().get(name) is not type(law):
+        name = f"{inspect.getfile(type(law))}:{type(law).__name__}"
+    return {"name": name, **own, **({"parameters": law.machine} if law.machine else {})}
 
 
 @dataclass(frozen=True)
@@ -186,12 +194,17 @@ def hunting(scenario: Scenario, of: str = "law") -> Hunting:
         error = (loop - 1) / (abs(loop) + 1)
         return [error.real, error.imag]
 
-    unit, low, high = (law.scales(law.p).speed, 1e-2, 1e3) if of == "law" else (law.scales(law.p).force, 0.5, 4.0)
-    box = np.log([[unit * low, natural / 30], [unit * high, natural * 30]])
-    starts = [box[0] + (box[1] - box[0]) * (np.array([i, j]) + 0.5) / 16 for i in range(16) for j in range(16)]
-    starts.sort(key=lambda x: math.hypot(*residual(x)))
+    scales = law.scales(law.p)
+    fastest = scales.force / (scenario.mass * natural)
+    low, high = (1e-2 * scales.speed, 30 * fastest) if of == "law" else (0.5 * scales.force, 4 * scales.force)
+    box = np.log([[low, natural / 30], [high, natural * 30]])
+    grid = (
+        box[0] + (box[1] - box[0]) * (np.stack(np.meshgrid(*[np.arange(_GRID)] * 2, indexing="ij"), -1) + 0.5) / _GRID
+    )
+    rough = np.apply_along_axis(lambda x: math.hypot(*residual(x)), -1, grid)
+    valleys = rough == minimum_filter(rough, size=3)
     best = Hunting(math.nan, math.nan, math.inf)
-    for start in starts[:3]:
+    for start in grid[valleys][np.argsort(rough[valleys])][:_GRID]:
         found = least_squares(residual, start, bounds=tuple(box), diff_step=[1e-4], xtol=1e-12, ftol=1e-12, max_nfev=30)
         mismatch = math.hypot(*found.fun)
         if mismatch < best.mismatch:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import stribeck
 from stribeck.constants import Constant
 from stribeck.export.request import Request
-from stribeck.expressions.emit import Dialect, Writer
+from stribeck.expressions.emit import _ADD, _ATOM, _UNARY, Dialect, Writer
 from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.laws.base import Law
 
@@ -19,27 +19,16 @@ MODELICA = Dialect(
     either="or",
     where="noEvent(if {0} then {1} else {2})",  # the branches meet: no event is needed
     statement_end=";",
-    where_precedence=0,
+    where_precedence=_ATOM,
 )
 _KEYWORDS = frozenset(  # and the names that the block itself uses
     """algorithm and annotation block break class connect connector constant constrainedby der discrete each else elseif
     elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import
     impure in initial inner input loop model not operator or outer output package parameter partial protected public
     pure record redeclare replaceable return stream then true type when while within time
-    abs sign sqrt exp log sin cos atan tanh noEvent smooth Real u v y z F mass pow""".split()  # noqa: SIM905
+    abs sign sqrt exp log sin cos atan tanh noEvent smooth Real u v y z F mass""".split()  # noqa: SIM905
 )
 
-_POW = """\
-  function pow "a to the power b"
-    input Real a;
-    input Real b;
-    output Real c;
-  algorithm
-    c := a^b;
-    annotation(Inline=true);
-  end pow;
-
-"""
 _ICON = (
     "annotation(Icon(coordinateSystem(extent={{-100,-100},{100,100}}), graphics={"
     "Rectangle(extent={{-100,100},{100,-100}}, lineColor={0,0,127}, fillColor={255,255,255}, "
@@ -47,6 +36,16 @@ _ICON = (
     "Line(points={{-80,-45},{-30,-35},{-4,-70},{0,0},{4,70},{30,35},{80,45}}, color={0,0,127}), "
     'Text(extent={{-150,150},{150,110}}, textString="%name")}));'
 )
+
+
+class _Writer(Writer):
+    """Modelica has an operator for powers, and a sign only at the start of a sum."""
+
+    def _format(self, node: Expr) -> tuple[str, int]:
+        if node.op == "pow":
+            return "^".join(self._arg(arg, _ATOM) for arg in node.args), _UNARY
+        text, precedence = super()._format(node)
+        return text, _ADD if text.startswith("-") else precedence
 
 
 def files(request: Request) -> dict[str, str]:
@@ -81,7 +80,7 @@ package {name} "{_line(law)}"
   connector RealInput = input Real "a signal in, as Modelica.Blocks.Interfaces.RealInput";
   connector RealOutput = output Real "a signal out, as Modelica.Blocks.Interfaces.RealOutput";
 
-{_POW if "pow(" in body else ""}{body}
+{body}
   model Body "a body that a force pushes and this friction holds back"
     parameter Real mass(unit="kg", min=0) = {mass!r} "mass of the body";
     RealInput u(unit="N") "force on the body";
@@ -105,7 +104,7 @@ def _block(law: Law, constants: Mapping[str, float]) -> str:
     rate = wrap(law.dz_dt(p, v, z))
     outputs: list[tuple[str, Expr]] = [("der(z)", rate)] if law.has_z else []
     outputs.append(("F", wrap(law.friction(p, v, z, rate))))
-    lines = Writer(MODELICA, {**names, "v": "v", "z": "z"}, taken=_KEYWORDS).write(outputs)
+    lines = _Writer(MODELICA, {**names, "v": "v", "z": "z"}, taken=_KEYWORDS).write(outputs)
     helpers = [left for left in (line.split(" = ")[0] for line in lines) if left not in ("der(z)", "F")]
     length, _ = _nominal(law)
     rows = [_parameter(names[n], declared[n], x) for n, x in constants.items()]
@@ -124,7 +123,7 @@ def _parameter(name: str, constant: Constant, value: float) -> str:
     low = constant.above if constant.above is not None else constant.at_least
     least = "" if low is None else f", min={low:g}"
     unit = constant.unit.replace(" ", ".") or "1"
-    return f'parameter Real {name}(unit="{unit}"{least}) = {value!r} "{constant.meaning}";'
+    return f'parameter Real {name}(unit="{unit}"{least}) = {value!r} "{_quoted(constant.meaning)}";'
 
 
 def _place(side: int) -> str:
@@ -142,4 +141,9 @@ def _name(constant: str) -> str:
 
 
 def _line(law: Law) -> str:
-    return " ".join((law.__doc__ or law.name).split()).replace("\\", "/").replace('"', "'")
+    return _quoted(law.__doc__ or law.name)
+
+
+def _quoted(text: str) -> str:
+    """A text as it may stand in a string of one line."""
+    return " ".join(text.split()).replace("\\", "/").replace('"', "'")

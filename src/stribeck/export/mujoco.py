@@ -21,7 +21,7 @@ from stribeck.laws.lugre import LuGre
 _STEP = 1e-3  # s, unless the request says otherwise
 _SLOTS = 10  # numbers that an actuator of MuJoCo can carry (mjNBIAS)
 _DIALECT = replace(PYTHON, functions={"atan": "arctan"})
-_FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "arctan", "tanh", "sign", "where", "abs", "pow")
+_FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "arctan", "tanh", "sign", "where", "both", "either", "abs", "pow")
 
 
 def files(request: Request) -> dict[str, str]:
@@ -44,8 +44,8 @@ def notes(request: Request) -> list[str]:
     if maps_to_dcmotor(law) and _step(request) > (period := (_mass(request) / law.p.sigma_0) ** 0.5):
         found.append(
             f"{request.name}_dcmotor.xml: at a step of {_step(request):g} s above sqrt(mass/sigma_0) = {period:.3g} s "
-            "MuJoCo's own LuGre rings, creeps and breaks away early: it takes the force from the deflection before the "
-            f"step; {request.name}.xml with its callback does not"
+            "MuJoCo's own LuGre keeps its numbers under RK4 only: it takes the force from the deflection before the step; "
+            f"{request.name}.xml with its callback may take such steps"
         )
     return found
 
@@ -68,10 +68,10 @@ def _native_model(request: Request) -> str:
     )
     how = (
         f"MuJoCo's own LuGre, no callback needed: {lost}\n"
-        "  Lost: the force comes from the deflection before the step (it rings at steps above sqrt(mass/sigma_0));\n"
-        "  sigma_2 v is no part of data.actuator_force. Euler integrates it better than implicitfast."
+        "  Lost: the force comes from the deflection before the step, so that integrators other than RK4 need steps far\n"
+        "  below sqrt(mass/sigma_0); sigma_2 v is no part of data.actuator_force."
     )
-    return _model(request, actuator, how, "Euler")
+    return _model(request, actuator, how, "RK4")
 
 
 def _user_model(request: Request) -> str:
@@ -143,7 +143,7 @@ def _callback(request: Request) -> str:
 _CALLBACK = '''\
 """{about}
 
-A callback for MuJoCo 3.9 or newer, without a plugin:
+A callback for MuJoCo, without a plugin (tested with MuJoCo 4.0):
 
     model = mujoco.MjModel.from_xml_path("{name}.xml")
     data = mujoco.MjData(model)
@@ -160,6 +160,7 @@ share one; and data.actuator_force holds only a part of the friction: force() ha
 import mujoco
 import numpy as np
 from numpy import arctan, cos, exp, expm1, log, sign, sin, sqrt, tanh, where  # noqa: F401
+from numpy import logical_and as both, logical_or as either  # noqa: F401
 
 _INTEGRATORS = (
     mujoco.mjtIntegrator.mjINT_EULER, mujoco.mjtIntegrator.mjINT_IMPLICIT, mujoco.mjtIntegrator.mjINT_IMPLICITFAST,
