@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from stribeck.analysis.advise import Advice, advise
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
+    from stribeck.export import export
     from stribeck.laws import law
     from stribeck.parameter_sets import parameters
     from stribeck.scenario import Scenario
@@ -17,7 +18,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
-    "StribeckNote", "advise", "law", "parameters", "simulate", "simulate_ensemble",
+    "StribeckNote", "advise", "export", "law", "parameters", "simulate", "simulate_ensemble",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -25,7 +26,11 @@ _HOME = {
     **dict.fromkeys(
         ("BuildError", "InputError", "NotDifferentiable", "StribeckError", "StribeckNote"), "stribeck.errors"
     ),
+<<<<<<< HEAD
     **dict.fromkeys(("Advice", "advise"), "stribeck.analysis.advise"),
+=======
+    "export": "stribeck.export",
+>>>>>>> export
     "law": "stribeck.laws",
     "parameters": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",

@@ -180,6 +180,42 @@ def paper(
 
 
 @app.command()
+def export(
+    law: Annotated[
+        str, typer.Argument(metavar="LAW", help="The law; 'stribeck laws' lists them. FILE.py:NAME is one too.")
+    ],
+    target: Annotated[
+        str, typer.Option("--target", metavar="NAME", help="The tool: c, fmu, modelica, mujoco, st or table.")
+    ],
+    out: Annotated[
+        Path, typer.Option("--out", metavar="PATH", help="Where to: a folder for c and mujoco, else a file.")
+    ],
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="SET", help="A built-in set of parameters, or a TOML file.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="A constant of the law, such as k_v=1e7; may be repeated."),
+    ] = None,
+    part: Annotated[str, typer.Option("--part", metavar="PART", help="law, body, observer or cascade.")] = "law",
+    scenario: Annotated[
+        Path | None,
+        typer.Option("--scenario", metavar="FILE", help="A scenario: the mass, and the parameters unless given."),
+    ] = None,
+    step: Annotated[
+        float | None,
+        typer.Option("--step", metavar="S", help="The time step that the tool will take: what is lost is said."),
+    ] = None,
+    self_test: Annotated[bool, typer.Option("--self-test", help="With a program that checks the C.")] = False,
+    json: Json = False,
+) -> int:
+    """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
+    from stribeck.cli import export as command
+
+    return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, json)
+
+
+@app.command()
 def doctor(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""
     from stribeck.cli import doctor as command

@@ -34,6 +34,7 @@ from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import Value
 from stribeck.laws import terms
 from stribeck.laws.numeric import first_root, shaped
+from stribeck.laws.tools import ToTools
 
 # Parameters of a machine: they belong to the contact, whichever law describes it.
 PARAMETERS: dict[str, Constant] = {
@@ -100,11 +101,15 @@ STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c
 _SLOWEST = 1e-100
 
 
+<<<<<<< HEAD
 def _may_be_none(constant: Constant) -> bool:
     return constant.optional or bool(constant.choices)
 
 
 class Law:
+=======
+class Law(ToTools):
+>>>>>>> export
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
     Args:

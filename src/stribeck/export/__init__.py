@@ -1,0 +1,161 @@
+"""A law or a compensator for another tool: the registry of targets, and the one function that writes."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import secrets
+import shutil
+import sys
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from types import ModuleType
+
+from stribeck.errors import InputError, nearest, note
+from stribeck.export.request import Request
+from stribeck.laws.base import Law
+from stribeck.report.files import write_with
+from stribeck.scenario import Scenario
+
+__all__ = ["PARTS", "TARGETS", "Target", "export"]
+
+PARTS = {
+    "law": "the friction law",
+    "body": "a body with this friction",
+    "observer": "the friction observer",
+    "cascade": "the cascade controller",
+}
+
+
+@dataclass(frozen=True)
+class Target:
+    """A tool to write for. Its module has ``files(request)``, which returns the content by file name, and may have
+    ``notes(request)``: what the law loses there. ``folder`` is False where the target is one file, ``out`` itself."""
+
+    module: str
+    meaning: str
+    parts: tuple[str, ...] = ("law",)
+    folder: bool = True
+    self_test: bool = False
+
+
+TARGETS: dict[str, Target] = {
+    "c": Target("c99", "C99 for a drive's firmware", ("law", "body", "observer"), self_test=True),
+    "fmu": Target("fmu", "an FMU for FMI 2.0 and 3.0", ("law", "body"), folder=False),
+    "modelica": Target("modelica", "a Modelica package", folder=False),
+    "mujoco": Target("mujoco", "a MuJoCo model, and a callback", ("law", "body")),
+    "st": Target("st", "an IEC 61131-3 function block in Structured Text", folder=False),
+    "table": Target("table", "a table of velocity and force, at most 20 points", folder=False),
+}
+
+
+def export(
+    law: Law,
+    target: str,
+    out: str | Path,
+    *,
+    part: str = "law",
+    scenario: Scenario | None = None,
+    step: float | None = None,
+    self_test: bool = False,
+    origin: str = "",
+) -> list[Path]:
+    """Write a law, or what is made of it, for another tool.
+
+    What the law cannot keep there (at the time step ``step``, where it is given) is said, as a
+    :class:`stribeck.StribeckNote`, before anything is written.
+
+    Args:
+        law: the law with its constants.
+        target: one of :data:`TARGETS`.
+        out: the folder of the files (``c``, ``mujoco``), or the file itself.
+        part: one of :data:`PARTS`; not every target has every part.
+        scenario: where the body's mass and what else is not the law's is taken from.
+        step: the time step in s that the tool will take.
+        self_test: also write a program that checks the rest (target ``c``).
+        origin: where the parameters are from, for the header; built-in sets are recognised.
+
+    Returns:
+        The files written.
+
+    Raises:
+        InputError: no such target or part, or one that this law or target cannot have; nothing is written.
+    """
+    out = Path(out)
+    problems = _problems(target, part, self_test, step)
+    if problems:
+        raise InputError(problems)
+    chosen = TARGETS[target]
+    module = importlib.import_module(f"stribeck.export.{chosen.module}")
+    request = Request(law, part, scenario, step, self_test, origin)
+    content: dict[str, str | bytes] = module.files(request)
+    _check_place(out, chosen.folder)
+    for text in module.notes(request) if hasattr(module, "notes") else ():
+        note(text)
+    if not chosen.folder:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        (data,) = content.values()
+        write_with(out, lambda beside: beside.write_bytes(_encode(data)))
+        return [out]
+    return _write_folder(out, content)
+
+
+def _write_folder(out: Path, content: dict[str, str | bytes]) -> list[Path]:
+    """All files, or none: written into a folder beside, then moved one by one."""
+    existed = out.exists()
+    out.mkdir(parents=True, exist_ok=True)
+    beside = out / f".{os.getpid()}-{secrets.token_hex(4)}.tmp"
+    try:
+        beside.mkdir()
+        for name, data in content.items():
+            (beside / name).write_bytes(_encode(data))
+        for name in content:
+            (beside / name).replace(out / name)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+        if not existed:
+            with suppress(OSError):  # not empty: all is well
+                out.rmdir()
+    return [out / name for name in content]
+
+
+def _encode(data: str | bytes) -> bytes:
+    return data.encode("utf-8") if isinstance(data, str) else data
+
+
+def _problems(target: str, part: str, self_test: bool, step: float | None) -> list[str]:
+    if target not in TARGETS:
+        guess = nearest(target, TARGETS) or f" (known: {', '.join(TARGETS)})"
+        return [f"--target: {target!r}: no such target{guess}"]
+    found, chosen = [], TARGETS[target]
+    if part not in PARTS:
+        found.append(f"--part: {part!r}: must be one of {', '.join(PARTS)}")
+    elif part not in chosen.parts:
+        yet = "is not exported yet" if part == "cascade" else f"is nothing that target '{target}' has"
+        found.append(f"--part: {part!r}: {yet}; must be one of {', '.join(chosen.parts)}")
+    if self_test and not chosen.self_test:
+        found.append(
+            f"--self-test: target '{target}' has none; only {', '.join(n for n in TARGETS if TARGETS[n].self_test)}"
+        )
+    if step is not None and not 0 < step < float("inf"):
+        found.append(f"--step: {step}: must be a finite number > 0")
+    return found
+
+
+def _check_place(out: Path, folder: bool) -> None:
+    existing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
+    if existing == out and existing.is_dir() is not folder:
+        is_, must = ("file", "folder") if folder else ("folder", "file")
+        raise InputError(f"--out: {str(out)!r}: is a {is_}; must be a {must} or a new name")
+    if existing != out and not existing.is_dir():
+        raise InputError(f"--out: {str(out)!r}: {existing} is a file, not a folder")
+
+
+class _Callable(ModuleType):
+    """``stribeck.export`` is this package as soon as anything imports it: it must be the function as well."""
+
+    __call__ = staticmethod(export)
+
+
+sys.modules[__name__].__class__ = _Callable

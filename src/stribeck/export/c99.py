@@ -1,0 +1,71 @@
+"""``--target c``: one header and one source of C99."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stribeck.errors import InputError, NotDifferentiable
+from stribeck.export.ccode import Equations, condition, render
+from stribeck.export.request import Request
+from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
+
+
+def files(request: Request) -> dict[str, str | bytes]:
+    """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
+    values = context(request)
+    name = request.name
+    content: dict[str, str | bytes] = {
+        f"{name}.h": render("law.h", **values),
+        f"{name}.c": render("law.c", **values),
+    }
+    if request.self_test:
+        from stribeck.export.selftest import cases
+
+        content[f"{name}_test.c"] = render("law_test.c", **values, cases=cases(request))
+    return content
+
+
+def context(request: Request) -> dict[str, Any]:
+    """What the templates need."""
+    law, equations = request.law, Equations(request.law)
+    if request.part == "observer" and not law.has_z:
+        raise InputError(f"--part: 'observer': law '{law.name}' has no internal state to observe")
+    if ".py:" not in law.name and not request.name.isidentifier():
+        raise InputError(f"{law.name!r}: cannot be the name of a C function")
+    declared = law.constants()
+    return {
+        "P": request.name,
+        "about": request.about(),
+        "law": law,
+        "constants": {name: (declared[name], value) for name, value in request.constants.items()},
+        "relations": _relations(law, request.constants),
+        "eq": equations,
+        "smooth": is_smooth(law),
+        "with_body": request.part in ("law", "body"),
+        "with_observer": law.has_z and request.part in ("law", "observer"),
+        "proven_observer": law.has_z and equations.linear,
+    }
+
+
+def is_smooth(law: Law) -> bool:
+    """True where F has a time derivative wherever v has one."""
+    if law.has_z:
+        return bool(law.guarantees()["smooth"])
+    try:
+        law.force_rate(0.0, 0.0, 1.0)
+    except NotDifferentiable:
+        return False
+    return True
+
+
+def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, str]]:
+    """(the constant to blame, what is allowed, the condition in C) for every relation of the law."""
+    found = dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB))
+    return [(r.key, r.allowed, condition(r.holds, law)) for r in found if all(need in constants for need in r.needs)]
+
+
+def notes(request: Request) -> list[str]:
+    """What is lost at the time step that was given."""
+    from stribeck.export.sampling import unstable
+
+    return unstable(request)

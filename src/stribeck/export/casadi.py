@@ -1,0 +1,74 @@
+"""CasADi: a law as a function for optimal control, and CasADi's symbols in every equation of Stribeck."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+from stribeck.constants import show
+from stribeck.errors import InputError, NotDifferentiable, nearest
+from stribeck.export.optional import package
+from stribeck.expressions import ops
+from stribeck.laws import builtin
+from stribeck.laws.base import Law
+
+if TYPE_CHECKING:
+    import casadi
+
+
+class _Backend:
+    """The operations of :mod:`stribeck.expressions.ops` on CasADi's MX, SX and DM."""
+
+    def __getattr__(self, op: str) -> Callable[..., Any]:
+        ca = package("casadi", "tools")
+        table = {"where": ca.if_else, "both": ca.logic_and, "either": ca.logic_or}
+        return table.get(op) or getattr(ca, op)  # type: ignore[no-any-return]
+
+
+ops.register("casadi", _Backend())
+
+
+def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
+    """See :meth:`stribeck.laws.Law.to_casadi`."""
+    ca: Any = package("casadi", "tools")
+    declared = law.constants()
+    known = [name for name, value in law.values.items() if value is not None]
+    problems = [
+        f"free: {show(n)}: law '{law.name}' has no such constant{nearest(n, known)}" for n in free if n not in known
+    ]
+    if reason := kinks(law):
+        problems.append(reason)
+    if problems:
+        raise InputError(problems)
+    v, z = ca.MX.sym("v"), ca.MX.sym("z")
+    inputs = {name: ca.MX.sym(name) for name in dict.fromkeys(free)}
+    p = SimpleNamespace(**{name: inputs.get(name, law.values[name]) for name in declared})
+    rate = law.dz_dt(p, v, z)
+    outputs = {"dz_dt": rate, "F": law.friction(p, v, z, rate)}
+    states = {"v": v, "z": z}
+    if not law.has_z:
+        del outputs["dz_dt"], states["z"]
+    arguments = [*states.values(), *inputs.values()]
+    function: casadi.Function = ca.Function(
+        law.name, arguments, list(outputs.values()), [*states, *inputs], list(outputs)
+    )
+    return function
+
+
+def kinks(law: Law) -> str | None:
+    """Why a law is not smooth enough for an optimiser that relies on derivatives; None where it is."""
+    smooth = law.guarantees()["smooth"]
+    if smooth is None:  # nothing is claimed, as by laws without z: look at rest, where kinks are
+        try:
+            law.force_rate(0.0, 0.0, 1.0)
+            smooth = True
+        except NotDifferentiable:
+            smooth = False
+    if smooth:
+        return None
+    others = ", ".join(name for name, other in builtin().items() if other.has_z and other.claims.smooth)
+    return (
+        f"law '{law.name}' is not smooth: its derivatives jump (it holds |v| or sgn v), and an optimiser that follows "
+        f"them fails or stalls at v = 0; take a smooth law: {others}"
+    )

@@ -1,0 +1,90 @@
+"""What is to be exported, and what every export says about itself."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from dataclasses import dataclass
+
+import stribeck
+from stribeck.errors import InputError
+from stribeck.laws.base import PARAMETERS, Law
+from stribeck.laws.render import equations
+from stribeck.parameter_sets import parameters
+from stribeck.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class Request:
+    """One export: the law with its constants, the part wanted, the scenario and the time step where they are given."""
+
+    law: Law
+    part: str = "law"
+    scenario: Scenario | None = None
+    step: float | None = None
+    self_test: bool = False
+    origin: str = ""
+
+    @property
+    def name(self) -> str:
+        """The law's name as an identifier of most languages."""
+        return re.sub(r"\W", "_", self.law.name, flags=re.ASCII)
+
+    @property
+    def mass(self) -> float:
+        """The body's mass in kg (kg m^2): the scenario's.
+
+        Raises:
+            InputError: there is no scenario, or it has no mass.
+        """
+        mass = getattr(self.scenario, "mass", None)
+        if mass is None:
+            raise InputError(f"--scenario: part '{self.part}' needs one with a mass (plant.mass)")
+        return float(mass)
+
+    @property
+    def constants(self) -> dict[str, float]:
+        """The constants that the equations use, by name; optional ones that are off are left out."""
+        return {name: value for name, value in self.law.values.items() if value is not None}
+
+    def about(self) -> list[str]:
+        """Lines for the header: law, equations, source, parameters with units, what it guarantees, version."""
+        law = self.law
+        kept = [name.replace("_", "-") for name, holds in law.guarantees().items() if holds]
+        lost = [name.replace("_", "-") for name, holds in law.guarantees().items() if holds is False]
+        lines = [f"{law.name}: {' '.join((law.__doc__ or '').split())}", ""]
+        lines += [f"  {each.text}" for each in equations(type(law), law.structure)]
+        lines += ["", f"Source: {law.source}", f"Parameters: {self.origin or _origin(law)}"]
+        declared = law.constants()
+        lines += [f"  {n} = {x!r} {declared[n].unit or '1'}: {declared[n].meaning}" for n, x in self.constants.items()]
+        lines.append("  (linear motion; a rotary machine has N m for N and rad for m)")
+        if kept or lost:
+            lines.append(
+                f"The law is {', '.join(kept) or 'none of the five properties'}{'; not ' if lost else ''}{', '.join(lost)}."
+            )
+        lines.append(f"Made by stribeck {stribeck.__version__} (Apache-2.0).")
+        return [ascii_only(line) for line in lines]
+
+
+def ascii_only(text: str) -> str:
+    """The text in ASCII, as compilers of firmware want it, on one line and with no end of a comment in it."""
+    result = ""
+    for c in text:
+        kind, name = unicodedata.decomposition(c).partition(" ")[0], unicodedata.name(c, "")
+        if c.isascii():
+            result += c if c.isprintable() else " "
+        elif kind in ("<super>", "<sub>"):
+            result += ("^" if kind == "<super>" else "_") + unicodedata.normalize("NFKC", c)
+        elif name.startswith("GREEK SMALL LETTER "):
+            result += name.rsplit(" ", 1)[-1].lower()
+        else:
+            result += unicodedata.normalize("NFKD", c).encode("ascii", "replace").decode()
+    return result.replace("*/", "* /").replace("/*", "/ *").replace("*)", "* )").replace("(*", "( *")
+
+
+def _origin(law: Law) -> str:
+    given = {name: value for name, value in law.machine.items() if name in PARAMETERS and name in law.constants()}
+    for each in parameters().values():
+        if given and all(each.values.get(name) == value for name, value in given.items()):
+            return f"{each.name} ({each.source})"
+    return "the user's own"

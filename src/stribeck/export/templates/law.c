@@ -1,0 +1,350 @@
+/* {{ about[0] }}
+ * {{ about[-1] }} What it does and how to use it: {{ P }}.h. */
+#include "{{ P }}.h"
+
+#include <math.h>
+
+#ifdef __FAST_MATH__
+#error "-ffast-math takes nan and inf for impossible: the checks of this file need them"
+#endif
+
+typedef {{ P }}_real real;
+typedef {{ P }}_parameters parameters;
+
+#define R(x) ((real)(x))
+#ifdef {{ P | upper }}_FLOAT
+#define FN(name) name##f
+#define EPSILON 1.1920929e-7F
+#define SLOWEST 1e-15F
+#else
+#define FN(name) name
+#define EPSILON 2.220446049250313e-16
+#define SLOWEST 1e-100
+#endif
+{% if eq.uses("sign") %}
+
+static real sign_of(real x) { return R((x > 0) - (x < 0)); }
+{% endif %}
+
+/* ---- the equations ---- */
+
+static real rate_of(const parameters *p, real v, real z)
+{
+{{ eq.body([("return", "rate")], ["p", "v", "z"]) }}
+}
+
+static real force_of(const parameters *p, real v, real z, real rate)
+{
+{{ eq.body([("return", "force_at_rate")], ["p", "v", "z", "rate"]) }}
+}
+{% if law.has_z %}
+{% if eq.linear %}
+
+/* dz/dt = a z + b at this velocity. */
+static void hold(const parameters *p, real v, real *a, real *b)
+{
+{{ eq.body([("*a", "a"), ("*b", "b")], ["p", "v"]) }}
+}
+{% else %}
+
+/* dz/dt, and its derivative by z. */
+static real rate_and_slope(const parameters *p, real v, real z, real *slope)
+{
+{{ eq.body([("*slope", "rate_z"), ("return", "rate")], ["p", "v", "z"]) }}
+}
+{% endif %}
+{% endif %}
+{% if smooth or with_body %}
+
+/* F and the derivatives of dz/dt and F by v and z. */
+typedef struct {
+    real force, rate_v, rate_z, force_v, force_z;
+} Slopes;
+
+static void slopes(const parameters *p, real v, real z, Slopes *l)
+{
+{{ eq.body([("l->force", "force"), ("l->rate_v", "rate_v"), ("l->rate_z", "rate_z"), ("l->force_v", "force_v"), ("l->force_z", "force_z")], ["p", "v", "z"]) }}
+}
+{% endif %}
+
+/* ---- the bristle over a step ---- */
+{% if law.has_z %}
+
+/* (e^x - 1)/x */
+static real phi_1(real x) { return FN(fabs)(x) < EPSILON ? R(1) : FN(expm1)(x) / x; }
+{% if eq.linear %}
+
+/* z after dt with v held; pull is added to dz/dt. */
+static real advance(const parameters *p, real v, real pull, real z, real dt)
+{
+    real a, b;
+    hold(p, v, &a, &b);
+    return FN(exp)(a * dt) * z + dt * phi_1(a * dt) * (b + pull);
+}
+{% if with_body %}
+
+/* z after an implicit step. */
+static real settle(const parameters *p, real v, real z, real dt)
+{
+    real a, b;
+    hold(p, v, &a, &b);
+    return (z + dt * b) / (1 - dt * a);
+}
+{% endif %}
+{% else %}
+
+/* The root x of x = z + dt (dz/dt(v, x) + pull) between z and far: Newton's step where it stays inside, else the middle.
+ * dz/dt falls with z, so there is one root. */
+static real implicit(const parameters *p, real v, real pull, real z, real far, real dt)
+{
+    real near = z, x = near + (far - near) / 2;
+    for (int i = 0; i < 60; ++i) {
+        real slope;
+        const real excess = x - z - dt * (rate_and_slope(p, v, x, &slope) + pull);
+        if (FN(fabs)(excess) <= EPSILON * (FN(fabs)(x) + FN(fabs)(z) + dt * FN(fabs)(v))) break;
+        if ((excess < 0) == (far > z)) near = x; else far = x;
+        const real newton = x - excess / (1 - dt * slope);
+        x = (newton - near) * (newton - far) < 0 ? newton : near + (far - near) / 2;
+    }
+    return x;
+}
+
+/* z after dt with v held; pull is added to dz/dt. One step, or up to 32 where the slope changes on the way. */
+static real advance(const parameters *p, real v, real pull, real z, real dt)
+{
+    const real shortest = dt / 32;
+    real left = dt, h = dt, slope, after;
+    real rate = rate_and_slope(p, v, z, &slope) + pull;
+    while (left > 0) {
+        if (h > left) h = left;
+        real next = z + h * phi_1(slope * h) * rate;
+        real next_rate = rate_and_slope(p, v, next, &after) + pull;
+        const int overshoots = (rate > 0 && next_rate < 0) || (rate < 0 && next_rate > 0);
+        if ((overshoots || FN(fabs)(after - slope) * h > R(0.1)) && h > shortest) {
+            h /= 2;
+            continue;
+        }
+        if (overshoots) {
+            next = implicit(p, v, pull, z, next, h);
+            next_rate = rate_and_slope(p, v, next, &after) + pull;
+        }
+        z = next;
+        rate = next_rate;
+        slope = after;
+        left -= h;
+        h *= 2;
+    }
+    return z;
+}
+{% if with_body %}
+
+/* z after an implicit step. */
+static real settle(const parameters *p, real v, real z, real dt)
+{
+    const real rate = rate_of(p, v, z);
+    return rate > 0 || rate < 0 ? implicit(p, v, R(0), z, z + dt * rate, dt) : z;
+}
+{% endif %}
+{% endif %}
+{% if eq.bounded %}
+
+/* Rounding must not carry z over its bound. */
+static real within(const parameters *p, real z, real before)
+{
+    real bound;
+{{ eq.body([("bound", "bound")], ["p"]) }}
+    if (FN(fabs)(before) > bound) bound = FN(fabs)(before);
+    return z > bound ? bound : z < -bound ? -bound : z;
+}
+{% endif %}
+{% else %}
+
+/* There is no bristle: the force follows the velocity at once. */
+static real advance(const parameters *p, real v, real pull, real z, real dt)
+{
+    (void)p; (void)v; (void)pull; (void)dt;
+    return z;
+}
+{% if with_body %}
+
+static real settle(const parameters *p, real v, real z, real dt)
+{
+    return advance(p, v, R(0), z, dt);
+}
+{% endif %}
+{% endif %}
+
+/* ---- what the header declares ---- */
+
+void {{ P }}_defaults(parameters *p)
+{
+{% for name, (c, value) in constants.items() %}
+    p->{{ name }} = R({{ repr(value) }}); /* {{ c.unit or "1" }} */
+{% endfor %}
+}
+
+int {{ P }}_check(const parameters *p)
+{
+{% for name, (c, value) in constants.items() %}
+    if (!isfinite(p->{{ name }}){% if c.above is not none %} || !(p->{{ name }} > R({{ repr(c.above + 0.0) }})){% elif c.at_least is not none %} || !(p->{{ name }} >= R({{ repr(c.at_least + 0.0) }})){% endif %}) return {{ P }}_BAD_{{ name }};
+{% endfor %}
+{% for key, allowed, condition in relations %}
+    if (!({{ condition }})) return {{ P }}_BAD_{{ key }}; /* must be {{ allowed }} */
+{% endfor %}
+    return {{ P }}_OK;
+}
+
+void {{ P }}_reset({{ P }}_state *s) { s->z = 0; }
+
+/* Gives the result out where it is finite. */
+static int give(real value, real *result)
+{
+    if (!isfinite(value)) return {{ P }}_NOT_FINITE;
+    *result = value;
+    return {{ P }}_OK;
+}
+
+int {{ P }}_force(const parameters *p, real v, real z, real *force)
+{
+    if (!isfinite(v) || !isfinite(z)) return {{ P }}_NOT_FINITE;
+    return give(force_of(p, v, z, rate_of(p, v, z)), force);
+}
+
+int {{ P }}_rate(const parameters *p, real v, real z, real *rate)
+{
+    if (!isfinite(v) || !isfinite(z)) return {{ P }}_NOT_FINITE;
+    return give(rate_of(p, v, z), rate);
+}
+{% if smooth %}
+
+int {{ P }}_force_rate(const parameters *p, real v, real z, real dv_dt, real *force_rate)
+{
+    Slopes l;
+    if (!isfinite(v) || !isfinite(z) || !isfinite(dv_dt)) return {{ P }}_NOT_FINITE;
+    slopes(p, v, z, &l);
+    return give(l.force_v * dv_dt + l.force_z * rate_of(p, v, z), force_rate);
+}
+{% endif %}
+
+int {{ P }}_steady_force(const parameters *p, real v, real *force)
+{
+    if (!isfinite(v)) return {{ P }}_NOT_FINITE;
+    if (!(v < 0 || v > 0)) return give(R(0), force);
+{% if not law.has_z %}
+    return give(force_of(p, v, R(0), R(0)), force);
+{% else %}
+    const real w = FN(fabs)(v) < SLOWEST ? (v < 0 ? -SLOWEST : SLOWEST) : v; /* slower: products would vanish */
+{% if eq.linear %}
+    real a, b;
+    hold(p, w, &a, &b);
+    return give(force_of(p, v, -b / a, R(0)), force);
+{% else %}
+    const real side = R(w > 0 ? 1 : -1);
+    real low = 0, high = FN(fabs)(w), middle = high;
+    for (int i = 0; i < 2000 && side * rate_of(p, w, side * high) > 0; ++i) high *= 2;
+    for (int i = 0; i < 2000; ++i) {
+        middle = low + (high - low) / 2;
+        if (middle <= low || middle >= high) break;
+        if (side * rate_of(p, w, side * middle) > 0) low = middle; else high = middle;
+    }
+    return give(force_of(p, v, side * middle, R(0)), force);
+{% endif %}
+{% endif %}
+}
+
+static int step(const parameters *p, {{ P }}_state *s, real v, real dt, real pull, real *force)
+{
+    if (!isfinite(v) || !isfinite(s->z) || !isfinite(pull)) return {{ P }}_NOT_FINITE;
+    if (!(dt > 0) || !isfinite(dt)) return {{ P }}_BAD_STEP;
+    {{ "" if law.has_z and eq.bounded else "const " }}real z = advance(p, v, pull, s->z, dt);
+{% if law.has_z and eq.bounded %}
+    if (!(pull < 0 || pull > 0)) z = within(p, z, s->z);
+{% endif %}
+    const real F = force_of(p, v, z, rate_of(p, v, z) + pull);
+    if (!isfinite(z) || !isfinite(F)) return {{ P }}_NOT_FINITE;
+    s->z = z;
+    *force = F;
+    return {{ P }}_OK;
+}
+
+int {{ P }}_step(const parameters *p, {{ P }}_state *s, real v, real dt, real *force)
+{
+    return step(p, s, v, dt, R(0), force);
+}
+
+int {{ P }}_compensation(const parameters *p, {{ P }}_state *s, real v, real gain, real dt, real *force)
+{
+    real F = 0;
+    if (!(gain >= 0) || !isfinite(gain)) return {{ P }}_BAD_GAIN;
+    const int status = step(p, s, v, dt, R(0), &F);
+    return status == {{ P }}_OK ? give(gain * F, force) : status;
+}
+{% if with_observer %}
+
+int {{ P }}_observer_step(const parameters *p, {{ P }}_state *s, real v, real error, real K, real dt, real *force)
+{
+    real stiffness;
+    if (!(K >= 0) || !isfinite(K)) return {{ P }}_BAD_GAIN;
+    if (!isfinite(v) || !isfinite(s->z)) return {{ P }}_NOT_FINITE;
+    {
+        const real z = s->z, rate = 0;
+{{ eq.body([("stiffness", "stiffness")], ["p", "v", "z", "rate"]) }}
+    }
+    return step(p, s, v, dt, -K * stiffness * error, force);
+}
+{% endif %}
+{% if with_body %}
+
+/* How far a velocity w at the end of the step is from balance, N; z there, the derivative by w, the friction, and the
+ * sum of the absolute terms. */
+typedef struct {
+    real excess, z, slope, force, terms;
+} Balance;
+
+static Balance balance(const parameters *p, const {{ P }}_body *s, real mass, real u, real dt, real w)
+{
+    Balance r;
+    Slopes l;
+    const real inertia = mass / dt;
+    r.z = settle(p, w, s->z, dt);
+    slopes(p, w, r.z, &l);
+    r.force = l.force;
+    r.excess = inertia * (w - s->v) + l.force - u;
+    r.slope = inertia + l.force_v + l.force_z * dt * l.rate_v / (1 - dt * l.rate_z);
+    r.terms = inertia * (FN(fabs)(w) + FN(fabs)(s->v)) + FN(fabs)(l.force) + FN(fabs)(u);
+    return r;
+}
+
+int {{ P }}_body_step(const parameters *p, {{ P }}_body *s, real mass, real u, real dt, real *force)
+{
+    if (!isfinite(s->y) || !isfinite(s->v) || !isfinite(s->z) || !isfinite(u)) return {{ P }}_NOT_FINITE;
+    if (!(dt > 0) || !isfinite(dt)) return {{ P }}_BAD_STEP;
+    if (!(mass > 0) || !isfinite(mass)) return {{ P }}_BAD_MASS;
+    real near = s->v, far = near, w = near, move = 0;
+    Balance r = balance(p, s, mass, u, dt, w);
+    const int above = r.excess > 0; /* at near; the root lies below it then */
+    int enclosed = 0;
+    for (int i = 0; i < 300 && !(FN(fabs)(r.excess) <= 2 * EPSILON * r.terms); ++i) {
+        if (!isfinite(r.excess)) return {{ P }}_NOT_FINITE;
+        if ((r.excess > 0) == above) near = w; else { far = w; enclosed = 1; }
+        if (enclosed && FN(fabs)(far - near) <= EPSILON * (FN(fabs)(near) + FN(fabs)(s->v))) break;
+        const real newton = w - r.excess / r.slope;
+        if (enclosed) {
+            w = (newton - near) * (newton - far) < 0 ? newton : near + (far - near) / 2;
+            if (!(w < near || w > near) || !(w < far || w > far)) break;
+        } else { /* on, twice as far each time, until the excess changes its sign */
+            move = i == 0 ? -r.excess / (r.slope > mass / dt ? r.slope : mass / dt) : 2 * move;
+            w = near + move;
+        }
+        r = balance(p, s, mass, u, dt, w);
+    }
+    if (!(FN(fabs)(r.excess) <= 1e3F * EPSILON * r.terms) && !enclosed) return {{ P }}_NO_SOLUTION;
+    const real y = s->y + dt * w, F = r.force - r.excess; /* where the force jumps, between its two sides */
+    if (!isfinite(y) || !isfinite(w) || !isfinite(r.z) || !isfinite(F)) return {{ P }}_NOT_FINITE;
+    s->y = y;
+    s->v = w;
+    s->z = r.z;
+    *force = F;
+    return {{ P }}_OK;
+}
+{% endif %}

@@ -1,0 +1,129 @@
+/*
+{% for line in about %}
+ *{{ " " + line if line else "" }}
+{% endfor %}
+ *
+ * Every function returns {{ P }}_OK or an error; on an error nothing that it points to is changed. There is no
+ * allocation, no input or output, no global state. Compile everything with -D{{ P | upper }}_FLOAT for single precision.
+{% if law.has_z %}
+ * {{ P }}_step: {% if eq.linear %}exact where the velocity is constant over the step (zero-order hold), for a step of any length.
+{% else %}of order 2 where the velocity is constant over the step (exponential Rosenbrock-Euler, in up to 32 parts
+ * where d(dz/dt)/dz changes on the way); a part that would still overshoot the steady deflection is made by the
+ * implicit Euler rule instead, so that it never does.
+{% endif %}
+{% if eq.bounded %}
+ * |z| never exceeds its bound, whatever the step, once it is within.
+{% endif %}
+ * A force that is computed from a measured velocity acts a sample late: {{ P }}_step inside a loop with a mass is
+ * stable for short steps only{% if with_body %}; {{ P }}_body_step is stable for all{% endif %}.
+{% endif %}
+ */
+#ifndef {{ P | upper }}_H
+#define {{ P | upper }}_H
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#ifdef {{ P | upper }}_FLOAT
+typedef float {{ P }}_real;
+#else
+typedef double {{ P }}_real;
+#endif
+
+/* Constants of the law; {{ P }}_defaults fills them in, {{ P }}_check tells whether they are allowed. */
+typedef struct {
+{% for name, (c, value) in constants.items() %}
+    {{ P }}_real {{ name }}; /* {{ c.unit or "1" }}: {{ c.meaning }}, {{ c.allowed }} */
+{% endfor %}
+} {{ P }}_parameters;
+
+/* State of the law. */
+typedef struct {
+    {{ P }}_real z; /* m: mean bristle deflection{{ "" if law.has_z else "; this law has none, it stays 0" }} */
+} {{ P }}_state;
+{% if with_body %}
+
+/* State of a body with this friction. */
+typedef struct {
+    {{ P }}_real y; /* m: position */
+    {{ P }}_real v; /* m/s: velocity */
+    {{ P }}_real z; /* m: mean bristle deflection */
+} {{ P }}_body;
+{% endif %}
+
+enum {
+    {{ P }}_OK = 0,
+    {{ P }}_NOT_FINITE, /* an argument, the state or the result is inf or nan */
+    {{ P }}_BAD_STEP, /* dt must be > 0 */
+    {{ P }}_BAD_MASS, /* mass must be > 0 */
+    {{ P }}_BAD_GAIN, /* the gain must be >= 0 */
+    {{ P }}_NO_SOLUTION, /* the implicit step found no solution */
+{% for name, (c, value) in constants.items() %}
+    {{ P }}_BAD_{{ name }}, /* {{ name }} must be {{ c.allowed }} */
+{% endfor %}
+};
+
+/* The constants that were exported. */
+void {{ P }}_defaults({{ P }}_parameters *p);
+
+/* {{ P }}_OK, or which constant is not allowed. Call it once: the other functions take what they are given. */
+int {{ P }}_check(const {{ P }}_parameters *p);
+
+/* At rest, not deflected. */
+void {{ P }}_reset({{ P }}_state *s);
+
+/* Friction force in N at velocity v (m/s) and deflection z (m), positive when it opposes positive velocity. */
+int {{ P }}_force(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real z, {{ P }}_real *force);
+
+/* dz/dt in m/s. */
+int {{ P }}_rate(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real z, {{ P }}_real *rate);
+{% if smooth %}
+
+/* dF/dt in N/s at acceleration dv_dt (m/s^2). */
+int {{ P }}_force_rate(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real z, {{ P }}_real dv_dt,
+    {{ P }}_real *force_rate);
+{% else %}
+
+/* There is no dF/dt: it does not exist at v = 0 for this law. */
+{% endif %}
+
+/* The friction force in N when v is held for long; 0 at v = 0. */
+int {{ P }}_steady_force(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real *force);
+
+/* One sample: the state moves on by dt (s) with the measured velocity v (m/s) held, and gives the friction force in N
+ * at the end of it. */
+int {{ P }}_step(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real dt, {{ P }}_real *force);
+
+/* Friction compensation: the force in N to add to the drive's, gain (0 to 1) times the friction after one sample at v.
+ * With v the reference velocity it is a feedforward, and cannot destabilise the loop; with v measured it also acts on
+ * what the reference does not know, but a gain of 1 leaves no margin: an F_s or F_c set too high makes it hunt. */
+int {{ P }}_compensation(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real gain, {{ P }}_real dt,
+    {{ P }}_real *force);
+{% if with_observer %}
+
+/* The friction observer, one sample: dz/dt = (the law's) - K sigma_0 error, v and error held over the step.
+ * error (m/s) is s = de/dt + lambda e with e = y - y_desired; K (m/N) its gain; force (N) the friction estimated.
+{% if proven_observer %}
+ * Sobczyk, Perondi, Cunha, eqs 14-15. With exact knowledge of v the error of the estimate tends to zero if
+ * K_D >= K sigma_1 (sigma_1 w/4 - sigma_0), w = -d(dz/dt)/dz at the highest speed, K_D the gain on s of the drive force.
+{% else %}
+ * Sobczyk, Perondi, Cunha, eqs 14-15; their proof does not cover laws in which dz/dt is not linear in z, such as this.
+{% endif %}
+ */
+int {{ P }}_observer_step(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real error, {{ P }}_real K,
+    {{ P }}_real dt, {{ P }}_real *force);
+{% endif %}
+{% if with_body %}
+
+/* A body of this mass (kg) with this friction, one step under the drive force u (N), which is held: implicit Euler for
+ * y, v and z together. Stable for every dt, of order 1; energy is never created where the law creates none.
+ * force (N) is the friction at the end of the step. */
+int {{ P }}_body_step(const {{ P }}_parameters *p, {{ P }}_body *s, {{ P }}_real mass, {{ P }}_real u, {{ P }}_real dt,
+    {{ P }}_real *force);
+{% endif %}
+
+#ifdef __cplusplus
+}
+#endif
+#endif
