@@ -1,0 +1,85 @@
+"""A law's friction force for a measured velocity, compiled; several sets of parameters at a time."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from ctypes import POINTER, c_double, c_int, c_int64
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.codegen.response import parameters, response_source
+from stribeck.errors import BuildError
+from stribeck.laws.base import Law
+from stribeck.simulation import cache, compiler
+
+Array = NDArray[np.float64]
+_STEPS_A_SAMPLE = 1000
+
+
+class Response:
+    """The compiled answer of a law to a velocity: F(t) for v(t) given by straight lines between samples.
+
+    Args:
+        law: the law.
+        structure: its optional constants that are on.
+
+    Raises:
+        BuildError: there is no C compiler, or it failed.
+    """
+
+    def __init__(self, law: type[Law], structure: tuple[str, ...] = ()) -> None:
+        chosen = compiler.find()
+        if chosen is None:
+            raise BuildError(
+                "a simulation-error fit needs a C compiler, and none was found (pip install 'stribeck[compiler]')"
+            )
+        self.names = parameters(law, structure)
+        library = cache.library(response_source(law, structure), chosen)[0]
+        self._call = library.stribeck_respond
+        pointer, whole = POINTER(c_double), c_int64
+        self._call.argtypes = [
+            whole, pointer, pointer, whole, pointer, pointer, pointer, c_double, whole, pointer, pointer, pointer,
+        ]  # fmt: skip
+        self._call.restype = c_int
+
+    def lanes(self, sets: Sequence[Mapping[str, float]]) -> Array:
+        """Sets of constants as rows in the order that the compiled code takes."""
+        return np.array([[each[name] for name in self.names] for each in sets], float)
+
+    def force(
+        self,
+        t: Array,
+        v: Array,
+        constants: Array,
+        z: Array,
+        tolerance: float,
+        level: Array | None = None,
+        gains: Array | None = None,
+    ) -> Array | None:
+        """The friction force in N, shape (lanes, samples); None where the integration failed.
+
+        Args:
+            t: times of the samples, s, rising.
+            v: velocity there, m/s.
+            constants: a row of the law's constants for each lane (:meth:`lanes`).
+            z: deflection of each lane at the first sample, m.
+            tolerance: largest error of the first lane's deflection in a step, m; all lanes take the same steps.
+            level: a quantity that shifts constants, at each sample.
+            gains: how much of it is added to each constant of each lane, in the shape of ``constants``.
+        """
+        inputs = [np.ascontiguousarray(x, float) for x in (t, v, constants)]
+        extra = [None if x is None else np.ascontiguousarray(x, float) for x in (level, gains)]
+        out, state, present = np.empty((len(constants), len(t))), np.array(z, float), np.empty_like(inputs[2])
+        t_, v_, constants_, present_, state_, out_ = (_pointer(x) for x in (*inputs, present, state, out))
+        level_, gains_ = (None if x is None else _pointer(x) for x in extra)
+        status = self._call(
+            len(t), t_, v_, len(constants), constants_, level_, gains_, tolerance, _STEPS_A_SAMPLE * len(t),
+            present_, state_, out_,
+        )  # fmt: skip
+        return out if status == 0 and np.isfinite(out).all() else None
+
+
+def _pointer(array: Array) -> ctypes._Pointer[c_double]:
+    return array.ctypes.data_as(POINTER(c_double))
