@@ -59,7 +59,7 @@ class Test:
     repeats: int
 
     def velocity(self, step: float) -> Array:
-        """The velocity of a motion test, m/s, at every ``step`` s; it starts and ends at rest.
+        """The velocity of a motion test, m/s, at every ``step`` s; it starts and ends at rest, without a jolt.
 
         Loops are sines of time. Strokes hold the speed between soft ramps, there and back.
         """
@@ -67,12 +67,17 @@ class Test:
         count = max(round(self.duration / step), 16)
         phase = np.arange(count) / count
         if self.kind == "presliding loop":
-            cycle = self.speed * np.sin(2 * np.pi * phase)
-        else:
-            ramp = 0.1 if self.kind == "constant speed" else 0.5
-            half = np.clip(np.minimum(2 * phase % 1, 1 - 2 * phase % 1) / ramp, 0, 1)
-            cycle = self.speed * np.where(phase < 0.5, 1.0, -1.0) * (1 - np.cos(np.pi * half)) / 2
-        return np.tile(cycle, self.repeats)
+            loops = self.speed * np.tile(np.sin(2 * np.pi * phase), self.repeats)
+            return loops * _soft(np.arange(len(loops)) / count, self.repeats, 0.5)
+        ramp = 0.6 if self.kind == "constant speed" else 1.0
+        half = _soft(2 * phase % 1, 1.0, ramp / 2)
+        return np.tile(self.speed * np.where(phase < 0.5, 1.0, -1.0) * half, self.repeats)
+
+
+def _soft(x: Array, end: float, ramp: float) -> Array:
+    """1 between 0 and ``end``, with ramps of raised cosines that are ``ramp`` long."""
+    near = np.clip(np.minimum(x, end - x) / ramp, 0, 1)
+    return np.asarray((1 - np.cos(np.pi * near)) / 2)
 
 
 def programme(limits: Limits) -> list[Test]:
@@ -104,10 +109,10 @@ def _loops(limits: Limits) -> list[Test]:
 def _strokes(limits: Limits) -> list[Test]:
     found = []
     for speed in np.geomspace(_SLOWEST, 1, _SPEEDS) * limits.speed:
-        half = min(0.9 * limits.stroke / (0.9 * speed), 0.5)  # s; the ramps take a tenth of the way
+        half = min(0.9 * limits.stroke / (0.7 * speed), 0.5)  # s; the ramps take three tenths of the way
         tells = "F_c and sigma_2" if speed > 0.1 * limits.speed else "F_s and v_s"
         found.append(
-            Test("constant speed", tells, "motion", float(0.9 * speed * half), float(speed), None, 2 * half, 2)
+            Test("constant speed", tells, "motion", float(0.7 * speed * half), float(speed), None, 2 * half, 2)
         )
     return found
 
