@@ -27,6 +27,7 @@ class Log:
         quality: what was found in the raw data and what was done about it, a line each.
         noise: standard deviation of a measured column's noise, where it could be told.
         bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
+        files: the name of the file that each run is from.
     """
 
     time: Array
@@ -43,6 +44,7 @@ class Log:
     quality: tuple[str, ...] = ()
     noise: dict[str, float] = field(default_factory=dict)
     bandwidth: float | None = None
+    files: tuple[str, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time)
