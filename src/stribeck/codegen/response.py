@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from importlib.resources import files
 
 from stribeck.expressions.emit import C, Writer
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.laws.base import Law
 
-_TAKEN = (
-    "exp log sqrt sin cos atan tanh fabs pow sign_of exp_of atan_of double int const return p v z N "
-    "INFINITY NAN PARAMETERS UNUSED by_z by_v"
-).split()
+_TAKEN = frozenset(
+    "exp log sqrt sin cos atan tanh fabs pow sign_of exp_of atan_of double int const return if else for do p v z "
+    "INFINITY NAN PARAMETERS UNUSED by_z by_v".split()  # noqa: SIM905
+)
 
 
 def parameters(law: type[Law], structure: tuple[str, ...]) -> tuple[str, ...]:
@@ -20,7 +19,6 @@ def parameters(law: type[Law], structure: tuple[str, ...]) -> tuple[str, ...]:
     return tuple(name for name, c in law.constants().items() if not c.optional or name in structure)
 
 
-@lru_cache(maxsize=64)
 def response_source(law: type[Law], structure: tuple[str, ...] = ()) -> str:
     """One C file for a law with the optional constants of ``structure`` on: compile it alone, as a shared library."""
     names = parameters(law, structure)

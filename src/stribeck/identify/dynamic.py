@@ -88,9 +88,7 @@ class VelocityProblem(Problem):
         gains = None
         if self.shifts:
             by_name = [{self.shifts[n]: each[self.shifts[n]] for n in self.shifts} for each in sets]
-            gains = np.array(
-                [[each.get(self.shifts.get(n, ""), 0.0) for n in self.response.names] for each in by_name]
-            )
+            gains = np.array([[each.get(self.shifts.get(n, ""), 0.0) for n in self.response.names] for each in by_name])
         out = np.empty((len(sets), len(self.log)))
         for number, rows in enumerate(self.runs):
             z = [each.get(first_deflection(number), 0.0) * size for each, size in zip(sets, length, strict=True)]
@@ -152,7 +150,7 @@ def velocity_problem(
     Arguments as in :func:`fit_dynamic`.
     """
     law, fixed, tied = laws.find(law_name), dict(fixed or {}), dict(tied or {})
-    free = _free(law, fixed, tied, free)
+    free = free_constants(law, fixed, tied, free)
     body = {"mass": mass, "stiffness": stiffness, "offset": offset}
     sizes = scales(log, mass or 0.0)
     rough = ranges(law, sizes)
@@ -193,7 +191,7 @@ def shift_name(constant: str) -> str:
     return f"{constant}_shift"
 
 
-def _free(law: type[Law], fixed: Given, tied: Mapping[str, Tie], free: Sequence[str] | None) -> list[str]:
+def free_constants(law: type[Law], fixed: Given, tied: Mapping[str, Tie], free: Sequence[str] | None) -> list[str]:
     """The constants to fit: those of the machine unless others are named; all are accounted for, or an error says."""
     known = law.constants()
     wanted = list(free) if free is not None else list(law.uses or law.own_constants())
@@ -306,15 +304,16 @@ def finish(problem: VelocityProblem, optimum: Optimum, log: Log, method: str, pr
     Raises:
         StribeckError: the optimum is no simulation that works.
     """
-    force = problem.force(optimum.point[None, :])
-    if force is None:
+    if problem.misfit(optimum.point) is None:
         raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
     judged = uncertainty.judge(problem, optimum.point, log, profiles)
-    values, misfit = problem.values(optimum.point), log.force - force[0]
+    force = problem.force(judged.point[None, :])
+    assert force is not None
+    values, misfit = problem.values(judged.point), log.force - force[0]
     rig = np.vstack([log.acceleration, log.position, np.ones(len(log))])
     body = np.array([values[name] for name in BODY_UNITS]) @ rig
-    own = set(BODY_UNITS) | {shift for shift in problem.shifts.values()}
-    used = problem.describe(optimum.point)
+    own = set(BODY_UNITS) | set(problem.shifts.values())
+    used = problem.describe(judged.point)
     notes = [] if optimum.converged and (optimum.starts == 1 or optimum.agreeing > 1) else [optimum.verdict]
     return Fit(
         law=problem.law.name,

@@ -62,13 +62,18 @@ def scales(log: Log, mass: float = 0.0) -> Scales:
     return Scales(level, offset, fast, min(max(slow, 1e-5 * fast), 0.1 * fast), _stiffness(log, force, level))
 
 
+def reversals(v: Array) -> list[tuple[int, int]]:
+    """First and last row of the motion after each reversal or rest of a run, until the next."""
+    turns = np.flatnonzero(np.diff(np.sign(v)) != 0).tolist()
+    return list(zip(turns, [*turns[1:], len(v) - 1], strict=True)) if turns else []
+
+
 def _stiffness(log: Log, force: Array, level: float) -> float:
     """Force over way on the first half of the rise that follows a reversal; the median of the steeper ones."""
     found = []
     for rows in log.runs():
         v, y, f = log.velocity[rows], log.position[rows], force[rows]
-        turns = np.flatnonzero(np.diff(np.sign(v)) != 0)
-        for first, last in list(zip(turns, [*turns[1:], len(v) - 1], strict=True))[:_REVERSALS_LOOKED_AT]:
+        for first, last in reversals(v)[:_REVERSALS_LOOKED_AT]:
             rise = abs(f[first : last + 1] - f[first])
             if len(rise) > 4 and rise.max() > 0.3 * level:
                 half = int(np.argmax(rise >= rise.max() / 2))

@@ -77,7 +77,7 @@ def multistart(problem: Problem, starts: Sequence[Array], workers: int | None = 
         looks = each(starts, _ROUGH, _FIRST_LOOK)
         kept = max(min(3, len(looks)), (len(looks) + 3) // 4)
         done = each([run.point for run in looks[:kept]], _ROUGH, 100)
-    best = descend(problem, done[0].point, _FINE, 100)
+    best = descend(problem, done[0].point, _FINE, 200)
     agreeing = sum(run.cost <= best.cost * (1 + _SAME) + 1e-12 for run in done)
     return Optimum(
         problem.nearest(best.point), best.cost, len(starts), len(done), agreeing, best.converged, best.reason

@@ -88,7 +88,9 @@ class Problem(ABC):
         self.measured, self.scale = measured, scale
         self.home: Array | None = None  # a point that the law allows
         names = [c.name for c in self.coordinates]
-        unknown = [f"tied.{n}: {t.to!r}: must be free or fixed" for n, t in tied.items() if t.to not in (*names, *fixed)]
+        unknown = [
+            f"tied.{n}: {t.to!r}: must be free or fixed" for n, t in tied.items() if t.to not in (*names, *fixed)
+        ]
         if unknown:
             raise InputError(unknown)
 
@@ -109,7 +111,7 @@ class Problem(ABC):
     def point(self, values: Mapping[str, float]) -> Array:
         """The point of given values, within the bounds."""
         u = np.array([c.inner(values[c.name]) for c in self.coordinates])
-        return np.clip(u, *self.bounds)
+        return np.asarray(np.clip(u, *self.bounds))
 
     @property
     def bounds(self) -> tuple[Array, Array]:

@@ -89,31 +89,27 @@ def programme(limits: Limits) -> list[Test]:
 def _loops(limits: Limits) -> list[Test]:
     """From well inside the elastic range to sliding."""
     if limits.deflection is None:
-        sizes: Sequence[float] = np.geomspace(1e-6, 1e-2, 2 * _LOOPS + 1) * limits.stroke
+        sizes = limits.stroke * np.geomspace(1e-6, 1e-2, 2 * _LOOPS + 1)
         tells = "sigma_0: keep the loops in which the force levels off at the ends, and the next two smaller ones"
     else:
-        sizes = np.geomspace(0.5, 8, _LOOPS) * limits.deflection
+        sizes = limits.deflection * np.geomspace(0.5, 8, _LOOPS)
         tells = "sigma_0; sigma_1 where the loop is fast"
     slow, fast = 0.5, 20.0
     found = []
-    for size in sizes:
+    for size in sizes.tolist():
         for rate in (slow, fast):
             speed = np.pi * rate * size  # y = size/2 (1 - cos(2 pi rate t))
             if speed <= limits.speed:
-                found.append(
-                    Test("presliding loop", tells, "motion", float(size), float(speed), None, 1 / rate, _CYCLES)
-                )
+                found.append(Test("presliding loop", tells, "motion", size, float(speed), None, 1 / rate, _CYCLES))
     return found
 
 
 def _strokes(limits: Limits) -> list[Test]:
     found = []
-    for speed in np.geomspace(_SLOWEST, 1, _SPEEDS) * limits.speed:
+    for speed in (limits.speed * np.geomspace(_SLOWEST, 1, _SPEEDS)).tolist():
         half = min(0.9 * limits.stroke / (0.7 * speed), 0.5)  # s; the ramps take three tenths of the way
         tells = "F_c and sigma_2" if speed > 0.1 * limits.speed else "F_s and v_s"
-        found.append(
-            Test("constant speed", tells, "motion", float(0.7 * speed * half), float(speed), None, 2 * half, 2)
-        )
+        found.append(Test("constant speed", tells, "motion", 0.7 * speed * half, speed, None, 2 * half, 2))
     return found
 
 
@@ -129,7 +125,7 @@ def _accelerate(limits: Limits) -> Test:
     half = min(0.9 * limits.stroke / (0.5 * limits.speed), 0.5)
     tells = "mass: the highest acceleration that the force allows"
     way = 0.5 * limits.speed * half
-    return Test("acceleration", tells, "motion", float(way), limits.speed, None, 2 * half, 3)
+    return Test("acceleration", tells, "motion", way, limits.speed, None, 2 * half, 3)
 
 
 def motion(tests: Sequence[Test], step: float) -> tuple[Array, Array]:
@@ -137,4 +133,4 @@ def motion(tests: Sequence[Test], step: float) -> tuple[Array, Array]:
     rest = np.zeros(max(round(0.02 / step), 2))
     parts = [part for test in tests if test.control == "motion" for part in (test.velocity(step), rest)]
     v = np.concatenate([*parts, np.zeros(1)])
-    return np.arange(len(v)) * step, v
+    return step * np.arange(len(v), dtype=float), v

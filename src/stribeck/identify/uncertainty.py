@@ -7,8 +7,9 @@ minimum it agrees with it (Chandler and Bate, Biometrika 94(1):167-183, 2007).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,15 +20,20 @@ from scipy.stats import chi2
 
 from stribeck.identify.advice import experiment_for
 from stribeck.identify.estimate import Estimate, Profile
-from stribeck.identify.guess import scales
+from stribeck.identify.guess import reversals, scales
 from stribeck.identify.log import Log
+from stribeck.identify.optimise import descend
 from stribeck.identify.problem import Problem
 
 Array = NDArray[np.float64]
 _THRESHOLD = float(chi2.ppf(0.95, 1))
-_WIDEST = 1.5  # of a 95 % interval in the logarithm (0.47 to 2.1 times the value): wider is not determined
+_WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
 _FEWEST = 12.0  # samples that an estimate must rest on
+_BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
+_RESOLVED = 10  # samples in which presliding must be passed through to be seen
 _LONGEST_MEMORY = 50  # samples, of the noise model
+_FRESH_STARTS = 4
+_NOTICEABLE = 0.05  # of twice the log-likelihood
 _FARTHEST = 4.0  # of the logarithm, to which a profile is followed
 
 
@@ -35,9 +41,11 @@ _FARTHEST = 4.0  # of the logarithm, to which a profile is followed
 class Judgement:
     """Estimates with intervals; covariance of ``names`` (values, not logarithms); profiles; what a reader should know.
 
-    ``noise``: its standard deviation and the order of the model of its correlation.
+    ``point``: the optimum, which may be better than the one given: profiles sometimes find one. ``noise``: its standard
+    deviation and the order of the model of its correlation.
     """
 
+    point: Array
     estimates: dict[str, Estimate]
     names: tuple[str, ...]
     covariance: Array
@@ -46,10 +54,28 @@ class Judgement:
     noise: dict[str, Any]
 
 
+class _Lower(Exception):
+    """A profile came to a lower cost than the optimum's."""
+
+    def __init__(self, point: Array) -> None:
+        super().__init__()
+        self.point = point
+
+
 def judge(problem: Problem, u: Array, log: Log, profiles: bool = True) -> Judgement:
     """Intervals and verdicts for every coordinate that is no nuisance, at the optimum ``u``."""
+    for _ in range(_FRESH_STARTS):
+        try:
+            return _judge(problem, u, log, profiles)
+        except _Lower as lower:
+            u = problem.nearest(descend(problem, lower.point, 1e-10, 200).point)
+    return _judge(problem, u, log, False)
+
+
+def _judge(problem: Problem, u: Array, log: Log, profiles: bool) -> Judgement:
     slopes, misfit = problem.sensitivities(u), problem.misfit(u)
-    assert slopes is not None and misfit is not None
+    assert slopes is not None
+    assert misfit is not None
     free = len(misfit) - len(u)
     variance = float(misfit @ misfit) / max(free, 1)
     memory = noise_memory(misfit)
@@ -57,6 +83,7 @@ def judge(problem: Problem, u: Array, log: Log, profiles: bool = True) -> Judgem
     plain = covariance(slopes, variance, np.zeros(0))
     support = supporting_samples(slopes)
     sizes, values = scales(log), problem.values(u)
+    unseen = _presliding_unseen(problem, values, log)
     estimates, found = {}, {}
     for k, c in enumerate(problem.coordinates):
         if c.nuisance:
@@ -65,14 +92,14 @@ def judge(problem: Problem, u: Array, log: Log, profiles: bool = True) -> Judgem
         deviation = float(np.sqrt(inner[k, k]))
         low: float | None
         high: float | None
-        doubt = _doubt(problem, k, u, inner, support[k])
+        doubt = unseen if c.name in _BRISTLES and unseen else _doubt(problem, k, u, inner, support[k])
         if profiles and not doubt:
             low, high, found[c.name] = profile(problem, u, k, deviation, variance * inflation, inner)
             doubt = _open(low, high, c.log)
             low, high = (None if x is None else c.outer(x) for x in (low, high))
         else:
-            low, high = (c.outer(u[k] + side * np.sqrt(_THRESHOLD) * min(deviation, 300)) for side in (-1, 1))
-            low, high = (x if np.isfinite(x) else None for x in (low, high))
+            ends = [u[k] + side * np.sqrt(_THRESHOLD) * deviation for side in (-1, 1)]
+            low, high = (c.outer(x) if c.inner(c.low) < x < c.inner(c.high) else None for x in ends)
         if doubt:
             what = experiment_for(c.name, values, sizes)
             estimates[c.name] = Estimate(None, low, high, c.unit, False, doubt, what)
@@ -83,7 +110,7 @@ def judge(problem: Problem, u: Array, log: Log, profiles: bool = True) -> Judgem
     outer = (inner * np.outer(stretch, stretch))[np.ix_(own, own)]
     notes = () if free > 10 * len(u) else (f"only {len(misfit)} samples for {len(u)} numbers",)
     noise = {"standard_deviation": float(np.sqrt(variance)), "memory": len(memory)}
-    return Judgement(estimates, tuple(problem.coordinates[k].name for k in own), outer, found, notes, noise)
+    return Judgement(u, estimates, tuple(problem.coordinates[k].name for k in own), outer, found, notes, noise)
 
 
 # -- noise -----------------------------------------------------------------------------------------------------------
@@ -152,17 +179,37 @@ def _doubt(problem: Problem, k: int, u: Array, inner: Array, support: float) -> 
     room = 1e-3 * (high[k] - low[k])
     if c.log and not low[k] + room < u[k] < high[k] - room:
         return "the fit drives it to the end of what is tried"
+    spread = np.sqrt(np.diag(inner))
+    with np.errstate(all="ignore"):
+        relation = inner[k] / (spread * spread[k])
+    others = [i for i in np.argsort(-abs(relation)) if i != k and abs(relation[i]) > 0.98]
+    along = [problem.coordinates[i].name for i in others if not problem.coordinates[i].nuisance][:2]
+    together = f"; {' and '.join(along)} can make up for it" if along else ""
     if support < _FEWEST:
-        return f"it rests on {max(support, 0):.0f} samples only"
-    if c.log and 2 * np.sqrt(_THRESHOLD) * deviation > 2 * _WIDEST:
-        spread = np.sqrt(np.diag(inner))
-        with np.errstate(all="ignore"):
-            relation = inner[k] / (spread * spread[k])
-        others = [i for i in np.argsort(-abs(relation)) if i != k and abs(relation[i]) > 0.98]
-        along = [problem.coordinates[i].name for i in others if not problem.coordinates[i].nuisance][:2]
-        together = f"; {' and '.join(along)} can make up for it" if along else ""
+        return f"it rests on {max(support, 0):.0f} samples only{together}"
+    if c.log and np.sqrt(_THRESHOLD) * deviation > _WIDEST:
         return f"the residuals hardly depend on it{together}"
     return ""
+
+
+def _presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -> str:
+    """Why the log does not show presliding, or nothing: after reversals the first moments, in which the bristles bend,
+    must be longer than a few samples and than what the filter of the velocity resolves."""
+    if not problem.law.has_z:
+        return ""
+    length = 2 * problem.law.scales(SimpleNamespace(**values)).length
+    needed = max(_RESOLVED, int(np.ceil(1 / (log.bandwidth * log.step))) if log.bandwidth and log.step else 0)
+    longest = 0
+    for rows in log.runs():
+        y = log.position[rows]
+        for first, last in reversals(log.velocity[rows]):
+            gone = abs(y[first : last + 1] - y[first]) > length
+            longest = max(longest, int(np.argmax(gone)) if gone.any() else last - first)
+            if longest >= needed:
+                return ""
+    if not longest:
+        return "there is no reversal and no start from rest in the log, so no presliding"
+    return f"no reversal passes through presliding in {needed} samples or more (at best {longest})"
 
 
 def _open(low: float | None, high: float | None, log: bool) -> str:
@@ -205,14 +252,17 @@ def _end(
     root = np.sqrt(_THRESHOLD)
     near, far = (0.0, 0.0), None  # distance, root of the fall
     distance = root * deviation
-    along = inner[:, k] / inner[k, k]
-    start = u
+    # where the others go along, as far as the data tell that
+    along = np.where(np.diag(inner) < 1.0, inner[:, k] / inner[k, k], 0.0)
     for _ in range(12):
         distance = min(distance, abs(limit - u[k]))
         x = float(u[k] + side * distance)
         start = u + along * (x - u[k])
-        found = _cost_at(problem, start, k, x)
-        fall = max(2 * (found - base) / unit, 0.0)
+        found, best = _cost_at(problem, start, k, x)
+        fall = 2 * (found - base) / unit
+        if fall < -_NOTICEABLE:
+            raise _Lower(best)
+        fall = max(fall, 0.0)
         tried.append((x, fall))
         here = (distance, float(np.sqrt(fall)))
         if abs(here[1] - root) < 0.02:
@@ -236,22 +286,28 @@ def _cost(problem: Problem, u: Array) -> float:
     return 0.5 * float(r @ r)
 
 
-def _cost_at(problem: Problem, start: Array, k: int, value: float) -> float:
-    """The smallest cost with one coordinate held."""
+def _cost_at(problem: Problem, start: Array, k: int, value: float) -> tuple[float, Array]:
+    """The smallest cost with one coordinate held, and the point."""
     rest = np.array([i for i in range(len(start)) if i != k], int)
     low, high = problem.bounds
     if not len(rest):
-        return _cost(problem, np.array([value]))
+        return _cost(problem, np.array([value])), np.array([value])
 
-    def whole(part: Sequence[float]) -> Array:
+    def whole(part: Array) -> Array:
         u = np.empty(len(start))
         u[rest], u[k] = part, value
         return u
 
     room = 1e-9 * (high - low)
     inside = np.clip(start, low + room, high - room)[rest]
+
+    def residual(part: Array) -> Array:
+        return problem.residual(whole(part))
+
+    def jacobian(part: Array) -> Array:
+        return problem.jacobian(whole(part))[:, rest]
+
     found = least_squares(
-        lambda part: problem.residual(whole(part)), inside, lambda part: problem.jacobian(whole(part))[:, rest],
-        bounds=(low[rest], high[rest]), ftol=1e-7, xtol=1e-7, gtol=1e-15, max_nfev=20,
+        residual, inside, jacobian, bounds=(low[rest], high[rest]), ftol=1e-7, xtol=1e-7, gtol=1e-15, max_nfev=20,
     )  # fmt: skip
-    return float(found.cost)
+    return float(found.cost), whole(found.x)
