@@ -8,9 +8,12 @@ from stribeck.expressions.emit import C, Writer
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.laws.base import Law
 
+# Words of C that a variable must not have, and names of the generated functions.
 _TAKEN = frozenset(
-    "exp log sqrt sin cos atan tanh fabs pow sign_of exp_of atan_of double int const return if else for do p v z "
-    "INFINITY NAN PARAMETERS UNUSED by_z by_v".split()  # noqa: SIM905
+    """
+    exp log sqrt sin cos atan tanh fabs pow sign_of exp_of atan_of double int const return if else for do p v z
+    INFINITY NAN PARAMETERS UNUSED by_z by_v
+    """.split()  # noqa: SIM905
 )
 
 
