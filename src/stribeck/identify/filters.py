@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
@@ -50,10 +52,16 @@ def stages(q: int) -> list[int]:
     return found
 
 
+@lru_cache
+def _anti_alias(q: int) -> tuple[Array, Array]:
+    b, a = signal.cheby1(8, 0.05, 0.8 / q)
+    return b, a
+
+
 def decimate(x: Array, q: int) -> Array:
     """Samples 1, 1 + q, 1 + 2 q, ... (from 0) behind a Chebyshev filter of type 1 (order 8, 0.05 dB, 0.8/q)."""
     for part in stages(q):
-        x = zero_phase(*signal.cheby1(8, 0.05, 0.8 / part), x)[1::part]
+        x = zero_phase(*_anti_alias(part), x)[1::part]
     return x
 
 

@@ -62,6 +62,8 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
         new_run = np.zeros(len(steps), bool) if own is None else np.diff(own) != 0
     _enough(columns, number)
     step = float(np.median(steps[~new_run]))
+    near = ~new_run & (abs(steps - step) < 0.5 * step)
+    step = float(np.mean(steps[near]))  # to more digits than a single difference has
     gaps = (steps > _GAP * step) & ~new_run
     if count := int(gaps.sum()):
         notes.append(
