@@ -1,7 +1,8 @@
 """Do the 95 % intervals of ``stribeck fit --method dynamic`` cover the truth in 95 % of cases?
 
-Synthetic experiments with known truth, each with constants, noise and seed of its own: a rig that follows small
+Synthetic experiments with known truth, each with constants and noise of its own: a rig that follows small
 reversals and strokes of several speeds, an encoder of 5 nm, a force sensor with noise of 1 % of the Coulomb friction.
+Every fourth one lacks the small reversals, the slow strokes or all strokes.
 
     python benchmarks/coverage.py [--experiments 200] [--workers 2]     writes benchmarks/results/coverage.json
 """
@@ -45,8 +46,15 @@ def stroke(speed: float) -> Test:
     return Test("constant speed", "", "motion", 0.14 * speed, speed, None, 0.4, 1)
 
 
-FULL = [*(loop(size, rate) for size in (8e-6, 2e-5, 6e-5) for rate in (4.0, 20.0)),
-        *map(stroke, (5e-4, 2e-3, 5e-3, 1e-2, 3e-2, 0.1))]  # fmt: skip
+LOOPS = [loop(size, rate) for size in (8e-6, 2e-5, 6e-5) for rate in (4.0, 20.0)]
+STROKES = [stroke(speed) for speed in (5e-4, 2e-3, 5e-3, 1e-2, 3e-2, 0.1)]
+# every fourth experiment leaves something out, so that some parameters cannot be determined
+PARTIAL = (LOOPS[:4], STROKES, STROKES[-2:])
+
+
+def tests(seed: int) -> list[Test]:
+    """The motions of an experiment."""
+    return [*LOOPS, *STROKES] if seed % 4 != 3 else PARTIAL[seed // 4 % 3]
 
 
 def case(name: str, seed: int) -> Experiment:
@@ -56,7 +64,8 @@ def case(name: str, seed: int) -> Experiment:
     values["F_s"] = values["F_c"] * float(draw.uniform(1.2, 1.6))
     law = find(name)({**values, **LAWS[name]})
     sensors = Sensors(position_resolution=5e-9, force_noise=0.01 * values["F_c"])
-    return experiment(law, motion(FULL, STEP / FINER), sensors, seed=seed, every=FINER)
+    number = 1000 * list(LAWS).index(name) + seed
+    return experiment(law, motion(tests(seed), STEP / FINER), sensors, seed=number, every=FINER)
 
 
 def covered(name: str, seed: int) -> dict[str, dict[str, Any]]:

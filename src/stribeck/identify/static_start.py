@@ -11,7 +11,7 @@ from scipy.optimize import lsq_linear
 from scipy.stats import qmc
 
 from stribeck.errors import InputError
-from stribeck.identify.dynamic import free_constants
+from stribeck.identify.dynamic_problem import free_constants
 from stribeck.identify.guess import Scales, ranges, scales
 from stribeck.identify.log import Log
 from stribeck.identify.problem import Coordinate, Tie

@@ -86,18 +86,19 @@ static double zero_of(const Arc *arc)
 }
 
 /* The friction force of each lane at each of n times; z holds each lane's deflection at the first and then at the last
-   time. level, where it is given, is added to the parameters, times each one's gain: a load, a pressure, a direction;
-   it holds from its sample to the next. */
+   time. shift, where it is given, is what each lane's parameters grow by at each time, times gain: friction that varies
+   with load, pressure or place; it holds from its sample to the next. */
 EXPORT int stribeck_respond(int64_t n, const double *t, const double *v, const double *bend, int64_t lanes,
-                            const double *parameters, const double *level, const double *gains, double tolerance,
+                            const double *parameters, const double *shift, const double *gain, double tolerance,
                             int64_t steps, double *present, double *z, double *force_out)
 {
     double h = INFINITY;
     const int64_t count = lanes * PARAMETERS;
     for (int64_t j = 0; j < count; j++) present[j] = parameters[j];
     for (int64_t i = 0; i < n; i++) {
-        if (level)
-            for (int64_t j = 0; j < count; j++) present[j] = parameters[j] + gains[j] * level[i];
+        if (shift)
+            for (int64_t j = 0; j < count; j++)
+                present[j] = parameters[j] + gain[j % PARAMETERS] * shift[j / PARAMETERS * n + i];
         for (int64_t j = 0; j < lanes; j++)
             force_out[j * n + i] = force(present + j * PARAMETERS, v[i], z[j]);
         if (i + 1 == n) break;

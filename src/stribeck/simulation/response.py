@@ -55,8 +55,8 @@ class Response:
         constants: Array,
         z: Array,
         tolerance: float,
-        level: Array | None = None,
-        gains: Array | None = None,
+        shift: Array | None = None,
+        shifted: Sequence[str] = (),
     ) -> Array | None:
         """The friction force in N, shape (lanes, samples); None where the integration failed.
 
@@ -66,17 +66,18 @@ class Response:
             constants: a row of the law's constants for each lane (:meth:`lanes`).
             z: deflection of each lane at the first sample, m.
             tolerance: largest error of the first lane's deflection in a step, m; all lanes take the same steps.
-            level: a quantity that shifts constants, at each sample.
-            gains: how much of it is added to each constant of each lane, in the shape of ``constants``.
+            shift: what some constants grow by at each sample, shape (lanes, samples).
+            shifted: the names of these constants.
         """
         inputs = [np.ascontiguousarray(x, float) for x in (t, v, constants)]
         bend = _bends(inputs[1])
-        extra = [None if x is None else np.ascontiguousarray(x, float) for x in (level, gains)]
+        gain = np.array([float(name in shifted) for name in self.names])
+        grown = None if shift is None else np.ascontiguousarray(shift, float)
         out, state, present = np.empty((len(constants), len(t))), np.array(z, float), np.empty_like(inputs[2])
         t_, v_, constants_, present_, state_, out_ = (_pointer(x) for x in (*inputs, present, state, out))
-        level_, gains_ = (None if x is None else _pointer(x) for x in extra)
         status = self._call(
-            len(t), t_, v_, _pointer(bend), len(constants), constants_, level_, gains_, tolerance, _STEPS_A_SAMPLE * len(t),
+            len(t), t_, v_, _pointer(bend), len(constants), constants_,
+            None if grown is None else _pointer(grown), _pointer(gain), tolerance, _STEPS_A_SAMPLE * len(t),
             present_, state_, out_,
         )  # fmt: skip
         return out if status == 0 and np.isfinite(out).all() else None
