@@ -26,11 +26,8 @@ _HOME = {
     **dict.fromkeys(
         ("BuildError", "InputError", "NotDifferentiable", "StribeckError", "StribeckNote"), "stribeck.errors"
     ),
-<<<<<<< HEAD
     **dict.fromkeys(("Advice", "advise"), "stribeck.analysis.advise"),
-=======
     "export": "stribeck.export",
->>>>>>> export
     "law": "stribeck.laws",
     "parameters": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",

@@ -117,7 +117,9 @@ def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float) -> d
     if "velocity" not in found:
         found["velocity"] = np.gradient(found["position"], step)
     if "position" not in found:
-        found["position"] = np.concatenate([[0.0], np.cumsum((found["velocity"][1:] + found["velocity"][:-1]) * step / 2)])
+        found["position"] = np.concatenate(
+            [[0.0], np.cumsum((found["velocity"][1:] + found["velocity"][:-1]) * step / 2)]
+        )
     if "acceleration" not in found:
         found["acceleration"] = np.gradient(found["velocity"], step)
     return found

@@ -102,7 +102,9 @@ def read(path: Path, columns: Columns) -> dict[str, Array]:
             problems.append(f"--{role}: {name!r}: {path} has no such column{guess}")
     used = set(columns.names.values())
     problems += [
-        f"--unit: {name!r}: no column of that name is used{nearest(name, used)}" for name in columns.units if name not in used
+        f"--unit: {name!r}: no column of that name is used{nearest(name, used)}"
+        for name in columns.units
+        if name not in used
     ]
     factors: dict[str, float] = {}
     for role, name in wanted.items():

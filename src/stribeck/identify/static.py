@@ -202,9 +202,7 @@ def _by_direction(
 # -- constant speeds -------------------------------------------------------------------------------------------------
 
 
-def _by_segments(
-    log: Log, begun: Start, u: Array, setting: Setting, segments: Sequence[slice], profiles: bool
-) -> Fit:
+def _by_segments(log: Log, begun: Start, u: Array, setting: Setting, segments: Sequence[slice], profiles: bool) -> Fit:
     """The curve from stretches of constant speed; what needs acceleration stays as all rows tell it."""
     whole = _judged(begun, begun.problem, u, log, profiles=False)
     held = {n: begun.problem.values(u)[n] for n in ("mass", "delay") if n in begun.problem.values(u)}

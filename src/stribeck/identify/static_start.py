@@ -150,7 +150,9 @@ def _linear(
     """The coefficients that fit best for given shapes, physical ones kept positive; and the cost."""
     columns = dict(draft.columns_at(values))
     rest = draft.force.copy()
-    for name in [n for n in columns if n == "" or (n not in TERMS and n not in wanted) or (n == "mass" and mass is not None)]:
+    for name in [
+        n for n in columns if n == "" or (n not in TERMS and n not in wanted) or (n == "mass" and mass is not None)
+    ]:
         rest -= (1.0 if name == "" else values[name]) * columns.pop(name)
     if "F_c" in columns and "F_s" in columns:  # the rise above F_c instead of F_s
         columns["F_c"] = columns["F_c"] + columns["F_s"]
@@ -200,7 +202,10 @@ def _start(
     for name in wanted:
         if name in unseen or name in tied:
             continue
-        if name in linear and linear[name] * (sizes.fast if "s" in law.constants()[name].unit else 1.0) < _NOTHING * force:
+        if (
+            name in linear
+            and linear[name] * (sizes.fast if "s" in law.constants()[name].unit else 1.0) < _NOTHING * force
+        ):
             at_bound[name], values[name] = _upper(draft, name, {**values, name: 0.0}), 0.0
             continue
         value = values[name]
@@ -226,7 +231,9 @@ def _term(name: str, value: float, draft: StaticProblem, force: float) -> Coordi
     if term.column is None:
         step = draft.log.step
         return Coordinate(name, term.unit, -50 * step, 50 * step, log=False, scale=step)
-    size = force / max(float(np.quantile(abs(term.column(draft.log)[:: max(len(draft.log) // 100_000, 1)]), 0.99)), 1e-300)
+    size = force / max(
+        float(np.quantile(abs(term.column(draft.log)[:: max(len(draft.log) // 100_000, 1)]), 0.99)), 1e-300
+    )
     return Coordinate(name, term.unit, -1e4 * size, 1e4 * size, log=False, scale=size)
 
 

@@ -101,15 +101,11 @@ STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c
 _SLOWEST = 1e-100
 
 
-<<<<<<< HEAD
 def _may_be_none(constant: Constant) -> bool:
     return constant.optional or bool(constant.choices)
 
 
-class Law:
-=======
 class Law(ToTools):
->>>>>>> export
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
     Args:

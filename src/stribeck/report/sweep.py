@@ -9,13 +9,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-import stribeck
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.errors import InputError
 from stribeck.report.files import write_json, write_with
@@ -128,7 +128,7 @@ class Sweep:
         self.parts = math.ceil(len(self.lanes) / self.part_size)
         self.manifest: dict[str, Any] = {
             "format": 1,
-            "stribeck": stribeck.__version__,
+            "stribeck": version("stribeck"),
             "scenario": scenario.name,
             "law": scenario.law.name,
             "varied": list(self.lanes.values),

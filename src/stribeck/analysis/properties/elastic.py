@@ -72,10 +72,10 @@ def _loss(
         spent = np.fmin(near, far)
         value = (b + c) - point(np.maximum(spent, 0.0))
     negative = ~((rho.low >= 0) & np.isfinite(spent))
-    return Interval(np.where(negative, -np.inf, value.low), np.where(np.isfinite(spent), value.high, np.inf))  # high: of a point
+    return Interval(
+        np.where(negative, -np.inf, value.low), np.where(np.isfinite(spent), value.high, np.inf)
+    )  # high: of a point
 
 
 def _least(a: Interval, b: Interval) -> Interval:
     return Interval(np.fmin(a.low, b.low), np.fmin(a.high, b.high))
-
-

@@ -194,7 +194,9 @@ def _tanh(x: Interval) -> Interval:
 
 def _log(x: Interval) -> Interval:
     low = np.maximum(x.low, 0.0)
-    found = _monotone("log", Interval(low, np.maximum(x.high, 0.0)), -np.inf, np.inf, {0.0: -np.inf, np.inf: np.inf, 1.0: 0.0})
+    found = _monotone(
+        "log", Interval(low, np.maximum(x.high, 0.0)), -np.inf, np.inf, {0.0: -np.inf, np.inf: np.inf, 1.0: 0.0}
+    )
     return Interval(np.where(x.low < 0, -np.inf, found.low), np.where(x.low < 0, np.inf, found.high))
 
 
@@ -269,7 +271,9 @@ def polynomials(outputs: Iterable[Expr]) -> dict[Expr, Polynomial]:
         args = [known[a] for a in node.args] if node.op in ("add", "sub", "mul", "neg", "div") else []
         found = _combined(node, args)
         exact = node.op == "constant" and isinstance(node.value, float) and multiple_of_pi(node.value) is None
-        known[node] = Fraction(node.value) if exact and np.isfinite(node.value) else found or (node, (Fraction(0), Fraction(1)))  # type: ignore[arg-type]
+        known[node] = (
+            Fraction(node.value) if exact and np.isfinite(node.value) else found or (node, (Fraction(0), Fraction(1)))
+        )  # type: ignore[arg-type]
     found = {n: p for n, p in known.items() if isinstance(p, tuple) and len(p[1]) > 2}
     # those within a larger one are not wanted for themselves, and powers are ranged as such
     inner = {a for n in found for a in n.args if a in found and found[a][0] is found[n][0]}
@@ -300,8 +304,10 @@ def _combined(node: Expr, args: list[Any]) -> Polynomial | None:
 
 
 def _fraction(x: Fraction) -> Interval:
-    return point(float(x.numerator)) / point(float(x.denominator)) if abs(x.numerator) < 2**53 > x.denominator else interval(
-        np.nextafter(float(x), -np.inf), np.nextafter(float(x), np.inf)
+    return (
+        point(float(x.numerator)) / point(float(x.denominator))
+        if abs(x.numerator) < 2**53 > x.denominator
+        else interval(np.nextafter(float(x), -np.inf), np.nextafter(float(x), np.inf))
     )
 
 
