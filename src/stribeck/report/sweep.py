@@ -21,7 +21,7 @@ from stribeck.errors import InputError
 from stribeck.report.files import write_json, write_with
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, c_source, simulate_ensemble
-from stribeck.simulation.variations import Variations
+from stribeck.simulation.variations import vary
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, float], None]
@@ -122,7 +122,7 @@ class Sweep:
     """
 
     def __init__(self, scenario: Scenario, values: Mapping[str, Array], folder: Path, summary: bool) -> None:
-        self.lanes, self.folder, self.summary = Variations(scenario, values), folder, summary
+        self.lanes, self.folder, self.summary = vary(scenario, values), folder, summary
         row = 8.0 * (1 + len(scenario.system.columns))
         self.part_size = max(1, min(len(self.lanes), int(_PART_BYTES / (row * scenario.rows))))
         self.parts = math.ceil(len(self.lanes) / self.part_size)
@@ -148,10 +148,9 @@ class Sweep:
         s, lanes = self.lanes.scenario, self.lanes
         signal = s.signal.segments if not s.signal.smooth else None
         pieces = [signal.start, signal.value, signal.slope] if signal else []
-        numbers = [list(s.values().values()), list(s.initial.values()), list(s.atol().values()), s.threshold, s.end]
-        text = json.dumps(
-            [c_source(s), numbers, s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values)]
-        )
+        numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.threshold, s.end]
+        settings = [s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values), s.data["drive"]]
+        text = json.dumps([c_source(s), numbers, settings])
         arrays = b"".join(np.ascontiguousarray(x).tobytes() for x in [*pieces, *lanes.values.values()])
         return sha256(text.encode() + arrays).hexdigest()
 

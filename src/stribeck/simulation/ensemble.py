@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +17,8 @@ from stribeck.scenario import Scenario, memory
 from stribeck.simulation import cache, compiler, lanes
 from stribeck.simulation.result import failure
 from stribeck.simulation.single import simulate
-from stribeck.simulation.variations import Variations
+from stribeck.simulation.solution import Solution
+from stribeck.simulation.variations import LaneByLane, Variations, vary
 
 Array = NDArray[np.float64]
 
@@ -36,13 +38,18 @@ class Ensemble:
     """
 
     def __init__(
-        self, variations: Variations, states: Array, reason: list[str | None], counts: Mapping[str, NDArray[np.int64]]
+        self,
+        variations: Variations | LaneByLane,
+        states: Array,
+        reason: list[str | None],
+        counts: Mapping[str, NDArray[np.int64]],
+        columns: dict[str, Array] | None = None,
     ) -> None:
         self.scenario, self.values = variations.scenario, variations.values
         self.reason = reason
         self.slips, self.sticks = counts["slips"], counts["sticks"]
         self.accepted, self.rejected = counts["accepted"], counts["rejected"]
-        self._variations, self._states = variations, states
+        self._variations, self._states, self._given = variations, states, columns
 
     def __len__(self) -> int:
         return len(self._states)
@@ -64,16 +71,13 @@ class Ensemble:
 
     @cached_property
     def _columns(self) -> dict[str, Array]:
-        system, shape = self.scenario.system, self._states.shape[:2]
-        states = {state.name: self._states[:, :, i] for i, state in enumerate(system.states)}
-        signals, which = self._variations.signals
-        signal = np.stack([each.at(self.t) for each in signals])[which]
-        groups = self._variations.groups(lambda x: x[:, np.newaxis])
-        with np.errstate(all="ignore"):
-            found = system.quantities(groups, signal, states)
+        if self._given is not None:
+            return self._given
+        assert isinstance(self._variations, Variations)
         reached = ~np.isnan(self._states[:, :, 0])
-        every = {c.name: np.broadcast_to(np.asarray(found[c.name], float), shape) for c in self.columns}
-        return {name: np.where(reached, x, np.nan) for name, x in every.items()}
+        return {
+            name: np.where(reached, x, np.nan) for name, x in self._variations.columns(self.t, self._states).items()
+        }
 
     def __getitem__(self, name: str) -> Array:
         if name not in self._columns:
@@ -108,7 +112,7 @@ def simulate_ensemble(
     Raises:
         InputError: a path is none that can be varied, its values are no numbers, or the rows do not fit into memory.
     """
-    variations = Variations(scenario, values)
+    variations = vary(scenario, values)
     scenario, count = variations.scenario, len(variations)
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads: {threads}: must be a whole number >= 1")
@@ -116,17 +120,16 @@ def simulate_ensemble(
     if needed > room:
         text = f"{count} lanes of {scenario.rows} rows would take {memory.size(needed)} of memory"
         raise InputError(f"{text}, and {memory.size(room)} are free: use fewer rows, or 'stribeck sweep'")
-    reason = variations.problems()
+    reason, columns = variations.problems(), None
     possible = np.flatnonzero([text is None for text in reason])
     states = np.full((count, scenario.rows, len(scenario.system.states)), np.nan)
     counts = {name: np.zeros(count, np.int64) for name in ("slips", "sticks", "accepted", "rejected")}
     if len(possible):
-        some = variations if len(possible) == count else variations.part(possible)
-        library = _library(scenario)
-        if library is None:
-            _one_by_one(some, possible, states, reason, counts, progress)
-        else:
-            found = lanes.solve(library, some, threads or lanes.threads_of_this_machine(), progress)
+        library = _library(scenario) if isinstance(variations, Variations) else None
+        threads = threads or lanes.threads_of_this_machine()
+        if library is not None and isinstance(variations, Variations):
+            some = variations if len(possible) == count else variations.part(possible)
+            found = lanes.solve(library, some, threads, progress)
             states[possible] = found.states
             for name, x in counts.items():
                 x[possible] = found.counts[name]
@@ -134,7 +137,9 @@ def simulate_ensemble(
                 reason[lane] = failure(int(status), float(t), scenario.solve.max_steps)
             if scenario.drive.sets_velocity:
                 _count_crossings(some, possible, found, counts)
-    return Ensemble(variations, states, reason, counts)
+        else:
+            columns = _one_by_one(variations, possible, threads, states, reason, counts, progress)
+    return Ensemble(variations, states, reason, counts, columns)
 
 
 def _library(scenario: Scenario) -> ctypes.CDLL | None:
@@ -151,22 +156,38 @@ def _library(scenario: Scenario) -> ctypes.CDLL | None:
 
 
 def _one_by_one(
-    variations: Variations,
+    variations: Variations | LaneByLane,
     places: NDArray[np.int64],
+    threads: int,
     states: Array,
     reason: list[str | None],
     counts: dict[str, NDArray[np.int64]],
     progress: Callable[[float], None] | None,
-) -> None:
-    """The lanes as single runs, where vectors cannot be compiled for."""
-    for i, lane in enumerate(places):
-        solution = simulate(variations.scenario.with_changes(variations.changes(i)))
-        states[lane, : len(solution.t)] = solution.states
-        reason[lane] = solution.reason
-        counts["slips"][lane], counts["sticks"][lane] = (len(solution.events[kind]) for kind in ("slip", "stick"))
-        counts["accepted"][lane], counts["rejected"][lane] = solution.stats["accepted"], solution.stats["rejected"]
-        if progress is not None:
-            progress((i + 1) / len(places))
+) -> dict[str, Array]:
+    """The lanes as single runs, where vectors do not serve; their columns."""
+    scenario = variations.scenario
+    columns = {c.name: np.full(states.shape[:2], np.nan) for c in scenario.system.columns}
+
+    def run(lane: int) -> Solution:
+        return simulate(scenario.with_changes(variations.changes(lane)))
+
+    with ThreadPoolExecutor(threads) as pool:
+        try:
+            for done, (lane, solution) in enumerate(zip(places, pool.map(run, map(int, places)), strict=True)):
+                states[lane, : len(solution.t)] = solution.states
+                for name, x in columns.items():
+                    x[lane, : len(solution.t)] = solution[name]
+                reason[lane] = solution.reason
+                counts["slips"][lane], counts["sticks"][lane] = (len(solution.events[k]) for k in ("slip", "stick"))
+                counts["accepted"][lane], counts["rejected"][lane] = (
+                    solution.stats[k] for k in ("accepted", "rejected")
+                )
+                if progress is not None:
+                    progress((done + 1) / len(places))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return columns
 
 
 def _count_crossings(

@@ -18,7 +18,7 @@ from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
 from stribeck.signals import Signal
 from stribeck.simulation.result import piecewise
-from stribeck.system import Groups
+from stribeck.system import Groups, System
 
 Array = NDArray[np.float64]
 Place = tuple[str, str]  # owner and name of a constant; the owner "initial" has the states at t = 0
@@ -35,8 +35,18 @@ class Pieces:
     end: NDArray[np.int64]
 
 
+def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | LaneByLane:
+    """A scenario with values for each lane.
+
+    Raises:
+        InputError: a path is none that can be varied, or its values are no arrays of numbers of equal length.
+    """
+    simple = isinstance(scenario.system, System) and len(scenario.signal.pieces if scenario.signal.smooth else ()) <= 1
+    return (Variations if simple else LaneByLane)(scenario, values)
+
+
 class Variations:
-    """A scenario and, by path, the values of some of its numbers: one for each lane.
+    """A scenario of a single body and, by path, the values of some of its numbers: one for each lane.
 
     Args:
         scenario: what all lanes share.
@@ -67,6 +77,17 @@ class Variations:
         """What makes the scenario that of one lane, for :meth:`Scenario.with_changes`."""
         return {path: float(x[lane]) for path, x in self.values.items()}
 
+    def columns(self, t: Array, states: Array) -> dict[str, Array]:
+        """The columns of the output, (lanes, times), from the states, (lanes, times, states)."""
+        system, shape = self.scenario.system, states.shape[:2]
+        assert isinstance(system, System)
+        named = {state.name: states[:, :, i] for i, state in enumerate(system.states)}
+        signals, which = self.signals
+        signal = np.stack([each.at(t) for each in signals])[which]
+        with np.errstate(all="ignore"):
+            found = system.quantities(self.groups(lambda x: x[:, np.newaxis]), signal, named)
+        return {c.name: np.broadcast_to(np.asarray(found[c.name], float), shape) for c in system.columns}
+
     # -- what the equations take, a row for each lane --------------------------------------------------------------
 
     def constant(self, owner: str, name: str) -> Any:
@@ -75,9 +96,9 @@ class Variations:
 
     def groups(self, shape: Callable[[Array], Array] = lambda x: x) -> Groups:
         """The constants by owner; those that vary are arrays over the lanes, which ``shape`` may reshape."""
-        values = {**self._fixed, **{place: shape(x) for place, x in self._varied.items()}}
-        owners = ("law", "plant", "drive", "signal")
-        return Groups(*(SimpleNamespace(**{n: x for (o, n), x in values.items() if o == owner}) for owner in owners))
+        fixed = self.scenario.groups()
+        varied = {owner: {n: shape(x) for (o, n), x in self._varied.items() if o == owner} for owner in vars(fixed)}
+        return Groups(**{owner: SimpleNamespace(**{**vars(p), **varied[owner]}) for owner, p in vars(fixed).items()})
 
     def parameters(self) -> Array:
         """The run-time constants of the compiled system."""
@@ -182,6 +203,40 @@ class Variations:
         return np.stack([np.broadcast_to(np.asarray(x, float), (len(self),)) for x in columns], axis=1)
 
 
+class LaneByLane:
+    """The same for scenarios that are more than a body under a drive: each lane is a scenario of its own.
+
+    Whatever is a number in the scenario can vary; lanes are validated one by one.
+    """
+
+    def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
+        self.scenario, self.values = scenario, _arrays(values)
+        self._problems: list[str | None] = []
+        for lane in range(len(self)):
+            try:
+                scenario.with_changes(self.changes(lane))
+                self._problems.append(None)
+            except InputError as error:
+                if unknown := [text for text in error.problems if "unknown key" in text]:
+                    raise InputError(unknown) from None
+                self._problems.append(error.problems[0])
+
+    def __len__(self) -> int:
+        return len(next(iter(self.values.values())))
+
+    def part(self, lanes: slice | NDArray[np.int64]) -> LaneByLane:
+        """Some of the lanes."""
+        return LaneByLane(self.scenario, {path: x[lanes] for path, x in self.values.items()})
+
+    def changes(self, lane: int) -> dict[str, float]:
+        """What makes the scenario that of one lane."""
+        return {path: float(x[lane]) for path, x in self.values.items()}
+
+    def problems(self) -> list[str | None]:
+        """What is wrong with each lane's values; None where nothing is."""
+        return list(self._problems)
+
+
 def _arrays(values: Mapping[str, ArrayLike]) -> dict[str, Array]:
     """The values as arrays of one length."""
     if not values:
@@ -211,7 +266,7 @@ def _places(scenario: Scenario) -> dict[str, Place]:
     """Every path that can be varied, and the constant it stands for."""
     s, table = scenario, scenario.data["law"].get("parameters")
     inside = {*PARAMETERS, *(table if isinstance(table, dict) else ())}
-    names = [*s.law.constants(), *(name for name in s.law.machine if name not in s.law.constants())]
+    names = [*s.law.values, *(name for name in s.law.machine if name not in s.law.values)]
     places: dict[str, Place] = {f"law.{'parameters.' if n in inside else ''}{n}": ("law", n) for n in names}
     if s.mass is not None:
         places["plant.mass"] = ("plant", "mass")
