@@ -102,6 +102,16 @@ def first_line(command: list[str]) -> str | None:
     return result.stdout.partition("\n")[0] or None
 
 
+def kept() -> dict[str, dict[str, float]]:
+    """The tolerances, by solver, that an earlier search found."""
+    return json.loads(KEPT.read_text()) if KEPT.is_file() else {}
+
+
+def keep(name: str, rtol: float, atol: float) -> None:
+    """Keep what a search found."""
+    write(KEPT, {**kept(), name: {"rtol": rtol, "atol": atol}})
+
+
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A plain table: the first column to the left, the others to the right but the last."""
     widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
@@ -119,8 +129,8 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def targets_table(targets: Sequence[dict[str, Any]]) -> str:
     """Which targets are met."""
-    said = {True: "met", False: "NOT met", None: "not measured"}
-    rows = [(t["target"], t["wanted"], t["measured"], said[t["met"]]) for t in targets]
+    said = {True: "met", False: "NOT met", None: ""}
+    rows = [(t["target"], t["wanted"], t["measured"] or "not measured", said[t["met"]]) for t in targets]
     return table(("target", "wanted", "measured", ""), rows)
 
 

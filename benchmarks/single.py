@@ -13,7 +13,6 @@ instants besides.
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import random
@@ -26,7 +25,7 @@ from typing import Any
 
 import figures
 import numpy as np
-from measure import KEPT, Seconds, machine, options, say, spread, table, targets_table, timed, write
+from measure import Seconds, keep, kept, machine, options, say, spread, table, targets_table, timed, write
 from peers import solve_ivp
 from problems import LIMIT_CYCLE
 from solvers import BASE, PEERS_ATOL, Array, Solver, Stribeck, available
@@ -90,17 +89,17 @@ def seconds(call: Callable[[], object], calls: int) -> Seconds:
     return Seconds(*(statistics.median(clock) for clock in zip(*times, strict=True)))
 
 
-def tolerances(solvers: list[Solver], y: Array, kept: dict[str, Any]) -> tuple[list[Choice], dict[str, str]]:
-    """Each solver with its tolerances, kept or found by its scan, and those without; ``kept`` is brought up to date."""
+def tolerances(solvers: list[Solver], y: Array, rescan: bool) -> tuple[list[Choice], dict[str, str]]:
+    """Each solver with its tolerances, kept or found by its scan, and those without."""
     choices: dict[str, Choice] = {}
-    failed = {}
+    failed, before = {}, {} if rescan else kept()
     for solver in solvers:
-        choice = like(solver, choices) or from_kept(solver, kept.get(solver.name), y)
+        choice = like(solver, choices) or from_kept(solver, before.get(solver.name), y)
         if choice is None:
             say(f"scan for the tolerances of {solver.name}")
             choice = scan(solver, y)
             if choice is not None and choice.quick >= QUICK:
-                kept[solver.name] = {"rtol": choice.rtol, "atol": choice.atol}
+                keep(solver.name, choice.rtol, choice.atol or 0.0)
         if choice is None:
             failed[solver.name] = f"no tolerance of the scan gives an error of {LIMIT:g} of the range"
         else:
@@ -118,17 +117,17 @@ def like(solver: Solver, choices: dict[str, Choice]) -> Choice | None:
     return choice
 
 
-def from_kept(solver: Solver, kept: dict[str, float] | None, y: Array) -> Choice | None:
+def from_kept(solver: Solver, found: dict[str, float] | None, y: Array) -> Choice | None:
     """The tolerances of an earlier scan, if they still give the error."""
-    if kept is None:
+    if found is None:
         return None
-    share = kept["atol"] / kept["rtol"]
+    share = found["atol"] / found["rtol"]
     per_decade, reach = COARSE
-    nearby = [kept["rtol"] * 10 ** (i / per_decade) for i in range(-reach, reach + 1)]
+    nearby = [found["rtol"] * 10 ** (i / per_decade) for i in range(-reach, reach + 1)]
     error = statistics.median(error_of(solver, rtol, share, y) for rtol in nearby)
     if not TRUSTED[0] <= error <= TRUSTED[1]:
         return None
-    choice = Choice(solver, kept["rtol"], kept["atol"], error, 0.0)
+    choice = Choice(solver, found["rtol"], found["atol"], error, 0.0)
     choice.quick = seconds(choice.run, 1).cpu
     return choice
 
@@ -216,7 +215,7 @@ def judge(choices: list[Choice]) -> list[dict[str, Any]]:
                 {
                     "target": f"{base}: {text}",
                     "wanted": f">= {wanted:g} x",
-                    "measured": "-" if ratio is None else f"{ratio:.3g} x",
+                    "measured": None if ratio is None else f"{ratio:.3g} x",
                     "met": None if ratio is None else ratio >= wanted,
                 }
             )
@@ -231,9 +230,7 @@ def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
         say("reference")
         y, about = reference()
         solvers, missing = available(LIMIT_CYCLE, Path(folder))
-        kept = {} if rescan or not KEPT.is_file() else json.loads(KEPT.read_text())
-        choices, failed = tolerances(solvers, y, kept)
-        write(KEPT, kept)
+        choices, failed = tolerances(solvers, y, rescan)
         missing |= failed
         if not choices or choices[0].solver.name != BASE:
             raise SystemExit(f"{BASE}: {missing[BASE]}")
