@@ -6,7 +6,6 @@ and empty for the new ones. The commands take turns. Memory is the peak of the p
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import subprocess
@@ -18,8 +17,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from limit_cycle import SCENARIO
-from measure import RESULTS, machine, spread, table, targets_table, write
+from measure import machine, options, spread, table, targets_table, write
+from problems import LIMIT_CYCLE
 
 MEMORY_LIMIT = 200.0  # MB
 KILO = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in bytes there
@@ -74,7 +73,7 @@ def stribeck() -> list[str]:
 def cases(folder: Path) -> list[Case]:
     """The commands, each with its target."""
     scenario, filled = folder / "limit_cycle.toml", folder / "filled"
-    scenario.write_text(SCENARIO)
+    scenario.write_text(LIMIT_CYCLE.toml)
 
     def fresh() -> Path:
         return Path(tempfile.mkdtemp(prefix="fresh-", dir=folder))
@@ -164,12 +163,9 @@ def report(results: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run the benchmark, print the table, write the results."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--repetitions", type=int, default=11)
-    parser.add_argument("--out", type=Path, default=RESULTS / "startup.json")
-    options = parser.parse_args()
-    results = benchmark(options.repetitions)
-    write(options.out, results)
+    given = options(__doc__, "startup", repetitions=11, quick=1)
+    results = benchmark(given.repetitions)
+    write(given.out, results)
     print(report(results))
 
 
