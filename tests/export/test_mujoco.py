@@ -9,7 +9,7 @@ import pytest
 
 import stribeck
 from stribeck.export import export
-from stribeck.laws import builtin
+from stribeck.laws import builtin, find
 from tests.laws.test_claims import CANUDAS, make
 
 mujoco = pytest.importorskip("mujoco")
@@ -229,6 +229,21 @@ def test_laws_with_more_constants_than_an_actuator_carries_are_refused(tmp_path)
     with pytest.raises(stribeck.InputError, match="at most 10"):
         export(law, "mujoco", tmp_path / "out")
     assert not (tmp_path / "out").exists()
+
+
+def test_awkward_names_of_a_users_law(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from stribeck.constants import Constant\nfrom stribeck.laws import BristleLaw\nfrom stribeck.laws.terms import g\n"
+        "class Odd(BristleLaw):\n    \"\"\"Says '''hello''' \\\\ and -->.\"\"\"\n"
+        '    rate = Constant("1", "is taken", above=0)\n    abs = Constant("1", "is a function", above=0)\n'
+        "    @staticmethod\n    def dz_dt(p, v, z):\n        return p.rate * v - p.abs * abs(v) / g(p, v) * z\n",
+        encoding="utf-8",
+    )
+    law = find("mine.py:Odd", tmp_path)({**CANUDAS, "rate": 2.0, "abs": 3.0})
+    model, data, scope = load(law, tmp_path / "out")
+    data.qvel[0], data.act[0] = 2e-4, 1e-5
+    mujoco.mj_forward(model, data)
+    assert scope["force"](model, data) == pytest.approx(float(law.force(2e-4, 1e-5)), rel=1e-13)
 
 
 def test_document_quotes_the_benchmark():

@@ -22,6 +22,7 @@ _STEP = 1e-3  # s, unless the request says otherwise
 _SLOTS = 10  # numbers that an actuator of MuJoCo can carry (mjNBIAS)
 _DIALECT = replace(PYTHON, functions={"atan": "arctan"})
 _FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "arctan", "tanh", "sign", "where", "both", "either", "abs", "pow")
+_LOCALS = ("p", "v", "z", "np", "mujoco", "equations")
 
 
 def files(request: Request) -> dict[str, str]:
@@ -129,9 +130,11 @@ def _equations(law: Law) -> str:
     force = wrap(law.friction(p, v, z, rate))
     outputs = {"rate": rate, "force": force}
     outputs |= {f"{name}_{x}": derivative(of, by) for name, of in outputs.items() for x, by in (("v", v), ("z", z))}
-    names = {name: name for name, value in vars(p).items() if isinstance(value, Expr)}
-    lines = Writer(_DIALECT, {**names, "v": "v", "z": "z"}, taken=(*_FUNCTIONS, "p", "np")).write(list(outputs.items()))
-    return "\n".join(f"    {line}" for line in [f"{', '.join(names)}, = p", *lines, f"return {', '.join(outputs)}"])
+    taken = {*_FUNCTIONS, *_LOCALS, *outputs}
+    names = {n: f"{n}_" if n in taken else n for n, value in vars(p).items() if isinstance(value, Expr)}
+    lines = Writer(_DIALECT, {**names, "v": "v", "z": "z"}, taken=taken).write(list(outputs.items()))
+    rows = [f"{', '.join(names.values())}, = p", *lines, f"return {', '.join(outputs)}"]
+    return "\n".join(f"    {row}" for row in rows)
 
 
 def _callback(request: Request) -> str:
