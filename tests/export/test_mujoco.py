@@ -214,6 +214,22 @@ def test_wrong_integrators_and_models_are_refused(tmp_path):
         load(MAJORANT, tmp_path, change=lambda text: text.replace('name="lugre_majorant"', 'name="other"'))
 
 
+def test_the_body_is_the_scenarios(tmp_path):
+    scenario = stribeck.Scenario(
+        law={"name": "lugre", "parameters": "canudas1995"},
+        plant={"mass": 2.5},
+        drive={"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}},
+        solve={"t_end": 1.0},
+        output={"step": 0.1},
+    )
+    export(LUGRE, "mujoco", tmp_path, part="body", scenario=scenario)
+    for name in ("lugre", "lugre_dcmotor"):
+        assert mujoco.MjModel.from_xml_path(str(tmp_path / f"{name}.xml")).body("body").mass[0] == 2.5
+    with pytest.raises(stribeck.InputError, match="--scenario"):
+        export(LUGRE, "mujoco", tmp_path / "none", part="body")
+    assert not (tmp_path / "none").exists()
+
+
 def test_steps_that_mujocos_own_lugre_does_not_bear_are_said(tmp_path):
     with pytest.warns(stribeck.StribeckNote, match=r"a step of 0\.004 s above sqrt\(mass/sigma_0\) = 0\.00316 s"):
         export(LUGRE, "mujoco", tmp_path, step=4e-3)

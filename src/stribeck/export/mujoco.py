@@ -96,6 +96,8 @@ def _step(request: Request) -> float:
 
 
 def _mass(request: Request) -> float:
+    if request.part == "body":
+        return request.mass
     return float(getattr(request.scenario, "mass", None) or 1.0)
 
 
