@@ -267,4 +267,5 @@ def test_document_quotes_the_benchmark():
     for row in json.loads(RESULTS.read_text())["rows"]:
         errors = (1e3 * row["stick_slip_max_error"], row["break_away_error"], 1e6 * row["drift_error"])
         cells = " | ".join(f"{x:.0f}" if abs(x) >= 1000 else f"{x:.3g}" for x in errors)
+        cells += f" | {row['microseconds_a_step']:.2g}"
         assert f"| {row['way']}, {row['integrator']} | {row['step'] * 1e3:g} | {cells} |" in text
