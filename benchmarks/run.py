@@ -9,7 +9,7 @@ from pathlib import Path
 
 from measure import RESULTS, machine
 
-BENCHMARKS = ("single", "startup", "in_mujoco")
+BENCHMARKS = ("single", "startup", "in_mujoco", "discretisation", "instructions")
 
 
 def main() -> None:
