@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import argparse
+import ctypes
 import json
 import math
+import re
+import subprocess
+import tempfile
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 from importlib import metadata
 from pathlib import Path
 from time import process_time
@@ -16,11 +21,18 @@ import numpy as np
 from measure import RESULTS, machine
 
 import stribeck
+from stribeck.export import export
 from stribeck.export.mujoco import files
 from stribeck.export.request import Request
 
 STEPS = (1e-4, 1e-3, 4e-3)
-WAYS = (("dcmotor", "Euler"), ("dcmotor", "implicitfast"), ("dcmotor", "RK4"), ("callback", "implicitfast"))
+WAYS = (
+    ("dcmotor", "Euler"),
+    ("dcmotor", "implicitfast"),
+    ("dcmotor", "RK4"),
+    ("callback", "implicitfast"),
+    ("C callback", "implicitfast"),
+)
 LAW = {"name": "lugre", "parameters": "canudas1995"}
 DITHER = {"kind": "sine", "offset": 0.4, "amplitude": 0.25, "frequency": 5.0}
 
@@ -37,7 +49,24 @@ def load(way: str, integrator: str, step: float) -> tuple[Any, Any]:
         scope: dict[str, Any] = {}
         exec(compile(content["lugre_mujoco.py"], "lugre_mujoco.py", "exec"), scope)
         scope["install"](model)
+    elif way == "C callback":
+        in_c().install()
     return model, mujoco.MjData(model)
+
+
+@lru_cache(maxsize=1)
+def in_c() -> ctypes.CDLL:
+    """The callback of docs/tools.md with the exported C, compiled."""
+    document = Path(__file__).parent.parent / "docs" / "tools.md"
+    (code,) = re.findall(r"```c\n(.*?)```", document.read_text(encoding="utf-8"), re.S)
+    folder, home = Path(tempfile.mkdtemp()), Path(mujoco.__file__).parent
+    export(stribeck.law("lugre", "canudas1995"), "c", folder)
+    (folder / "callback.c").write_text(code.replace("lugre_majorant", "lugre"))
+    (library,) = home.glob("libmujoco.so.*")
+    flags = ["-O2", "-shared", "-fPIC", f"-I{home / 'include'}", f"-Wl,-rpath,{home}", "-o", "callback.so"]
+    command = ["cc", *flags, "callback.c", "lugre.c", str(library), "-lm"]
+    subprocess.run(command, check=True, cwd=folder)
+    return ctypes.CDLL(str(folder / "callback.so"))
 
 
 def run(model: Any, data: Any, push: Callable[[float, float], float], t_end: float) -> tuple[Any, ...]:
@@ -112,7 +141,7 @@ def main() -> None:
     for row in measure():
         rows.append(row)
         print(
-            f"{row['way']:9} {row['integrator']:13} {row['step'] * 1e3:4g} ms  {row['stick_slip_max_error']:22.3g} m  "
+            f"{row['way']:10} {row['integrator']:13} {row['step'] * 1e3:4g} ms  {row['stick_slip_max_error']:22.3g} m  "
             f"{row['break_away_error']:16.3g} N  {row['drift_error'] * 1e3:17.3g} mm  {row['microseconds_a_step']:9.3g}",
             flush=True,
         )

@@ -17,6 +17,8 @@ BENCHMARKS = {  # and their files
     "scaling": "scaling.py",
     "mujoco": "mujoco_lugre.py",
     "in_mujoco": "in_mujoco.py",
+    "discretisation": "discretisation.py",
+    "instructions": "instructions.py",
     "startup": "startup.py",
 }
 

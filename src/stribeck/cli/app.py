@@ -207,12 +207,13 @@ def export(
         typer.Option("--step", metavar="S", help="The time step that the tool will take: what is lost is said."),
     ] = None,
     self_test: Annotated[bool, typer.Option("--self-test", help="With a program that checks the C.")] = False,
+    fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
     json: Json = False,
 ) -> int:
     """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
     from stribeck.cli import export as command
 
-    return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, json)
+    return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json)
 
 
 @app.command()

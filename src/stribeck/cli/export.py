@@ -22,6 +22,7 @@ def export(
     scenario: Path | None,
     step: float | None,
     self_test: bool,
+    fmi: int,
     json: bool,
 ) -> int:
     """Write the files, and say which."""
@@ -30,7 +31,9 @@ def export(
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
-    files = exports.export(chosen, target, out, part=part, scenario=rig, step=step, self_test=self_test, origin=origin)
+    files = exports.export(
+        chosen, target, out, part=part, scenario=rig, step=step, self_test=self_test, origin=origin, fmi=fmi
+    )
     if json:
         print_json({
             "law": chosen.name, "target": target, "part": part, "parameters": chosen.values,

@@ -60,6 +60,7 @@ def export(
     step: float | None = None,
     self_test: bool = False,
     origin: str = "",
+    fmi: int = 3,
 ) -> list[Path]:
     """Write a law, or what is made of it, for another tool.
 
@@ -74,6 +75,7 @@ def export(
         scenario: where the body's mass and what else is not the law's is taken from.
         step: the time step in s that the tool will take.
         self_test: also write a program that checks the rest (target ``c``).
+        fmi: 2 or 3, the version of FMI (target ``fmu``).
         origin: where the parameters are from, for the header; built-in sets are recognised.
 
     Returns:
@@ -83,12 +85,12 @@ def export(
         InputError: no such target or part, or one that this law or target cannot have; nothing is written.
     """
     out = Path(out)
-    problems = _problems(target, part, self_test, step)
+    problems = _problems(target, part, self_test, step, fmi)
     if problems:
         raise InputError(problems)
     chosen = TARGETS[target]
     module = importlib.import_module(f"stribeck.export.{chosen.module}")
-    request = Request(law, part, scenario, step, self_test, origin)
+    request = Request(law, part, scenario, step, self_test, origin, fmi)
     content: dict[str, str | bytes] = module.files(request)
     _check_place(out, chosen.folder)
     for text in module.notes(request) if hasattr(module, "notes") else ():
@@ -124,7 +126,7 @@ def _encode(data: str | bytes) -> bytes:
     return data.encode("utf-8") if isinstance(data, str) else data
 
 
-def _problems(target: str, part: str, self_test: bool, step: float | None) -> list[str]:
+def _problems(target: str, part: str, self_test: bool, step: float | None, fmi: int) -> list[str]:
     if target not in TARGETS:
         guess = nearest(target, TARGETS) or f" (known: {', '.join(TARGETS)})"
         return [f"--target: {target!r}: no such target{guess}"]
@@ -140,6 +142,8 @@ def _problems(target: str, part: str, self_test: bool, step: float | None) -> li
         )
     if step is not None and not 0 < step < float("inf"):
         found.append(f"--step: {step}: must be a finite number > 0")
+    if fmi not in (2, 3):
+        found.append(f"--fmi: {fmi}: must be 2 or 3")
     return found
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from importlib.resources import files
@@ -177,10 +177,15 @@ class Equations:
 
 def condition(holds: Callable[[Any], Any], law: Law) -> str:
     """A relation between the constants as a condition in C."""
-    node = wrap(holds(law.symbolic(symbol, law.structure)))
     writer = CWriter(DIALECT, {name: f"p->{name}" for name in law.constants()}, taken=_TAKEN)
-    line = writer.write([("x", node)])[-1]
-    return line.removeprefix("x = ").removesuffix(";")
+    line = writer.write([("result", wrap(holds(law.symbolic(symbol, law.structure))))])[-1]
+    return line.removeprefix("result = ").removesuffix(";")
+
+
+def expression(node: Expr, names: Iterable[str]) -> str:
+    """An expression of these symbols in C, on one line."""
+    line = CWriter(DIALECT, {name: name for name in names}, taken=_TAKEN).write([("result", node)])[-1]
+    return line.removeprefix("result = ").removesuffix(";")
 
 
 def render(template: str, **values: Any) -> str:

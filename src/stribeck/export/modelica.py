@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import re
 from collections.abc import Mapping
 
 import stribeck
@@ -64,7 +65,7 @@ def notes(request: Request) -> list[str]:
 
 
 def _class(law: Law) -> str:
-    return type(law).__name__
+    return re.sub(r"\W", "_", type(law).__name__, flags=re.ASCII)
 
 
 def _package(request: Request, name: str) -> str:
@@ -137,7 +138,7 @@ def _nominal(law: Law) -> tuple[float, float]:
 
 
 def _name(constant: str) -> str:
-    return f"{constant}_" if constant in _KEYWORDS else constant
+    return f"{constant}_" if constant in _KEYWORDS else re.sub(r"\W", "_", constant, flags=re.ASCII)
 
 
 def _line(law: Law) -> str:

@@ -22,6 +22,7 @@ _STEP = 1e-3  # s, unless the request says otherwise
 _SLOTS = 10  # numbers that an actuator of MuJoCo can carry (mjNBIAS)
 _DIALECT = replace(PYTHON, functions={"atan": "arctan"})
 _FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "arctan", "tanh", "sign", "where", "both", "either", "abs", "pow")
+_LOCALS = ("p", "v", "z", "np", "mujoco", "equations")
 
 
 def files(request: Request) -> dict[str, str]:
@@ -44,8 +45,8 @@ def notes(request: Request) -> list[str]:
     if maps_to_dcmotor(law) and _step(request) > (period := (_mass(request) / law.p.sigma_0) ** 0.5):
         found.append(
             f"{request.name}_dcmotor.xml: at a step of {_step(request):g} s above sqrt(mass/sigma_0) = {period:.3g} s "
-            "MuJoCo's own LuGre keeps its numbers under RK4 only: it takes the force from the deflection before the step; "
-            f"{request.name}.xml with its callback may take such steps"
+            "MuJoCo's own LuGre creeps and breaks away early, and grows without bound under RK4: it takes the force from "
+            f"the deflection before the step; {request.name}.xml with its callback stays stable"
         )
     return found
 
@@ -68,8 +69,9 @@ def _native_model(request: Request) -> str:
     )
     how = (
         f"MuJoCo's own LuGre, no callback needed: {lost}\n"
-        "  Lost: the force comes from the deflection before the step, so that integrators other than RK4 need steps far\n"
-        "  below sqrt(mass/sigma_0); sigma_2 v is no part of data.actuator_force."
+        "  Lost: the force comes from the deflection before the step, so that steps must stay below\n"
+        "  sqrt(mass/sigma_0), far below under Euler and the implicit integrators; sigma_2 v is no part of\n"
+        "  data.actuator_force."
     )
     return _model(request, actuator, how, "RK4")
 
@@ -94,6 +96,8 @@ def _step(request: Request) -> float:
 
 
 def _mass(request: Request) -> float:
+    if request.part == "body":
+        return request.mass
     return float(getattr(request.scenario, "mass", None) or 1.0)
 
 
@@ -128,9 +132,11 @@ def _equations(law: Law) -> str:
     force = wrap(law.friction(p, v, z, rate))
     outputs = {"rate": rate, "force": force}
     outputs |= {f"{name}_{x}": derivative(of, by) for name, of in outputs.items() for x, by in (("v", v), ("z", z))}
-    names = {name: name for name, value in vars(p).items() if isinstance(value, Expr)}
-    lines = Writer(_DIALECT, {**names, "v": "v", "z": "z"}, taken=(*_FUNCTIONS, "p", "np")).write(list(outputs.items()))
-    return "\n".join(f"    {line}" for line in [f"{', '.join(names)}, = p", *lines, f"return {', '.join(outputs)}"])
+    taken = {*_FUNCTIONS, *_LOCALS, *outputs}
+    names = {n: f"{n}_" if n in taken else n for n, value in vars(p).items() if isinstance(value, Expr)}
+    lines = Writer(_DIALECT, {**names, "v": "v", "z": "z"}, taken=taken).write(list(outputs.items()))
+    rows = [f"{', '.join(names.values())}, = p", *lines, f"return {', '.join(outputs)}"]
+    return "\n".join(f"    {row}" for row in rows)
 
 
 def _callback(request: Request) -> str:
@@ -149,8 +155,8 @@ A callback for MuJoCo, without a plugin (tested with MuJoCo 4.0):
     data = mujoco.MjData(model)
     {name}_mujoco.install(model)    # after loading: MuJoCo compiles no model while a Python callback is set
 
-Every actuator whose name begins with "{name}" then has this friction, with the constants in its biasprm; its activation
-in data.act is z. The bristle moves by its exact step at held velocity (the exponential Rosenbrock step where dz/dt is
+Every actuator called "{name}" or "{name}:..." then has this friction, with the constants in its biasprm; z is its
+activation, in data.act. The bristle moves by its exact step at held velocity (the exponential Rosenbrock step where dz/dt is
 not linear in z). The force is that at the end of the step, linear in the change of velocity; the linear part is given
 to MuJoCo as the actuator's damping, which its integrators Euler, implicit and implicitfast take implicitly: the stiff
 contact stays stable where an explicit step would not. The damping is written into the model, so that threads must not
@@ -178,19 +184,20 @@ def force(model, data, actuator="{name}"):
 
 
 def install(model):
-    """Compute this friction in the actuators of the model, from now on; other such callbacks are replaced."""
+    """Compute this friction in the actuators of the model from now on; callbacks set before keep the other actuators."""
     if model.opt.integrator not in _INTEGRATORS:
         raise ValueError("the integrator must be Euler, implicit or implicitfast")
     names = [mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_ACTUATOR, i) for i in range(len(model.actuator_biastype))]
-    mine = {{i for i, name in enumerate(names) if (name or "").startswith("{name}")}}
+    mine = {{i for i, name in enumerate(names) if name == "{name}" or (name or "").startswith("{name}:")}}
     if not mine:
-        raise ValueError("the model has no actuator whose name begins with '{name}'")
-    mujoco.set_mjcb_act_dyn(lambda m, d, i: _act_dot(m, d, i) if i in mine else 0.0)
-    mujoco.set_mjcb_act_bias(lambda m, d, i: _bias(m, d, i) if i in mine else 0.0)
+        raise ValueError("the model has no actuator called '{name}' or '{name}:...'")
+    other_dyn, other_bias = mujoco.get_mjcb_act_dyn(), mujoco.get_mjcb_act_bias()
+    mujoco.set_mjcb_act_dyn(lambda m, d, i: _act_dot(m, d, i) if i in mine else other_dyn(m, d, i) if other_dyn else 0.0)
+    mujoco.set_mjcb_act_bias(lambda m, d, i: _bias(m, d, i) if i in mine else other_bias(m, d, i) if other_bias else 0.0)
 
 
 def remove():
-    """Take the callbacks away, as is needed before another model is loaded."""
+    """Take all callbacks away, as is needed before another model is loaded."""
     mujoco.set_mjcb_act_dyn(None)
     mujoco.set_mjcb_act_bias(None)
 

@@ -24,6 +24,7 @@ class Request:
     step: float | None = None
     self_test: bool = False
     origin: str = ""
+    fmi: int = 3
 
     @property
     def name(self) -> str:

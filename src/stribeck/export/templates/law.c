@@ -97,7 +97,9 @@ static real settle(const parameters *p, real v, real z, real dt)
  * dz/dt falls with z, so there is one root. */
 static real implicit(const parameters *p, real v, real pull, real z, real far, real dt)
 {
-    real near = z, x = near + (far - near) / 2;
+    real near = z, x = far, first;
+    const real rate = rate_and_slope(p, v, z, &first) + pull, guess = z + dt * rate / (1 - dt * first);
+    if ((guess - near) * (guess - far) < 0) x = guess;
     for (int i = 0; i < 60; ++i) {
         real slope;
         const real excess = x - z - dt * (rate_and_slope(p, v, x, &slope) + pull);
@@ -311,7 +313,8 @@ static Balance balance(const parameters *p, const {{ P }}_body *s, real mass, re
     r.force = l.force;
     r.excess = inertia * (w - s->v) + l.force - u;
     r.slope = inertia + l.force_v + l.force_z * dt * l.rate_v / (1 - dt * l.rate_z);
-    r.terms = inertia * (FN(fabs)(w) + FN(fabs)(s->v)) + FN(fabs)(l.force) + FN(fabs)(u);
+    r.terms = inertia * (FN(fabs)(w) + FN(fabs)(s->v)) + FN(fabs)(l.force) + FN(fabs)(u)
+        + FN(fabs)(l.force_v * w) + FN(fabs)(l.force_z * r.z);
     return r;
 }
 

@@ -1,0 +1,75 @@
+"""Shared libraries from the sources of an FMU: for this platform, and for others where ziglang is installed."""
+
+from __future__ import annotations
+
+import importlib.util
+import platform
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from stribeck.errors import BuildError, note
+from stribeck.simulation import compiler
+
+_FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden")
+_TIME_LIMIT = 300  # s; the first cross-compilation builds the platform's own libraries
+
+# platform in FMI 3.0, in FMI 2.0, target of zig
+_PLATFORMS = {
+    "x86_64-linux": ("linux64", "x86_64-linux-gnu.2.17"),
+    "x86_64-windows": ("win64", "x86_64-windows-gnu"),
+    "x86_64-darwin": ("darwin64", "x86_64-macos"),
+    "aarch64-linux": ("aarch64-linux", "aarch64-linux-gnu.2.17"),
+    "aarch64-darwin": ("aarch64-darwin", "aarch64-macos"),
+}
+_ACROSS = ("x86_64-windows", "x86_64-darwin", "aarch64-darwin")
+
+
+def here() -> str:
+    """This platform's name in FMI 3.0."""
+    machine = {"AMD64": "x86_64", "arm64": "aarch64"}.get(platform.machine(), platform.machine())
+    return f"{machine}-{platform.system().lower()}"
+
+
+def binaries(sources: dict[str, str], fmi: int) -> dict[str, bytes]:
+    """The libraries by the folder that FMI wants them in.
+
+    Raises:
+        BuildError: a compiler is there and does not compile the sources.
+    """
+    found: dict[str, bytes] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in sources.items():
+            (Path(folder) / name).write_text(text, encoding="utf-8")
+        native, across = compiler.find(), importlib.util.find_spec("ziglang") is not None
+        if native is not None:
+            found[here()] = _compiled([*native.command, "-fPIC"], Path(folder))
+        if across:
+            for name in _ACROSS:
+                if name not in found:
+                    zig = [sys.executable, "-m", "ziglang", "cc", "-target", _PLATFORMS[name][1]]
+                    found[name] = _compiled(zig, Path(folder))
+    if not found:
+        note("no C compiler found: the FMU holds its sources only (pip install 'stribeck[export]')")
+    elif not across:
+        note(f"the FMU has a binary for {', '.join(found)} only (others: pip install 'stribeck[export]')")
+    return {name if fmi == 3 else _PLATFORMS.get(name, (name,))[0]: data for name, data in found.items()}
+
+
+def _compiled(command: list[str], folder: Path) -> bytes:
+    library = folder / "library"
+    libm = [] if "windows" in " ".join(command) else ["-lm"]
+    words = [*command, *_FLAGS, "-o", str(library), str(folder / "fmu.c"), *libm]
+    try:
+        done = subprocess.run(
+            words, capture_output=True, text=True, timeout=_TIME_LIMIT, check=False, stdin=subprocess.DEVNULL
+        )
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise BuildError(f"{command[0]}: {error}") from None
+    if done.returncode or not library.is_file():
+        complaint = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr[:200])
+        raise BuildError(f"{' '.join(command)} failed: {complaint.strip()}")
+    data = library.read_bytes()
+    library.unlink()
+    return data

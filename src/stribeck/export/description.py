@@ -1,0 +1,164 @@
+"""The XML files of an FMU."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from typing import Any
+from xml.etree import ElementTree as ET
+
+import stribeck
+
+_BASE = {
+    "N": {"kg": 1, "m": 1, "s": -2},
+    "J": {"kg": 1, "m": 2, "s": -2},
+    "m": {"m": 1},
+    "s": {"s": 1},
+    "kg": {"kg": 1},
+    "rad": {"rad": 1},
+}
+
+
+def model_description(values: dict[str, Any]) -> str:
+    """modelDescription.xml."""
+    fmi, model, variables = values["fmi"], values["model"], values["variables"]
+    token = "instantiationToken" if fmi == 3 else "guid"
+    root = ET.Element("fmiModelDescription", {
+        "fmiVersion": f"{fmi}.0", "modelName": model, token: values["token"],
+        "description": values["about"][0], "version": stribeck.__version__, "license": "Apache-2.0",
+        "generationTool": f"stribeck {stribeck.__version__}", "variableNamingConvention": "structured",
+        **({"numberOfEventIndicators": "0"} if fmi == 2 else {}),
+    })  # fmt: skip
+    state = "FMUState" if fmi == 3 else "FMUstate"
+    directional = "providesDirectionalDerivatives" if fmi == 3 else "providesDirectionalDerivative"
+    common = {
+        "modelIdentifier": model,
+        f"canGetAndSet{state}": "true",
+        f"canSerialize{state}": "true",
+        directional: "true",
+    }
+    if fmi == 3:
+        common["providesAdjointDerivatives"] = "true"
+    for kind, more in (("ModelExchange", {}), ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"})):
+        element = ET.SubElement(root, kind, common | more)
+        if fmi == 2:
+            ET.SubElement(ET.SubElement(element, "SourceFiles"), "File", {"name": "fmu.c"})
+    _units(root, {v.unit for v in variables})
+    categories = ET.SubElement(root, "LogCategories")
+    ET.SubElement(categories, "Category", {"name": "logStatusError", "description": "errors"})
+    ET.SubElement(root, "DefaultExperiment", {"startTime": "0", "stopTime": "1", "tolerance": "1e-6"})
+    element = ET.SubElement(root, "ModelVariables")
+    for variable in variables:
+        (_variable_3 if fmi == 3 else _variable_2)(element, variable, values)
+    (_structure_3 if fmi == 3 else _structure_2)(ET.SubElement(root, "ModelStructure"), values)
+    return _text(root)
+
+
+def build_description(model: str) -> str:
+    """buildDescription.xml of FMI 3.0."""
+    root = ET.Element("fmiBuildDescription", {"fmiVersion": "3.0"})
+    configuration = ET.SubElement(root, "BuildConfiguration", {"modelIdentifier": model})
+    files = ET.SubElement(configuration, "SourceFileSet", {"language": "C99"})
+    ET.SubElement(files, "SourceFile", {"name": "fmu.c"})
+    ET.SubElement(configuration, "Library", {"name": "m"})
+    return _text(root)
+
+
+def _text(root: ET.Element) -> str:
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _units(root: ET.Element, units: set[str]) -> None:
+    element = ET.SubElement(root, "UnitDefinitions")
+    for unit in sorted(units - {""}):
+        powers = dimensions(unit)
+        each = ET.SubElement(element, "Unit", {"name": unit})
+        if powers is not None:
+            ET.SubElement(each, "BaseUnit", {name: str(power) for name, power in powers.items() if power})
+
+
+def dimensions(unit: str) -> dict[str, int] | None:
+    """A unit such as 'N s/m' or 'm/s^2' as powers of the SI's; None where a word is not known."""
+    powers: Counter[str] = Counter()
+    for i, part in enumerate(unit.split("/")):
+        for word in part.replace("(", " ").replace(")", " ").split():
+            found = re.fullmatch(r"([A-Za-z]+)(?:\^(\d+))?", word)
+            if word == "1":
+                continue
+            if not found or found[1] not in _BASE:
+                return None
+            for name, power in _BASE[found[1]].items():
+                powers[name] += (1 if i == 0 else -1) * power * int(found[2] or 1)
+    return dict(powers)
+
+
+def _initial(variable: Any) -> str | None:
+    if variable.causality in ("input", "independent"):
+        return None
+    return "exact" if variable.start is not None else "calculated"
+
+
+def _real(variable: Any, values: dict[str, Any]) -> dict[str, str]:
+    found = {"unit": variable.unit} if variable.unit else {}
+    if variable.nominal is not None:
+        found["nominal"] = repr(variable.nominal)
+    if variable.minimum is not None:
+        found["min"] = repr(float(variable.minimum))
+    if variable.start is not None:
+        found["start"] = repr(float(variable.start))
+    return found
+
+
+def _about(variable: Any) -> dict[str, str]:
+    found = {"name": variable.name, "valueReference": str(variable.reference), "description": variable.meaning}
+    found |= {"causality": variable.causality, "variability": variable.variability}
+    if initial := _initial(variable):
+        found["initial"] = initial
+    return found
+
+
+def _variable_3(root: ET.Element, variable: Any, values: dict[str, Any]) -> None:
+    attributes = _about(variable) | _real(variable, values)
+    if variable.derivative_of is not None:
+        attributes["derivative"] = str(variable.derivative_of)
+    ET.SubElement(root, "Float64", attributes)
+
+
+def _variable_2(root: ET.Element, variable: Any, values: dict[str, Any]) -> None:
+    real = _real(variable, values)
+    if variable.derivative_of is not None:
+        real["derivative"] = str(variable.derivative_of + 1)
+    ET.SubElement(ET.SubElement(root, "ScalarVariable", _about(variable)), "Real", real)
+
+
+def _rows(values: dict[str, Any]) -> tuple[list[Any], list[Any], list[Any]]:
+    """Outputs, derivatives of states, and what is unknown at the start."""
+    outputs = [v for v in values["variables"] if v.causality == "output"]
+    derivatives = values["derivatives"]
+    return outputs, derivatives, [v for v in (*outputs, *derivatives) if v.start is None]
+
+
+def _structure_3(root: ET.Element, values: dict[str, Any]) -> None:
+    outputs, derivatives, unknowns = _rows(values)
+    for tag, rows in (("Output", outputs), ("ContinuousStateDerivative", derivatives), ("InitialUnknown", unknowns)):
+        for variable in rows:
+            attributes = {"valueReference": str(variable.reference)}
+            if tag != "InitialUnknown":
+                own = (variable.reference,) if variable.start is not None else variable.calculated_from
+                attributes["dependencies"] = " ".join(map(str, own))
+            ET.SubElement(root, tag, attributes)
+
+
+def _structure_2(root: ET.Element, values: dict[str, Any]) -> None:
+    outputs, derivatives, unknowns = _rows(values)
+    for tag, rows in (("Outputs", outputs), ("Derivatives", derivatives), ("InitialUnknowns", unknowns)):
+        if not rows:
+            continue
+        element = ET.SubElement(root, tag)
+        for variable in rows:
+            attributes = {"index": str(variable.reference + 1)}
+            if tag != "InitialUnknowns":
+                own = (variable.reference,) if variable.start is not None else variable.calculated_from
+                attributes["dependencies"] = " ".join(str(r + 1) for r in own)
+            ET.SubElement(element, "Unknown", attributes)

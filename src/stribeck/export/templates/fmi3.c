@@ -1,0 +1,371 @@
+
+/* ---- FMI 3.0 ---- */
+
+typedef struct {
+    Model model;
+    fmi3InstanceEnvironment environment;
+    fmi3LogMessageCallback log;
+} Instance;
+
+#define MODEL(i) (&((Instance *)(i))->model)
+
+static fmi3Status fail(fmi3Instance i, const char *message)
+{
+    const Instance *instance = (const Instance *)i;
+    if (instance->log) instance->log(instance->environment, fmi3Error, "logStatusError", message);
+    return fmi3Error;
+}
+
+static fmi3Status checked(fmi3Instance i)
+{
+    const char *problem = wrong(MODEL(i));
+    return problem ? fail(i, problem) : fmi3OK;
+}
+
+const char *fmi3GetVersion(void) { return fmi3Version; }
+
+fmi3Status fmi3SetDebugLogging(fmi3Instance i, fmi3Boolean on, size_t n, const fmi3String categories[])
+{
+    UNUSED(i); UNUSED(on); UNUSED(n); UNUSED(categories);
+    return fmi3OK;
+}
+
+static fmi3Instance instantiate(fmi3String token, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log)
+{
+    Instance *i;
+    if (!token || strcmp(token, "{{ token }}") != 0) {
+        if (log) log(environment, fmi3Error, "logStatusError", "the instantiation token is not that of this FMU");
+        return NULL;
+    }
+    i = calloc(1, sizeof *i);
+    if (!i) return NULL;
+    i->environment = environment;
+    i->log = log;
+    start(&i->model);
+    return i;
+}
+
+fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi3String path, fmi3Boolean visible,
+    fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log)
+{
+    UNUSED(name); UNUSED(path); UNUSED(visible); UNUSED(logging);
+    return instantiate(token, environment, log);
+}
+
+fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String path, fmi3Boolean visible,
+    fmi3Boolean logging, fmi3Boolean events, fmi3Boolean early, const fmi3ValueReference required[], size_t n,
+    fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update)
+{
+    UNUSED(name); UNUSED(path); UNUSED(visible); UNUSED(logging); UNUSED(events); UNUSED(early); UNUSED(required);
+    UNUSED(n); UNUSED(update);
+    return instantiate(token, environment, log);
+}
+
+fmi3Instance fmi3InstantiateScheduledExecution(fmi3String name, fmi3String token, fmi3String path, fmi3Boolean visible,
+    fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, fmi3ClockUpdateCallback update,
+    fmi3LockPreemptionCallback lock, fmi3UnlockPreemptionCallback unlock)
+{
+    UNUSED(name); UNUSED(token); UNUSED(path); UNUSED(visible); UNUSED(logging); UNUSED(environment); UNUSED(log);
+    UNUSED(update); UNUSED(lock); UNUSED(unlock);
+    return NULL;
+}
+
+void fmi3FreeInstance(fmi3Instance i) { free(i); }
+
+fmi3Status fmi3EnterInitializationMode(fmi3Instance i, fmi3Boolean toleranceDefined, fmi3Float64 tolerance,
+    fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
+{
+    UNUSED(stopTimeDefined); UNUSED(stopTime);
+    MODEL(i)->time = startTime;
+    if (toleranceDefined && tolerance > 0) MODEL(i)->tolerance = tolerance;
+    return fmi3OK;
+}
+
+fmi3Status fmi3ExitInitializationMode(fmi3Instance i)
+{
+    MODEL(i)->initialised = 1;
+    return checked(i);
+}
+
+fmi3Status fmi3EnterEventMode(fmi3Instance i) { UNUSED(i); return fmi3OK; }
+fmi3Status fmi3Terminate(fmi3Instance i) { UNUSED(i); return fmi3OK; }
+fmi3Status fmi3EnterConfigurationMode(fmi3Instance i) { UNUSED(i); return fmi3OK; }
+fmi3Status fmi3ExitConfigurationMode(fmi3Instance i) { UNUSED(i); return fmi3OK; }
+fmi3Status fmi3EnterStepMode(fmi3Instance i) { UNUSED(i); return fmi3OK; }
+fmi3Status fmi3EnterContinuousTimeMode(fmi3Instance i) { return checked(i); }
+fmi3Status fmi3EvaluateDiscreteStates(fmi3Instance i) { UNUSED(i); return fmi3OK; }
+
+fmi3Status fmi3Reset(fmi3Instance i)
+{
+    start(MODEL(i));
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetFloat64(fmi3Instance i, const fmi3ValueReference references[], size_t n, fmi3Float64 values[], size_t count)
+{
+    if (n != count) return fail(i, "as many values as references are needed");
+    for (size_t k = 0; k < n; ++k)
+        if (!get(MODEL(i), references[k], &values[k])) return fail(i, "there is no Float64 of this reference");
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetFloat64(fmi3Instance i, const fmi3ValueReference references[], size_t n, const fmi3Float64 values[], size_t count)
+{
+    if (n != count) return fail(i, "as many values as references are needed");
+    for (size_t k = 0; k < n; ++k)
+        if (!set(MODEL(i), references[k], values[k])) return fail(i, "there is no Float64 of this reference that can be set");
+    return fmi3OK;
+}
+
+#define NONE(name, type)                                                                                          \
+    fmi3Status fmi3Get##name(fmi3Instance i, const fmi3ValueReference r[], size_t n, type values[], size_t count)       \
+    {                                                                                                             \
+        UNUSED(r); UNUSED(values); UNUSED(count);                                                                 \
+        return n ? fail(i, "there is no variable of type " #name) : fmi3OK;                                       \
+    }                                                                                                             \
+    fmi3Status fmi3Set##name(fmi3Instance i, const fmi3ValueReference r[], size_t n, const type values[], size_t count) \
+    {                                                                                                             \
+        UNUSED(r); UNUSED(values); UNUSED(count);                                                                 \
+        return n ? fail(i, "there is no variable of type " #name) : fmi3OK;                                       \
+    }
+NONE(Float32, fmi3Float32)
+NONE(Int8, fmi3Int8)
+NONE(UInt8, fmi3UInt8)
+NONE(Int16, fmi3Int16)
+NONE(UInt16, fmi3UInt16)
+NONE(Int32, fmi3Int32)
+NONE(UInt32, fmi3UInt32)
+NONE(Int64, fmi3Int64)
+NONE(UInt64, fmi3UInt64)
+NONE(Boolean, fmi3Boolean)
+NONE(String, fmi3String)
+
+fmi3Status fmi3GetBinary(fmi3Instance i, const fmi3ValueReference r[], size_t n, size_t sizes[], fmi3Binary values[], size_t count)
+{
+    UNUSED(r); UNUSED(sizes); UNUSED(values); UNUSED(count);
+    return n ? fail(i, "there is no variable of type Binary") : fmi3OK;
+}
+
+fmi3Status fmi3SetBinary(fmi3Instance i, const fmi3ValueReference r[], size_t n, const size_t sizes[], const fmi3Binary values[], size_t count)
+{
+    UNUSED(r); UNUSED(sizes); UNUSED(values); UNUSED(count);
+    return n ? fail(i, "there is no variable of type Binary") : fmi3OK;
+}
+
+fmi3Status fmi3GetClock(fmi3Instance i, const fmi3ValueReference r[], size_t n, fmi3Clock values[])
+{
+    UNUSED(r); UNUSED(values);
+    return n ? fail(i, "there is no clock") : fmi3OK;
+}
+
+fmi3Status fmi3SetClock(fmi3Instance i, const fmi3ValueReference r[], size_t n, const fmi3Clock values[])
+{
+    UNUSED(r); UNUSED(values);
+    return n ? fail(i, "there is no clock") : fmi3OK;
+}
+
+#define NO_CLOCK(name, unused, ...)                                       \
+    fmi3Status name(fmi3Instance i, const fmi3ValueReference r[], size_t n, __VA_ARGS__) \
+    {                                                                     \
+        UNUSED(r); UNUSED(n); unused;                                     \
+        return fail(i, "there is no clock");                              \
+    }
+NO_CLOCK(fmi3GetIntervalDecimal, ((void)a, (void)b), fmi3Float64 a[], fmi3IntervalQualifier b[])
+NO_CLOCK(fmi3GetIntervalFraction, ((void)a, (void)b, (void)c), fmi3UInt64 a[], fmi3UInt64 b[], fmi3IntervalQualifier c[])
+NO_CLOCK(fmi3GetShiftDecimal, (void)a, fmi3Float64 a[])
+NO_CLOCK(fmi3GetShiftFraction, ((void)a, (void)b), fmi3UInt64 a[], fmi3UInt64 b[])
+NO_CLOCK(fmi3SetIntervalDecimal, (void)a, const fmi3Float64 a[])
+NO_CLOCK(fmi3SetIntervalFraction, ((void)a, (void)b), const fmi3UInt64 a[], const fmi3UInt64 b[])
+NO_CLOCK(fmi3SetShiftDecimal, (void)a, const fmi3Float64 a[])
+NO_CLOCK(fmi3SetShiftFraction, ((void)a, (void)b), const fmi3UInt64 a[], const fmi3UInt64 b[])
+
+fmi3Status fmi3ActivateModelPartition(fmi3Instance i, fmi3ValueReference clock, fmi3Float64 time)
+{
+    UNUSED(clock); UNUSED(time);
+    return fail(i, "there is no scheduled execution");
+}
+
+fmi3Status fmi3GetNumberOfVariableDependencies(fmi3Instance i, fmi3ValueReference reference, size_t *n)
+{
+    UNUSED(reference); UNUSED(n);
+    return fail(i, "dependencies stand in modelDescription.xml");
+}
+
+fmi3Status fmi3GetVariableDependencies(fmi3Instance i, fmi3ValueReference dependent, size_t a[], fmi3ValueReference b[],
+    size_t c[], fmi3DependencyKind d[], size_t n)
+{
+    UNUSED(dependent); UNUSED(a); UNUSED(b); UNUSED(c); UNUSED(d); UNUSED(n);
+    return fail(i, "dependencies stand in modelDescription.xml");
+}
+
+fmi3Status fmi3GetFMUState(fmi3Instance i, fmi3FMUState *state)
+{
+    if (!*state) *state = malloc(sizeof(Model));
+    if (!*state) return fail(i, "there is no memory");
+    memcpy(*state, MODEL(i), sizeof(Model));
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetFMUState(fmi3Instance i, fmi3FMUState state)
+{
+    memcpy(MODEL(i), state, sizeof(Model));
+    return fmi3OK;
+}
+
+fmi3Status fmi3FreeFMUState(fmi3Instance i, fmi3FMUState *state)
+{
+    UNUSED(i);
+    free(*state);
+    *state = NULL;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializedFMUStateSize(fmi3Instance i, fmi3FMUState state, size_t *size)
+{
+    UNUSED(i); UNUSED(state);
+    *size = sizeof(Model);
+    return fmi3OK;
+}
+
+fmi3Status fmi3SerializeFMUState(fmi3Instance i, fmi3FMUState state, fmi3Byte bytes[], size_t size)
+{
+    if (size < sizeof(Model)) return fail(i, "there is no room for the state");
+    memcpy(bytes, state, sizeof(Model));
+    return fmi3OK;
+}
+
+fmi3Status fmi3DeserializeFMUState(fmi3Instance i, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
+{
+    if (size < sizeof(Model)) return fail(i, "this is no state of this FMU");
+    if (!*state) *state = malloc(sizeof(Model));
+    if (!*state) return fail(i, "there is no memory");
+    memcpy(*state, bytes, sizeof(Model));
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference unknowns[], size_t nUnknowns,
+    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 result[], size_t nResult)
+{
+    if (nSeed != nKnowns || nResult != nUnknowns) return fail(i, "as many values as references are needed");
+    for (size_t j = 0; j < nUnknowns; ++j) {
+        result[j] = 0;
+        for (size_t k = 0; k < nKnowns; ++k) {
+            double value;
+            if (!partial(MODEL(i), unknowns[j], knowns[k], &value)) return fail(i, "there is no derivative of this by that");
+            result[j] += value * seed[k];
+        }
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetAdjointDerivative(fmi3Instance i, const fmi3ValueReference unknowns[], size_t nUnknowns,
+    const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 result[], size_t nResult)
+{
+    if (nSeed != nUnknowns || nResult != nKnowns) return fail(i, "as many values as references are needed");
+    for (size_t k = 0; k < nKnowns; ++k) {
+        result[k] = 0;
+        for (size_t j = 0; j < nUnknowns; ++j) {
+            double value;
+            if (!partial(MODEL(i), unknowns[j], knowns[k], &value)) return fail(i, "there is no derivative of this by that");
+            result[k] += value * seed[j];
+        }
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3UpdateDiscreteStates(fmi3Instance i, fmi3Boolean *again, fmi3Boolean *terminate, fmi3Boolean *nominals,
+    fmi3Boolean *states, fmi3Boolean *timeDefined, fmi3Float64 *time)
+{
+    *again = *terminate = *nominals = *states = *timeDefined = fmi3False;
+    *time = 0;
+    return checked(i);
+}
+
+fmi3Status fmi3CompletedIntegratorStep(fmi3Instance i, fmi3Boolean noSet, fmi3Boolean *event, fmi3Boolean *terminate)
+{
+    UNUSED(i); UNUSED(noSet);
+    *event = *terminate = fmi3False;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetTime(fmi3Instance i, fmi3Float64 time)
+{
+    MODEL(i)->time = time;
+    return fmi3OK;
+}
+
+fmi3Status fmi3SetContinuousStates(fmi3Instance i, const fmi3Float64 x[], size_t n)
+{
+    if (n != STATES) return fail(i, "this is not the number of states");
+    for (size_t k = 0; k < n; ++k) MODEL(i)->x[k] = x[k];
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetContinuousStates(fmi3Instance i, fmi3Float64 x[], size_t n)
+{
+    if (n != STATES) return fail(i, "this is not the number of states");
+    for (size_t k = 0; k < n; ++k) x[k] = MODEL(i)->x[k];
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance i, fmi3Float64 rates[], size_t n)
+{
+    Evaluation e;
+    if (n != STATES) return fail(i, "this is not the number of states");
+    evaluate(MODEL(i), &e);
+    for (size_t k = 0; k < n; ++k) {
+        if (!isfinite(e.rate[k])) return fail(i, "the derivative of a state is not finite");
+        rates[k] = e.rate[k];
+    }
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance i, fmi3Float64 nominals[], size_t n)
+{
+    static const double nominal[STATES + 1] = { {% for state in states %}{{ repr(state.nominal) }}, {% endfor %}0 };
+    if (n != STATES) return fail(i, "this is not the number of states");
+    for (size_t k = 0; k < n; ++k) nominals[k] = nominal[k];
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetEventIndicators(fmi3Instance i, fmi3Float64 values[], size_t n)
+{
+    UNUSED(values);
+    return n ? fail(i, "there are no event indicators") : fmi3OK;
+}
+
+fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance i, size_t *n)
+{
+    UNUSED(i);
+    *n = 0;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetNumberOfContinuousStates(fmi3Instance i, size_t *n)
+{
+    UNUSED(i);
+    *n = STATES;
+    return fmi3OK;
+}
+
+fmi3Status fmi3GetOutputDerivatives(fmi3Instance i, const fmi3ValueReference r[], size_t n, const fmi3Int32 orders[],
+    fmi3Float64 values[], size_t count)
+{
+    UNUSED(r); UNUSED(n); UNUSED(orders); UNUSED(values); UNUSED(count);
+    return fail(i, "outputs have no derivatives");
+}
+
+fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 point, fmi3Float64 step, fmi3Boolean noSet, fmi3Boolean *event,
+    fmi3Boolean *terminate, fmi3Boolean *early, fmi3Float64 *last)
+{
+    const char *problem;
+    UNUSED(noSet);
+    *event = *terminate = *early = fmi3False;
+    *last = point;
+    if (!MODEL(i)->initialised) return fail(i, "the instance is not initialised");
+    if (checked(i) != fmi3OK) return fmi3Error;
+    problem = advance_model(MODEL(i), step);
+    if (problem) return fail(i, problem);
+    MODEL(i)->time = *last = point + step;
+    return fmi3OK;
+}

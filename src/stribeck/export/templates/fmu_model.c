@@ -1,0 +1,155 @@
+/* {{ about[0] }}
+ * {{ about[-1] }} The equations and their steps are in {{ P }}.c; here they meet FMI {{ fmi }}.0. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "fmi{{ fmi }}Functions.h"
+#include "{{ P }}.c"
+
+#define STATES {{ states | length }}
+#define UNUSED(x) (void)(x)
+
+/* All that an instance is; nothing else is kept anywhere. */
+typedef struct {
+    parameters p;
+    double mass, input, x[STATES + 1], time, tolerance, h;
+    int initialised;
+} Model;
+
+typedef struct {
+    double force, rate[STATES + 1];
+} Evaluation;
+
+static void start(Model *m)
+{
+    memset(m, 0, sizeof *m);
+    {{ P }}_defaults(&m->p);
+    m->mass = {{ repr(mass) }};
+    m->input = 0;
+    m->tolerance = 1e-6;
+{% for state in states %}
+    m->x[{{ loop.index0 }}] = {{ repr(state.start) }};
+{% endfor %}
+}
+
+static double velocity(const Model *m) { return {{ "m->x[1]" if body else "m->input" }}; }
+
+static double deflection(const Model *m) { {{ "" if law.has_z else "UNUSED(m); " }}return {{ ("m->x[2]" if body else "m->x[0]") if law.has_z else "0" }}; }
+{% if body %}
+
+static double acceleration(double mass, double u, double F) { return {{ acceleration.value }}; }
+static double acceleration_by_u(double mass) { return {{ acceleration.by_u }}; }
+static double acceleration_by_F(double mass) { return {{ acceleration.by_F }}; }
+{% endif %}
+
+static void evaluate(const Model *m, Evaluation *e)
+{
+    const double v = velocity(m), z = deflection(m), dz_dt = rate_of(&m->p, v, z);
+    e->force = force_of(&m->p, v, z, dz_dt);
+{% if body %}
+    e->rate[0] = v;
+    e->rate[1] = acceleration(m->mass, m->input, e->force);
+{% endif %}
+{% if law.has_z %}
+    e->rate[{{ states | length - 1 }}] = dz_dt;
+{% endif %}
+}
+
+/* Value of a variable; 0 where there is none of this reference. */
+static int get(const Model *m, unsigned reference, double *value)
+{
+    Evaluation e;
+    evaluate(m, &e);
+    switch (reference) {
+{% for variable in variables %}
+    case {{ variable.reference }}: *value = {{ variable.c }}; return 1; /* {{ variable.name }} */
+{% endfor %}
+    default: return 0;
+    }
+}
+
+static int set(Model *m, unsigned reference, double value)
+{
+    switch (reference) {
+{% for variable in variables if variable.settable %}
+    case {{ variable.reference }}: {{ variable.c }} = value; return 1; /* {{ variable.name }} */
+{% endfor %}
+    default: return 0;
+    }
+}
+
+/* d unknown / d known for outputs and derivatives of states by inputs and states; 0 where there is none. */
+static int partial(const Model *m, unsigned unknown, unsigned known, double *value)
+{
+    Slopes l;
+    slopes(&m->p, velocity(m), deflection(m), &l);
+    *value = 0;
+{% for unknown, known, c in partials %}
+    if (unknown == {{ unknown }} && known == {{ known }}) { *value = {{ c }}; return 1; }
+{% endfor %}
+    return {% for u in unknowns %}{{ "" if loop.first else " || " }}(unknown == {{ u }}){% endfor %} ? ({% for k in knowns %}{{ "" if loop.first else " || " }}known == {{ k }}{% endfor %}) : 0;
+}
+
+/* What is wrong with the constants, or NULL. */
+static const char *wrong(const Model *m)
+{
+{% if body %}
+    if (!(m->mass > 0) || !isfinite(m->mass)) return "mass must be a finite number > 0";
+{% endif %}
+    switch ({{ P }}_check(&m->p)) {
+    case {{ P }}_OK: return NULL;
+{% for name, (c, value) in constants.items() %}
+    case {{ P }}_BAD_{{ name }}: return "{{ name }} must be {{ c.allowed }}{% for key, allowed, condition in relations if key == name %}, and {{ allowed }}{% endfor %}";
+{% endfor %}
+    default: return "the constants are not allowed";
+    }
+}
+
+/* The states after a communication step with the input held: NULL, or what went wrong. */
+static const char *advance_model(Model *m, double dt)
+{
+    double F;
+    if (!isfinite(m->input)) return "the input is not finite";
+    if (!(dt > 0) || !isfinite(dt)) return "the step must be a finite number > 0";
+{% if not body %}
+    {{ P }}_state s;
+    s.z = deflection(m);
+    if ({{ P }}_step(&m->p, &s, m->input, dt, &F) != {{ P }}_OK) return "the state or the force is not finite";
+{% if law.has_z %}
+    m->x[0] = s.z;
+{% endif %}
+{% else %}
+    /* the implicit step once, and twice of half the length: their difference steers the length, and is taken out */
+    double left = dt, h = m->h > 0 ? m->h : dt;
+    while (left > 0) {
+        {{ P }}_body whole, half;
+        double error, scale, factor;
+        if (h > left) h = left;
+        whole.y = m->x[0]; whole.v = m->x[1]; whole.z = deflection(m);
+        half = whole;
+        if ({{ P }}_body_step(&m->p, &whole, m->mass, m->input, h, &F) != {{ P }}_OK
+            || {{ P }}_body_step(&m->p, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK
+            || {{ P }}_body_step(&m->p, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK)
+            return "the body's step found no solution: a state is not finite, or the parameters are extreme";
+        scale = m->tolerance * ({{ repr(length) }} + fabs(half.y));
+        error = fabs(half.y - whole.y) / scale;
+        scale = m->tolerance * ({{ repr(speed) }} + fabs(half.v));
+        if (fabs(half.v - whole.v) / scale > error) error = fabs(half.v - whole.v) / scale;
+        scale = m->tolerance * {{ repr(length) }};
+        if (fabs(half.z - whole.z) / scale > error) error = fabs(half.z - whole.z) / scale;
+        factor = error > 0 ? 0.9 / sqrt(error) : 4;
+        if (error <= 1 || h <= 1e-12 * dt) {
+            m->x[0] = 2 * half.y - whole.y;
+            m->x[1] = 2 * half.v - whole.v;
+{% if law.has_z %}
+            m->x[2] = {{ "within(&m->p, 2 * half.z - whole.z, m->x[2])" if eq.bounded else "2 * half.z - whole.z" }};
+{% endif %}
+            left -= h;
+        }
+        h *= factor > 4 ? 4 : factor < 0.2 ? 0.2 : factor;
+        if (h < dt || m->h > 0) m->h = h;
+    }
+{% endif %}
+    return NULL;
+}

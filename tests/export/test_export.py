@@ -1,0 +1,167 @@
+"""The registry, the command, and what is said before anything is written."""
+
+import json
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.cli import _status
+from stribeck.export import PARTS, TARGETS
+from stribeck.export.sampling import radius
+from tests.export.harness import law
+
+
+def command(*words):
+    return _status(["export", *words])
+
+
+BASE = ("lugre_majorant", "--parameters", "canudas1995", "--set", "k_v=1e7")
+
+
+def test_c_from_the_command(tmp_path, capsys):
+    out = tmp_path / "firmware"
+    assert command(*BASE, "--target", "c", "--self-test", "--out", str(out), "--json") == 0
+    said = json.loads(capsys.readouterr().out)
+    assert [file.rsplit("/", 1)[1] for file in said["files"]] == [
+        "lugre_majorant.h", "lugre_majorant.c", "lugre_majorant_test.c",
+    ]  # fmt: skip
+    assert sorted(p.name for p in out.iterdir()) == ["lugre_majorant.c", "lugre_majorant.h", "lugre_majorant_test.c"]
+    header = (out / "lugre_majorant.h").read_text()
+    for piece in ("sigma_1 = 316.22776601683796 N s/m", "canudas1995", stribeck.__version__, "Source: Stribeck"):
+        assert piece in header
+    assert all((out / p).read_text().isascii() for p in ("lugre_majorant.h", "lugre_majorant.c"))
+
+
+def test_parts_of_c(tmp_path):
+    stribeck.export(law("lugre"), "c", tmp_path / "body", part="body")
+    stribeck.export(law("lugre"), "c", tmp_path / "observer", part="observer")
+    body, observer = ((tmp_path / p / "lugre.h").read_text() for p in ("body", "observer"))
+    assert ("body_step" in body, "observer_step" in body) == (True, False)
+    assert ("body_step(" in observer, "observer_step" in observer) == (False, True)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((*BASE, "--target", "see"), "'see': no such target"),
+        ((*BASE, "--target", "c", "--part", "cascade"), "not exported yet"),
+        ((*BASE, "--target", "c", "--part", "all"), "must be one of law, body"),
+        ((*BASE, "--target", "st", "--part", "body"), "target 'st'"),
+        ((*BASE, "--target", "st", "--self-test"), "--self-test"),
+        ((*BASE, "--target", "c", "--step", "0"), "--step: 0.0: must be"),
+        ((*BASE, "--target", "c", "--step", "nan"), "--step: nan: must be"),
+        ((*BASE, "--target", "fmu", "--fmi", "1"), "--fmi: 1: must be 2 or 3"),
+        ((*BASE, "--target", "fmu", "--part", "body"), "plant.mass"),
+        ((*BASE, "--target", "c", "--set", "k_v=-1"), "k_v: -1: must be"),
+        (("lugre_majorant", "--parameters", "canudas1995", "--target", "c"), "k_v: missing"),
+        (("stribeck", "--parameters", "canudas1995", "--target", "c", "--part", "observer"), "no internal state"),
+        (("lugger", "--target", "c"), "did you mean 'lugre'"),
+        ((*BASE, "--target", "c", "--set", "k_w=1"), "no such constant"),
+    ],
+)
+def test_nothing_is_written_on_an_error(words, said, tmp_path, capsys):
+    assert command(*words, "--out", str(tmp_path / "x")) == 2
+    captured = capsys.readouterr()
+    assert said in captured.err
+    assert captured.out == ""
+    assert not list(tmp_path.iterdir())
+
+
+def test_out_of_the_wrong_kind(tmp_path, capsys):
+    (tmp_path / "file").write_text("kept")
+    (tmp_path / "folder").mkdir()
+    assert command(*BASE, "--target", "c", "--out", str(tmp_path / "file")) == 2
+    assert command(*BASE, "--target", "st", "--out", str(tmp_path / "folder")) == 2
+    assert command(*BASE, "--target", "c", "--out", str(tmp_path / "file" / "below")) == 2
+    assert (tmp_path / "file").read_text() == "kept"
+    assert not list((tmp_path / "folder").iterdir())
+    assert len(capsys.readouterr().err.splitlines()) == 3
+
+
+def test_parameters_of_a_scenario(tmp_path):
+    text = (
+        'schema = 1\n[law]\nname = "lugre_sobczyk"\nk_v = 1e6\n[law.parameters]\nsigma_0 = 2e5\nsigma_1 = 100.0\n'
+        "sigma_2 = 0.4\nF_c = 1.0\nF_s = 1.5\nv_s = 0.001\n[plant]\nmass = 2.0\n"
+        '[drive]\nkind = "force"\n[drive.signal]\nkind = "ramp"\nrate = 1.0\n[solve]\nt_end = 1.0\n[output]\nstep = 0.1\n'
+    )
+    (tmp_path / "rig.toml").write_text(text)
+    out = tmp_path / "out"
+    words = ("lugre_majorant", "--scenario", str(tmp_path / "rig.toml"), "--target", "c", "--out", str(out))
+    assert command(*words) == 0
+    header = (out / "lugre_majorant.h").read_text()
+    assert "sigma_0 = 200000.0 N/m" in header
+    assert "k_v = 1000000.0" in header
+    assert "Parameters: scenario rig" in header
+
+
+def test_a_law_of_the_users_own(tmp_path):
+    (tmp_path / "mine.py").write_text(
+        "from stribeck.laws.base import BristleLaw\n"
+        "from stribeck.laws.terms import g\n"
+        "class My_Law(BristleLaw):\n"
+        "    '''Ends a comment: */ and (* begins one *).'''\n"
+        "    source = 'me \\u00b5 */'\n"
+        "    @staticmethod\n"
+        "    def dz_dt(p, v, z):\n"
+        "        return v - abs(v) / g(p, v) * z\n"
+    )
+    words = (f"{tmp_path}/mine.py:My_Law", "--parameters", "canudas1995")
+    assert command(*words, "--target", "c", "--out", str(tmp_path / "c")) == 0
+    text = (tmp_path / "c" / "My_Law.h").read_text()
+    assert text.isascii()
+    assert text.split("#ifndef")[0].count("*/") == 1
+    assert command(*words, "--target", "st", "--out", str(tmp_path / "law.st")) == 0
+
+
+def test_step_in_time_or_not(tmp_path):
+    """With a mass, the note names the step at which sampled friction and body stop being stable together."""
+    rig = stribeck.Scenario.load(stribeck_example())
+    with pytest.warns(stribeck.StribeckNote, match="unstable together"):
+        stribeck.export(law("lugre"), "c", tmp_path / "slow", scenario=rig, step=4e-3)
+    import warnings
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        stribeck.export(law("lugre"), "c", tmp_path / "fast", scenario=rig, step=1e-3)
+    with pytest.warns(stribeck.StribeckNote, match="longer than the bristles' time constant"):
+        stribeck.export(law("lugre"), "st", tmp_path / "law.st", step=0.1)
+
+
+def stribeck_example():
+    from importlib.resources import files
+
+    return files("stribeck.examples").joinpath("stick_slip.toml")
+
+
+@pytest.mark.parametrize("name", ["lugre", "elastoplastic_majorant"])
+def test_the_limit_is_where_the_loop_grows(name):
+    """The linearisation against the loop itself: a body at rest, kicked by almost nothing."""
+    chosen = law(name)
+    for step in (2e-3, 3.2e-3, 4.2e-3, 6e-3):
+        v, z = 1e-9, 0.0
+        for _ in range(400):
+            x = step * float(chosen.jacobian(v, z)[1])
+            z += step * (np.expm1(x) / x if x else 1.0) * float(chosen.rate(v, z))
+            v -= step * float(chosen.force(v, z))
+        assert (abs(v) > 1e-9) == (radius(chosen, 1.0, step) > 1), step
+
+
+def test_a_crash_leaves_nothing(tmp_path, monkeypatch):
+    from pathlib import Path
+
+    def full(self, data):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(OSError, match="No space"):
+        stribeck.export(law("lugre"), "c", tmp_path / "out")
+    with pytest.raises(OSError, match="No space"):
+        stribeck.export(law("lugre"), "st", tmp_path / "law.st")
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_names_of_the_contract():
+    assert list(TARGETS) == ["c", "fmu", "modelica", "mujoco", "st", "table"]
+    assert list(PARTS) == ["law", "body", "observer", "cascade"]
+    assert callable(stribeck.export)

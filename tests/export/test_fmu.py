@@ -1,0 +1,296 @@
+"""FMUs, validated and run by FMPy, against the simulation."""
+
+import subprocess
+import zipfile
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.export import binaries
+from tests.export.harness import law, need
+
+fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
+
+
+@pytest.fixture(autouse=True)
+def _this_platform_only(monkeypatch):
+    monkeypatch.setattr(binaries, "_ACROSS", ())
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("fmu")
+
+
+def rig(name, drive, t_end=1.0, step=0.01):
+    own = {n: x for n, x in law(name).values.items() if n in stribeck_constants(name) and x is not None}
+    return stribeck.Scenario({
+        "schema": 1, "law": {"name": name, "parameters": "canudas1995", **own}, "plant": {"mass": 1.0}, "drive": drive,
+        "solve": {"t_end": t_end}, "output": {"step": step},
+    })  # fmt: skip
+
+
+def stribeck_constants(name):
+    return type(law(name)).own_constants()
+
+
+FORCE = {"kind": "force", "signal": {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}}
+VELOCITY = {"kind": "velocity", "signal": {"kind": "sine", "amplitude": 2e-3, "frequency": 1.0}}
+
+
+def fmu(name, part, fmi, folder):
+    need("gcc")
+    path = folder / f"{name}_{part}_{fmi}.fmu"
+    if not path.exists():
+        scenario = rig(name, FORCE) if part == "body" else None
+        stribeck.export(law(name), "fmu", path, part=part, fmi=fmi, scenario=scenario)
+    return str(path)
+
+
+CASES = [("lugre_majorant", "law"), ("elastoplastic_majorant", "body"), ("makkar", "law"), ("makkar", "body")]
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize(("name", "part"), CASES)
+def test_valid(name, part, fmi, folder):
+    from fmpy.validation import validate_fmu
+
+    path = fmu(name, part, fmi, folder)
+    assert validate_fmu(path) == []
+    description = fmpy.read_model_description(path)
+    assert description.fmiVersion == f"{fmi}.0"
+    parameters = {v.name: v for v in description.modelVariables if v.causality == "parameter"}
+    expected = {n: x for n, x in law(name).values.items() if x is not None} | ({"mass": 1.0} if part == "body" else {})
+    assert {n: float(v.start) for n, v in parameters.items()} == expected
+    assert all(v.variability == "tunable" for v in parameters.values())
+    constants = law(name).constants()
+    assert all(v.unit == constants[n].unit for n, v in parameters.items() if n != "mass" and constants[n].unit)
+
+
+def held(drive, h, t_end=1.0):
+    """The drive with its signal held over steps of h, as a co-simulation holds its inputs."""
+    n = round(t_end / h)
+    wave = drive["signal"]["amplitude"] * np.sin(2 * np.pi * drive["signal"]["frequency"] * h * np.arange(n))
+    t = np.repeat(h * np.arange(n + 1), 2)[1:-1]
+    return {"kind": drive["kind"], "signal": {"kind": "points", "t": t.tolist(), "value": np.repeat(wave, 2).tolist()}}
+
+
+def by_steps(path, drive, column, h, output, t_end=1.0):
+    """FMPy's co-simulation with steps of h, every 10 ms."""
+    t = h * np.arange(round(t_end / h) + 1)
+    signals = np.zeros(t.size, dtype=[("time", float), (column, float)])
+    signals["time"] = t
+    signals[column] = drive["signal"]["amplitude"] * np.sin(2 * np.pi * drive["signal"]["frequency"] * t)
+    found = fmpy.simulate_fmu(
+        path, stop_time=t_end, fmi_type="CoSimulation", input=signals, output_interval=h, output=output,
+        relative_tolerance=1e-8,
+    )  # fmt: skip
+    return found[:: round(0.01 / h)]
+
+
+@pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic_majorant", 3), ("makkar", 2)])
+def test_body_in_model_exchange(name, fmi, folder):
+    """FMPy's CVODE, a constant force (FMPy holds inputs between communication points)."""
+    push = {"kind": "force", "signal": {"kind": "points", "t": [0.0], "value": [3.0]}}
+    exact = stribeck.simulate(rig(name, push))
+    found = fmpy.simulate_fmu(
+        fmu(name, "body", fmi, folder), stop_time=1.0, fmi_type="ModelExchange", start_values={"u": 3.0},
+        output_interval=0.01, relative_tolerance=1e-8, output=["y", "v", "F"],
+    )  # fmt: skip
+    for column in ("y", "v"):
+        assert found[column] == pytest.approx(exact[column], abs=2e-6 * np.max(exact[column]))
+    assert found["F"][5:] == pytest.approx(exact["F"][5:], rel=1e-4)
+
+
+@pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic_majorant", 3), ("makkar", 2)])
+def test_body_in_co_simulation(name, fmi, folder):
+    exact = stribeck.simulate(rig(name, held(FORCE, 5e-3)))
+    found = by_steps(fmu(name, "body", fmi, folder), FORCE, "u", 5e-3, ["y", "v"])
+    assert found["y"] == pytest.approx(exact["y"], abs=1e-4 * np.max(abs(exact["y"])))
+    assert found["v"] == pytest.approx(exact["v"], abs=1e-3 * np.max(abs(exact["v"])))
+
+
+@pytest.mark.parametrize(("name", "fmi"), [("lugre_majorant", 2), ("elastoplastic", 3), ("makkar", 2)])
+def test_law_in_co_simulation(name, fmi, folder):
+    """The velocity held over each step: F is compared just before the next value comes."""
+    exact = stribeck.simulate(rig(name, held(VELOCITY, 1e-3), step=0.01))
+    found = by_steps(fmu(name, "law", fmi, folder), VELOCITY, "v", 1e-3, ["F", *(["z"] if name != "makkar" else [])])
+    if name != "makkar":
+        assert found["z"] == pytest.approx(exact["z"], abs=(1e-6 if name == "lugre_majorant" else 1e-3) * 1.5e-5)
+    chosen, v = law(name), 2e-3 * np.sin(2 * np.pi * (0.01 * np.arange(101) - 1e-3))
+    z = found["z"] if name != "makkar" else 0.0
+    assert found["F"][1:] == pytest.approx(chosen.force(v, z)[1:], rel=1e-9)
+
+
+def test_law_in_model_exchange(folder):
+    """The bristle after a jump of the velocity, by FMPy's CVODE and in closed form."""
+    found = fmpy.simulate_fmu(
+        fmu("lugre_majorant", "law", 3, folder), stop_time=0.05, fmi_type="ModelExchange", start_values={"v": 1e-3},
+        output_interval=1e-3, relative_tolerance=1e-9, output=["z", "F"],
+    )  # fmt: skip
+    chosen = law("lugre_majorant")
+    rate = float(chosen.jacobian(1e-3, 0.0)[1])
+    z = chosen.steady_deflection(1e-3) * -np.expm1(rate * found["time"])
+    assert found["z"] == pytest.approx(z, abs=1e-7 * 1.5e-5)
+    assert found["F"] == pytest.approx(chosen.force(1e-3, z), rel=1e-6)
+
+
+class Slave:
+    """An FMU instance of FMI 3.0, its messages kept."""
+
+    def __init__(self, path, unpacked):
+        from fmpy.fmi3 import FMU3Slave
+
+        description = fmpy.read_model_description(path)
+        self.reference = {v.name: v.valueReference for v in description.modelVariables}
+        self.messages = []
+        self.fmu = FMU3Slave(
+            guid=description.guid, unzipDirectory=unpacked, modelIdentifier=description.coSimulation.modelIdentifier
+        )
+        from fmpy.fmi3 import fmi3LogMessageCallback
+
+        def log(environment, status, category, message):
+            self.messages.append(message.decode())
+
+        self._keep = fmi3LogMessageCallback(log)
+        self.fmu.instantiate(loggingOn=True, logMessage=self._keep)
+
+    def start(self):
+        self.fmu.enterInitializationMode()
+        self.fmu.exitInitializationMode()
+
+    def set(self, name, value):
+        self.fmu.setFloat64([self.reference[name]], [value])
+
+    def get(self, name):
+        return self.fmu.getFloat64([self.reference[name]])[0]
+
+    def step(self, t, h):
+        self.fmu.doStep(currentCommunicationPoint=t, communicationStepSize=h)
+
+
+@pytest.fixture
+def slave(folder):
+    path = fmu("lugre_majorant", "body", 3, folder)
+    unpacked = fmpy.extract(path)
+    return lambda: Slave(path, unpacked)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [("k_v", -1.0, "k_v must be a finite number > 0"), ("F_s", 0.5, "at least F_c"), ("mass", 0.0, "mass must be"),
+     ("sigma_0", float("nan"), "sigma_0 must be"), ("v_s", float("inf"), "v_s must be")],
+)  # fmt: skip
+def test_wrong_parameters(key, value, said, slave):
+    from fmpy.fmi1 import FMICallException
+
+    body = slave()
+    body.set(key, value)
+    with pytest.raises(FMICallException):
+        body.start()
+    assert any(said in message for message in body.messages)
+    other = slave()
+    other.start()
+    other.set(key, value)  # tuned wrongly on the way
+    with pytest.raises(FMICallException):
+        other.step(0.0, 1e-3)
+    assert any(said in message for message in other.messages)
+
+
+def test_two_instances_share_nothing(slave):
+    one, two = slave(), slave()
+    for each in (one, two):
+        each.start()
+    one.set("u", 3.0)
+    two.set("F_c", 0.9)
+    for i in range(50):
+        for each in (one, two):
+            each.step(i * 1e-3, 1e-3)
+    alone = slave()
+    alone.start()
+    alone.set("u", 3.0)
+    for i in range(50):
+        alone.step(i * 1e-3, 1e-3)
+    assert one.get("y") == alone.get("y") != 0
+    assert (two.get("y"), two.get("F_c"), one.get("F_c")) == (0, 0.9, 1.0)
+
+
+def test_state_is_kept_and_brought_back(slave):
+    body = slave()
+    body.start()
+    body.set("u", 3.0)
+    body.step(0.0, 0.01)
+    kept = body.fmu.getFMUState()
+    serialised = body.fmu.serializeFMUState(kept)
+    at = [body.get(n) for n in ("y", "v", "z", "F")]
+    body.step(0.01, 0.01)
+    further = body.get("y")
+    assert further != at[0]
+    body.fmu.setFMUState(kept)
+    assert [body.get(n) for n in ("y", "v", "z", "F")] == at
+    body.step(0.01, 0.01)
+    assert body.get("y") == further
+    other = slave()
+    other.start()
+    other.fmu.setFMUState(other.fmu.deserializeFMUState(serialised))
+    assert [other.get(n) for n in ("y", "v", "z", "F")] == at
+
+
+def test_directional_derivatives(slave):
+    body, chosen = slave(), law("lugre_majorant")
+    body.start()
+    v, z = 2e-3, 7e-6
+    body.set("v", v)
+    body.set("z", z)
+    ref = body.reference
+    by_v, by_z = chosen.jacobian(v, z)
+
+    def slope(unknown, known):
+        return body.fmu.getDirectionalDerivative(unknowns=[ref[unknown]], knowns=[ref[known]], seed=[1.0])[0]
+
+    assert slope("der(z)", "v") == pytest.approx(by_v, rel=1e-12)
+    assert slope("der(z)", "z") == pytest.approx(by_z, rel=1e-12)
+    assert slope("F", "z") == pytest.approx(1e5 + 316.22776601683796 * by_z, rel=1e-12)
+    assert slope("der(v)", "u") == pytest.approx(1.0)
+    assert slope("der(v)", "v") == pytest.approx(-(316.22776601683796 * by_v + 0.4), rel=1e-12)
+    assert slope("der(y)", "v") == 1
+    assert slope("der(y)", "z") == 0
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+@pytest.mark.parametrize("cc", ["gcc", "clang"])
+def test_sources_compile_without_a_warning(fmi, cc, folder):
+    need(cc)
+    for part in ("law", "body"):
+        unpacked = folder / f"sources{fmi}{part}"
+        with zipfile.ZipFile(fmu("lugre_majorant", part, fmi, folder)) as archive:
+            archive.extractall(unpacked)
+        words = [cc, "-c", "-std=c99", "-Wall", "-Wextra", "-Werror", "fmu.c", "-o", "fmu.o"]
+        done = subprocess.run(words, cwd=unpacked / "sources", capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+
+
+def test_for_other_platforms(tmp_path, monkeypatch):
+    pytest.importorskip("ziglang", reason="ziglang, of the extra 'export', is not installed")
+    monkeypatch.setattr(binaries, "_ACROSS", ("x86_64-windows", "aarch64-darwin"))
+    (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu", fmi=3)
+    with zipfile.ZipFile(path) as archive:
+        found = {n.split("/")[1]: archive.read(n)[:4] for n in archive.namelist() if n.startswith("binaries/")}
+    assert found["x86_64-windows"][:2] == b"MZ"
+    assert found["aarch64-darwin"] == b"\xcf\xfa\xed\xfe"
+
+
+def test_without_a_compiler_the_sources_are_there(tmp_path, monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", "none")
+    monkeypatch.setattr("importlib.util.find_spec", lambda name: None)
+    with pytest.warns(stribeck.StribeckNote, match="sources only"):
+        (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu")
+    with zipfile.ZipFile(path) as archive:
+        assert "sources/fmu.c" in archive.namelist()
+
+
+def test_a_body_needs_a_mass(tmp_path):
+    with pytest.raises(stribeck.InputError, match=r"plant\.mass"):
+        stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu", part="body")
+    assert not list(tmp_path.iterdir())
