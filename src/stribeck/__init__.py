@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
+    from stribeck.identify.fitting import fit
     from stribeck.laws import law
     from stribeck.parameter_sets import parameters
     from stribeck.scenario import Scenario
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "BuildError", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError", "StribeckNote", "law",
+    "BuildError", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError", "StribeckNote", "fit", "law",
     "parameters", "simulate",
 ]  # fmt: skip
 
@@ -24,6 +25,7 @@ _HOME = {
     **dict.fromkeys(
         ("BuildError", "InputError", "NotDifferentiable", "StribeckError", "StribeckNote"), "stribeck.errors"
     ),
+    "fit": "stribeck.identify.fitting",
     "law": "stribeck.laws",
     "parameters": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,9 +57,10 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     roles = list(parts[0].columns)
     notes = [note for part in parts for note in part.notes]
     measured = "position" if "position" in roles else "velocity"
+    seen = _measured_spectrum(parts, measured, step)
     cutoff = how.cutoff
     if cutoff is None:
-        cutoff, why = choose_cutoff(parts, measured, step)
+        cutoff, why = choose_cutoff(measured, *seen, step)
         notes.append(why)
     elif cutoff > 0:
         if cutoff >= 0.5 / step:
@@ -69,9 +71,10 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
     sources = _sources(roles, measured, cutoff, parts)
+    parts_of_log: dict[str, Any] = dict(columns)
     return Log(
-        **columns, run=run, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
-        files=tuple(names[i] for i in files) if names else (),
+        **parts_of_log, run=run, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
+        files=tuple(names[i] for i in files) if names else (), spectrum=seen,
     )  # fmt: skip
 
 
@@ -117,7 +120,9 @@ def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float) -> d
     if "velocity" not in found:
         found["velocity"] = np.gradient(found["position"], step)
     if "position" not in found:
-        found["position"] = np.concatenate([[0.0], np.cumsum((found["velocity"][1:] + found["velocity"][:-1]) * step / 2)])
+        found["position"] = np.concatenate(
+            [[0.0], np.cumsum((found["velocity"][1:] + found["velocity"][:-1]) * step / 2)]
+        )
     if "acceleration" not in found:
         found["acceleration"] = np.gradient(found["velocity"], step)
     return found
@@ -133,15 +138,19 @@ def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence
     return found
 
 
-def choose_cutoff(parts: Sequence[Clean], measured: str, step: float) -> tuple[float, str]:
-    """The frequency (Hz) up to which the motion's spectrum stands clear of its noise floor, and that in words."""
+def _measured_spectrum(parts: Sequence[Clean], measured: str, step: float) -> tuple[Array, Array, float]:
+    """The spectrum of the measured motion in the longest run, and its noise floor."""
     part, rows = max(((p, r) for p in parts for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
     rows = slice(rows.start, min(rows.stop, rows.start + _LONGEST_LOOK))
     x = part.columns[measured][rows]
     if not part.even:
         x = np.interp(_grid(part, rows, step), part.columns["time"][rows], x)
     frequency, power = spectrum(x, step)
-    floor = noise_floor(frequency, power, step)
+    return frequency, power, noise_floor(frequency, power, step)
+
+
+def choose_cutoff(measured: str, frequency: Array, power: Array, floor: float, step: float) -> tuple[float, str]:
+    """The frequency (Hz) up to which the motion's spectrum stands clear of its noise floor, and that in words."""
     highest = _HIGHEST / step
     buried = np.flatnonzero(power < _ABOVE_NOISE * floor)
     edge = float(frequency[buried[0]]) if len(buried) else highest
@@ -157,7 +166,7 @@ def choose_cutoff(parts: Sequence[Clean], measured: str, step: float) -> tuple[f
 def spectrum(x: Array, step: float) -> tuple[Array, Array]:
     """Frequencies (Hz) and power spectral density in sixths of an octave; trends do not leak into it."""
     rate = np.diff(x) / step
-    f, p = signal.welch(rate, 1 / step, nperseg=min(len(rate), 4096), detrend="linear")
+    f, p = signal.welch(signal.detrend(rate), 1 / step, nperseg=min(len(rate), 4096))
     f, p = f[1:], p[1:]
     p = p / (2 * np.sin(np.pi * f * step) / step) ** 2  # undoes the difference
     band = np.round(6 * np.log2(f / f[0])).astype(int)

@@ -48,7 +48,10 @@ class Sliding:
     @cached_property
     def linear(self) -> tuple[str, ...]:
         """The constants that the steady force is linear in."""
-        probe, names = self._probe(), [n for n, c in self.law.constants().items() if c.unit in _FORCE_LIKE and n in self.seen]
+        probe, names = (
+            self._probe(),
+            [n for n, c in self.law.constants().items() if c.unit in _FORCE_LIKE and n in self.seen],
+        )
         columns = self.columns({}, probe, names)
         bumped = {n: 1.3 * self.base[n] for n in names}
         whole = self.force(bumped, probe)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,7 @@ class Start:
     """A problem and a point near its optimum.
 
     Attributes:
-        free: the law's constants that were to be fitted.
+        free: the law's constants that were to be fitted; ``given``: those that were not.
         unseen: those that the data show nothing of, and why.
         at_bound: those that come out as 0, with the upper end of their interval.
         notes: for the reader.
@@ -44,6 +44,7 @@ class Start:
     unseen: dict[str, str]
     at_bound: dict[str, float]
     notes: tuple[str, ...]
+    given: dict[str, float]
 
 
 def solve(
@@ -90,7 +91,7 @@ def solve(
     draft = StaticProblem(log, sliding, [], held, {}, columns, reduce)
     span = {n: _span(n, law, sizes) for n in shapes}
     best, linear = _search(draft, span, held, wanted, columns, mass)
-    return _start(draft, sizes, best, linear, wanted, terms, unseen, span)
+    return replace(_start(draft, sizes, best, linear, wanted, terms, unseen, span), given=dict(fixed))
 
 
 def _typical(law: type[Law], sizes: Scales, given: Mapping[str, float]) -> dict[str, float]:
@@ -150,7 +151,9 @@ def _linear(
     """The coefficients that fit best for given shapes, physical ones kept positive; and the cost."""
     columns = dict(draft.columns_at(values))
     rest = draft.force.copy()
-    for name in [n for n in columns if n == "" or (n not in TERMS and n not in wanted) or (n == "mass" and mass is not None)]:
+    for name in [
+        n for n in columns if n == "" or (n not in TERMS and n not in wanted) or (n == "mass" and mass is not None)
+    ]:
         rest -= (1.0 if name == "" else values[name]) * columns.pop(name)
     if "F_c" in columns and "F_s" in columns:  # the rise above F_c instead of F_s
         columns["F_c"] = columns["F_c"] + columns["F_s"]
@@ -160,7 +163,7 @@ def _linear(
     matrix = np.column_stack([columns[n] for n in names])
     size = np.sqrt(np.mean(matrix**2, axis=0))
     size = np.where(size > 0, size, 1.0)
-    triangle = np.linalg.qr(np.column_stack([matrix / size, rest]), mode="r")
+    triangle: Array = np.asarray(np.linalg.qr(np.column_stack([matrix / size, rest]), mode="r"))
     positive = [n not in TERMS or TERMS[n].positive for n in names]
     low = np.where(positive, 0.0, -np.inf)
     solution = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=1e-12)[0]
@@ -200,23 +203,24 @@ def _start(
     for name in wanted:
         if name in unseen or name in tied:
             continue
-        if name in linear and linear[name] * (sizes.fast if "s" in law.constants()[name].unit else 1.0) < _NOTHING * force:
+        if (
+            name in linear
+            and linear[name] * (sizes.fast if "s" in law.constants()[name].unit else 1.0) < _NOTHING * force
+        ):
             at_bound[name], values[name] = _upper(draft, name, {**values, name: 0.0}), 0.0
             continue
         value = values[name]
         low, high = span.get(name, (value / _REACH, value * _REACH))
         coordinates.append(Coordinate(name, law.constants()[name].unit, low / 3, high * 3))
-    for name in terms:
-        coordinates.append(_term(name, values.get(name, 0.0), draft, force))
+    coordinates += [_term(name, values.get(name, 0.0), draft, force) for name in terms]
     free = {c.name for c in coordinates} | set(tied)
     fixed = {n: v for n, v in values.items() if n not in free}
     columns = [n for n in draft.terms if n in free or n in fixed]
     problem = StaticProblem(draft.log, draft.sliding, coordinates, fixed, tied, columns, draft.reduce)
-    low, high = problem.bounds
-    point = np.clip([c.inner(values[c.name]) if values.get(c.name) else 0.0 for c in coordinates], low, high)
+    point = np.clip([c.inner(values[c.name]) if values.get(c.name) else 0.0 for c in coordinates], *problem.bounds)
     problem.home = point
     notes = [f"{n}: comes out as 0, at most {high:.3g} {law.constants()[n].unit}" for n, high in at_bound.items()]
-    return Start(problem, np.asarray(point), tuple(wanted), unseen, at_bound, tuple(notes))
+    return Start(problem, np.asarray(point), tuple(wanted), unseen, at_bound, tuple(notes), {})
 
 
 def _term(name: str, value: float, draft: StaticProblem, force: float) -> Coordinate:
@@ -226,7 +230,9 @@ def _term(name: str, value: float, draft: StaticProblem, force: float) -> Coordi
     if term.column is None:
         step = draft.log.step
         return Coordinate(name, term.unit, -50 * step, 50 * step, log=False, scale=step)
-    size = force / max(float(np.quantile(abs(term.column(draft.log)[:: max(len(draft.log) // 100_000, 1)]), 0.99)), 1e-300)
+    size = force / max(
+        float(np.quantile(abs(term.column(draft.log)[:: max(len(draft.log) // 100_000, 1)]), 0.99)), 1e-300
+    )
     return Coordinate(name, term.unit, -1e4 * size, 1e4 * size, log=False, scale=size)
 
 
