@@ -162,6 +162,34 @@ def fit(
 
 
 @app.command()
+def rig(
+    stroke: Annotated[float, typer.Option("--stroke", metavar="M", help="The rig's travel, m.")],
+    speed: Annotated[float, typer.Option("--speed", metavar="M/S", help="Its highest speed, m/s.")],
+    force: Annotated[float, typer.Option("--force", metavar="N", help="Its largest force, N.")],
+    deflection: Annotated[
+        float | None,
+        typer.Option("--deflection", metavar="M", help="Way to break-away, F_c/sigma_0, where it is roughly known."),
+    ] = None,
+    simulate: Annotated[
+        bool, typer.Option("--simulate", help="Write a SYNTHETIC log of the programme too: simulated, not measured.")
+    ] = False,
+    law: Annotated[str, typer.Option("--law", metavar="NAME", help="The synthetic rig's friction.")] = "lugre",
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="SET", help="Its constants: a set or a file.")
+    ] = None,
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="One of its constants.")] = None,
+    seed: Annotated[int, typer.Option("--seed", help="Of its noise.")] = 0,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """Print what to measure to fit a law: speeds, amplitudes, force rates for the limits of a rig."""
+    from stribeck.cli import rig as command
+
+    limits = (stroke, speed, force, deflection)
+    return command.rig(limits, simulate, law, parameters, set_ or [], seed, out, json)
+
+
+@app.command()
 def new(
     name: Annotated[
         str, typer.Argument(metavar="[NAME]", help="A name for it, or that of a built-in example.")
