@@ -100,6 +100,10 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
         if not e.identifiable:
             print(f"  {name}: not determined by the data: {e.why}")
             print(f"  {'':{width}}  to determine it: {e.experiment}")
+    for r in best.details.get("levels", ()):
+        at = "".join(f" at {n.removeprefix('F_c_by_')} {x:.4g}" for n, x in r["at"].items())
+        told = f", predicted from the others {r['predicted']:.4g}" if "predicted" in r else ""
+        print(f"  {r['file']}{at}: F_c {r['level']:.4g} ({r['low']:.4g} ... {r['high']:.4g}) N{told}")
     for text in (*log.quality, *best.notes):
         print(f"  note: {text}")
     for file in files:

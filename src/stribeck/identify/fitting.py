@@ -20,6 +20,7 @@ from stribeck.identify.prepare import Preparation, load
 from stribeck.identify.presliding import fit_presliding
 from stribeck.identify.read import Columns
 from stribeck.identify.static import Setting, check_motion, fit_static
+from stribeck.identify.terms import TERMS
 from stribeck.identify.units import ROLES
 
 Data = str | Path | Log | Sequence[str | Path]
@@ -58,7 +59,7 @@ def fit(
         force_gain: force per unit of the force column: a number, or the name of a constant in the file.
         mass: kg; fitted unless given (presliding: 0 unless given).
         method: "static", "presliding" or "dynamic"; by default static for a law without bristles, else dynamic.
-        constants: constants of the law that are given (k_v, z_ba, or any other).
+        constants: constants of the law that are given (k_v, z_ba, or any other), and terms.
         free: constants of the law's own to fit too (k_v).
         terms: what the force holds beside friction, mass and offset (docs/fit.md).
         select: add such terms as lower the error over left-out blocks (static).
@@ -142,7 +143,7 @@ class _Request:
             f"{option}: {name}: law '{law}' has no such constant{nearest(name, found.constants())}"
             for option, names in (("--set", self.constants), ("--free", self.free))
             for name in names
-            if name not in found.constants()
+            if name not in found.constants() and not (option == "--set" and name in TERMS)
         ]
         problems += [
             f"--set {name}: {show(value)}: {text}"

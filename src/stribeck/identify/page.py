@@ -17,6 +17,7 @@ from stribeck.identify.log import Log
 from stribeck.report.page import Chapter, Table, html
 
 Array = NDArray[np.float64]
+_SAME = 0.05  # of a speed: closer ones share a line
 
 
 def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
@@ -24,7 +25,7 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
     fit = result.best if isinstance(result, Choice) else result
     chapters = [
         _result(fit), *([_laws(result)] if isinstance(result, Choice) else []), *_selection(fit), _data(log, data),
-        *_curve(fit), *_loops(fit), *_residuals(fit), *_profiles(fit), *_properties(fit),
+        *_curve(fit), *_levels(fit), *_loops(fit), *_residuals(fit), *_profiles(fit), *_properties(fit),
     ]  # fmt: skip
     about = f"Stribeck {stribeck.__version__}, {command}, data SHA-256 {fit.data_hash[:16]}..."
     unknown = [n for n in fit.unidentified if n in fit.estimates]
@@ -117,18 +118,44 @@ def _curve(fit: Fit) -> list[Chapter]:
     tables = []
     if segments:
         text.append(f"{len(segments)} stretches of constant speed were found; each is a circle.")
-        rows = [
-            [
-                f"{s['time']:.4g}",
-                f"{s['duration']:.3g}",
-                f"{s['velocity']:.4g}",
-                f"{s['friction']:.4g}",
-                f"{s['deviation']:.2g}",
-            ]
-            for s in segments[:40]
-        ]
-        tables = [Table(["from (s)", "for (s)", "speed (m/s)", "friction (N)", "standard deviation (N)"], rows)]
+        head = ["speed (m/s)", "stretches", "seconds in all", "friction (N)", "spread between stretches (N)"]
+        tables = [Table(head, _by_speed(segments))]
     return [Chapter("curve", "Friction against velocity", text, tables, [pictures.curve(fit)])]
+
+
+def _by_speed(segments: Sequence[dict[str, float]]) -> list[list[str]]:
+    """Stretches of nearly the same speed in one line."""
+    ordered = sorted(segments, key=lambda s: s["velocity"])
+    groups: list[list[dict[str, float]]] = []
+    for s in ordered:
+        last = groups[-1][-1]["velocity"] if groups else None
+        if last is not None and abs(s["velocity"] - last) <= _SAME * abs(last):
+            groups[-1].append(s)
+        else:
+            groups.append([s])
+    return [
+        [
+            f"{np.mean([s['velocity'] for s in g]):.4g}", str(len(g)), f"{sum(s['duration'] for s in g):.3g}",
+            f"{np.mean([s['friction'] for s in g]):.4g}", f"{np.std([s['friction'] for s in g]):.2g}",
+        ]
+        for g in groups
+    ]  # fmt: skip
+
+
+def _levels(fit: Fit) -> list[Chapter]:
+    rows = fit.details.get("levels")
+    if not rows:
+        return []
+    text = ["The friction level F_c of each file, all else being shared, and what the fit without that file predicts."]
+    body = []
+    for r in rows:
+        at = ", ".join(f"{n.removeprefix('F_c_by_')} {x:.4g}" for n, x in r["at"].items())
+        own = [f"{r[key]:.4g}" for key in ("level", "low", "high")]
+        told = [f"{r[key]:.4g}" if key in r else "-" for key in ("predicted", "predicted_low", "predicted_high")]
+        body.append([r["file"], at or "-", *own, *told])
+    head = ["file", "mean (SI)", "F_c (N)", "95 % from", "to", "predicted (N)", "95 % from", "to"]
+    figures = [pictures.levels(rows)] if rows[0]["at"] else []
+    return [Chapter("levels", "Friction level by file", text, [Table(head, body)], figures)]
 
 
 def _loops(fit: Fit) -> list[Chapter]:

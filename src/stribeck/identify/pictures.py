@@ -83,6 +83,35 @@ def curve(fit: Fit) -> FigureSvg:
         return plots.finish(made, "curve", "Measured friction and the fitted law at held speeds.")
 
 
+def levels(rows: Sequence[Any]) -> FigureSvg:
+    """The friction level of each file against what it depends on."""
+    name = next(iter(rows[0]["at"]))
+    role = name.removeprefix("F_c_by_")
+    unit = {"pressure": "Pa", "load": "N", "position": "m"}[role]
+    x = np.array([r["at"][name] for r in rows])
+    with plots.style():
+        made, axes = plots.figure([["levels"]], 3.0)
+        axis = axes["levels"]
+        kinds = (
+            ("level", "low", "high", "its own", 0, 0.0),
+            ("predicted", "predicted_low", "predicted_high", "predicted", 1, 0.01),
+        )
+        for key, low, high, label, colour, aside in kinds:
+            if key in rows[0]:
+                y = np.array([r[key] for r in rows])
+                bars = np.array([[r[key] - r[low] for r in rows], [r[high] - r[key] for r in rows]])
+                where = x + aside * float(np.ptp(x))
+                axis.errorbar(
+                    where, y, bars, fmt="os"[colour], color=plots.COLOURS[colour], label=label, capsize=3, markersize=4
+                )
+        axis.set_xlabel(f"{role} ({unit})")
+        axis.set_ylabel("F_c (N)")
+        plots.legend(made, axis)
+        return plots.finish(
+            made, "levels", "Friction level of each file, and its prediction from the others; 95 % intervals."
+        )
+
+
 def loops(found: Sequence[Any]) -> FigureSvg:
     """The longest hysteresis loops, measured and fitted."""
     chosen = sorted(found, key=lambda loop: -float(np.ptp(loop["position"])))[:_LOOPS]

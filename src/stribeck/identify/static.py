@@ -20,6 +20,7 @@ from stribeck.identify.advice import experiment_for
 from stribeck.identify.crossvalidate import FOLDS, LeftOut, groups
 from stribeck.identify.estimate import Estimate, Fit, Prediction
 from stribeck.identify.guess import scales
+from stribeck.identify.levels import levels
 from stribeck.identify.log import Log
 from stribeck.identify.optimise import descend
 from stribeck.identify.segments import constant_speed, distinct_speeds
@@ -90,6 +91,7 @@ def fit_static(log: Log, law: str, setting: Setting | None = None, profiles: boo
         fit = _judged(begun, problem, u, log, profiles)
     values = {**problem.values(u), **fit.used}
     left_out = cross_validate(problem, u, log, q, setting.folds)
+    left_out = replace(left_out, parameters=len(u) + len(begun.unseen))  # what the law wants to know
     return replace(
         fit,
         relative_force_error=_error(problem, values),
@@ -101,6 +103,7 @@ def fit_static(log: Log, law: str, setting: Setting | None = None, profiles: boo
             "decimation": q,
             "segments": _curve(problem, values, segments, log),
             "left_out": left_out,
+            "levels": levels(problem, u, log, q),
         },
     )
 
@@ -232,7 +235,7 @@ def _curve(
     rest = np.zeros(len(log))
     for name in problem.terms:
         term = TERMS[name]
-        if term.column is not None and not term.level:
+        if term.column is not None and not (term.level or term.friction):
             rest += values.get(name, 0.0) * term.column(log)
     found = []
     for s in segments:
@@ -258,7 +261,7 @@ def _prediction(problem: StaticProblem, values: Mapping[str, float], log: Log, r
     """Friction, measured and fitted, at the rows that were compared."""
     body = np.zeros(len(rows))
     for name, column in problem.columns_at(values).items():
-        if name in TERMS and not TERMS[name].level:
+        if name in TERMS and not (TERMS[name].level or TERMS[name].friction):
             body += values[name] * column
     fitted = problem.model(values) - body
     return Prediction(log.time[rows], log.position[rows], log.velocity[rows], problem.force - body, fitted)
