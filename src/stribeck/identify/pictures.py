@@ -11,6 +11,7 @@ from scipy.stats import chi2
 
 from stribeck.identify.estimate import Fit
 from stribeck.identify.log import Log
+from stribeck.identify.terms import TERMS
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
 
@@ -27,13 +28,14 @@ def data(log: Log) -> list[FigureSvg]:
     }
     with plots.style():
         made, axes = plots.figure([[name] for name in columns], 1.5 * len(columns) + 0.4)
+        time, label = _in_a_row(log.time)
         for name, unit in columns.items():
             for rows in log.runs():
                 axes[name].plot(
-                    *plots.thin(log.time[rows], getattr(log, name)[rows]), color=plots.COLOURS[2], linewidth=0.8
+                    *plots.thin(time[rows], getattr(log, name)[rows]), color=plots.COLOURS[2], linewidth=0.8
                 )
             axes[name].set_ylabel(f"{name} ({unit})")
-        axes[next(reversed(columns))].set_xlabel("t (s)")
+        axes[next(reversed(columns))].set_xlabel(label)
         found = [plots.finish(made, "data", "The log as it was fitted.")]
     if log.spectrum is not None:
         found.append(_spectrum(log, *log.spectrum))
@@ -56,6 +58,14 @@ def _spectrum(log: Log, frequency: Array, power: Array, floor: float) -> FigureS
         )
 
 
+def _in_a_row(time: Array) -> tuple[Array, str]:
+    """Times that rise throughout, files following each other; and what to call them."""
+    steps = np.diff(time)
+    if np.all(steps >= 0):
+        return time, "t (s)"
+    return np.concatenate([[0.0], np.cumsum(np.maximum(steps, 0.0))]), "t, one file behind the other (s)"
+
+
 def _some(count: int) -> NDArray[np.intp]:
     return np.linspace(0, count - 1, min(count, _DOTS)).astype(np.intp)
 
@@ -74,9 +84,12 @@ def curve(fit: Fit) -> FigureSvg:
             axis.plot(*points, "o", color=plots.COLOURS[0], fillstyle="none", markersize=5, label="constant speed")
         fastest = float(np.max(abs(p.velocity)))
         half = np.geomspace(1e-5 * fastest, fastest, 400)
-        v = np.concatenate([-half[::-1], half])
-        force = fit.fitted_law().steady_force(v) + fit.used.get("sigma_2_by_direction", 0.0) * abs(v)
-        axis.plot(v, force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
+        if any(TERMS[n].level for n in fit.used if n in TERMS):  # the curve is not one line then
+            axis.plot(p.velocity[rows], p.fitted[rows], ".", color=plots.COLOURS[1], markersize=2, label="fitted")
+        else:
+            v = np.concatenate([-half[::-1], half])
+            force = fit.fitted_law().steady_force(v) + fit.used.get("sigma_2_by_direction", 0.0) * abs(v)
+            axis.plot(v, force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
         axis.set_xlabel("velocity (m/s)")
         axis.set_ylabel("friction (N)")
         plots.legend(made, axis)
@@ -140,8 +153,9 @@ def residuals(fit: Fit) -> FigureSvg:
     rows = _some(len(rest))
     with plots.style():
         made, axes = plots.figure([["time"], ["velocity"]], 4.2)
-        axes["time"].plot(*plots.thin(p.time, rest), color=plots.COLOURS[2], linewidth=0.7)
-        axes["time"].set_xlabel("t (s)")
+        time, label = _in_a_row(p.time)
+        axes["time"].plot(*plots.thin(time, rest), color=plots.COLOURS[2], linewidth=0.7)
+        axes["time"].set_xlabel(label)
         axes["velocity"].plot(p.velocity[rows], rest[rows], ".", color=plots.COLOURS[2], markersize=2)
         axes["velocity"].set_xlabel("velocity (m/s)")
         for axis in axes.values():

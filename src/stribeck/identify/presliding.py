@@ -20,13 +20,13 @@ from stribeck.identify.dynamic import fit_dynamic
 from stribeck.identify.estimate import Estimate, Fit
 from stribeck.identify.guess import Scales, scales
 from stribeck.identify.log import Log
-from stribeck.identify.problem import Tie
 
 Array = NDArray[np.float64]
 _NOISES = 6.0  # standard deviations that a reversal must stand above the noise
 _LONGEST = 8.0  # natural lengths (friction level / stiffness) that a small reversal may be long
 _FEWEST_TURNS = 3
 _FEWEST_ROWS = 20  # between two turns, on average
+_FALLS = 3.0  # fastest speeds of the loops: the v_s that is held
 _SPREAD = 0.25  # of the friction level: what the force must change by in a loop
 
 
@@ -96,8 +96,8 @@ def fit_presliding(
 ) -> Fit:
     """Fit sigma_0, sigma_1 and the force level of break-away to the small reversals of a log.
 
-    In a presliding loop the speed stays far below v_s, so that F_s alone is the level there: F_c, v_s and sigma_2 play no
-    part unless they are given.
+    In a presliding loop the speed stays far below v_s, so that F_s is the level there; F_c, v_s and sigma_2 cannot be told
+    from it. (sigma_1 is sigma_1 + sigma_2 there.)
 
     Raises:
         InputError: the law has no bristles.
@@ -109,13 +109,14 @@ def fit_presliding(
     small = loops(log, sizes)
     if not small:
         return _without(found, log, sizes, dict(fixed or {}))
-    given, tied, free = _arranged(found, dict(fixed or {}), sizes)
     cut = _cut(log, [loop.rows for loop in small])
+    given, free = _arranged(found, dict(fixed or {}), float(np.max(abs(cut.velocity))))
     fit = fit_dynamic(
-        cut, law, fixed=given, tied=tied, free=free, mass=mass, starts=starts, seed=seed,
+        cut, law, fixed=given, free=free, mass=mass, starts=starts, seed=seed,
         profiles=profiles,
     )  # fmt: skip
-    unseen = [n for n in found.uses if n not in free and n not in (fixed or {})]
+    level = "F_s" if "F_s" in found.uses else "F_c"
+    unseen = [n for n in found.uses if n not in ("sigma_0", "sigma_1", level) and n not in (fixed or {})]
     why = "the small reversals are slower than the speeds at which it matters"
     estimates = dict(fit.estimates)
     estimates |= {n: _unknown(found.constants()[n].unit, why, n, sizes) for n in unseen}
@@ -128,26 +129,22 @@ def fit_presliding(
         fit,
         method="presliding",
         estimates={n: estimates[n] for n in found.constants() if n in estimates},
-        fixed={n: v for n, v in fit.fixed.items() if n not in unseen},
+        fixed=dict(fixed or {}),
         data_hash=log.hash,
         notes=(note, *fit.notes),
         details={**fit.details, "loops": _shown(fit, cut)},
     )
 
 
-def _arranged(
-    law: type[laws.Law], given: dict[str, float], sizes: Scales
-) -> tuple[dict[str, float], dict[str, Tie], list[str]]:
-    """What is fitted, tied and held in presliding."""
-    tied: dict[str, Tie] = {}
-    free: list[str] = [n for n in ("sigma_0", "sigma_1") if n in law.uses and n not in given]
-    level = "F_s" if "F_s" in law.uses else "F_c"
-    if level not in given:
-        free.append(level)
-    if level == "F_s" and "F_c" not in given:
-        tied["F_c"] = Tie("F_s")
-    held = {"sigma_2": 0.0, "v_s": sizes.fast}
-    return {**{n: v for n, v in held.items() if n in law.uses}, **given}, tied, free
+def _arranged(law: type[laws.Law], given: dict[str, float], fastest: float) -> tuple[dict[str, float], list[str]]:
+    """What is held and what is fitted in presliding.
+
+    With v_s held at a few times the fastest motion, F_c lets the level fall with speed as it may, so that sigma_1 does
+    not have to; neither is a result.
+    """
+    held = {n: v for n, v in (("sigma_2", 0.0), ("v_s", _FALLS * fastest)) if n in law.uses}
+    fixed = {**held, **given}
+    return fixed, [n for n in ("sigma_0", "sigma_1", "F_c", "F_s") if n in law.uses and n not in fixed]
 
 
 def _cut(log: Log, parts: Sequence[slice]) -> Log:
