@@ -77,8 +77,9 @@ def fit(
     Raises:
         InputError: data, columns, units or constants cannot be used; a line for each problem.
     """
-    log = read_log(data, {**(columns or {}), **named}, units, force_gain, cutoff, trim)
     names = [law] if isinstance(law, str) else list(law)
+    sharp = is_simulated(names, method)
+    log = read_log(data, {**(columns or {}), **named}, units, force_gain, cutoff, trim, sharp)
     ask = _Request(
         mass, method, dict(constants or {}), tuple(free), tuple(terms), select, decimate, robust, folds, starts, seed
     )
@@ -90,6 +91,11 @@ def fit(
     return compare(log, names, ask.fit)
 
 
+def is_simulated(names: Sequence[str], method: str | None) -> bool:
+    """Whether a fit of these laws simulates them."""
+    return method in ("presliding", "dynamic") or (method is None and any(laws.find(name).has_z for name in names))
+
+
 def read_log(
     data: Data,
     columns: Mapping[str, str],
@@ -97,6 +103,7 @@ def read_log(
     force_gain: float | str | None = None,
     cutoff: float | None = None,
     trim: int | None = None,
+    sharp: bool = False,
 ) -> Log:
     """The log in files, ready to be fitted; a log as it is."""
     if isinstance(data, Log):
@@ -104,7 +111,7 @@ def read_log(
     if unknown := [n for n in columns if n not in ROLES]:
         raise InputError([f"{n}: {show(columns[n])}: unknown argument{nearest(n, ROLES)}" for n in unknown])
     paths = [data] if isinstance(data, str | Path) else list(data)
-    return load(paths, Columns(dict(columns), dict(units or {}), force_gain), Preparation(cutoff, trim))
+    return load(paths, Columns(dict(columns), dict(units or {}), force_gain), Preparation(cutoff, trim, sharp))
 
 
 def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> Choice:
