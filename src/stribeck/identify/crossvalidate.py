@@ -14,6 +14,7 @@ from stribeck.identify.optimise import descend
 
 Array = NDArray[np.float64]
 FOLDS = 10
+_BLOCKS = 5  # in a part
 
 
 @dataclass(frozen=True)
@@ -39,7 +40,7 @@ class LeftOut:
 
 def groups(log: Log, folds: int = FOLDS) -> tuple[NDArray[np.intp], str]:
     """Which part each row belongs to: files where there are three or more, runs where there are as many as folds, else
-    blocks in time; and how the parts were made."""
+    blocks in time, several to a part; and how the parts were made."""
     rows = np.arange(len(log))
     if len(names := list(dict.fromkeys(log.files))) > 2:
         number = np.array([names.index(name) for name in log.files])[log.run]
@@ -47,8 +48,9 @@ def groups(log: Log, folds: int = FOLDS) -> tuple[NDArray[np.intp], str]:
     runs = np.cumsum(np.diff(log.run, prepend=log.run[:1]) != 0)
     if (count := int(runs[-1]) + 1) >= folds:
         return (runs * folds // count).astype(np.intp), f"over {count} runs in {folds} parts"
-    folds = max(min(folds, len(log) // 5), 2)
-    return (rows * folds // len(log)).astype(np.intp), f"over {folds} blocks in time"
+    folds = max(min(folds, len(log) // 50), 2)
+    blocks = rows * (folds * _BLOCKS) // len(log)  # dealt out in turn: each part then holds something of every test
+    return (blocks % folds).astype(np.intp), f"over {folds * _BLOCKS} blocks in time, dealt to {folds} parts"
 
 
 def cross_validate(problem: VelocityProblem, point: Array, log: Log, folds: int = FOLDS) -> LeftOut:
