@@ -101,7 +101,7 @@ def summary(cases: list[dict[str, dict[str, Any]]]) -> dict[str, dict[str, float
 def main() -> None:
     """Run the study."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--experiments", type=int, default=200)
+    parser.add_argument("--experiments", "--repetitions", type=int, default=200, help="with each law")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--out", type=Path, default=Path(__file__).parent / "results" / "coverage.json")
     given = parser.parse_args()

@@ -19,6 +19,8 @@ BENCHMARKS = {  # and their files
     "in_mujoco": "in_mujoco.py",
     "discretisation": "discretisation.py",
     "instructions": "instructions.py",
+    "fit_speed": "fit_speed.py",
+    "coverage": "coverage.py",
     "startup": "startup.py",
 }
 

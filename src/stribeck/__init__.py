@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from stribeck.analysis.advise import Advice, advise
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
     from stribeck.export import export
+    from stribeck.identify.fitting import fit
     from stribeck.laws import law
     from stribeck.parameter_sets import parameters
     from stribeck.scenario import Scenario
@@ -18,7 +19,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
-    "StribeckNote", "advise", "export", "law", "parameters", "simulate", "simulate_ensemble",
+    "StribeckNote", "advise", "export", "fit", "law", "parameters", "simulate", "simulate_ensemble",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -28,6 +29,7 @@ _HOME = {
     ),
     **dict.fromkeys(("Advice", "advise"), "stribeck.analysis.advise"),
     "export": "stribeck.export",
+    "fit": "stribeck.identify.fitting",
     "law": "stribeck.laws",
     "parameters": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",

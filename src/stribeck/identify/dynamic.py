@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from stribeck.errors import StribeckError
 from stribeck.identify import uncertainty
+from stribeck.identify.crossvalidate import cross_validate
 from stribeck.identify.dynamic_problem import Given, VelocityProblem, velocity_problem
 from stribeck.identify.estimate import Fit, Prediction
 from stribeck.identify.log import Log
@@ -34,6 +36,7 @@ def fit_dynamic(
     starts: int = _STARTS,
     seed: int = 0,
     profiles: bool = True,
+    folds: int = 0,
 ) -> Fit:
     """Fit a law's constants so that the force simulated for the measured velocity meets the measured force.
 
@@ -50,6 +53,8 @@ def fit_dynamic(
         starts: how many starting points; the seed makes them the same each time.
         seed: of the starting points.
         profiles: find intervals from profiles of the likelihood; else from the covariance alone.
+        folds: parts of a cross-validation, whose :class:`stribeck.identify.crossvalidate.LeftOut` is then in
+            ``details["left_out"]``; 0 for none.
 
     Returns:
         The fit; its ``details["search"]`` says how the starts ended.
@@ -64,31 +69,35 @@ def fit_dynamic(
     )
     with threadpool_limits(1):  # the starts run beside each other; more threads of linear algebra only spin
         optimum = multistart(problem, starting_points(problem, first, low, high, starts, seed))
-        return finish(problem, optimum, log, "dynamic", profiles)
+        if problem.misfit(optimum.point) is None:
+            raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
+        judged = uncertainty.judge(problem, optimum.point, log, profiles)
+        fit = fit_of(problem, judged, optimum, log)
+        if folds < 2:
+            return fit
+        left_out = cross_validate(problem, judged.point, log, folds)
+    return replace(
+        fit,
+        cross_validated_error=left_out.error,
+        notes=(*fit.notes, f"cross-validated {left_out.how}"),
+        details={**fit.details, "left_out": left_out},
+    )
 
 
-def finish(problem: VelocityProblem, optimum: Optimum, log: Log, method: str, profiles: bool = True) -> Fit:
-    """The fit with intervals and verdicts from an optimum.
-
-    Raises:
-        StribeckError: the optimum is no simulation that works.
-    """
-    if problem.misfit(optimum.point) is None:
-        raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
-    judged = uncertainty.judge(problem, optimum.point, log, profiles)
+def fit_of(problem: VelocityProblem, judged: uncertainty.Judgement, optimum: Optimum, log: Log) -> Fit:
+    """The fit from its optimum and what was judged of it."""
     force = problem.force(judged.point[None, :])
     assert force is not None
     values, misfit = problem.values(judged.point), log.force - force[0]
     beside = problem.of_body([values])[0]
-    used = problem.describe(judged.point)
     notes = [] if optimum.converged and (optimum.starts == 1 or optimum.agreeing > 1) else [optimum.verdict]
     return Fit(
         law=problem.law.name,
-        method=method,
+        method="dynamic",
         estimates={n: e for n, e in judged.estimates.items() if n not in TERMS},
         body={n: e for n, e in judged.estimates.items() if n in TERMS},
         fixed=problem.fixed,
-        used=used,
+        used=problem.describe(judged.point),
         names=judged.names,
         covariance=judged.covariance,
         relative_force_error=float(np.linalg.norm(misfit) / np.linalg.norm(log.force)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,10 +65,23 @@ class VelocityProblem(Problem):
 
     def with_rows(self, rows: NDArray[np.bool_]) -> VelocityProblem:
         """The same problem where other rows count."""
-        body = (*self.body, *self.levels)
-        other = VelocityProblem(self.log, self.law, self.coordinates, self.fixed, self.tied, body, rows)
+        body, before = (*self.body, *self.levels), np.concatenate([[0], np.cumsum(rows)]).tolist()
+        coordinates = [
+            c if c.rows is None else replace(c, rows=slice(before[run.start], before[run.stop]))
+            for c, run in zip(self.coordinates, self._runs_of_coordinates(), strict=True)
+        ]
+        other = VelocityProblem(self.log, self.law, coordinates, self.fixed, self.tied, body, rows)
         other.home = self.home
         return other
+
+    def _runs_of_coordinates(self) -> list[slice]:
+        numbers = {first_deflection(i): run for i, run in enumerate(self.runs)}
+        return [numbers.get(c.name, slice(0, 0)) for c in self.coordinates]
+
+    def without_unseen_starts(self, u: Array) -> Array:
+        """The point with no deflection at the start of the runs of which no row counts."""
+        unseen = [c.rows is not None and c.rows.stop == c.rows.start for c in self.coordinates]
+        return np.where(unseen, 0.0, u)
 
     def outputs(self, points: Array) -> Array | None:
         """The force at the rows that count."""
@@ -89,7 +102,7 @@ class VelocityProblem(Problem):
     def _friction(self, sets: Sequence[Given]) -> Array | None:
         constants = self.response.lanes(sets)
         with np.errstate(all="ignore"):
-            length = [self.law.scales(SimpleNamespace(**each)).length for each in sets]
+            length = [self.length(each) for each in sets]
         if not (np.isfinite(length[0]) and length[0] > 0):
             return None
         shift = None
@@ -166,7 +179,8 @@ def velocity_problem(
     for name in free:
         here = ranges(law, sizes)[name]
         if start and start.get(name, 0.0) > 0:
-            here = Range(start[name], min(here.low, start[name]), max(here.high, start[name]))
+            given = float(start[name])
+            here = Range(given, min(here.low, given), max(here.high, given), here.reach)
         unit = law.constants()[name].unit
         found.append((Coordinate(name, unit, *here.bounds), here.value, here.low, here.high))
     found += [_body_coordinate(name, log, sizes.force, sizes.offset) for name in body if name not in held]

@@ -143,6 +143,7 @@ class Fit:
             "relative_force_error": self.relative_force_error,
             "cross_validated_error": self.cross_validated_error,
             "unidentified": list(self.unidentified),
+            **{name: self.details[name] for name in ("levels", "selection") if self.details.get(name)},
             "data_hash": self.data_hash,
             "notes": list(self.notes),
         }

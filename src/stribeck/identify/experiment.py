@@ -91,14 +91,14 @@ def experiment(
     position = _rounded(y + sensors.position_noise * noise.standard_normal(len(t)), sensors.position_resolution)
     log = Log(
         time=t, position=position,
-        velocity=savgol_filter(position, 7, 4, deriv=1, delta=step),
-        acceleration=savgol_filter(position, 7, 4, deriv=2, delta=step),
+        velocity=savgol_filter(position, 5, 4, deriv=1, delta=step),
+        acceleration=savgol_filter(position, 5, 4, deriv=2, delta=step),
         force=_rounded(force, sensors.force_resolution),
         run=np.zeros(len(t), np.int32), step=step,
         sources={
             "position": LABEL, "force": LABEL,
-            "velocity": f"{LABEL}; from position, cubic and quartic through 7 points",
-            "acceleration": f"{LABEL}; from position, cubic and quartic through 7 points",
+            "velocity": f"{LABEL}; from position, quartic through 5 points",
+            "acceleration": f"{LABEL}; from position, quartic through 5 points",
         },
         quality=(f"{LABEL}: law {type(law).name}, seed {seed}",),
     )  # fmt: skip

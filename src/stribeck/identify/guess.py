@@ -12,7 +12,6 @@ from stribeck.identify.log import Log
 from stribeck.laws.base import Law
 
 Array = NDArray[np.float64]
-_REACH = 1e3  # a fit may go so far beyond the range in which it starts
 _REVERSALS_LOOKED_AT = 200
 
 
@@ -23,11 +22,12 @@ class Range:
     value: float
     low: float
     high: float
+    reach: float = 1e3
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """How far a fit may go."""
-        return self.low / _REACH, self.high * _REACH
+        """How far a fit may go: beyond the range by the factor ``reach``, and down by a thousand."""
+        return self.low / 1e3, self.high * self.reach
 
 
 @dataclass(frozen=True)
@@ -92,9 +92,9 @@ def ranges(law: type[Law], sizes: Scales) -> dict[str, Range]:
         "sigma_0": Range(k, k / 20, k * 20),
         "sigma_1": Range(0.03 * f / middle, 1e-3 * f / middle, f / middle),
         "sigma_2": Range(0.1 * f / fast, 1e-3 * f / fast, f / fast),
-        "F_c": Range(0.8 * f, 0.3 * f, 1.2 * f),
-        "F_s": Range(1.2 * f, 0.5 * f, 2 * f),
-        "v_s": Range(middle, slow, fast),
+        "F_c": Range(0.8 * f, 0.3 * f, 1.2 * f, reach=5),
+        "F_s": Range(1.2 * f, 0.5 * f, 2 * f, reach=5),
+        "v_s": Range(middle, slow, fast, reach=10),
     }
     for name, constant in law.constants().items():
         if name not in known:

@@ -28,6 +28,7 @@ class Log:
         noise: standard deviation of a measured column's noise, where it could be told.
         bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
         files: the name of the file that each run is from.
+        spectrum: frequencies (Hz), power spectral density of the measured motion, and its noise floor.
     """
 
     time: Array
@@ -45,6 +46,7 @@ class Log:
     noise: dict[str, float] = field(default_factory=dict)
     bandwidth: float | None = None
     files: tuple[str, ...] = ()
+    spectrum: tuple[Array, Array, float] | None = None
 
     def __len__(self) -> int:
         return len(self.time)

@@ -17,7 +17,7 @@ from stribeck.identify.problem import Problem
 Array = NDArray[np.float64]
 _FIRST_LOOK = 12  # evaluations after which the better half of the starts goes on
 _SAME = 1e-3  # relative difference of costs that are one minimum
-_ROUGH, _FINE = 1e-4, 1e-8
+_ROUGH, _MIDDLE, _FINE = 1e-4, 1e-6, 1e-8
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def multistart(problem: Problem, starts: Sequence[Array], workers: int | None = 
 
         looks = each(starts, _ROUGH, _FIRST_LOOK)
         kept = max(min(3, len(looks)), (len(looks) + 3) // 4)
-        done = each([run.point for run in looks[:kept]], _ROUGH, 100)
+        done = each([run.point for run in looks[:kept]], _MIDDLE, 200)
     best = descend(problem, done[0].point, _FINE, 200)
     agreeing = sum(run.cost <= best.cost * (1 + _SAME) + 1e-12 for run in done)
     return Optimum(

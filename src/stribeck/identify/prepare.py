@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
 _LONGEST_LOOK = 1 << 18  # samples from which a spectrum is taken
 _HIGHEST = 0.4  # of the sampling rate
+_RAISED, _NOISE_ALLOWED = 4.0, 1e-3
+_SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
 _SETTLED = 5.0  # periods of the cut-off dropped at the start of a run
 
 
@@ -31,10 +34,13 @@ class Preparation:
     Attributes:
         cutoff: of the zero-phase Butterworth filter (order 4, there and back), Hz; 0 takes the motion as it is.
         trim: samples dropped at the start of each run, where the filter has not settled.
+        sharp: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
+            cut-off chosen from the data is raised.
     """
 
     cutoff: float | None = None
     trim: int | None = None
+    sharp: bool = False
 
 
 def load(paths: Sequence[str | Path], columns: Columns, how: Preparation | None = None) -> Log:
@@ -56,22 +62,36 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     roles = list(parts[0].columns)
     notes = [note for part in parts for note in part.notes]
     measured = "position" if "position" in roles else "velocity"
-    cutoff = how.cutoff
+    seen = _measured_spectrum(parts, measured, step)
+    cutoff, chosen = how.cutoff, 0.0
     if cutoff is None:
-        cutoff, why = choose_cutoff(parts, measured, step)
+        cutoff, why = choose_cutoff(measured, *seen, step)
         notes.append(why)
+        if how.sharp and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
+            chosen, cutoff = cutoff, higher
+            notes.append(
+                f"position and velocity only at {cutoff:.3g} Hz, as a simulation averages their noise out and needs sharp "
+                "reversals"
+            )
     elif cutoff > 0:
         if cutoff >= 0.5 / step:
             raise InputError(f"--cutoff: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")
         notes.append(f"motion filtered at {cutoff:g} Hz, as given")
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
+    if trim < 0:
+        raise InputError(f"--trim: {trim}: must be a whole number >= 0")
     columns, lengths = _columns(parts, roles, measured, step, cutoff, trim)
+    if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
+        for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
+            rows = slice(last - count, last)
+            columns["acceleration"][rows] = low_pass(columns["acceleration"][rows], chosen, step)
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
     sources = _sources(roles, measured, cutoff, parts)
+    parts_of_log: dict[str, Any] = dict(columns)
     return Log(
-        **columns, run=run, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
-        files=tuple(names[i] for i in files) if names else (),
+        **parts_of_log, run=run, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
+        files=tuple(names[i] for i in files) if names else (), spectrum=seen,
     )  # fmt: skip
 
 
@@ -135,19 +155,23 @@ def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence
     return found
 
 
-def choose_cutoff(parts: Sequence[Clean], measured: str, step: float) -> tuple[float, str]:
-    """The frequency (Hz) up to which the motion's spectrum stands clear of its noise floor, and that in words."""
+def _measured_spectrum(parts: Sequence[Clean], measured: str, step: float) -> tuple[Array, Array, float]:
+    """The spectrum of the measured motion in the longest run, and its noise floor."""
     part, rows = max(((p, r) for p in parts for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
     rows = slice(rows.start, min(rows.stop, rows.start + _LONGEST_LOOK))
     x = part.columns[measured][rows]
     if not part.even:
         x = np.interp(_grid(part, rows, step), part.columns["time"][rows], x)
     frequency, power = spectrum(x, step)
-    floor = noise_floor(frequency, power, step)
+    return frequency, power, noise_floor(frequency, power, step)
+
+
+def choose_cutoff(measured: str, frequency: Array, power: Array, floor: float, step: float) -> tuple[float, str]:
+    """The frequency (Hz) up to which the motion's spectrum stands clear of its noise floor, and that in words."""
     highest = _HIGHEST / step
     buried = np.flatnonzero(power < _ABOVE_NOISE * floor)
     edge = float(frequency[buried[0]]) if len(buried) else highest
-    cutoff = min(_rounded(max(edge, 2 * frequency[0])), highest)
+    cutoff = min(_rounded(max(edge, _SLOWEST_FILTER * frequency[0])), highest)
     if edge >= highest:
         return highest, f"{measured}: no noise floor in sight; low-pass at {highest:.4g} Hz, 0.4 of the sampling rate"
     return cutoff, (
@@ -156,10 +180,24 @@ def choose_cutoff(parts: Sequence[Clean], measured: str, step: float) -> tuple[f
     )
 
 
+def raised(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:
+    """The cut-off for simulations: up to four times as high, while the velocity's noise stays below a thousandth of the
+    largest speed."""
+    part = parts[0]
+    x = part.columns[measured][part.runs[0]][:_LONGEST_LOOK]
+    smooth = low_pass(x, cutoff, step)
+    if measured == "velocity":
+        highest = (_NOISE_ALLOWED * float(np.max(abs(smooth)))) ** 2 / max(floor, 1e-300)
+    else:
+        fastest = float(np.max(abs(np.diff(smooth)))) / step
+        highest = np.cbrt(3 * (_NOISE_ALLOWED * fastest / (2 * np.pi)) ** 2 / max(floor, 1e-300))
+    return float(max(min(highest, _RAISED * cutoff, _HIGHEST / step), cutoff))
+
+
 def spectrum(x: Array, step: float) -> tuple[Array, Array]:
     """Frequencies (Hz) and power spectral density in sixths of an octave; trends do not leak into it."""
     rate = np.diff(x) / step
-    f, p = signal.welch(rate, 1 / step, nperseg=min(len(rate), 4096), detrend="linear")
+    f, p = signal.welch(signal.detrend(rate), 1 / step, nperseg=min(len(rate), 4096))
     f, p = f[1:], p[1:]
     p = p / (2 * np.sin(np.pi * f * step) / step) ** 2  # undoes the difference
     band = np.round(6 * np.log2(f / f[0])).astype(int)

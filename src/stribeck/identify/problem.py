@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from stribeck.errors import InputError
 from stribeck.laws.base import Law
 
 Array = NDArray[np.float64]
-_STEP = 1e-6  # of finite differences, in inner coordinates
 _FAILED = 1e3  # residual, in units of the data, where a simulation fails
 _WALL = 1e3  # residual for a distance of one beyond what the law allows
 
@@ -73,6 +72,8 @@ class Problem(ABC):
         measured: the output that the model is to meet, at the rows that count.
         scale: natural size of the output: residuals are divided by it.
     """
+
+    step: ClassVar[float] = 1e-6  # of finite differences, in inner coordinates
 
     def __init__(
         self,
@@ -136,6 +137,11 @@ class Problem(ABC):
             good, bad = (middle, bad) if self.allowed(self.home + middle * (u - self.home)) else (good, middle)
         return np.asarray(self.home + good * (u - self.home))
 
+    def length(self, values: Mapping[str, float]) -> float:
+        """The law's natural length for given constants, m."""
+        off = dict.fromkeys((name for name, c in self.law.constants().items() if c.optional))
+        return self.law.scales(SimpleNamespace(**{**off, **values})).length
+
     # -- residuals ---------------------------------------------------------------------------------------------------
 
     def misfit(self, u: Array) -> Array | None:
@@ -165,13 +171,13 @@ class Problem(ABC):
             lanes.append(local)
         points = np.repeat(u[None, :], 1 + len(lanes), axis=0)
         for lane, moved in enumerate(lanes, start=1):
-            points[lane, moved] += _STEP
+            points[lane, moved] += self.step
         out = self.outputs(points)
         if out is None:
             return None
         result = np.zeros((out.shape[1], len(u)))
         for lane, moved in enumerate(lanes, start=1):
-            slope = (out[lane] - out[0]) / _STEP
+            slope = (out[lane] - out[0]) / self.step
             for i in moved:
                 where = self.coordinates[i].rows or slice(None)
                 result[where, i] = slope[where]

@@ -123,7 +123,7 @@ def _ramps(limits: Limits) -> list[Test]:
 
 def _accelerate(limits: Limits) -> Test:
     half = min(0.9 * limits.stroke / (0.5 * limits.speed), 0.5)
-    tells = "mass: the highest acceleration that the force allows"
+    tells = "mass: shorten it until the force comes near its limit"
     way = 0.5 * limits.speed * half
     return Test("acceleration", tells, "motion", way, limits.speed, None, 2 * half, 3)
 

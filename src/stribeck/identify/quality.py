@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,7 +74,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     bad = _stuck(columns, number, notes) | _clipped(columns, number, notes)
     breaks = new_run | gaps | (bad[1:] != bad[:-1])
     cuts = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(time)]
-    pieces = [slice(a, b) for a, b in zip(cuts, cuts[1:], strict=False) if not bad[a]]
+    pieces = [slice(a, b) for a, b in pairwise(cuts) if not bad[a]]
     runs = [r for r in pieces if r.stop - r.start >= FEWEST]
     if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST):
         notes.append(f"{number}: {lost} rows stand in pieces shorter than {FEWEST} rows and were left out")
@@ -128,9 +129,9 @@ def _stuck(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
             continue
         starts, lengths = _repeats(columns[role])
         usual = float(np.quantile(lengths, 0.9))
-        long = np.flatnonzero(lengths > max(_STUCK, 20 * usual))
+        candidates = np.flatnonzero(lengths > max(_STUCK, 20 * usual)).tolist()
         still = 0.02 * float(np.ptp(motion))
-        long = [i for i in long if abs(motion[starts[i] + lengths[i] - 1] - motion[starts[i]]) > still]
+        long = [i for i in candidates if abs(motion[starts[i] + lengths[i] - 1] - motion[starts[i]]) > still]
         if not long or len(starts) < _LEVELS:
             continue
         rows = int(sum(lengths[i] for i in long))

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +17,10 @@ from stribeck import laws
 from stribeck.errors import InputError
 from stribeck.identify import terms, uncertainty
 from stribeck.identify.advice import experiment_for
+from stribeck.identify.crossvalidate import FOLDS, LeftOut, groups
 from stribeck.identify.estimate import Estimate, Fit, Prediction
 from stribeck.identify.guess import scales
+from stribeck.identify.levels import levels
 from stribeck.identify.log import Log
 from stribeck.identify.optimise import descend
 from stribeck.identify.segments import constant_speed, distinct_speeds
@@ -32,7 +33,6 @@ _FEWEST_SPEEDS, _FEWEST_SEGMENTS = 5, 8
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 2_000_000  # rows searched for stretches of constant speed
 _HUBER = 1.345
-FOLDS = 10
 
 
 @dataclass(frozen=True)
@@ -90,14 +90,21 @@ def fit_static(log: Log, law: str, setting: Setting | None = None, profiles: boo
             )
         fit = _judged(begun, problem, u, log, profiles)
     values = {**problem.values(u), **fit.used}
-    left_out, blocks = cross_validation(problem, u, log, q, setting.folds)
+    left_out = cross_validate(problem, u, log, q, setting.folds)
+    left_out = replace(left_out, parameters=len(u) + len(begun.unseen))  # what the law wants to know
     return replace(
         fit,
         relative_force_error=_error(problem, values),
-        cross_validated_error=left_out,
+        cross_validated_error=left_out.error,
         prediction=_prediction(problem, values, log, kept_rows(log, q)),
-        notes=(*notes, *fit.notes, blocks),
-        details={**fit.details, "decimation": q, "segments": _curve(problem, values, segments, log)},
+        notes=(*notes, *fit.notes, f"cross-validated {left_out.how}"),
+        details={
+            **fit.details,
+            "decimation": q,
+            "segments": _curve(problem, values, segments, log),
+            "left_out": left_out,
+            "levels": levels(problem, u, log, q),
+        },
     )
 
 
@@ -142,22 +149,21 @@ def _settled(problem: StaticProblem, u: Array, robust: bool) -> Array:
 def _judged(begun: Start, problem: StaticProblem, u: Array, log: Log, profiles: bool) -> Fit:
     """The fit of one problem, without what is told of all rows."""
     judged = uncertainty.judge(problem, u, log, profiles)
-    values = problem.values(u)
+    values = problem.values(judged.point)
     estimates = {n: e for n, e in judged.estimates.items() if n not in TERMS} | _unseen(begun, log, values)
     order = [n for n in problem.law.constants() if n in estimates]
     body = {n: e for n, e in judged.estimates.items() if n in TERMS}
     body |= _by_direction(estimates, body, judged.names, judged.covariance)
-    unseen = {n for n, e in estimates.items() if not e.identifiable}
     return Fit(
         law=problem.law.name,
         method="static",
         estimates={n: estimates[n] for n in order},
         body=body,
-        fixed={n: v for n, v in problem.fixed.items() if n not in unseen and n not in estimates},
-        used={n: v for n, v in values.items() if n in begun.free or n in TERMS},
+        fixed=dict(begun.given),
+        used={n: v for n, v in values.items() if n in problem.law.constants() or n in TERMS},
         names=judged.names,
         covariance=judged.covariance,
-        relative_force_error=problem.relative_error(u),
+        relative_force_error=_error(problem, values),
         data_hash=log.hash,
         profiles=judged.profiles,
         notes=judged.notes,
@@ -205,7 +211,7 @@ def _by_direction(
 def _by_segments(log: Log, begun: Start, u: Array, setting: Setting, segments: Sequence[slice], profiles: bool) -> Fit:
     """The curve from stretches of constant speed; what needs acceleration stays as all rows tell it."""
     whole = _judged(begun, begun.problem, u, log, profiles=False)
-    held = {n: begun.problem.values(u)[n] for n in ("mass", "delay") if n in begun.problem.values(u)}
+    held: dict[str, float] = {n: x for n, x in begun.problem.values(u).items() if n in ("mass", "delay")}
     body = [n for n in setting.body if n != "delay"]
     again = solve(
         log, begun.problem.law, setting.fixed, setting.free, held.get("mass", 0.0), body, averaging(segments),
@@ -229,7 +235,7 @@ def _curve(
     rest = np.zeros(len(log))
     for name in problem.terms:
         term = TERMS[name]
-        if term.column is not None and not term.level:
+        if term.column is not None and not (term.level or term.friction):
             rest += values.get(name, 0.0) * term.column(log)
     found = []
     for s in segments:
@@ -255,27 +261,22 @@ def _prediction(problem: StaticProblem, values: Mapping[str, float], log: Log, r
     """Friction, measured and fitted, at the rows that were compared."""
     body = np.zeros(len(rows))
     for name, column in problem.columns_at(values).items():
-        if name in TERMS and not TERMS[name].level:
+        if name in TERMS and not (TERMS[name].level or TERMS[name].friction):
             body += values[name] * column
     fitted = problem.model(values) - body
     return Prediction(log.time[rows], log.position[rows], log.velocity[rows], problem.force - body, fitted)
 
 
-def cross_validation(problem: StaticProblem, u: Array, log: Log, q: int, folds: int) -> tuple[float, str]:
-    """norm(residual)/norm(force) over parts that were left out of the fit that predicts them; and how it was done."""
-    rows = kept_rows(log, q)
-    files = list(dict.fromkeys(log.files))
-    if len(files) > 2:
-        group = np.array([files.index(f) for f in log.files])[log.run[rows]]
-        how = f"cross-validated over {len(files)} files, one left out at a time"
-    else:
-        folds = min(folds, len(rows) // 5)
-        group = np.arange(len(rows)) * folds // len(rows)
-        how = f"cross-validated over {folds} blocks in time"
-    left = np.zeros(len(rows))
+def cross_validate(problem: StaticProblem, u: Array, log: Log, q: int, folds: int) -> LeftOut:
+    """Fit the problem anew without each part of the log and predict the part."""
+    group, how = groups(log, folds)
+    group = group[kept_rows(log, q)]
+    squares, size = [], []
     for number in range(int(group.max()) + 1):
         out = group == number
         training = problem.reweighted(np.where(out, 0.0, problem.weight))
         there = descend(training, u, 1e-6, 10).point
-        left[out] = (problem.force - problem.model(problem.values(there)))[out]
-    return float(np.linalg.norm(left) / np.linalg.norm(problem.force)), how
+        missed = (problem.force - problem.model(problem.values(there)))[out]
+        squares.append(float(missed @ missed))
+        size.append(float(problem.force[out] @ problem.force[out]))
+    return LeftOut(np.array(squares), np.array(size), how, len(u))

@@ -108,10 +108,6 @@ class StaticProblem(Problem):
         """The weighted force at the rows that are compared."""
         return np.array([self.weight * self.model(self.values(u)) for u in points])
 
-    def relative_error(self, u: Array) -> float:
-        """norm(residual)/norm(force), without weights."""
-        return float(np.linalg.norm(self.force - self.model(self.values(u))) / np.linalg.norm(self.force))
-
 
 # -- rows ------------------------------------------------------------------------------------------------------------
 

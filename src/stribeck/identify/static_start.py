@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +32,7 @@ class Start:
     """A problem and a point near its optimum.
 
     Attributes:
-        free: the law's constants that were to be fitted.
+        free: the law's constants that were to be fitted; ``given``: those that were not.
         unseen: those that the data show nothing of, and why.
         at_bound: those that come out as 0, with the upper end of their interval.
         notes: for the reader.
@@ -44,6 +44,7 @@ class Start:
     unseen: dict[str, str]
     at_bound: dict[str, float]
     notes: tuple[str, ...]
+    given: dict[str, float]
 
 
 def solve(
@@ -67,7 +68,8 @@ def solve(
     Raises:
         InputError: a constant is unknown or missing; friction comes out negative.
     """
-    given = dict(fixed)
+    held_terms = {n: v for n, v in fixed.items() if n in TERMS}
+    given = {n: v for n, v in fixed.items() if n not in TERMS}
     wanted = free_constants(law, given, {}, free)
     if "k_v" in given and "k_v" not in fixed:  # a default: the force changes sign at once then, as in the literature
         given["k_v"] = _SHARP
@@ -79,18 +81,18 @@ def solve(
         for n in wanted
         if n not in sliding.seen and n not in own
     }
-    terms = list(dict.fromkeys([*(["mass"] if mass is None else []), *body]))
+    terms = [n for n in dict.fromkeys([*(["mass"] if mass is None else []), *body]) if n not in held_terms]
     shapes = [n for n in wanted if n not in sliding.linear and n not in unseen]
     if any(TERMS[n].level for n in terms) and "F_c" not in sliding.linear:
         raise InputError(f"--term: law '{law.name}' has no friction level F_c that could vary")
-    held = {**{n: sliding.base[n] for n in unseen}, **given, "delay": delay}
+    held = {**{n: sliding.base[n] for n in unseen}, **given, "delay": delay, **held_terms}
     if mass is not None:
         held["mass"] = mass
-    columns = list(dict.fromkeys(["mass", *terms]))
+    columns = list(dict.fromkeys(["mass", *terms, *held_terms]))
     draft = StaticProblem(log, sliding, [], held, {}, columns, reduce)
     span = {n: _span(n, law, sizes) for n in shapes}
-    best, linear = _search(draft, span, held, wanted, columns, mass)
-    return _start(draft, sizes, best, linear, wanted, terms, unseen, span)
+    best, linear = _search(draft, span, held, wanted)
+    return replace(_start(draft, sizes, best, linear, wanted, terms, unseen, span), given=dict(fixed))
 
 
 def _typical(law: type[Law], sizes: Scales, given: Mapping[str, float]) -> dict[str, float]:
@@ -121,8 +123,6 @@ def _search(
     span: Mapping[str, tuple[float, float]],
     held: Mapping[str, float],
     wanted: Sequence[str],
-    columns: Sequence[str],
-    mass: float | None,
 ) -> tuple[dict[str, float], dict[str, float]]:
     """The best of a grid of shapes, and the coefficients there."""
     names = list(span)
@@ -135,7 +135,7 @@ def _search(
     best: tuple[float, dict[str, float], dict[str, float]] | None = None
     for trial in trials:
         shape = {n: span[n][0] * (span[n][1] / span[n][0]) ** x for n, x in zip(names, trial.tolist(), strict=True)}
-        found, cost = _linear(draft, {**held, **shape}, wanted, mass)
+        found, cost = _linear(draft, {**held, **shape}, wanted)
         if found.get("F_c", 1.0) <= 0:  # a bend that takes the whole level is none
             cost *= 1e6
         if best is None or cost < best[0]:
@@ -144,15 +144,11 @@ def _search(
     return {**held, **best[1]}, best[2]
 
 
-def _linear(
-    draft: StaticProblem, values: Mapping[str, float], wanted: Sequence[str], mass: float | None
-) -> tuple[dict[str, float], float]:
+def _linear(draft: StaticProblem, values: Mapping[str, float], wanted: Sequence[str]) -> tuple[dict[str, float], float]:
     """The coefficients that fit best for given shapes, physical ones kept positive; and the cost."""
     columns = dict(draft.columns_at(values))
     rest = draft.force.copy()
-    for name in [
-        n for n in columns if n == "" or (n not in TERMS and n not in wanted) or (n == "mass" and mass is not None)
-    ]:
+    for name in [n for n in columns if n not in wanted and (n not in TERMS or n in values)]:
         rest -= (1.0 if name == "" else values[name]) * columns.pop(name)
     if "F_c" in columns and "F_s" in columns:  # the rise above F_c instead of F_s
         columns["F_c"] = columns["F_c"] + columns["F_s"]
@@ -162,7 +158,7 @@ def _linear(
     matrix = np.column_stack([columns[n] for n in names])
     size = np.sqrt(np.mean(matrix**2, axis=0))
     size = np.where(size > 0, size, 1.0)
-    triangle = np.linalg.qr(np.column_stack([matrix / size, rest]), mode="r")
+    triangle: Array = np.asarray(np.linalg.qr(np.column_stack([matrix / size, rest]), mode="r"))
     positive = [n not in TERMS or TERMS[n].positive for n in names]
     low = np.where(positive, 0.0, -np.inf)
     solution = np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=1e-12)[0]
@@ -193,7 +189,8 @@ def _start(
     values = {**best, **linear}
     level = linear.get("F_c")
     if level is not None and level < _NOTHING * force:
-        raise InputError("--force: friction comes out as 0 or negative; check the force's sign and gain (--force-gain)")
+        hint = "; where all strokes have nearly one speed, give --set sigma_2=0" if "sigma_2" in linear else ""
+        raise InputError(f"--force: friction comes out as 0 or negative; check its sign and gain (--force-gain){hint}")
     if "F_s" in linear and level is not None and linear["F_s"] - level < 1e-4 * level:
         tied["F_s"] = Tie("F_c", 1.0)
         why = "friction does not rise towards low speed in these data"
@@ -211,17 +208,15 @@ def _start(
         value = values[name]
         low, high = span.get(name, (value / _REACH, value * _REACH))
         coordinates.append(Coordinate(name, law.constants()[name].unit, low / 3, high * 3))
-    for name in terms:
-        coordinates.append(_term(name, values.get(name, 0.0), draft, force))
+    coordinates += [_term(name, values.get(name, 0.0), draft, force) for name in terms]
     free = {c.name for c in coordinates} | set(tied)
     fixed = {n: v for n, v in values.items() if n not in free}
     columns = [n for n in draft.terms if n in free or n in fixed]
     problem = StaticProblem(draft.log, draft.sliding, coordinates, fixed, tied, columns, draft.reduce)
-    low, high = problem.bounds
-    point = np.clip([c.inner(values[c.name]) if values.get(c.name) else 0.0 for c in coordinates], low, high)
+    point = np.clip([c.inner(values[c.name]) if values.get(c.name) else 0.0 for c in coordinates], *problem.bounds)
     problem.home = point
     notes = [f"{n}: comes out as 0, at most {high:.3g} {law.constants()[n].unit}" for n, high in at_bound.items()]
-    return Start(problem, np.asarray(point), tuple(wanted), unseen, at_bound, tuple(notes))
+    return Start(problem, np.asarray(point), tuple(wanted), unseen, at_bound, tuple(notes), {})
 
 
 def _term(name: str, value: float, draft: StaticProblem, force: float) -> Coordinate:

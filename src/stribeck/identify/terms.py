@@ -25,6 +25,7 @@ class Term:
         level: multiplies the law's sliding level instead of standing alone: F_c (and F_s) grow by it.
         needs: the optional column of the log that it takes.
         positive: the coefficient must be so.
+        friction: it is part of friction, and not of the rig.
     """
 
     unit: str
@@ -33,6 +34,7 @@ class Term:
     level: bool = False
     needs: str = ""
     positive: bool = False
+    friction: bool = False
 
 
 TERMS: dict[str, Term] = {
@@ -40,7 +42,9 @@ TERMS: dict[str, Term] = {
     "offset": Term("N", "constant force, such as gravity", lambda log: np.ones(len(log))),
     "stiffness": Term("N/m", "spring to ground", lambda log: log.position),
     "area": Term("m^2", "area that the pressure pushes on", lambda log: _get(log.pressure), needs="pressure"),
-    "sigma_2_by_direction": Term("N s/m", "half of what viscous friction is more forwards", lambda log: abs(log.velocity)),
+    "sigma_2_by_direction": Term(
+        "N s/m", "half of what viscous friction is more forwards", lambda log: abs(log.velocity), friction=True
+    ),
     "F_c_by_position": Term("N/m", "growth of the friction level with position", lambda log: log.position, level=True),
     "F_c_by_load": Term("1", "growth of the friction level with load", lambda log: _get(log.load), True, "load"),
     "F_c_by_pressure": Term("m^2", "growth of the level with pressure", lambda log: _get(log.pressure), True, "pressure"),

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -197,7 +196,7 @@ def _presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) 
     must be longer than a few samples and than what the filter of the velocity resolves."""
     if not problem.law.has_z:
         return ""
-    length = 2 * problem.law.scales(SimpleNamespace(**values)).length
+    length = 2 * problem.length(values)
     needed = max(_RESOLVED, int(np.ceil(1 / (log.bandwidth * log.step))) if log.bandwidth and log.step else 0)
     longest = 0
     for rows in log.runs():
