@@ -50,7 +50,9 @@ class Curve(Signal):
             found.append(("t", f"{show(t.tolist())}: must hold at least two times"))
         if not found and (same := np.flatnonzero(np.diff(t) <= 0)).size:
             i = int(same[0]) + 1
-            found.append((f"t[{i}]", f"{t[i]}: times must increase, a jump has no derivatives (the one before is {t[i - 1]})"))
+            found.append(
+                (f"t[{i}]", f"{t[i]}: times must increase, a jump has no derivatives (the one before is {t[i - 1]})")
+            )
         return found
 
     @staticmethod
@@ -117,7 +119,9 @@ class Spline(Curve):
     """A spline through points, at rest at the first and the last."""
 
     kind = "spline"
-    meaning = "a spline of order seven through points, at rest at the first and the last; its six derivatives are continuous"
+    meaning = (
+        "a spline of order seven through points, at rest at the first and the last; its six derivatives are continuous"
+    )
 
     @staticmethod
     def between(t: Array, value: Array) -> Array:

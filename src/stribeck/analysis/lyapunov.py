@@ -43,7 +43,7 @@ class Along:
         """True in the rows where dV/dt is above its bound."""
         if self.dV_dt is None or self.bound is None:
             return np.zeros(len(self.t), bool)
-        return self.dV_dt > self.bound + _TOLERANCE * np.max(np.abs(self.dV_dt))
+        return np.asarray(self.dV_dt > self.bound + _TOLERANCE * np.max(np.abs(self.dV_dt)), bool)
 
     def summary(self) -> dict[str, Any]:
         """For programs."""

@@ -118,7 +118,8 @@ def paper(
 def gains(
     scenario: ScenarioFile,
     v_max: Annotated[
-        float | None, typer.Option("--v-max", metavar="V", help="Speeds to prove it for, m/s; twice those met unless given.")
+        float | None,
+        typer.Option("--v-max", metavar="V", help="Speeds to prove it for, m/s; twice those met unless given."),
     ] = None,
     set_: Set = None,
     json: Json = False,

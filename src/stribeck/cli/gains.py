@@ -59,7 +59,9 @@ def _doubts(scenario: Scenario) -> list[str]:
     assert observer is not None
     found = []
     if type(observer) is not type(scenario.law) or observer.values != scenario.law.values:
-        found.append("plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d")
+        found.append(
+            "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
+        )
     if servo.model != servo.plant:
         found.append("the controller knows another plant")
     if servo.sampling is not None:
@@ -73,13 +75,17 @@ def _doubts(scenario: Scenario) -> list[str]:
 
 def _print(scenario: Scenario, verdict: Verdict, proof: Proof, doubts: list[str], found: Along | None) -> None:
     d, v = scenario.drive_values, verdict
-    print(f"{scenario.name}: K_D = {d['K_D']:g} N s/m, K = {d['K']:g} m/N, |v| <= {v.v_max:.4g} m/s, w <= {v.w_max:.4g} 1/s")
+    print(
+        f"{scenario.name}: K_D = {d['K_D']:g} N s/m, K = {d['K']:g} m/N, |v| <= {v.v_max:.4g} m/s, w <= {v.w_max:.4g} 1/s"
+    )
     print(f"  dV/dt = {derive().derivative}")
     _print_condition("exact condition", v.exact)
     _print_condition("corrected (21)", v.sufficient)
     print(f"  corrected (21) also needs K < {v.largest_K_sufficient:.4g} m/N")
     if not v.exact.holds:
-        print(f"  gains that hold with a factor of two to spare: K_D = {v.proposed['K_D']:.4g}, or K = {v.proposed['K']:.4g}")
+        print(
+            f"  gains that hold with a factor of two to spare: K_D = {v.proposed['K_D']:.4g}, or K = {v.proposed['K']:.4g}"
+        )
     word = {True: "proven", False: "refuted", None: "not settled"}[proof.proven]
     why = f" ({proof.reason})" if proof.reason else ""
     print(f"  dV/dt <= 0 for all errors and |v| <= {v.v_max:.4g} m/s, by intervals: {word}{why}, {proof.boxes} boxes")
@@ -89,7 +95,11 @@ def _print(scenario: Scenario, verdict: Verdict, proof: Proof, doubts: list[str]
     s = found.summary()
     print(f"  along the simulation V goes from {s['V_0']:.4g} to {s['V_end']:.4g} J", end="")
     print(f", rises by more than 1e-9 V(0) after {s['rises']} rows, by at most {s['largest_rise']:.3g} J")
-    for what, key in (("V rises", "rise_times"), ("dV/dt above (19)", "excess_times"), ("valve limited", "saturated_times")):
+    for what, key in (
+        ("V rises", "rise_times"),
+        ("dV/dt above (19)", "excess_times"),
+        ("valve limited", "saturated_times"),
+    ):
         if spans := s[key]:
             more = f" and {len(spans) - 4} more" if len(spans) > 4 else ""
             print(f"  {what}: t = " + ", ".join(f"{a:g} to {b:g}" for a, b in spans[:4]) + f" s{more}")

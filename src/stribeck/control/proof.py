@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -87,7 +88,7 @@ def derive() -> Form:
     dz_dt = Linear.dz_dt(p, v, z)
     acceleration = Cylinder.acceleration(m, p_1, p_2, Linear.friction(p, v, z, dz_dt))
     p_d = Cascade.desired_pressure(c, m, path, v, s, found.F)
-    motion = {y: v, v: acceleration, z: dz_dt, z_hat: found.rates["z_hat"], **dict(zip(path, path[1:], strict=False))}
+    motion = {y: v, v: acceleration, z: dz_dt, z_hat: found.rates["z_hat"], **dict(pairwise(path))}
 
     def along(x: Any) -> Any:
         return sum(sympy.diff(x, each) * rate for each, rate in motion.items())
@@ -101,7 +102,11 @@ def derive() -> Form:
     }
     E = dict(zip(ERRORS, sympy.symbols(ERRORS, real=True), strict=True))
     # the states as functions of the errors; what does not cancel stays to be seen
-    by_errors = [(p_1, p_2 + p_d + E["p_err"]), (z_hat, z + E["z_err"]), (path[1], v + getattr(c, "lambda") * e - E["s"])]
+    by_errors = [
+        (p_1, p_2 + p_d + E["p_err"]),
+        (z_hat, z + E["z_err"]),
+        (path[1], v + getattr(c, "lambda") * e - E["s"]),
+    ]
     for name, rate in rates.items():
         for old, new in by_errors:
             rate = rate.subs(old, new)
@@ -114,5 +119,7 @@ def derive() -> Form:
                  (E["s"] ** 2, E["p_err"] ** 2, E["z_err"] ** 2, E["s"] * E["z_err"])),
     )  # fmt: skip
     if sympy.expand(dV - form.derivative) != 0 or dV.has(y, v, p_1, p_2, z, *path):
-        raise StribeckError("dV/dt is not the quadratic form of eq. 19: plant, controller and observer do not fit together")
+        raise StribeckError(
+            "dV/dt is not the quadratic form of eq. 19: plant, controller and observer do not fit together"
+        )
     return form

@@ -171,7 +171,11 @@ class ServoSystem:
         z = symbol("z") if self.law.has_z else constant(0.0)
         dz_dt = wrap(self.law.dz_dt(q, v, z))
         F = wrap(self.law.friction(q, v, z, dz_dt))
-        found = {"F": F, "acceleration": wrap(Cylinder.acceleration(self._symbols("plant"), p_1, p_2, F)), "dz_dt": dz_dt}
+        found = {
+            "F": F,
+            "acceleration": wrap(Cylinder.acceleration(self._symbols("plant"), p_1, p_2, F)),
+            "dz_dt": dz_dt,
+        }
         for name, value in found.items():
             if value.args and value.label is None:
                 value.label = name
@@ -244,7 +248,6 @@ class ServoSystem:
         names = [f"{owner}.{name}" for owner, name in values]
         function = compiled(self, (*names, "t", *states), "outputs")
         return dict(zip(self.outputs, function(*values.values(), t, *states.values()), strict=True))
-
 
     def ended(self, values: dict[tuple[str, str], float], t: float, x: Array) -> str | None:
         """Why the equations ended in the state x, where the reason is the end of the stroke."""

@@ -64,7 +64,9 @@ def changed(data: Mapping[str, Any], changes: Mapping[str, Any], folder: Path) -
         _set(new, "drive.observer.name", changes["drive.observer.name"])
         _drop_of_observer(new["drive"]["observer"], folder)
     for path in sorted(changes, key=lambda path: path.count(".")):  # a table before what is in it
-        if path in ("law.name", "drive.observer.name") or (path.startswith("law.parameters.") and not _unfold_parameters(new, folder)):
+        if path in ("law.name", "drive.observer.name") or (
+            path.startswith("law.parameters.") and not _unfold_parameters(new, folder)
+        ):
             continue
         _set(new, path, plain(changes[path], path))
     return new

@@ -42,7 +42,14 @@ class Servo:
         """The structure of the equations."""
         kind, options = (type(self.observer), self.observer.structure) if self.observer else (None, ())
         return ServoSystem(
-            type(law), law.structure, kind, options, signal, droop, self.adaptation is not None, self.sampling is not None
+            type(law),
+            law.structure,
+            kind,
+            options,
+            signal,
+            droop,
+            self.adaptation is not None,
+            self.sampling is not None,
         )
 
     def values(self) -> dict[tuple[str, str], float]:
@@ -66,7 +73,7 @@ def read_observer(table: Any, plant: Law | None, folder: Path) -> tuple[Law | No
         extra = [(f"{path}.{key}", f"{show(x)}: must be left out: no law") for key, x in table.items() if key != "name"]
         return None, extra
     try:
-        cls = laws.find(name, folder)
+        cls = laws.find(name, folder)  # type: ignore[arg-type]
         given = _parameters(table.get("parameters", {}), cls, folder)
     except InputError as error:
         where = "name" if not isinstance(table.get("parameters"), str) else "parameters"
@@ -112,7 +119,9 @@ def not_adaptable(law: Law | None) -> str | None:
         return "there is no observer to adapt"
     linear = law.has_z and law._graph().linear
     if not (linear and type(law).friction is BristleLaw.friction):
-        return f"law '{law.name}' cannot be adapted: dz/dt must be linear in z, F = sigma_0 z + sigma_1 dz/dt + sigma_2 v"
+        return (
+            f"law '{law.name}' cannot be adapted: dz/dt must be linear in z, F = sigma_0 z + sigma_1 dz/dt + sigma_2 v"
+        )
     return None
 
 
@@ -140,7 +149,9 @@ def judge(servo: Servo, law: Law, signal: Signal, t_end: float, initial: Mapping
     needed = abs(p.mass * a + law.steady_force(v)) / p.area
     i = int(np.argmax(needed))
     if needed[i] > room:
-        text = f"{show(p.supply_pressure)}: the path needs a pressure difference of {needed[i]:.4g} Pa at t = {t[i]:.4g} s"
+        text = (
+            f"{show(p.supply_pressure)}: the path needs a pressure difference of {needed[i]:.4g} Pa at t = {t[i]:.4g} s"
+        )
         text += f", and {room:.4g} Pa above the atmosphere are all there is; must be higher, or the path slower"
         found.append(("plant.supply_pressure", text))
     return found
@@ -167,8 +178,8 @@ def misplaced(values: Any, observer: Any) -> list[Problem]:
     elif (values.noise or values.quantisation) and values.bandwidth is None:
         text = "missing: must be given with noise or quantisation (rad/s; of the filter that estimates v and dv/dt)"
         found.append(("drive.bandwidth", text))
-    if values.adaptive and observer is not ... and (text := not_adaptable(observer)):
-        found.append(("drive.adaptive", f"true: {text}"))
+    if values.adaptive and observer is not ... and (reason := not_adaptable(observer)):
+        found.append(("drive.adaptive", f"true: {reason}"))
     return found
 
 

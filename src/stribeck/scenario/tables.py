@@ -119,7 +119,10 @@ def _given(name: str, about: str, constants: dict[str, Constant], all_optional: 
 
 def _cascade_fields() -> dict[str, Any]:
     """What the drive of a servo has beside its constants."""
-    known, adapted = "plant constants that the controller takes for true", "gains of the adaptation, with adaptive = true"
+    known, adapted = (
+        "plant constants that the controller takes for true",
+        "gains of the adaptation, with adaptive = true",
+    )
     noise = "standard deviation of the measured position, m"
     return {
         "sample_time": (float | None, Field(None, gt=0, description="the controller computes every so many s; off: always")),

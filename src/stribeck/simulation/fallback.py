@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.control.sampled import Log
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol
-from stribeck.control.sampled import Log
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result, ended, legs, piecewise
 
@@ -113,7 +113,9 @@ class _Run:
             if not np.isfinite(solver.y).all():
                 self.reason = f"after t = {solver.t_old:.9g} s the equations are no longer finite"
             elif self.count["accepted"] >= scenario.solve.max_steps:
-                self.reason = f"gave up at t = {solver.t:.9g} s after solve.max_steps = {scenario.solve.max_steps} steps"
+                self.reason = (
+                    f"gave up at t = {solver.t:.9g} s after solve.max_steps = {scenario.solve.max_steps} steps"
+                )
             if self.progress is not None:
                 self.progress(solver.t / scenario.end)
         self.reason = (ended(scenario, solver.t, solver.y) if self.reason else None) or self.reason

@@ -8,9 +8,9 @@ from ctypes import POINTER, c_double, c_int, c_int8, c_int64
 
 import numpy as np
 
+from stribeck.control.sampled import Log
 from stribeck.errors import BuildError
 from stribeck.scenario import Scenario
-from stribeck.control.sampled import Log
 from stribeck.simulation.result import Result, ended, legs, piecewise
 
 # The fields of Run in runtime/rodas5p.c, in the same order.
