@@ -18,6 +18,7 @@ Changes = dict[str, Any]
 
 _LUGRE: Changes = {"name": "lugre"}
 _MATCHED, _UNCOMPENSATED = "plant and observer lugre_sobczyk", "no compensation"
+_TOO_STRONG = "lugre_sobczyk, all parameters 50 % too high"
 
 
 def _observer(name: str, k_v: float = 1e6, **more: Any) -> Changes:
@@ -99,15 +100,15 @@ def _text(found: dict[str, Solution], moves: dict[str, Solution]) -> tuple[str, 
         f"Where plant and observer follow the same law the error falls to {matched:.0e} m, the solver's floor; without "
         f"compensation it is {1e3 * none:.0f} mm. A plant under lugre is the honest case: no observer with dF/dt equals "
         "it. On the sine the majorant reaches the floor where the paper's law keeps an error in proportion to 1/k_v; at "
-        f"rest it is the other way round: the majorant leaks and leaves a constant {sobczyk_or(majorant):.1e} m, "
-        f"the paper's law {sobczyk_or(sobczyk):.0e} m.",
+        f"rest it is the other way round: the majorant leaks and leaves a constant {_rest(majorant):.1e} m, "
+        f"the paper's law {_rest(sobczyk):.0e} m.",
         "The paper's Remark 2 says that z_hat - z may stay where it is while the body rests. It does not: the error of the "
         "deflection acts on the body as a force, so the body cannot stay on its path before it is gone. After the moves it is "
         f"{abs(float(sobczyk['z_hat'][-1] - sobczyk['z'][-1])):.0e} m for the paper's law with the plant under lugre.",
     )
 
 
-def sobczyk_or(s: Solution) -> float:
+def _rest(s: Solution) -> float:
     """The error at the end of the last rest, m."""
     return abs(float(s["e"][-1]))
 
@@ -121,10 +122,12 @@ def _moves() -> dict[str, Solution]:
     signal = {"kind": "point_to_point", "t": t, "value": [0.5, 0.6, 0.6, 0.5, 0.5, 0.6, 0.6, 0.5]}
     changes = {"drive.signal": signal, "solve.t_end": t[-1] + _REST, "plant.initial.y": 0.5, "output.step": 0.005}
     observers = {name: _observer(name) for name in ("lugre_sobczyk", "lugre_majorant")}
-    return {
+    found = {
         name: solve(scenario(_LUGRE, observer, **changes), name)
         for name, observer in {**observers, _UNCOMPENSATED: {"name": "none"}}.items()
     }
+    found[_TOO_STRONG] = solve(scenario(_LUGRE, _observer("lugre_sobczyk"), wrong=1.5, **changes), _TOO_STRONG)
+    return found
 
 
 def _rest_table(moves: dict[str, Solution]) -> Table:
@@ -146,13 +149,15 @@ def _moving(moves: dict[str, Solution]) -> FigureSvg:
             plots.line(axes["v"], i, s.t, s["v"], label)
         axes["y"].set(xlabel="t (s)", ylabel="y (m)", title="(a) two moves of 0.1 m, each way, and a rest")
         axes["e"].set(xlabel="t (s)", ylabel="|e| (m)", yscale="log", title="(b) error")
-        axes["v"].set(xlabel="t (s)", ylabel="v (m/s)", title="(c) velocity at the start", xlim=(0, 1.6))
+        axes["v"].set(xlabel="t (s)", ylabel="v (m/s)", title="(c) velocity at the end of the rest")
+        axes["v"].set_xlim(s.t[-1] - 1.5, s.t[-1])
         plots.legend(made, axes["y"])
         return plots.finish(
             made, "servo_moves",
-            "Without compensation the piston waits until the controller's force passes F_s, jumps, and stops short of its "
-            "goal: stick-slip, and an error that nothing removes, because the controller has no integral. A limit cycle needs "
-            "one (see the chapter on PID control).",
+            "Without compensation the piston stops short of its goal, and nothing removes the error, because the controller "
+            "has no integral; it does not stick and slip, because its viscous friction and the controller damp it. With a "
+            "compensator that is 50 % too strong it never comes to rest: a limit cycle, as PID control has one for another "
+            "reason.",
         )  # fmt: skip
 
 
@@ -191,8 +196,8 @@ def _inside(s: Solution, none: Solution) -> FigureSvg:
         for i, (name, label) in enumerate((("z", "z"), ("z_hat", "z_hat"))):
             plots.line(axes["z"], i, s.t, 1e3 * s[name], label)
         axes["z"].set(xlabel="t (s)", ylabel="deflection (mm)", title="(d) z and its estimate", xlim=(0, 6))
-        for axis in axes.values():
-            axis.legend(loc="upper right", fontsize=7)
+        for panel, place in (("p", "lower left"), ("u", "upper right"), ("F", "lower left"), ("z", "lower left")):
+            axes[panel].legend(loc=place, fontsize=7)
         return plots.finish(
             made, "servo_inside",
             f"The same run from inside ({_MATCHED}). The valve is at its limit of 10 V in the first instants (beyond the axis), "

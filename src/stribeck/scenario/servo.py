@@ -146,7 +146,11 @@ def judge(servo: Servo, law: Law, signal: Signal, t_end: float, initial: Mapping
         i = int(outside[0])
         where = f"the path reaches y = {y[i]:.6g} m at t = {t[i]:.4g} s"
         return [*found, ("drive.signal", f"{where}: must stay within the stroke, 0 to {p.stroke:g} m")]
-    needed = abs(p.mass * a + law.steady_force(v)) / p.area
+    friction = law.steady_force(v)
+    if "F_s" in law.machine:  # lugre_arctan's steady force grows without limit as v -> 0, which no motion waits for
+        most = law.machine["F_s"] + law.machine.get("sigma_2", 0.0) * abs(v)
+        friction = np.clip(friction, -most, most)
+    needed = abs(p.mass * a + friction) / p.area
     i = int(np.argmax(needed))
     if needed[i] > room:
         text = (
