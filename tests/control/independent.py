@@ -8,11 +8,12 @@ from math import atan, exp, pi, tan
 import numpy as np
 from scipy.integrate import solve_ivp
 
-PLANT = dict(
-    M=2.9, A=4.19e-4, L=1.0, V1=1.96e-6, V2=4.91e-6, r=1.4, R=286.9, T=293.15, ps=7e5, p0=1e5, bf=4.897e-9, be=5.173e-9,
-    sigma_0=4500.0, sigma_1=93.13, sigma_2=89.86, F_c=32.9, F_s=38.5, v_s=0.02,
-)  # fmt: skip
-GAINS = dict(K_D=60.0, K_p=60.0, lam=20.0, K=1e-5, rho=4e-10, u_max=10.0)
+PLANT = {
+    "M": 2.9, "A": 4.19e-4, "L": 1.0, "V1": 1.96e-6, "V2": 4.91e-6, "r": 1.4, "R": 286.9, "T": 293.15, "ps": 7e5,
+    "p0": 1e5, "bf": 4.897e-9, "be": 5.173e-9, "sigma_0": 4500.0, "sigma_1": 93.13, "sigma_2": 89.86, "F_c": 32.9,
+    "F_s": 38.5, "v_s": 0.02,
+}  # fmt: skip
+GAINS = {"K_D": 60.0, "K_p": 60.0, "lam": 20.0, "K": 1e-5, "rho": 4e-10, "u_max": 10.0}
 
 
 def functions(law, p, k_v):

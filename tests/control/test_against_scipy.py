@@ -40,7 +40,7 @@ def test_references(file):
 
 
 VARIANTS = {
-    "other gains": ("lugre_sobczyk", "lugre_sobczyk", dict(K_D=90.0, K_p=40.0, lam=12.0, K=4e-5, rho=1e-9)),
+    "other gains": ("lugre_sobczyk", "lugre_sobczyk", {"K_D": 90.0, "K_p": 40.0, "lam": 12.0, "K": 4e-5, "rho": 1e-9}),
     "arctan": ("lugre_arctan", "lugre_majorant", {}),
     "majorant": ("lugre_majorant", "lugre_arctan", {}),
 }

@@ -1,5 +1,7 @@
 """Servos in real conditions, adapted parameters, paths, and what is refused."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -22,7 +24,7 @@ def test_curves_pass_their_points_with_three_derivatives(cls):
     assert curve.at(t) == pytest.approx(value, abs=1e-12)
     assert curve.at([0.0, 0.5, 3.0, 9.0]) == pytest.approx([0.1, 0.1, 0.3, 0.3], abs=1e-12)
     pieces = [(start, np.polynomial.Polynomial([values[f"c{n}"] for n in range(8)])) for start, values in curve.pieces]
-    for (begin, before), (end, after) in zip(pieces, pieces[1:], strict=False):
+    for (begin, before), (end, after) in itertools.pairwise(pieces):
         for order in range(4):
             left = before.deriv(order)(end - begin) if order else before(end - begin)
             right = after.deriv(order)(0.0) if order else after(0.0)
@@ -60,8 +62,8 @@ def test_a_fast_sampled_controller_is_the_continuous_one():
         sampled = solved(solve__t_end=2.0, drive__sample_time=T)
         off.append(np.max(np.abs(sampled["y"] - exact["y"])))
         assert sampled["z_hat"][-1] == pytest.approx(exact["z_hat"][-1], rel=2e-3)
-    assert off[0] > off[1] > off[2]
-    assert off[2] < 2e-5
+    assert off[2] < 0.6 * off[1] < 0.4 * off[0]  # in proportion to T
+    assert off[2] < 5e-5
 
 
 @needs_compiler

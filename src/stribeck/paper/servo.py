@@ -75,7 +75,12 @@ def chapter(done: Done) -> Chapter:
         [label, f"{_last(s):.2g}", f"{s.final['V']:.2g}", "no" if not _rises(s) else f"after {_rises(s)} rows"]
         for label, s in found.items()
     ]
-    head = ["plant and observer (k_v = 1e6 unless said)", "largest error of the last 5 s (m)", "V at 20 s (J)", "V rises"]
+    head = [
+        "plant and observer (k_v = 1e6 unless said)",
+        "largest error of the last 5 s (m)",
+        "V at 20 s (J)",
+        "V rises",
+    ]
     tables = [Table(head, rows), _rest_table(moves), _adaptation_table(adapted)]
     figures = [_tracking(found), _inside(found[_MATCHED], found[_UNCOMPENSATED]), _moving(moves), _adapting(adapted)]
     data = record({label: found[label] for label in _DRAWN})
@@ -136,7 +141,12 @@ def _rest_table(moves: dict[str, Solution]) -> Table:
         moving = float(np.max(np.abs(s["e"][s.t <= s.t[-1] - _REST])))
         z_err = "-" if label == _UNCOMPENSATED else f"{float(s['z_hat'][-1] - s['z'][-1]):.1e}"
         rows.append([label, f"{moving:.2g}", f"{s['e'][-1]:.2g}", z_err])
-    head = ["moves, plant lugre, observer", "largest error while moving (m)", "error after the rest (m)", "z_hat - z there (m)"]
+    head = [
+        "moves, plant lugre, observer",
+        "largest error while moving (m)",
+        "error after the rest (m)",
+        "z_hat - z there (m)",
+    ]
     return Table(head, rows)
 
 
@@ -196,8 +206,8 @@ def _inside(s: Solution, none: Solution) -> FigureSvg:
         for i, (name, label) in enumerate((("z", "z"), ("z_hat", "z_hat"))):
             plots.line(axes["z"], i, s.t, 1e3 * s[name], label)
         axes["z"].set(xlabel="t (s)", ylabel="deflection (mm)", title="(d) z and its estimate", xlim=(0, 6))
-        for panel, place in (("p", "lower left"), ("u", "upper right"), ("F", "lower left"), ("z", "lower left")):
-            axes[panel].legend(loc=place, fontsize=7)
+        for panel, axis in axes.items():
+            axis.legend(loc="upper right" if panel == "u" else "lower left", fontsize=7)
         return plots.finish(
             made, "servo_inside",
             f"The same run from inside ({_MATCHED}). The valve is at its limit of 10 V in the first instants (beyond the axis), "
@@ -223,9 +233,13 @@ def _adapted() -> dict[str, Solution]:
 
 def _adaptation(s: Solution) -> dict[str, Any]:
     true = s.scenario.law.values
-    period = int(round(5.0 / s.scenario.output.step))
+    period = round(5.0 / s.scenario.output.step)
     scales = {n: s.final[f"{n}_hat"] / (true[n] or 1.0) for n in ("sigma_0", "sigma_1", "sigma_2", "F_c")}
-    return {"first": float(np.abs(s["e"][period // 5 : period]).max()), "last": float(np.abs(s["e"][-period:]).max()), **scales}
+    return {
+        "first": float(np.abs(s["e"][period // 5 : period]).max()),
+        "last": float(np.abs(s["e"][-period:]).max()),
+        **scales,
+    }
 
 
 def _adaptation_table(adapted: dict[str, Solution]) -> Table:
@@ -242,7 +256,7 @@ def _adapting(adapted: dict[str, Solution]) -> FigureSvg:
     with plots.style():
         made, axes = plots.figure([["e", "e"], ["sigma_0", "sigma_1"], ["sigma_2", "F_c"]], 6.4)
         for i, (label, s) in enumerate(adapted.items()):
-            period = int(round(4.0 / s.scenario.output.step))
+            period = round(4.0 / s.scenario.output.step)
             windows = np.abs(s["e"][: len(s.t) // period * period]).reshape(-1, period).max(1)
             plots.line(axes["e"], i, 4.0 * (np.arange(len(windows)) + 0.5), windows, label)
             for name in ("sigma_0", "sigma_1", "sigma_2", "F_c"):

@@ -61,11 +61,9 @@ class Servo:
         return found | ({("drive", "u"): 0.0} if self.sampling else {})
 
 
-def read_observer(table: Any, plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
+def read_observer(table: dict[str, Any], plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
     """The law of [drive.observer] with the plant's parameters where it gives none, and what is wrong with it."""
     path = "drive.observer"
-    if not isinstance(table, dict):
-        return None, [(path, f"{show(table)}: must be a table, not {kind_of(table)}")]
     name = table.get("name")
     if "name" not in table:
         return None, [(f"{path}.name", f"missing: must be given (the name of a smooth law, or {NONE!r})")]
