@@ -317,6 +317,22 @@ def export(
 
 
 @app.command()
+def gains(
+    scenario: ScenarioFile,
+    v_max: Annotated[
+        float | None,
+        typer.Option("--v-max", metavar="V", help="Speeds to prove it for, m/s; twice those met unless given."),
+    ] = None,
+    set_: Set = None,
+    json: Json = False,
+) -> int:
+    """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation."""
+    from stribeck.cli import gains as command
+
+    return command.gains(scenario, v_max, set_ or [], json)
+
+
+@app.command()
 def doctor(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""
     from stribeck.cli import doctor as command

@@ -7,6 +7,8 @@ from typing import Any, ClassVar
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, atan, clip, cos, sin, where
 
+_LEAST_GAIN = 1.0  # Pa/s by opening; an open valve gives some 1e6
+
 
 class Cylinder:
     """A piston between two chambers of gas, which a valve fills from the supply and empties to the atmosphere."""
@@ -83,6 +85,8 @@ class Cylinder:
         fill_2 = p.beta_fill * (p.supply_pressure - p_2) / volume_2
         empty_1 = p.beta_empty * (p_1 - p.atmospheric_pressure) / volume_1
         empty_2 = p.beta_empty * (p_2 - p.atmospheric_pressure) / volume_2
-        o = u_hat / (gas * where(u_hat >= 0, fill_1 + empty_2, fill_2 + empty_1))
+        gain = gas * where(u_hat >= 0, fill_1 + empty_2, fill_2 + empty_1)
+        # a chamber above the supply can turn the gain round: the valve then stays at its limit
+        o = u_hat / where(gain > _LEAST_GAIN, gain, _LEAST_GAIN)
         o = clip(o, -Cylinder.opening(u_max), Cylinder.opening(u_max))
         return sin(o) / cos(o) / 2

@@ -363,11 +363,11 @@ class _Reader:
         plant = self._table(tables.cylinder_table(), "plant")
         table = self.data["drive"].get("observer")
         law = getattr(s, "law", None)
-        observer, found = (None, []) if table is None else servo.read_observer(table, law, self.folder)
+        observer, found = servo.read_observer(table, law, self.folder) if isinstance(table, dict) else (None, [])
         self.problems += found
         if values is None:
             return
-        found = servo.misplaced(values, observer if not found and table is not None else ...)
+        found = servo.misplaced(values, ... if found else observer)
         self.problems += found
         if plant is None or found:
             return

@@ -61,11 +61,9 @@ class Servo:
         return found | ({("drive", "u"): 0.0} if self.sampling else {})
 
 
-def read_observer(table: Any, plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
+def read_observer(table: dict[str, Any], plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
     """The law of [drive.observer] with the plant's parameters where it gives none, and what is wrong with it."""
     path = "drive.observer"
-    if not isinstance(table, dict):
-        return None, [(path, f"{show(table)}: must be a table, not {kind_of(table)}")]
     name = table.get("name")
     if "name" not in table:
         return None, [(f"{path}.name", f"missing: must be given (the name of a smooth law, or {NONE!r})")]
@@ -73,7 +71,7 @@ def read_observer(table: Any, plant: Law | None, folder: Path) -> tuple[Law | No
         extra = [(f"{path}.{key}", f"{show(x)}: must be left out: no law") for key, x in table.items() if key != "name"]
         return None, extra
     try:
-        cls = laws.find(name, folder)
+        cls = laws.find(name, folder)  # type: ignore[arg-type]
         given = _parameters(table.get("parameters", {}), cls, folder)
     except InputError as error:
         where = "name" if not isinstance(table.get("parameters"), str) else "parameters"
@@ -146,7 +144,11 @@ def judge(servo: Servo, law: Law, signal: Signal, t_end: float, initial: Mapping
         i = int(outside[0])
         where = f"the path reaches y = {y[i]:.6g} m at t = {t[i]:.4g} s"
         return [*found, ("drive.signal", f"{where}: must stay within the stroke, 0 to {p.stroke:g} m")]
-    needed = abs(p.mass * a + law.steady_force(v)) / p.area
+    friction = law.steady_force(v)
+    if "F_s" in law.machine:  # lugre_arctan's steady force grows without limit as v -> 0, which no motion waits for
+        most = law.machine["F_s"] + law.machine.get("sigma_2", 0.0) * abs(v)
+        friction = np.clip(friction, -most, most)
+    needed = abs(p.mass * a + friction) / p.area
     i = int(np.argmax(needed))
     if needed[i] > room:
         text = (
@@ -178,8 +180,8 @@ def misplaced(values: Any, observer: Any) -> list[Problem]:
     elif (values.noise or values.quantisation) and values.bandwidth is None:
         text = "missing: must be given with noise or quantisation (rad/s; of the filter that estimates v and dv/dt)"
         found.append(("drive.bandwidth", text))
-    if values.adaptive and observer is not ... and (text := not_adaptable(observer)):
-        found.append(("drive.adaptive", f"true: {text}"))
+    if values.adaptive and observer is not ... and (reason := not_adaptable(observer)):
+        found.append(("drive.adaptive", f"true: {reason}"))
     return found
 
 

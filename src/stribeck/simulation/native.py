@@ -24,6 +24,7 @@ _INTEGERS = (
 )  # fmt: skip
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
 _EVENT_ROOM = 4096
+_STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
 # What one step may err by, as a share of the tolerances: errors made while a contact creeps towards break-away grow up
 # to a hundredfold before it slips, and the solution is to keep what the tolerances promise.
 _STEP_SHARE = 0.01
@@ -100,12 +101,15 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
         status, run.restart = _MORE, 1
         while status in (_MORE, _EVENTS_FULL) and left > 0:
             run.attempts_left = attempts = min(_SLICE, left)
+            before = run.t
             status = library.stribeck_advance(ctypes.byref(run))
             left -= attempts - max(run.attempts_left, 0)
             if run.events:
                 times += event_time[: run.events].tolist()
                 rises += event_rises[: run.events].astype(bool).tolist()
                 run.events = 0
+            if status == _MORE and run.t - before < _STALL * scenario.end and ended(scenario, run.t, x):
+                status = _NOT_FINITE  # time is finer than the position where the equations end
             if progress is not None:
                 progress(run.t / scenario.end)
         if status == _DONE:

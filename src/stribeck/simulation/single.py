@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from time import perf_counter
 
+import numpy as np
+
 from stribeck.codegen import source
 from stribeck.errors import BuildError, note
 from stribeck.scenario import Scenario
@@ -44,7 +46,22 @@ def simulate(scenario: Scenario, progress: Callable[[float], None] | None = None
     result.stats.update(
         {"built": built, "build_seconds": build_seconds, "seconds": perf_counter() - started - build_seconds}
     )
-    return Solution(scenario, result)
+    solution = Solution(scenario, result)
+    if scenario.servo is not None and solution.reason is None:
+        _say_if_limited(solution)
+    return solution
+
+
+def _say_if_limited(solution: Solution) -> None:
+    """Say that the valve of a servo ends at its limit, when it has been there for a tenth of the run."""
+    limit = solution.scenario.drive_values["u_max"]
+    free = np.flatnonzero(np.abs(solution["u"]) < limit * (1 - 1e-9))
+    first = free[-1] + 1 if len(free) else 0
+    if len(solution.t) - first > 0.1 * len(solution.t):
+        since = f"from t = {solution.t[first]:.4g} s to the end"
+        note(
+            f"{solution.scenario.name}: the valve is at its limit of {limit:g} V {since}: it cannot do what is asked of it"
+        )
 
 
 def _solve(library: object, scenario: Scenario, progress: Callable[[float], None] | None) -> Result:
