@@ -9,7 +9,7 @@ from pathlib import Path
 
 from measure import RESULTS, machine
 
-BENCHMARKS = ("single", "startup")
+BENCHMARKS = ("single", "startup", "majorants")
 
 
 def main() -> None:
