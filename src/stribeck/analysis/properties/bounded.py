@@ -83,7 +83,7 @@ def _passed(model: Model, z_bound: float) -> Verdict:
     if farthest < _LEVELS[-1]:
         shown = _to_the_end(model, shown, farthest)
     drive, end = replay.velocity_drive([shown["v"]], [shown["time"]])
-    tables = replay.scenario_of(law, "bounded", drive, end, {})
+    tables = replay.scenario_of(law, "bounded", drive, end, {}, energy=True)  # compiled for passive, too
     evidence: dict[str, Any] = {
         "Z": z_bound, "levels": levels if farthest >= _LEVELS[-1] else [shown],
         "passes_any_level": farthest >= _LEVELS[-1],

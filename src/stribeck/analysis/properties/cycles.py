@@ -70,7 +70,31 @@ def find(law: Law, storage: Storage) -> Cycle | None:
         best = _best(storage, ups, downs, points, best)
     if best is None:
         return None
-    return _closed(law, *best[1:])
+    _, up, down, low, high = best
+    if law.symmetric and low + high < 0:  # the same cycle for positive z is easier to read
+        up, down, low, high = -down, -up, -high, -low
+    return _closed(law, up, down, low, high)
+
+
+def unwinding(law: Law, storage: Storage) -> Cycle:
+    """A run from the bound that draws more than a million times the energy that a spring would keep there."""
+    side = storage.endless
+    assert storage.reach is not None
+    high = side * storage.reach
+    wanted = 1e6 * abs(float(law.force(0.0, high)) * high)
+    fast = storage.v[[0, -1]]
+    v = fast[np.argmax(np.where(side * law.rate(fast, high) < 0, storage.slopes(fast, high)[1] * side, -np.inf))]
+    found: Cycle | None = None
+    for share in (1e-1, 1e-3, 1e-5, 1e-7):
+        for speed in np.sign(v) * np.geomspace(abs(storage.v).min(), abs(v), 120):
+            low = high * (1 - share)
+            if side * law.rate(speed, low) < 0:
+                time, energy = integrate(law, float(speed), high, low)
+                found = Cycle(high, (float(speed),), (low,), (time,), (energy,))
+                if energy < -wanted:
+                    return found
+    assert found is not None
+    return found
 
 
 def _windows(storage: Storage, at: float) -> list[Array]:

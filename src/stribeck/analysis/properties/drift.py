@@ -9,6 +9,7 @@ import numpy as np
 from stribeck.analysis.properties import replay
 from stribeck.analysis.properties.model import U
 from stribeck.analysis.properties.seams import Quadrants, fold, vanishes
+from stribeck.analysis.properties.storage import own_speeds
 from stribeck.analysis.properties.verdicts import Verdict, undecided
 from stribeck.laws.base import Law
 
@@ -17,6 +18,7 @@ _MOVED = "a load below F_s that comes back to 0 leaves the body displaced, repla
 _SLOW = 0.1  # of v_s: the speed of the dithered body
 _STIFF = 100.0  # how far the contact's resonance lies above the dither
 _CYCLES = 10
+_VISIBLE = 0.01  # of the elastic displacement: enough to show
 _NOISE = 1e-6  # of the elastic displacement: a smaller one would be rounding
 
 
@@ -53,17 +55,32 @@ def _is_v(quadrants: Quadrants, z_0: float) -> bool:
 
 
 def _moved(law: Law) -> Verdict:
-    """A dithered load, in triangles between a tenth and all of its peak, that begins and ends at 0."""
+    """A sawtooth load, between a fifth and all of its peak, that begins and ends at 0: fast enough to be short, or slow
+    enough for the smooth signs to be felt."""
+    slow = own_speeds(law)[0]
+    for speed in (_SLOW * getattr(law.p, "v_s", law.scales(law.p).speed), slow, slow / 10):
+        verdict = _moved_at(law, speed)
+        if verdict.holds is False and abs(verdict.evidence["distance"]) > _VISIBLE * verdict.evidence["elastic_displacement"]:
+            break
+    return verdict
+
+
+def _moved_at(law: Law, speed: float) -> Verdict:
     scales = law.scales(law.p)
     own = getattr(law.p, "z_ba", None)
     stiffness = abs(float(law.force(0.0, 1e-6 * scales.length))) / (1e-6 * scales.length)
+    if not stiffness > 0:
+        return undecided("dz/dt is not v at any |z| as far as sampled; the contact has no stiffness to load")
     peak = 0.5 * scales.force if own is None else min(0.5 * scales.force, 0.9 * stiffness * own)
-    low = 0.2 * peak
     length = peak / stiffness
-    quarter = length / (_SLOW * getattr(law.p, "v_s", scales.speed))
-    loads = [0.0, peak, *([low, peak] * _CYCLES), 0.0, 0.0]
-    times = [quarter * k for k in range(len(loads))]
-    mass = stiffness * (quarter / _STIFF) ** 2
+    rise, fall = length / speed, 0.2 * length / speed
+    loads, times = [0.0, peak], [0.0, rise]
+    for _ in range(_CYCLES):
+        loads += [0.2 * peak, peak]
+        times += [times[-1] + fall, times[-1] + fall + rise]
+    loads += [0.0, 0.0]
+    times += [times[-1] + fall, times[-1] + fall + rise]
+    mass = stiffness * (fall / _STIFF) ** 2
     drive = {"kind": "force", "signal": {"kind": "points", "t": times, "value": loads}}
     tables = replay.scenario_of(law, "drift_free", drive, times[-1], {"mass": mass})
     solution = replay.run(tables)
@@ -75,5 +92,6 @@ def _moved(law: Law) -> Verdict:
         "elastic_displacement": length, "replay": {"y": moved},
     }  # fmt: skip
     if not abs(moved) > _NOISE * length:
-        return undecided("dz/dt is not v at any |z| as far as sampled, but a dithered load moved the body too little", **evidence)
+        reason = "dz/dt is not v at any |z| as far as sampled, but a dithered load moved the body too little"
+        return undecided(reason, **evidence)
     return Verdict(False, _MOVED, evidence, tables, again=lambda: replay.repeats(tables, {"y": moved}))
