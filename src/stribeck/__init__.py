@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stribeck.analysis.advise import Advice, advise
+    from stribeck.analysis.properties import Verdict, Verdicts, check, storage_interval
+    from stribeck.analysis.properties.margins import margins
+    from stribeck.analysis.properties.matrix import check_all
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
     from stribeck.laws import law
     from stribeck.parameter_sets import parameters
@@ -16,8 +19,8 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__ = [
-    "Advice", "BuildError", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError", "StribeckNote", "advise",
-    "law", "parameters", "simulate",
+    "Advice", "BuildError", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError", "StribeckNote", "Verdict",
+    "Verdicts", "advise", "check", "check_all", "law", "margins", "parameters", "simulate", "storage_interval",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -26,7 +29,10 @@ _HOME = {
         ("BuildError", "InputError", "NotDifferentiable", "StribeckError", "StribeckNote"), "stribeck.errors"
     ),
     **dict.fromkeys(("Advice", "advise"), "stribeck.analysis.advise"),
+    **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.analysis.properties"),
+    "check_all": "stribeck.analysis.properties.matrix",
     "law": "stribeck.laws",
+    "margins": "stribeck.analysis.properties.margins",
     "parameters": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",
     **dict.fromkeys(("Solution", "simulate"), "stribeck.simulation"),

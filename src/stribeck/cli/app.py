@@ -130,6 +130,34 @@ def advise(
 
 
 @app.command()
+def check(
+    law: Annotated[str | None, typer.Argument(metavar="[LAW]", help="A law; FILE.py:NAME is one too.")] = None,
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="NAME or FILE", help="The machine's parameters.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Another constant, such as k_v=1e7.")
+    ] = None,
+    v_max: Annotated[
+        float | None, typer.Option("--v-max", metavar="V", help="Passivity is asked for |v| <= V, m/s.")
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Every law with the parameters.")] = False,
+    margins: Annotated[
+        bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
+    ] = False,
+    verify: Annotated[bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write counterexamples here, as scenarios to run.")
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
+    from stribeck.cli import check as command
+
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out)
+
+
+@app.command()
 def new(
     name: Annotated[
         str, typer.Argument(metavar="[NAME]", help="A name for it, or that of a built-in example.")

@@ -118,7 +118,7 @@ def _close(done: Done) -> Statement:
 
 def passivity_cycle(k_v: float) -> dict[str, float]:
     """Charge the bristles of lugre_sobczyk to 1 um, move back slowly until z = 0: energy in and out, J (Table 1)."""
-    forward, back, unit = 10 / k_v, -1 / k_v, 1e7 / k_v  # m/s, and the time's scale
+    forward, back, unit = 10 / k_v, -1 / k_v, k_v / 1e7  # m/s, and the time's scale
     law = {"name": "lugre_sobczyk", "parameters": "canudas1995", "k_v": k_v}
 
     def run(t: list[float], v: list[float], step: float) -> Any:
