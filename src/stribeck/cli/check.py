@@ -105,7 +105,10 @@ def _write(verdicts: Verdicts, out: Path) -> list[str]:
     for name, verdict in verdicts.properties.items():
         if verdict.holds is False and verdict.scenario is not None:
             path = out / f"{name}.toml"
-            write_text(path, f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}{dumps(verdict.scenario)}")
+            write_text(
+                path,
+                f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}{dumps(verdict.scenario)}",
+            )
             files.append(str(path))
     return files
 
@@ -144,8 +147,8 @@ def _lines(evidence: Mapping[str, Any]) -> list[str]:
     if plain:
         lines.append(", ".join(f"{n} {x:.9g}" if isinstance(x, float) else f"{n} {x}" for n, x in plain.items()))
     for name in ("programme", "levels"):
-        for row in evidence.get(name, ()):
-            lines.append("  " + ", ".join(f"{n} {x:.6g}" for n, x in row.items()))
+        rows = evidence.get(name, ())
+        lines += ["  " + ", ".join(f"{n} {x:.6g}" for n, x in row.items()) for row in rows]
     return lines
 
 

@@ -80,6 +80,7 @@ class Algebra:
 
     @property
     def one(self) -> Any:
+        """1."""
         return self.context.constant(1)
 
     def _share(self) -> Any:
@@ -121,10 +122,7 @@ class Algebra:
         """
         if expr in self.known:
             return self.known[expr]
-        if expr.op == "where":
-            found = self._where(expr)
-        else:
-            found = self._value(expr, [self.convert(a) for a in expr.args])
+        found = self._where(expr) if expr.op == "where" else self._value(expr, [self.convert(a) for a in expr.args])
         self.known[expr] = found
         return found
 
@@ -246,8 +244,8 @@ class Algebra:
         by_power: dict[int, dict[tuple[int, ...], dict[int, Fraction]]] = {}
         for powers, c in polynomial.to_dict().items():
             of_pi, of_u, *shares = (int(k) for k in powers)
-            table = by_power.setdefault(of_u, {}).setdefault(tuple(shares), {})
-            table[of_pi] = table.get(of_pi, Fraction(0)) + Fraction(int(c.p), int(c.q))
+            in_pi = by_power.setdefault(of_u, {}).setdefault(tuple(shares), {})
+            in_pi[of_pi] = in_pi.get(of_pi, Fraction(0)) + Fraction(int(c.p), int(c.q))
         low, high, strict = True, True, False
         for table in by_power.values():
             values = [_sign(c) for c in _bernstein(table)]
@@ -321,7 +319,9 @@ def _cases(
     slow = _cases(expr, values, form, start, speed, {**decided, condition: slow_first}, depth - 1)
     fast = _cases(expr, values, form, speed, end, {**decided, condition: not slow_first}, depth - 1)
     return Signs(
-        slow.not_negative and fast.not_negative, slow.not_positive and fast.not_positive, slow.not_zero and fast.not_zero
+        slow.not_negative and fast.not_negative,
+        slow.not_positive and fast.not_positive,
+        slow.not_zero and fast.not_zero,
     )
 
 
@@ -330,5 +330,3 @@ def _true_when_slow(condition: Expr, values: Mapping[str, float]) -> bool:
     inputs = {n: point(x) for n, x in values.items()} | {"u": point(1e-200)}
     known = Evaluator([condition]).all(inputs)
     return bool(known[condition].must)
-
-

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from time import monotonic
 from typing import Any
 
@@ -25,16 +26,17 @@ _BOXES = "interval arithmetic over all v: on |z| = Z, dz/dt points inward"
 _PASSED = "held speeds that take z past the bound, replayed by simulation"
 _LEVELS = (2.0, 10.0, 100.0, 1e4, 1e6)
 _REPLAYED = 10.0
+_VERIFY_SECONDS = 600.0
 
 
 def decide(model: Model, deadline: float) -> Verdict:
     """Whether |z| = Z is never passed outward."""
     law = model.law
     z_bound = float(law.z_bound(law.p))
-    methods = [method for method in (_ALGEBRA, _BOXES) if _inward(model, method, deadline)][:1]
-    if methods:
-        again = lambda: _inward(model, methods[0], monotonic() + 30)  # noqa: E731
-        return Verdict(True, methods[0], {"Z": z_bound}, again=again)
+    for method in (_ALGEBRA, _BOXES):
+        if _inward(model, method, deadline):
+            again = partial(_inward, model, method, monotonic() + _VERIFY_SECONDS)
+            return Verdict(True, method, {"Z": z_bound}, again=again)
     return _passed(model, z_bound)
 
 
@@ -48,11 +50,10 @@ def _inward(model: Model, method: str, deadline: float) -> bool:
             return False
         for v_side in (1, -1):
             outward = substitute([model.sided(model.rate, v_side)], {Z: edge})[0] * z_side
-            if method is _ALGEBRA:
-                inward = sign_over_all(outward, values).not_positive
-            else:
-                inward = _by_boxes(model, outward, deadline)
-            if not inward:
+            algebra = method is _ALGEBRA
+            if algebra and not sign_over_all(outward, values).not_positive:
+                return False
+            if not algebra and not _by_boxes(model, outward, deadline):
                 return False
     return True
 
@@ -127,5 +128,3 @@ def _fastest(model: Model, level: float) -> tuple[float, float] | None:
     enough = np.flatnonzero(time <= max(1.0, 2 * float(time.min())))
     chosen = float(v[enough[0]])
     return chosen, integrate(law, chosen, 0.0, level)[0]
-
-

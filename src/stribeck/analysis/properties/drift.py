@@ -60,7 +60,10 @@ def _moved(law: Law) -> Verdict:
     slow = own_speeds(law)[0]
     for speed in (_SLOW * getattr(law.p, "v_s", law.scales(law.p).speed), slow, slow / 10):
         verdict = _moved_at(law, speed)
-        if verdict.holds is False and abs(verdict.evidence["distance"]) > _VISIBLE * verdict.evidence["elastic_displacement"]:
+        if (
+            verdict.holds is False
+            and abs(verdict.evidence["distance"]) > _VISIBLE * verdict.evidence["elastic_displacement"]
+        ):
             break
     return verdict
 

@@ -8,6 +8,7 @@ D/v^2 >= b + c - r x (|b| - e x), x = min(Z/|v|, |b|/(2 e)). What is left depend
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +17,10 @@ from stribeck.analysis.properties.intervals import Evaluator, Interval, interval
 from stribeck.analysis.properties.model import Model, over_u, reciprocal
 from stribeck.analysis.properties.storage import own_speeds
 
-METHOD = "interval arithmetic over all v, with the stored energy sigma_0 z^2/2, its minimum over z in closed form and v^2 divided out"
+METHOD = (
+    "interval arithmetic over all v, with the stored energy sigma_0 z^2/2, its minimum over z in closed form and v^2 "
+    "divided out"
+)
 
 
 def speed_edges(model: Model, v_max: float | None) -> list[float]:
@@ -36,22 +40,29 @@ def prove(model: Model, v_max: float | None, reach: float | None, deadline: floa
     boxes = 0
     for side in (1, -1):
         rho, b, c = (model.sided(x, side) for x in (law.rho, law.b, law.c))
-        evaluate = Evaluator([rho, over_u(rho), b, c])
-        top = np.inf if reach is None else reach
-        e, depth = point(law.e), point(top)
-
-        def bound(box: Sequence[Interval], evaluate: Evaluator = evaluate) -> Interval:
-            u = box[0]
-            t = reciprocal(u)
-            z = interval(np.full_like(u.low, -top), np.full_like(u.low, top))
-            rho, rho_t, b, c = evaluate({**model.constants, "u": u, "t": t, "z": z})
-            return _loss(rho, rho_t, b, c, e, depth, u, t)
-
+        bound = _Bound(Evaluator([rho, over_u(rho), b, c]), model, law.e, np.inf if reach is None else reach)
         cover = not_negative(bound, *grid([speed_edges(model, v_max)]), deadline)
         boxes += cover.boxes
         if not cover.holds:
             return Cover(False, boxes, cover.where, cover.reason)
     return Cover(True, boxes)
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """A lower bound of D/v^2 on boxes of u = |v|."""
+
+    evaluate: Evaluator
+    model: Model
+    e: float
+    reach: float
+
+    def __call__(self, box: Sequence[Interval]) -> Interval:
+        u = box[0]
+        t = reciprocal(u)
+        z = interval(np.full_like(u.low, -self.reach), np.full_like(u.low, self.reach))
+        rho, rho_t, b, c = self.evaluate({**self.model.constants, "u": u, "t": t, "z": z})
+        return _loss(rho, rho_t, b, c, point(self.e), point(self.reach), u, t)
 
 
 def _loss(
@@ -72,10 +83,10 @@ def _loss(
         spent = np.fmin(near, far)
         value = (b + c) - point(np.maximum(spent, 0.0))
     negative = ~((rho.low >= 0) & np.isfinite(spent))
-    return Interval(np.where(negative, -np.inf, value.low), np.where(np.isfinite(spent), value.high, np.inf))  # high: of a point
+    return Interval(
+        np.where(negative, -np.inf, value.low), np.where(np.isfinite(spent), value.high, np.inf)
+    )  # high: of a point
 
 
 def _least(a: Interval, b: Interval) -> Interval:
     return Interval(np.fmin(a.low, b.low), np.fmin(a.high, b.high))
-
-

@@ -9,7 +9,19 @@ from functools import cached_property
 import numpy as np
 
 from stribeck.analysis.properties.intervals import Evaluator, Interval, point
-from stribeck.expressions.graph import ONE, ZERO, Expr, derivative, is_zero, rebuild, rewrite, substitute, symbol, symbols, wrap
+from stribeck.expressions.graph import (
+    ONE,
+    ZERO,
+    Expr,
+    derivative,
+    is_zero,
+    rebuild,
+    rewrite,
+    substitute,
+    symbol,
+    symbols,
+    wrap,
+)
 from stribeck.expressions.ops import sqrt
 from stribeck.laws.base import Law
 
@@ -131,5 +143,3 @@ def reciprocal(u: Interval) -> Interval:
     """t = 1/u for u >= 0."""
     with np.errstate(all="ignore"):
         return point(np.ones_like(u.low)) / u
-
-

@@ -37,7 +37,11 @@ def _proved(model: Model, storage: Storage, deadline: float) -> Verdict:
     bounds = {"z_within": reach, "speeds": "all" if v_max is None else f"|v| <= {v_max:g}"}
     cover = elastic.prove(model, v_max, reach, deadline)
     if cover.holds:
-        evidence = {"storage": "the law's own stored energy, sigma_0 z^2/2", "boxes": cover.boxes, **bounds}
+        evidence: dict[str, Any] = {
+            "storage": "the law's own stored energy, sigma_0 z^2/2",
+            "boxes": cover.boxes,
+            **bounds,
+        }
         return Verdict(True, elastic.METHOD, evidence, again=lambda: elastic.prove(model, v_max, reach, _later()).holds)
     own = cover
     cover, fitted = cells.prove(model, storage, deadline)

@@ -13,7 +13,17 @@ import numpy as np
 from stribeck.analysis.properties.intervals import Evaluator, Interval, interval
 from stribeck.analysis.properties.model import Model, U, V, Z, divided
 from stribeck.expressions.graph import (
-    ZERO, Expr, constant, derivative, is_zero, ordered, rebuild, rewrite, substitute, symbol, symbols,
+    ZERO,
+    Expr,
+    constant,
+    derivative,
+    is_zero,
+    ordered,
+    rebuild,
+    rewrite,
+    substitute,
+    symbol,
+    symbols,
 )  # fmt: skip
 from stribeck.expressions.pretty import multiple_of_pi
 
@@ -111,7 +121,9 @@ class Quadrants:
         for here, side in ((V, {U: ZERO}), (Z, {W: ZERO})):
             for sign in (1, -1):
                 other = {Z: W if sign > 0 else -W} if here is V else {V: U if sign > 0 else -U}
-                exact = fold(rewrite(substitute([self.model.rate], {here: ZERO, **other}), _positive)[0], self.domain, True)
+                exact = fold(
+                    rewrite(substitute([self.model.rate], {here: ZERO, **other}), _positive)[0], self.domain, True
+                )
                 limit = fold(substitute([self.form[(1, sign) if here is V else (sign, 1)]], side)[0], self.domain)
                 if not vanishes(exact - limit):
                     return False
@@ -173,7 +185,7 @@ def fold(expr: Expr, domain: Mapping[str, Interval], exactly: bool = False) -> E
     A condition whose sides may be equal is left, unless ``exactly``: at a seam either case may be meant.
     """
     while True:
-        known = Evaluator([expr]).all(domain)
+        known = Evaluator(node.args[0] for node in ordered([expr]) if node.op == "where").all(domain)
         new = rewrite([expr], lambda node, known=known: _decided(node, known, domain, exactly))[0]  # type: ignore[misc]
         if new is expr:
             return expr

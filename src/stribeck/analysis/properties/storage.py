@@ -78,7 +78,9 @@ class Storage:
         if self.reach is None:
             share = np.logspace(-6, 0, 60) / 1.0001
         else:
-            share = np.concatenate([near, np.linspace(0.5, 0.98, 24)[1:-1], 1 - np.logspace(-9, np.log10(0.02), 24)[::-1]])
+            share = np.concatenate(
+                [near, np.linspace(0.5, 0.98, 24)[1:-1], 1 - np.logspace(-9, np.log10(0.02), 24)[::-1]]
+            )
         z = self.largest * share
         return np.concatenate([-z[::-1], z])
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from stribeck.analysis.properties import replay
-from stribeck.analysis.properties.elastic import speed_edges
 from stribeck.analysis.properties.boxes import grid
+from stribeck.analysis.properties.elastic import speed_edges
 from stribeck.analysis.properties.intervals import Evaluator, Interval
 from stribeck.analysis.properties.model import over_u, reciprocal
 from stribeck.analysis.properties.seams import Quadrants, W
@@ -31,7 +31,10 @@ def decide(quadrants: Quadrants, reach: float | None, deadline: float) -> Verdic
     if not torn and quadrants.at_rest():
         length = reach if reach is not None else quadrants.model.law.scales(quadrants.model.law.p).length
         everywhere = [0.0, length, 4 * length, np.inf]
-        for edges, words in ((everywhere, "all v and z"), ([0.0, length], "all v and |z| <= Z, which z does not leave")):
+        for edges, words in (
+            (everywhere, "all v and z"),
+            ([0.0, length], "all v and |z| <= Z, which z does not leave"),
+        ):
             if (words == "all v and z" or reach is not None) and (bound := _lipschitz(quadrants, edges, deadline)):
                 evidence = {"lipschitz": {"at_rest": bound[0], "per_speed": bound[1]}, "seams": len(seams)}
                 return Verdict(True, _METHOD.format(words), evidence, again=lambda e=edges: _again(quadrants, e))  # type: ignore[misc]
