@@ -82,11 +82,14 @@ def laws(
     ] = None,
     json: Json = False,
     test: Annotated[bool, typer.Option("--test", help="Test numerically all that the laws claim.")] = False,
+    sets: Annotated[
+        bool, typer.Option("--sets", help="List the parameter sets, and the laws that are passive with each.")
+    ] = False,
 ) -> int:
     """List the laws: equation, constants, units, source, what each guarantees."""
     from stribeck.cli import laws as command
 
-    return command.laws(law or [], json, test)
+    return command.laws(law or [], json, test, sets)
 
 
 @app.command()
@@ -145,7 +148,9 @@ def check(
     margins: Annotated[
         bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
     ] = False,
-    verify: Annotated[bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")] = False,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")
+    ] = False,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Write counterexamples here, as scenarios to run.")
     ] = None,
