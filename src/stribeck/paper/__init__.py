@@ -15,10 +15,10 @@ from stribeck.report.page import Chapter, html
 # In the order of the report; a new chapter is a module here and a name in this list.
 CHAPTERS = (
     "steady", "smoothing", "presliding", "stick_slip", "sine_force", "limit_cycle", "break_away", "statements", "beyond",
-    "guarantees", "which_k_v",
+    "guarantees", "evidence", "which_k_v",
 )  # fmt: skip
 _READS_OTHERS = ("statements",)  # chapters made of what the others computed
-_SLOWEST_FIRST = ("guarantees", "beyond", "which_k_v", "stick_slip", "limit_cycle", "break_away")
+_SLOWEST_FIRST = ("guarantees", "evidence", "which_k_v", "beyond", "stick_slip", "limit_cycle", "break_away")
 
 TITLE = "A continuous approximation of the LuGre friction model: every figure, computed"
 _INTRODUCTION = (

@@ -33,8 +33,8 @@ def chapter(done: Done) -> Chapter:
         "The paper finds by trial that k_v should be 1e7 s/m or more, and that presliding asks for more than the rest. What is "
         "asked for follows from what is tolerated: by formula for creep and steady friction, by simulation for presliding and a "
         f"position. The majorant law needs {saved:.3g} times less for all of the below.",
-        f"What k_v costs is not stiffness: up to 0.1 m/s it is {_cost(paper)} for the one and {_cost(majorant)} for the other, that of "
-        "sliding itself. It is the bend of |v|, within which dF/dv changes: by up to "
+        f"What k_v costs is not stiffness: up to 0.1 m/s it is {_cost(paper)} for the one and {_cost(majorant)} for the other, "
+        "that of sliding itself. It is the bend of |v|, within which dF/dv changes: by up to "
         f"{_bend(paper)} and {_bend(majorant)} N s/m for each m/s.",
         "stribeck advise lugre_sobczyk --parameters canudas1995 --creep 1e-6 --steady-error 0.01 --speed 1e-4 ... answers for a "
         "machine of your own.",
