@@ -18,7 +18,7 @@ from stribeck.analysis.advise.search import (
     smallest,
     with_k_v,
 )  # fmt: skip
-from stribeck.errors import StribeckError
+from stribeck.errors import InputError, StribeckError
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
@@ -64,9 +64,13 @@ class _Simulated(Tolerance):
         name = family(law)
         if name not in self._references:
             self._references[name] = _solve(self.scenario(counterpart(law, name)))["y"]
+            self._judge(law, self._references[name])
         y = self._references[name]
         error = float(np.max(np.abs(_solve(self.scenario(law))["y"] - y)))
         return error / float(np.max(np.abs(y))) if self.relative else error
+
+    def _judge(self, law: Law, y: Any) -> None:
+        """Refuse a scenario that does not show what is asked for, by the exact law's position in it."""
 
     def need(self, law: Law) -> Requirement:
         """By bisection between powers of ten."""
@@ -94,6 +98,12 @@ class PreslidingError(_Simulated):
         """Names the rate and the cycle."""
         name = f"error of presliding at {self.force_rate:g} N/s"
         return name, f"a cycle of the force between +-{self.share:g} F_s, held for half the ramp's time"
+
+    def _judge(self, law: Law, y: Any) -> None:
+        """Loaded slowly to a share of F_s, LuGre moves by F_s/sigma_0 ln(1/(1 - share)): dz/dy = 1 - z/g."""
+        if np.max(np.abs(y)) > 2 * law.p.F_s / law.p.sigma_0 * -np.log1p(-self.share):
+            text = f"so fast {family(law)} breaks away below {self.share:g} F_s; must be slower, or the share smaller"
+            raise InputError([f"force_rate: {self.force_rate:g}: {text}"])
 
     def scenario(self, law: Law) -> Scenario:
         """The cycle under a law."""

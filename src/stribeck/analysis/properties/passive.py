@@ -26,7 +26,7 @@ def decide(model: Model, v_max: float | None, bounded: bool | None, deadline: fl
     found = _proved(model, storage, deadline) if storage.exists else _refuted(storage)
     found.evidence["v_max"] = v_max
     if v_max is None and found.holds is not True and monotonic() < deadline:
-        largest = largest_speed(law, storage.reach)
+        largest = largest_speed(law, storage.reach, deadline)
         found.evidence["largest_v_max"] = largest
         found.evidence["largest_v_max_method"] = "bisection with the storage interval as sampled"
     return found
