@@ -18,8 +18,9 @@ from stribeck.analysis.advise.search import (
     smallest,
     with_k_v,
 )  # fmt: skip
+from stribeck.analysis.properties.replay import law_table
 from stribeck.errors import InputError, StribeckError
-from stribeck.laws.base import PARAMETERS, Law
+from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 
@@ -28,11 +29,10 @@ _ROWS = 1000
 _STEPS = 20_000_000  # attempted; a law without resistance would slide for ever
 
 
-def _table(law: Law) -> dict[str, Any]:
-    """The law as a scenario's table."""
-    own = {n: x for n, x in law.values.items() if n not in PARAMETERS and x is not None}
-    machine = {**law.machine, **{n: x for n, x in law.values.items() if n in PARAMETERS}}
-    return {"name": law.name, **own, **law.choices, "parameters": machine}
+def _law(law: Law) -> dict[str, Any]:
+    table = law_table(law)
+    assert table is not None, "laws of the package have a name"
+    return table
 
 
 def _solve(scenario: Scenario) -> Solution:
@@ -113,7 +113,7 @@ class PreslidingError(_Simulated):
         # so light that its own swing lasts a thousandth of the ramp
         mass = self.mass or law.p.sigma_0 * (1e-3 * ramp / (2 * pi)) ** 2
         return Scenario(
-            name="presliding", law=_table(law), plant={"mass": mass},
+            name="presliding", law=_law(law), plant={"mass": mass},
             drive={"kind": "force", "signal": {"kind": "points", "t": times, "value": [0, top, top, -top, -top, 0]}},
             solve={"t_end": times[-1], "max_steps": _STEPS}, output={"step": times[-1] / _ROWS},
         )  # fmt: skip
@@ -131,4 +131,4 @@ class PositionError(_Simulated):
 
     def scenario(self, law: Law) -> Scenario:
         """The scenario under a law."""
-        return Scenario({**self.given.data, "law": _table(law)}, folder=self.given.folder)
+        return Scenario({**self.given.data, "law": _law(law)}, folder=self.given.folder)
