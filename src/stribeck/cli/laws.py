@@ -22,8 +22,8 @@ def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
         return _test(chosen, json)
     described = [_describe(law) for law in chosen]
     if json:
-        sets = {name: {k: v for k, v in asdict(s).items() if k != "name"} for name, s in parameters().items()}
-        print_json({"laws": described, "parameter_sets": sets})
+        known = {name: {k: v for k, v in asdict(s).items() if k != "name"} for name, s in parameters().items()}
+        print_json({"laws": described, "parameter_sets": known})
         return 0
     for law in described:
         _print(law)
