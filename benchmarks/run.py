@@ -21,6 +21,7 @@ BENCHMARKS = {  # and their files
     "instructions": "instructions.py",
     "fit_speed": "fit_speed.py",
     "coverage": "coverage.py",
+    "majorants": "majorants.py",
     "startup": "startup.py",
 }
 

@@ -7,6 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from stribeck.analysis.advise import Advice, advise
+    from stribeck.analysis.properties import Verdict, Verdicts, check, storage_interval
+    from stribeck.analysis.properties.margins import margins
+    from stribeck.analysis.properties.matrix import check_all
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
     from stribeck.export import export
     from stribeck.identify.fitting import fit
@@ -19,7 +22,8 @@ __version__ = "0.1.0"
 
 __all__ = [
     "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
-    "StribeckNote", "advise", "export", "fit", "law", "parameters", "simulate", "simulate_ensemble",
+    "StribeckNote", "Verdict", "Verdicts", "advise", "check", "check_all", "export", "fit", "law", "margins",
+    "parameters", "simulate", "simulate_ensemble", "storage_interval",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -30,7 +34,10 @@ _HOME = {
     **dict.fromkeys(("Advice", "advise"), "stribeck.analysis.advise"),
     "export": "stribeck.export",
     "fit": "stribeck.identify.fitting",
+    **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.analysis.properties"),
+    "check_all": "stribeck.analysis.properties.matrix",
     "law": "stribeck.laws",
+    "margins": "stribeck.analysis.properties.margins",
     "parameters": "stribeck.parameter_sets",
     "Scenario": "stribeck.scenario",
     **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),

@@ -125,7 +125,19 @@ def test_presliding_numbers_of_the_theory(k_v, sobczyk, majorant):
 
 
 @needs_compiler
-def test_position_error_in_the_limit_cycle(tmp_path):
+@pytest.mark.parametrize(("set_name", "rate"), [("canudas1995", 10.0), ("liu2015", 1.0), ("olsson1998", 1.0)])
+def test_a_load_that_breaks_away_is_no_presliding(set_name, rate):
+    """Table 1 breaks away at 1.22 N when loaded at 10 N/s (theory.md), before 0.95 F_s is reached."""
+    with pytest.raises(InputError) as error:
+        advise("lugre_sobczyk", set_name, presliding_error=0.01, force_rate=rate)
+    assert str(error.value).startswith(
+        f"force_rate: {rate:g}: so fast lugre breaks away below 0.95 F_s; must be slower"
+    )
+    advise("lugre_sobczyk", set_name, presliding_error=0.01, force_rate=1e-2 * rate, share=0.5)
+
+
+@needs_compiler
+def test_position_error_in_the_limit_cycle():
     """Theory.md: 1.06e-1 m at k_v = 1e6 for lugre_sobczyk; the majorant law needs a thousandth for 1 mm."""
     pid = {"kind": "pid", "K_p": 3.0, "K_i": 4.0, "K_d": 6.0}
     scenario = Scenario(rig("lugre", pid, {"kind": "step", "value": 1.0, "time": 10.0}, 250.0, rows=5000))

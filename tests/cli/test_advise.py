@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 import json
+import re
+import shlex
+from pathlib import Path
 
 import pytest
 
 from stribeck.cli.advise import up
+from tests.simulation.rig import needs_compiler
 
 
 def test_advice_in_words_and_files(stribeck, tmp_path):
@@ -58,3 +62,19 @@ def test_what_is_refused(stribeck, asked, line, tmp_path):
 )
 def test_numbers_are_rounded_up(x, text):
     assert up(x) == text
+
+
+@needs_compiler
+def test_the_commands_of_the_guide(stribeck, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert stribeck("new", "limit_cycle").status == 0
+    guide = (Path(__file__).parents[2] / "docs" / "advise.md").read_text(encoding="utf-8")
+    (block,) = re.findall(r"```sh\n(.*?)```", guide, re.S)
+    commands = [shlex.split(line, comments=True)[1:] for line in block.splitlines()]
+    assert len(commands) == 5
+    outputs = [stribeck(*words) for words in commands]
+    assert [result.status for result in outputs] == [0] * 5
+    for number in ("1.271e+07", "1.472e+06"):
+        assert number in outputs[0].out
+        assert number in guide
+    assert (tmp_path / "advice" / "advise.svg").exists()

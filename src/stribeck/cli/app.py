@@ -107,11 +107,14 @@ def laws(
     ] = None,
     json: Json = False,
     test: Annotated[bool, typer.Option("--test", help="Test numerically all that the laws claim.")] = False,
+    sets: Annotated[
+        bool, typer.Option("--sets", help="List the parameter sets, and the laws that are passive with each.")
+    ] = False,
 ) -> int:
     """List the laws: equation, constants, units, source, what each guarantees."""
     from stribeck.cli import laws as command
 
-    return command.laws(law or [], json, test)
+    return command.laws(law or [], json, test, sets)
 
 
 @app.command()
@@ -252,6 +255,36 @@ def rig(
 
     limits = (stroke, speed, force, deflection)
     return command.rig(limits, simulate, law, parameters, set_ or [], seed, out, json)
+
+
+@app.command()
+def check(
+    law: Annotated[str | None, typer.Argument(metavar="[LAW]", help="A law; FILE.py:NAME is one too.")] = None,
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="NAME or FILE", help="The machine's parameters.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Another constant, such as k_v=1e7.")
+    ] = None,
+    v_max: Annotated[
+        float | None, typer.Option("--v-max", metavar="V", help="Passivity is asked for |v| <= V, m/s.")
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Every law with the parameters.")] = False,
+    margins: Annotated[
+        bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
+    ] = False,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write counterexamples here, as scenarios to run.")
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
+    from stribeck.cli import check as command
+
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out)
 
 
 @app.command()

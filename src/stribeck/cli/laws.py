@@ -7,25 +7,56 @@ from typing import Any
 
 from stribeck import laws as registry
 from stribeck.cli.show import print_json
+from stribeck.errors import InputError
 from stribeck.laws.base import Claims, Law
 from stribeck.laws.render import condition, equations
 from stribeck.parameter_sets import parameters
 
 
-def laws(names: list[str], json: bool, test: bool) -> int:
-    """List the laws named, or all; with ``test``, test what they claim."""
+def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
+    """List the laws named, or all; with ``test``, test what they claim; with ``sets``, list the parameter sets."""
+    if sets:
+        return _sets(names, json)
     chosen = [registry.find(name) for name in names] or list(registry.builtin().values())
     if test:
         return _test(chosen, json)
     described = [_describe(law) for law in chosen]
     if json:
-        sets = {name: {k: v for k, v in asdict(s).items() if k != "name"} for name, s in parameters().items()}
-        print_json({"laws": described, "parameter_sets": sets})
+        known = {name: {k: v for k, v in asdict(s).items() if k != "name"} for name, s in parameters().items()}
+        print_json({"laws": described, "parameter_sets": known})
         return 0
     for law in described:
         _print(law)
     if not names:
-        print("parameter sets: " + ", ".join(parameters()))
+        print("parameter sets: " + ", ".join(parameters()) + " (--sets shows what is passive with each)")
+    return 0
+
+
+def _sets(names: list[str], json: bool) -> int:
+    """The built-in parameter sets and the laws that are passive with each."""
+    from stribeck.analysis.properties.matrix import every_law, passive_with
+
+    if names:
+        raise InputError(f"--sets: lists every set with every law; leave out {', '.join(names)}")
+    listed = {
+        name: {
+            **{k: v for k, v in asdict(s).items() if k != "name"},
+            "passive": passive_with(s.values),
+            "own_constants": {n: x for law in every_law(s.values) for n, x in law.values.items()
+                              if n in law.own_constants() and x is not None},
+        }
+        for name, s in parameters().items()
+    }  # fmt: skip
+    if json:
+        print_json({"parameter_sets": listed})
+        return 0
+    for name, s in listed.items():
+        passive = [law for law, holds in s["passive"].items() if holds]
+        own = ", ".join(f"{n} = {x:g}" for n, x in s["own_constants"].items())
+        print(f"{name}: {s['title']} ({s['motion']})")
+        print(f"    {', '.join(f'{n} = {x:g}' for n, x in s['values'].items())}")
+        print(f"    passive with {', '.join(passive) or 'no law'} (with {own})")
+        print(f"    source: {s['source']}")
     return 0
 
 

@@ -14,10 +14,11 @@ from stribeck.report.page import Chapter, html
 
 # In the order of the report; a new chapter is a module here and a name in this list.
 CHAPTERS = (
-    "steady", "smoothing", "presliding", "stick_slip", "sine_force", "limit_cycle", "break_away", "servo", "statements", "beyond",
+    "steady", "smoothing", "presliding", "stick_slip", "sine_force", "limit_cycle", "break_away", "servo", "statements",
+    "beyond", "guarantees", "evidence", "which_k_v",
 )  # fmt: skip
 _READS_OTHERS = ("statements",)  # chapters made of what the others computed
-_SLOWEST_FIRST = ("servo", "beyond", "stick_slip", "limit_cycle", "break_away")
+_SLOWEST_FIRST = ("guarantees", "servo", "evidence", "which_k_v", "beyond", "stick_slip", "limit_cycle", "break_away")
 
 TITLE = "A continuous approximation of the LuGre friction model: every figure, computed"
 _INTRODUCTION = (

@@ -42,7 +42,8 @@ def figure(advices: Mapping[str, Advice], name: str, caption: str) -> FigureSvg:
                 if found.k_v and found.achieved:
                     axis.plot([found.k_v], [found.achieved], "o", color=plots.COLOURS[n], markersize=5)
             axis.axhline(wanted.tolerance, color=plots.GREY, linewidth=0.8)
-            axis.set(xscale="log", yscale="log", xlabel="k_v (s/m)", title=wanted.name)
+            plots.logarithmic(axis)
+            axis.set(xlabel="k_v (s/m)", title=wanted.name)
             axis.set_ylabel((wanted.unit and f"({wanted.unit})") or "share")
         if shown:
             plots.legend(made, axes[str(shown[0])])

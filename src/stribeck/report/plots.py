@@ -114,6 +114,15 @@ def draw(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
     axis.set_ylabel(f"{y} ({units[y]})")
 
 
+def logarithmic(axis: Axes, x: bool = True, y: bool = True) -> None:
+    """Make the scales logarithmic, without the small ticks: laying them out would take most of a figure's time."""
+    if x:
+        axis.set_xscale("log")
+    if y:
+        axis.set_yscale("log")
+    axis.minorticks_off()
+
+
 def legend(made: Figure, axis: Axes) -> None:
     """One legend for the whole figure, above the panels, from one panel's lines."""
     handles, labels = axis.get_legend_handles_labels()

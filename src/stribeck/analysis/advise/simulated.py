@@ -18,8 +18,9 @@ from stribeck.analysis.advise.search import (
     smallest,
     with_k_v,
 )  # fmt: skip
-from stribeck.errors import StribeckError
-from stribeck.laws.base import PARAMETERS, Law
+from stribeck.analysis.properties.replay import law_table
+from stribeck.errors import InputError, StribeckError
+from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 
@@ -28,11 +29,10 @@ _ROWS = 1000
 _STEPS = 20_000_000  # attempted; a law without resistance would slide for ever
 
 
-def _table(law: Law) -> dict[str, Any]:
-    """The law as a scenario's table."""
-    own = {n: x for n, x in law.values.items() if n not in PARAMETERS and x is not None}
-    machine = {**law.machine, **{n: x for n, x in law.values.items() if n in PARAMETERS}}
-    return {"name": law.name, **own, **law.choices, "parameters": machine}
+def _law(law: Law) -> dict[str, Any]:
+    table = law_table(law)
+    assert table is not None, "laws of the package have a name"
+    return table
 
 
 def _solve(scenario: Scenario) -> Solution:
@@ -64,9 +64,13 @@ class _Simulated(Tolerance):
         name = family(law)
         if name not in self._references:
             self._references[name] = _solve(self.scenario(counterpart(law, name)))["y"]
+            self._judge(law, self._references[name])
         y = self._references[name]
         error = float(np.max(np.abs(_solve(self.scenario(law))["y"] - y)))
         return error / float(np.max(np.abs(y))) if self.relative else error
+
+    def _judge(self, law: Law, y: Any) -> None:
+        """Refuse a scenario that does not show what is asked for, by the exact law's position in it."""
 
     def need(self, law: Law) -> Requirement:
         """By bisection between powers of ten."""
@@ -95,6 +99,12 @@ class PreslidingError(_Simulated):
         name = f"error of presliding at {self.force_rate:g} N/s"
         return name, f"a cycle of the force between +-{self.share:g} F_s, held for half the ramp's time"
 
+    def _judge(self, law: Law, y: Any) -> None:
+        """Loaded slowly to a share of F_s, LuGre moves by F_s/sigma_0 ln(1/(1 - share)): dz/dy = 1 - z/g."""
+        if np.max(np.abs(y)) > 2 * law.p.F_s / law.p.sigma_0 * -np.log1p(-self.share):
+            text = f"so fast {family(law)} breaks away below {self.share:g} F_s; must be slower, or the share smaller"
+            raise InputError([f"force_rate: {self.force_rate:g}: {text}"])
+
     def scenario(self, law: Law) -> Scenario:
         """The cycle under a law."""
         top = self.share * law.p.F_s
@@ -103,7 +113,7 @@ class PreslidingError(_Simulated):
         # so light that its own swing lasts a thousandth of the ramp
         mass = self.mass or law.p.sigma_0 * (1e-3 * ramp / (2 * pi)) ** 2
         return Scenario(
-            name="presliding", law=_table(law), plant={"mass": mass},
+            name="presliding", law=_law(law), plant={"mass": mass},
             drive={"kind": "force", "signal": {"kind": "points", "t": times, "value": [0, top, top, -top, -top, 0]}},
             solve={"t_end": times[-1], "max_steps": _STEPS}, output={"step": times[-1] / _ROWS},
         )  # fmt: skip
@@ -121,4 +131,4 @@ class PositionError(_Simulated):
 
     def scenario(self, law: Law) -> Scenario:
         """The scenario under a law."""
-        return Scenario({**self.given.data, "law": _table(law)}, folder=self.given.folder)
+        return Scenario({**self.given.data, "law": _law(law)}, folder=self.given.folder)

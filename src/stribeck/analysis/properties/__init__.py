@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from time import monotonic
 
-from stribeck.analysis.properties import passive
-from stribeck.analysis.properties.storage import storage_interval
+from stribeck.analysis.properties import bounded, drift, passive, smooth, unique
+from stribeck.analysis.properties.model import Model
+from stribeck.analysis.properties.seams import Quadrants
+from stribeck.analysis.properties.storage import reach_of, storage_interval
 from stribeck.analysis.properties.verdicts import NAMES, Verdict, Verdicts, undecided
 from stribeck.laws.base import Law
 
@@ -30,6 +32,15 @@ def check(law: Law, v_max: float | None = None, seconds: float = _SECONDS) -> Ve
         reason = f"law '{law.name}' has no internal state z, which the properties are about"
         return Verdicts(law, {name: undecided(reason) for name in NAMES}, v_max)
     deadline = started + seconds
-    found = {name: undecided("not decided yet") for name in NAMES}
-    found["passive"] = passive.decide(law, v_max, law.guarantees()["bounded"], deadline)
+    model = Model(law)
+    quadrants = Quadrants(model)
+    within = bounded.decide(model, deadline)
+    reach = reach_of(law, within.holds)
+    found = {
+        "unique": unique.decide(quadrants, reach if within.holds else None, deadline),
+        "bounded": within,
+        "smooth": smooth.decide(quadrants),
+        "passive": passive.decide(model, v_max, within.holds, deadline),
+        "drift_free": drift.decide(quadrants),
+    }
     return Verdicts(law, found, v_max, monotonic() - started)

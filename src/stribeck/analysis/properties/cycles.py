@@ -64,80 +64,107 @@ def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
 def find(law: Law, storage: Storage) -> Cycle | None:
     """A short cycle that draws energy; None where none was found."""
     at = abs(storage.worst[1]) if law.symmetric else storage.worst[1]
-    best: tuple[float, float, float, float, float] | None = None
-    for points in _windows(storage, at):
-        ups, downs = _candidates(storage, at)
-        best = _best(storage, ups, downs, points, best)
-    if best is None:
+    candidates = [_best(storage, *_candidates(storage, at), points) for points in _windows(storage, at)]
+    found = [c for c in candidates if c is not None]
+    if not found:
         return None
-    return _closed(law, *best[1:])
+    _, up, down, low, high = min(found)
+    if law.symmetric and low + high < 0:  # the same cycle for positive z is easier to read
+        up, down, low, high = -down, -up, -high, -low
+    return _closed(law, up, down, low, high)
+
+
+def unwinding(law: Law, storage: Storage) -> Cycle:
+    """A run from the bound that draws more than a million times the energy that a spring would keep there."""
+    side = storage.endless
+    assert storage.reach is not None
+    high = side * storage.reach
+    wanted = 1e6 * abs(float(law.force(0.0, high)) * high)
+    fast = storage.v[[0, -1]]
+    v = fast[
+        np.argmax(np.where(side * law.rate(fast, high) < 0, storage.slopes(fast, np.asarray(high))[1] * side, -np.inf))
+    ]
+    found: Cycle | None = None
+    for share in (1e-1, 1e-3, 1e-5, 1e-7):
+        for speed in np.sign(v) * np.geomspace(abs(storage.v).min(), abs(v), 120):
+            low = high * (1 - share)
+            if side * law.rate(speed, low) < 0:
+                time, energy = integrate(law, float(speed), high, low)
+                found = Cycle(high, (float(speed),), (low,), (time,), (energy,))
+                if energy < -wanted:
+                    return found
+    assert found is not None
+    return found
 
 
 def _windows(storage: Storage, at: float) -> list[Array]:
     """Grids of z in which to look for a cycle: over all of the range, the natural length, and around the worst place."""
     r = storage.largest * (1 - 1e-9)
-    wide = [np.linspace(-x, x, 161) for x in {r, min(r, 1.5 * storage.law.scales(storage.law.p).length)}]
-    near = at + 0.5 * abs(at) * np.linspace(-1, 1, 121)
-    edge = at + (storage.largest - abs(at)) * np.copysign(1, at) * np.linspace(-3, 0.9, 121)
-    return [*wide, *(np.clip(np.sort(x), -r, r) for x in (near, edge))]
+    wide = [np.linspace(-x, x, 101) for x in {r, min(r, 1.5 * storage.law.scales(storage.law.p).length)}]
+    near = [at + share * abs(at) * np.linspace(-1, 1, 81) for share in (0.5, 0.05, 0.003)]
+    edge = at + (storage.largest - abs(at)) * np.copysign(1, at) * np.linspace(-3, 0.9, 81)
+    return [*wide, *(np.clip(np.sort(x), -r, r) for x in (*near, edge))]
 
 
 def _candidates(storage: Storage, at: float) -> tuple[Array, Array]:
     own = own_speeds(storage.law)
     top = storage.v_max if storage.v_max is not None else own[-1] * 1e6
-    u = np.logspace(np.log10(min(own[0] * 1e-3, top * 1e-3)), np.log10(top), 64)
+    u = np.logspace(np.log10(min(own[0] * 1e-3, top * 1e-3)), np.log10(top), 40)
     _, _, v_low, v_high = storage.extremes(np.array([at]))
     speeds = np.concatenate([-u, u])
     return np.append(speeds, v_high), np.append(speeds, v_low)
 
 
-def _best(storage: Storage, ups: Array, downs: Array, z: Array, best: Any) -> Any:
-    """The best (score, v_up, v_down, low, high): most energy for what flows, neither slow nor fast."""
+def _best(storage: Storage, ups: Array, downs: Array, z: Array) -> tuple[float, float, float, float, float] | None:
+    """The best (cost, v_up, v_down, low, high): much energy for what flows, neither slow nor fast."""
     z = np.unique(z)
-    f_up, e_up = storage.slopes(ups[:, None], z)
-    f_down, e_down = storage.slopes(downs[:, None], z)
     dz = np.gradient(z)
-    speed = own_speeds(storage.law)[-1]
-    for i in range(len(ups)):
-        ok = f_up[i] > 0
-        if not ok.any():
+    (f_up, e_up), (f_down, e_down) = (storage.slopes(v[:, None], z) for v in (ups, downs))
+    both = (f_up > 0)[:, None, :] & (f_down < 0)[None, :, :]
+    gain = np.where(both, e_down[None, :, :] - e_up[:, None, :], -np.inf) * dz
+    low, high, total = _largest_sums(gain)
+    rows, columns = np.nonzero((total > 0) & (high - low >= 2))
+    best = None
+    for i, j in zip(rows, columns, strict=True):
+        found = _window(f_up[i], -f_down[j], int(low[i, j]), int(high[i, j]))
+        if found is None:
             continue
-        gain = np.where(ok & (f_down < 0), e_down - e_up[i], -np.inf) * dz
-        low, high, total = _largest_sums(gain)
-        for j in np.flatnonzero(total > 0):
-            a, b = low[j], high[j]
-            if b - a < 2:
-                continue
-            w = slice(a, b + 1)
-            w_up, w_down = f_up[i][w], -f_down[j][w]
-            if w_up.min() < _SLOW * w_up.mean() or w_down.min() < _SLOW * w_down.mean():
-                keep = (w_up >= _SLOW * w_up.mean()) & (w_down >= _SLOW * w_down.mean())
-                a, b = _longest(keep, a)
-                w = slice(a, b + 1)
-                if b - a < 2:
-                    continue
-            flows = float(((abs(e_up[i][w]) + abs(e_down[j][w])) * dz[w]).sum())
-            net = float(gain[j][w].sum())
-            time = float((dz[w] / f_up[i][w] - dz[w] / f_down[j][w]).sum())
-            share = net / flows
-            if not share > _SAFE:
-                continue
-            fast = max(abs(ups[i]), abs(downs[j])) / speed
-            cost = 2 * abs(np.log10(share / 0.3)) * (share < 0.3) + max(0.0, np.log10(time)) + max(0.0, np.log10(fast))
-            cost += 0.2 * abs(np.log10(time)) + 0.5 * np.log10(2 * storage.largest / (z[b] - z[a]))
+        w = slice(found[0], found[1] + 1)
+        share = float(gain[i, j, w].sum() / ((abs(e_up[i, w]) + abs(e_down[j, w])) * dz[w]).sum())
+        if share > _SAFE:
+            time = float((dz[w] / f_up[i, w] - dz[w] / f_down[j, w]).sum())
+            fast = max(abs(ups[i]), abs(downs[j])) / own_speeds(storage.law)[-1]
+            cost = _cost(share, time, fast, (z[found[1]] - z[found[0]]) / storage.largest)
             if best is None or cost < best[0]:
-                best = (cost, float(ups[i]), float(downs[j]), float(z[a]), float(z[b]))
+                best = (cost, float(ups[i]), float(downs[j]), float(z[found[0]]), float(z[found[1]]))
     return best
 
 
+def _cost(share: float, time: float, fast: float, part: float) -> float:
+    """How far a cycle is from one that is easy to believe: energy of a visible share, seconds, common speeds."""
+    decades = 2 * max(0.0, float(np.log10(0.3 / share))) + max(0.0, float(np.log10(time)))
+    return (
+        decades + max(0.0, float(np.log10(fast))) + 0.2 * abs(float(np.log10(time))) + 0.5 * float(np.log10(2 / part))
+    )
+
+
+def _window(up: Array, down: Array, low: int, high: int) -> tuple[int, int] | None:
+    """The part of a window in which neither way stalls."""
+    a, b = up[low : high + 1], down[low : high + 1]
+    keep = (a >= _SLOW * a.mean()) & (b >= _SLOW * b.mean())
+    if not keep.all():
+        low, high = _longest(keep, low)
+    return (low, high) if high - low >= 2 else None
+
+
 def _largest_sums(gain: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
-    """For each row, the interval of columns with the largest sum (Kadane)."""
-    rows = len(gain)
-    best, low, high = np.full(rows, -np.inf), np.zeros(rows, int), np.zeros(rows, int)
-    total, start = np.full(rows, -np.inf), np.zeros(rows, int)
-    for k in range(gain.shape[1]):
+    """Along the last axis, the interval with the largest sum, and that sum (Kadane)."""
+    shape = gain.shape[:-1]
+    best, low, high = np.full(shape, -np.inf), np.zeros(shape, int), np.zeros(shape, int)
+    total, start = np.full(shape, -np.inf), np.zeros(shape, int)
+    for k in range(gain.shape[-1]):
         fresh = ~(total > 0)
-        total = np.where(fresh, gain[:, k], total + gain[:, k])
+        total = np.where(fresh, gain[..., k], total + gain[..., k])
         start = np.where(fresh, k, start)
         better = total > best
         best, low, high = np.where(better, total, best), np.where(better, start, low), np.where(better, k, high)

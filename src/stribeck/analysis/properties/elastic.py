@@ -8,15 +8,21 @@ D/v^2 >= b + c - r x (|b| - e x), x = min(Z/|v|, |b|/(2 e)). What is left depend
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from stribeck.analysis.properties.algebra import sign_over_all
 from stribeck.analysis.properties.boxes import Cover, grid, not_negative
 from stribeck.analysis.properties.intervals import Evaluator, Interval, interval, point
-from stribeck.analysis.properties.model import Model, over_u, reciprocal
+from stribeck.analysis.properties.model import RATE, Model, Relaxation, V, Z, over_u, reciprocal
 from stribeck.analysis.properties.storage import own_speeds
+from stribeck.expressions.graph import derivative, substitute, symbol, symbols, wrap
 
-METHOD = "interval arithmetic over all v, with the stored energy sigma_0 z^2/2, its minimum over z in closed form and v^2 divided out"
+METHOD = (
+    "interval arithmetic over all v, with the stored energy sigma_0 z^2/2, its minimum over z in closed form and v^2 "
+    "divided out"
+)
 
 
 def speed_edges(model: Model, v_max: float | None) -> list[float]:
@@ -36,22 +42,50 @@ def prove(model: Model, v_max: float | None, reach: float | None, deadline: floa
     boxes = 0
     for side in (1, -1):
         rho, b, c = (model.sided(x, side) for x in (law.rho, law.b, law.c))
-        evaluate = Evaluator([rho, over_u(rho), b, c])
-        top = np.inf if reach is None else reach
-        e, depth = point(law.e), point(top)
-
-        def bound(box: Sequence[Interval], evaluate: Evaluator = evaluate) -> Interval:
-            u = box[0]
-            t = reciprocal(u)
-            z = interval(np.full_like(u.low, -top), np.full_like(u.low, top))
-            rho, rho_t, b, c = evaluate({**model.constants, "u": u, "t": t, "z": z})
-            return _loss(rho, rho_t, b, c, e, depth, u, t)
-
-        cover = not_negative(bound, *grid([speed_edges(model, v_max)]), deadline)
+        bound = _Bound(Evaluator([rho, over_u(rho), b, c]), model, law.e, np.inf if reach is None else reach)
+        edges = speed_edges(model, v_max)
+        if v_max is None and (far := _far(model, law, side, reach)) is not None:
+            edges = [*(u for u in edges if u < far), far]
+        cover = not_negative(bound, *grid([edges]), deadline)
         boxes += cover.boxes
         if not cover.holds:
             return Cover(False, boxes, cover.where, cover.reason)
     return Cover(True, boxes)
+
+
+def _far(model: Model, law: Relaxation, side: int, reach: float | None) -> float | None:
+    """A speed from which the minimum over z is at z = Z, where D has no negative value by exact algebra; None where that
+    is not so. It serves sets at their limit, such as F_s = F_c with sigma_2 = 0, where D/v^2 tends to 0 for fast v."""
+    if reach is None or symbols([law.b]) & {"v"} or symbols([law.rho]) & {"z"}:
+        return None
+    damping = float(model.value(law.b).low)
+    if not damping > 0:
+        return None
+    bound = wrap(model.law.z_bound(model.law.symbolic(symbol, model.law.structure)))
+    power = V * substitute([model.force], {RATE: model.rate})[0] - derivative(model.stored, Z) * model.rate
+    values = {n: x for n, x in model.law.values.items() if x is not None}
+    for z_side in (1, -1):
+        at_bound = substitute([model.sided(power, side)], {Z: bound if z_side > 0 else -bound})[0]
+        if not sign_over_all(at_bound, values).not_negative:
+            return None
+    return 4 * law.e * reach / damping
+
+
+@dataclass(frozen=True)
+class _Bound:
+    """A lower bound of D/v^2 on boxes of u = |v|."""
+
+    evaluate: Evaluator
+    model: Model
+    e: float
+    reach: float
+
+    def __call__(self, box: Sequence[Interval]) -> Interval:
+        u = box[0]
+        t = reciprocal(u)
+        z = interval(np.full_like(u.low, -self.reach), np.full_like(u.low, self.reach))
+        rho, rho_t, b, c = self.evaluate({**self.model.constants, "u": u, "t": t, "z": z})
+        return _loss(rho, rho_t, b, c, point(self.e), point(self.reach), u, t)
 
 
 def _loss(

@@ -269,11 +269,11 @@ def polynomials(outputs: Iterable[Expr]) -> dict[Expr, Polynomial]:
     known: dict[Expr, Polynomial | Fraction] = {}
     for node in ordered(outputs):
         args = [known[a] for a in node.args] if node.op in ("add", "sub", "mul", "neg", "div") else []
-        found = _combined(node, args)
-        exact = node.op == "constant" and isinstance(node.value, float) and multiple_of_pi(node.value) is None
-        known[node] = (
-            Fraction(node.value) if exact and np.isfinite(node.value) else found or (node, (Fraction(0), Fraction(1)))
-        )  # type: ignore[arg-type]
+        x = node.value
+        if isinstance(x, float) and np.isfinite(x) and multiple_of_pi(x) is None:
+            known[node] = Fraction(x)
+        else:
+            known[node] = _combined(node, args) or (node, (Fraction(0), Fraction(1)))
     found = {n: p for n, p in known.items() if isinstance(p, tuple) and len(p[1]) > 2}
     # those within a larger one are not wanted for themselves, and powers are ranged as such
     inner = {a for n in found for a in n.args if a in found and found[a][0] is found[n][0]}
@@ -303,6 +303,7 @@ def _combined(node: Expr, args: list[Any]) -> Polynomial | None:
     return leaf, tuple(a + side * b for a, b in zip(*pad, strict=True))
 
 
+@cache
 def _fraction(x: Fraction) -> Interval:
     return (
         point(float(x.numerator)) / point(float(x.denominator))
@@ -387,10 +388,9 @@ class Evaluator:
         args = [known[a] for a in node.args]
         if node.op == "where":
             return _where(node, known, {})
-        if node.op == "mul" and node.args[0] is node.args[1]:
-            value = abs(args[0]) * abs(args[0])
-        else:
-            value = _FUNCTIONS[node.op](*args)
+        if node.op == "mul" and args[0] is args[1]:
+            args = [abs(args[0])] * 2
+        value = _FUNCTIONS[node.op](*args)
         if node in self.polynomials:
             leaf, coefficients = self.polynomials[node]
             value = value.within(bernstein(coefficients, known[leaf]))

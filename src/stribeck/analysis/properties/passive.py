@@ -12,6 +12,10 @@ from stribeck.analysis.properties.storage import Storage, largest_speed, reach_o
 from stribeck.analysis.properties.verdicts import Verdict, undecided
 
 _CYCLE = "a cycle of held speeds that returns z to its start and draws energy, replayed by simulation"
+_ENDLESS = (
+    "unwinding from |z| = Z draws energy in proportion to the speed, without limit: more than any storage function holds; "
+    "one such run, replayed by simulation"
+)
 _VERIFY_SECONDS = 30.0
 
 
@@ -22,7 +26,7 @@ def decide(model: Model, v_max: float | None, bounded: bool | None, deadline: fl
     found = _proved(model, storage, deadline) if storage.exists else _refuted(storage)
     found.evidence["v_max"] = v_max
     if v_max is None and found.holds is not True and monotonic() < deadline:
-        largest = largest_speed(law, storage.reach)
+        largest = largest_speed(law, storage.reach, deadline)
         found.evidence["largest_v_max"] = largest
         found.evidence["largest_v_max_method"] = "bisection with the storage interval as sampled"
     return found
@@ -33,7 +37,11 @@ def _proved(model: Model, storage: Storage, deadline: float) -> Verdict:
     bounds = {"z_within": reach, "speeds": "all" if v_max is None else f"|v| <= {v_max:g}"}
     cover = elastic.prove(model, v_max, reach, deadline)
     if cover.holds:
-        evidence = {"storage": "the law's own stored energy, sigma_0 z^2/2", "boxes": cover.boxes, **bounds}
+        evidence: dict[str, Any] = {
+            "storage": "the law's own stored energy, sigma_0 z^2/2",
+            "boxes": cover.boxes,
+            **bounds,
+        }
         return Verdict(True, elastic.METHOD, evidence, again=lambda: elastic.prove(model, v_max, reach, _later()).holds)
     own = cover
     cover, fitted = cells.prove(model, storage, deadline)
@@ -61,16 +69,23 @@ def _why(own: Cover, fitted: Cover) -> str:
 def _refuted(storage: Storage) -> Verdict:
     law = storage.law
     cycle = cycles.find(law, storage)
-    if cycle is None:
-        return undecided("no storage function exists as far as sampled, but no cycle that draws energy was found")
-    tables = cycles.scenario(law, cycle)
+    found = undecided("no storage function exists as far as sampled, but no cycle that draws energy was found")
+    if cycle is not None:
+        found = _replayed(storage, cycle, _CYCLE)
+    if found.holds is None and storage.endless:
+        found = _replayed(storage, cycles.unwinding(law, storage), _ENDLESS)
+    return found
+
+
+def _replayed(storage: Storage, cycle: cycles.Cycle, method: str) -> Verdict:
+    tables = cycles.scenario(storage.law, cycle)
     solution = replay.run(tables)
     if tables is None or solution is None:
-        reason = "a cycle that draws energy was found by quadrature, and could not be replayed"
+        reason = "energy can be drawn, by quadrature, and it could not be replayed"
         return undecided(reason, **cycle.evidence())
     stated = {"E_in": solution.final["E_in"], "z": solution.final["z"]}
     evidence: dict[str, Any] = {**cycle.evidence(), "energy_drawn": -stated["E_in"], "replay": stated}
-    span = max(cycle.turns) - min(cycle.turns)
-    if not stated["E_in"] < 0 or abs(stated["z"] - cycle.start) > 1e-4 * span:
-        return undecided("a cycle that draws energy was found by quadrature; its replay differs", **evidence)
-    return Verdict(False, _CYCLE, evidence, tables, again=lambda: replay.repeats(tables, stated))
+    span = max(*cycle.turns, cycle.start) - min(*cycle.turns, cycle.start)
+    if not stated["E_in"] < 0 or abs(stated["z"] - cycle.turns[-1]) > 1e-4 * span:
+        return undecided("energy can be drawn, by quadrature, but the replay differs", **evidence)
+    return Verdict(False, method, evidence, tables, again=lambda: replay.repeats(tables, stated))

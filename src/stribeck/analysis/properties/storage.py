@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from time import monotonic
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +22,7 @@ _SLOWEST, _FASTEST = 1e-7, 1e16  # sampled, as multiples of the smallest and the
 _PER_DECADE, _ZOOMS, _ZOOM_POINTS = 5, 7, 7
 _CANCELS = 1e-10  # dz/dt this small beside its terms is noise
 _NEGATIVE = 1e-9  # share of |L| + |U| by which U may fall short of L by rounding
+_ENDLESS = 500.0  # energy in proportion to a speed a thousand times larger
 _FAR = 1e4  # where z has no bound: how many natural lengths to look
 
 
@@ -164,10 +166,24 @@ class Storage:
         i = int(share.argmin())
         return float(share[i]), float(v[i])
 
+    @cached_property
+    def endless(self) -> int:
+        """The side on which unwinding from the bound gives back ever more energy the faster it is, or 0."""
+        if self.v_max is not None or self.reach is None:
+            return 0
+        v = self.v[[0, -1]][:, None] * np.array([[1.0], [1e-3]])[:, None, :].reshape(1, 2)
+        for side in (1, -1):
+            f, energy = self.slopes(v.reshape(-1, 1), np.array([side * self.reach]))
+            given = np.where(side * f[:, 0] < 0, side * energy[:, 0], 0.0).reshape(2, 2)  # by sign and by speed
+            scale = abs(self.law.force(0.0, self.reach))
+            if np.any((given[:, 0] > _ENDLESS * given[:, 1]) & (given[:, 0] > _ENDLESS * scale)):
+                return side
+        return 0
+
     @property
     def exists(self) -> bool:
         """Whether the samples leave room for a storage function."""
-        return self.worst[0] >= -_NEGATIVE and self.sliding[0] >= -_NEGATIVE
+        return self.worst[0] >= -_NEGATIVE and self.sliding[0] >= -_NEGATIVE and not self.endless
 
 
 def reach_of(law: Law, bounded: bool | None) -> float | None:
@@ -191,12 +207,12 @@ def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tupl
     return low.reshape(z.shape), high.reshape(z.shape)
 
 
-def largest_speed(law: Law, reach: float | None, per_decade: int = _PER_DECADE) -> float | None:
-    """The largest v_max in m/s for which a storage function exists, by bisection; None where there is no limit, 0 where
-    no speed is slow enough."""
+def largest_speed(law: Law, reach: float | None, deadline: float = np.inf) -> float | None:
+    """The largest v_max in m/s for which a storage function exists, by bisection until the deadline; None where there is
+    no limit, 0 where no speed is slow enough."""
 
     def passes(v_max: float | None) -> bool:
-        return Storage(law, v_max, reach, per_decade).exists
+        return Storage(law, v_max, reach).exists
 
     if passes(None):
         return None
@@ -204,7 +220,7 @@ def largest_speed(law: Law, reach: float | None, per_decade: int = _PER_DECADE) 
     low, high = own[0] * _SLOWEST, own[-1] * _FASTEST
     if not passes(low):
         return 0.0
-    while high / low > 1 + 1e-9:
+    while high / low > 1 + 1e-7 and monotonic() < deadline:
         middle = float(np.sqrt(low) * np.sqrt(high)) if high / low > 1.01 else 0.5 * (low + high)
         low, high = (middle, high) if passes(middle) else (low, middle)
     return low
