@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from stribeck.version import __version__
+
 if TYPE_CHECKING:
     from stribeck.analysis.advise import Advice, advise
     from stribeck.analysis.properties import Verdict, Verdicts, check, storage_interval
@@ -17,8 +19,6 @@ if TYPE_CHECKING:
     from stribeck.parameter_sets import parameters
     from stribeck.scenario import Scenario
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
-
-__version__ = "0.1.0"
 
 __all__ = [
     "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",

@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import stribeck
 from stribeck.identify.choose import Choice
 from stribeck.identify.estimate import Estimate, Fit
 from stribeck.identify.log import Log
 from stribeck.report.files import write_text
+from stribeck.version import __version__
 
 
 def write(result: Fit | Choice, log: Log, folder: Path, command: str, data: str) -> list[str]:
@@ -32,12 +32,12 @@ def toml(fit: Fit, command: str, data: str) -> str:
     lines = [
         "# Friction parameters from measured data, by 'stribeck fit'. SI units; intervals at 95 %.",
         f"title = {_text(f'{fit.law} fitted to {data}')}",
-        f"source = {_text(f'stribeck {stribeck.__version__}: {command}')}",
+        f"source = {_text(f'stribeck {__version__}: {command}')}",
         f"law = {_text(fit.law)}",
         f"method = {_text(fit.method)}",
         f"data = {_text(data)}",
         f"data_sha256 = {_text(fit.data_hash)}",
-        f"version = {_text(stribeck.__version__)}",
+        f"version = {_text(__version__)}",
         f"command = {_text(command)}",
         f"relative_force_error = {_number(fit.relative_force_error)}",
     ]

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-import stribeck
 from stribeck.errors import StribeckError
 from stribeck.identify import pictures
 from stribeck.identify.choose import Choice
 from stribeck.identify.estimate import Estimate, Fit
 from stribeck.identify.log import Log
 from stribeck.report.page import Chapter, Table, html
+from stribeck.version import __version__
 
 Array = NDArray[np.float64]
 _SAME = 0.05  # of a speed: closer ones share a line
@@ -27,7 +27,7 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
         _result(fit), *([_laws(result)] if isinstance(result, Choice) else []), *_selection(fit), _data(log, data),
         *_curve(fit), *_levels(fit), *_loops(fit), *_residuals(fit), *_profiles(fit), *_properties(fit),
     ]  # fmt: skip
-    about = f"Stribeck {stribeck.__version__}, {command}, data SHA-256 {fit.data_hash[:16]}..."
+    about = f"Stribeck {__version__}, {command}, data SHA-256 {fit.data_hash[:16]}..."
     unknown = [n for n in fit.unidentified if n in fit.estimates]
     introduction = [
         f"Law {fit.law}, method {fit.method}. The relative force error, norm(residual)/norm(force), is "

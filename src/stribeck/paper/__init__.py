@@ -8,9 +8,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import stribeck
 from stribeck.report.files import write_columns, write_json, write_text, write_with
 from stribeck.report.page import Chapter, html
+from stribeck.version import __version__
 
 # In the order of the report; a new chapter is a module here and a name in this list.
 CHAPTERS = (
@@ -53,10 +53,10 @@ def write(folder: Path, progress: Callable[[float], None] | None = None) -> dict
             paths.append(folder / "data" / f"{chapter.key}.parquet")
             write_columns(paths[-1], chapter.data)
     page = folder / "report.html"
-    write_text(page, html(TITLE, f"Made by Stribeck {stribeck.__version__}.", _INTRODUCTION, chapters))
+    write_text(page, html(TITLE, f"Made by Stribeck {__version__}.", _INTRODUCTION, chapters))
     summary = {
         "status": "done",
-        "version": stribeck.__version__,
+        "version": __version__,
         "chapters": {chapter.key: chapter.numbers for chapter in chapters},
         "files": [str(path) for path in (page, *paths, folder / "summary.json")],
     }

@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from hashlib import sha256
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,7 @@ from stribeck.report.files import write_json, write_with
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, c_source, simulate_ensemble
 from stribeck.simulation.variations import vary
+from stribeck.version import __version__
 
 Array = NDArray[np.float64]
 Progress = Callable[[float, float], None]
@@ -128,7 +128,7 @@ class Sweep:
         self.parts = math.ceil(len(self.lanes) / self.part_size)
         self.manifest: dict[str, Any] = {
             "format": 1,
-            "stribeck": version("stribeck"),
+            "stribeck": __version__,
             "scenario": scenario.name,
             "law": scenario.law.name,
             "varied": list(self.lanes.values),

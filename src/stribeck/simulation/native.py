@@ -30,7 +30,7 @@ _STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
 _STEP_SHARE = 0.01
 _RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
 
-_DONE, _MORE, _EVENTS_FULL = 0, 1, 2
+_DONE, _MORE, _EVENTS_FULL, _NOT_FINITE = 0, 1, 2, -2
 
 
 class Run(ctypes.Structure):
