@@ -17,7 +17,7 @@ from stribeck.laws.base import Law
 _METHOD = "exact algebra: for |z| <= z_0 every case of dz/dt that occurs (interval arithmetic) is v identically"
 _MOVED = "a load below F_s that comes back to 0 leaves the body displaced, replayed by simulation"
 _SLOW = 0.1  # of v_s: the speed of the dithered body
-_STIFF = 100.0  # how far the contact's resonance lies above the dither
+_STIFF = 20.0  # how far the contact's resonance lies above the dither
 _CYCLES = 10
 _VISIBLE = 0.01  # of the elastic displacement: enough to show
 _NOISE = 1e-6  # of the elastic displacement: a smaller one would be rounding
@@ -66,7 +66,7 @@ def _moved(law: Law, deadline: float) -> Verdict:
             and abs(verdict.evidence["distance"]) > _VISIBLE * verdict.evidence["elastic_displacement"]
         ):
             break
-        if monotonic() > deadline:
+        if monotonic() > deadline or "distance" not in verdict.evidence:
             break
     return verdict
 
