@@ -12,7 +12,8 @@ from stribeck.analysis.properties.intervals import Evaluator, bernstein, interva
 from stribeck.expressions import ops
 from stribeck.expressions.graph import symbol
 
-reals = st.floats(allow_nan=False, allow_infinity=False, min_value=-1e120, max_value=1e120)
+size = st.floats(min_value=1e-120, max_value=1e120)
+reals = st.one_of(size, size.map(lambda x: -x), st.just(0.0))
 small = st.floats(min_value=-50, max_value=50)
 inf = float("inf")
 

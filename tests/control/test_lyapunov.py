@@ -1,6 +1,7 @@
 """dV/dt, the conditions on the gains, the proof by intervals, and V along simulations."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,12 +10,14 @@ import sympy
 import stribeck
 from stribeck.analysis.lyapunov import along
 from stribeck.cli import _status
+from stribeck.control import observer
 from stribeck.control.gains import decay, judge, prove, w_of
 from stribeck.control.intervals import enclose
 from stribeck.control.proof import derive
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import symbol
 from stribeck.expressions.ops import atan, exp, sqrt, tanh
+from stribeck.laws import BristleLaw
 from tests.control.servos import servo, solved
 from tests.simulation.rig import needs_compiler
 
@@ -46,6 +49,44 @@ def test_the_errors_obey_the_closed_loop():
     xi = sympy.expand(sigma_1 * rates["z_err"] - M * rates["s"])
     assert sympy.expand(xi + sigma_0 / sigma_1 * (sigma_1 * z_err - M * s) + sigma_0 * M / sigma_1 * s - K_D * s
                         + A * p_err) == 0  # fmt: skip
+
+
+def test_the_derivative_of_the_adaptive_loop(monkeypatch):
+    """dV_a/dt of docs/servo.md from the equations that are simulated, without the projection."""
+    monkeypatch.setattr(observer, "projected", lambda value, rate, bound: rate)
+    v, z, s, A_p_err, K, K_D, w_n, drive, true_g = sympy.symbols("v z s A_p_err K K_D w_n S_1v g")
+    known = SimpleNamespace(**{n: sympy.Symbol(n) for n in ("sigma_0", "sigma_1", "sigma_2")})
+    true = {n: sympy.Symbol(f"{n}_true") for n in vars(known)}
+    gains = SimpleNamespace(**{f"gamma_{n}": sympy.Symbol(f"gamma_{n}") for n in "012g"}, range=4)
+    x = {n: sympy.Symbol(n) for n in ("z_hat", "eta", "a_0", "a_1", "a_2", "a_g")}
+
+    class Linear(BristleLaw):
+        @staticmethod
+        def dz_dt(p, v, z):
+            return drive - w_n * z
+
+    found = observer.adapt(Linear, known, gains, K, v, s, x)
+    z_rate = drive - true_g * w_n * z
+    F = true["sigma_0"] * z + true["sigma_1"] * z_rate + true["sigma_2"] * v
+    kappa, off_g = K * known.sigma_0, x["a_g"] - true_g
+    delta = x["z_hat"] - z - x["eta"] * off_g
+    rates = {**{x[n]: rate for n, rate in found.rates.items()}, z: z_rate}
+    delta_rate = sum(sympy.diff(delta, of) * rate for of, rate in rates.items())
+    dV = s * (-K_D * s + A_p_err + found.F - F) - s * A_p_err + true["sigma_0"] / kappa * delta * delta_rate
+    for i in range(3):
+        off = x[f"a_{i}"] - true[f"sigma_{i}"] / getattr(known, f"sigma_{i}")
+        dV += off * found.rates[f"a_{i}"] / getattr(gains, f"gamma_{i}")
+    dV += off_g * found.rates["a_g"] / gains.gamma_g
+    w, eta, eta_rate = true_g * w_n, x["eta"], found.rates["eta"]
+    form = (
+        (K_D + kappa * true["sigma_1"]) * s**2
+        + true["sigma_0"] / kappa * w * delta**2
+        + true["sigma_1"] * w * delta * s
+    )
+    errors = [(x[f"a_{i}"] * getattr(known, f"sigma_{i}") - true[f"sigma_{i}"]) for i in (0, 1)]
+    rest = s * (true["sigma_1"] * w_n * eta * off_g**2 - (errors[0] * eta + errors[1] * eta_rate) * off_g)
+    rest += true["sigma_0"] / kappa * delta * w_n * eta * off_g**2
+    assert sympy.expand(dV + form - rest) == 0
 
 
 def test_conditions_of_table_1():

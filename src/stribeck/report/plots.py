@@ -52,6 +52,9 @@ _STYLE: dict[str, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "stribeck",
 }
+_BODY = [["y", "v"], ["F", "F"], ["Fv", "Fy"]]
+_AXES = [("y", "t", "y"), ("v", "t", "v"), ("F", "t", "F"), ("Fv", "v", "F"), ("Fy", "y", "F")]
+_SERVO = [["y", "e"], ["p_1", "p_2"], ["u", "V"], ["F", "F_hat"]]
 _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
 
 
@@ -143,13 +146,20 @@ def finish(made: Figure, name: str, caption: str) -> FigureSvg:
 
 
 def overview(solutions: Mapping[str, Solution]) -> str:
-    """Position, velocity and friction force against time, and the force against velocity and position, as SVG."""
+    """Position, velocity and friction force against time, and the force against velocity and position; of a servo its
+    errors, pressures, voltage, forces and V against time. As SVG."""
     failed = [label for label, solution in solutions.items() if solution.status != "done"]
     name = next(iter(solutions.values())).scenario.name
+    servo = all(solution.scenario.servo is not None for solution in solutions.values())
+    layout, height, panels = (
+        (_SERVO, 8.4, [(y, "t", y) for row in _SERVO for y in row]) if servo else (_BODY, 6.6, _AXES)
+    )
     with style():
-        made, axes = figure([["y", "v"], ["F", "F"], ["Fv", "Fy"]], 6.6)
-        for panel, x, y in (("y", "t", "y"), ("v", "t", "v"), ("F", "t", "F"), ("Fv", "v", "F"), ("Fy", "y", "F")):
+        made, axes = figure(layout, height)
+        for panel, x, y in panels:
             draw(axes[panel], solutions, x, y)
+        if servo:
+            axes["V"].set_yscale("log")
         early = f" (failed early: {', '.join(failed)})" if failed else ""
         axes["y"].set_title(f"{name}{early}")
         legend(made, axes["y"])

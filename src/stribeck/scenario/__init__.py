@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck import laws, paths, signals
+from stribeck import laws
 from stribeck.constants import kind_of, show
 from stribeck.control.cascade import Cascade
 from stribeck.control.observer import SCALES
@@ -24,6 +24,7 @@ from stribeck.parameter_sets import read_toml
 from stribeck.scenario import memory, servo, tables
 from stribeck.scenario.changes import changed, parse_assignment, plain
 from stribeck.scenario.servo import Servo
+from stribeck.scenario.signal import read_signal
 from stribeck.signals import Signal
 from stribeck.system import Groups, System
 
@@ -323,21 +324,10 @@ class _Reader:
         self.problems += found
         if values is None:
             return
-        cls = tables.SIGNALS[kind]
-        if cls is signals.File:
-            try:
-                self.scenario.signal = signals.File.read(self.folder / values.path, values.time, values.value)
-            except InputError as error:
-                keyed = (text.partition(": ") for text in error.problems)
-                self.problems += [(f"{path}.{key}", text) for key, _, text in keyed]
-        elif issubclass(cls, signals.Points | paths.Curve):
-            t, value = np.array(values.t, float), np.array(values.value, float)
-            wrong = cls.problems(t, value)
-            self.problems += [(f"{path}.{key}", text) for key, text in wrong]
-            if not wrong:
-                self.scenario.signal = cls(t, value)
-        else:
-            self.scenario.signal = cls({name: getattr(values, name) for name in cls.constants})
+        signal, found = read_signal(kind, values, self.folder)
+        self.problems += [(f"{path}.{key}", text) for key, text in found]
+        if signal is not None:
+            self.scenario.signal = signal
 
     def _plant(self) -> None:
         drive = getattr(self.scenario, "drive", None)
@@ -359,20 +349,15 @@ class _Reader:
 
     def _servo(self) -> None:
         """The plant and the controller of a servo."""
-        s, values = self.scenario, getattr(self, "drive_table", None)
+        values, table = getattr(self, "drive_table", None), self.data["drive"].get("observer")
         plant = self._table(tables.cylinder_table(), "plant")
-        table = self.data["drive"].get("observer")
-        law = getattr(s, "law", None)
+        law = getattr(self.scenario, "law", None)
         observer, found = servo.read_observer(table, law, self.folder) if isinstance(table, dict) else (None, [])
+        found += servo.misplaced(values, ... if found else observer) if values is not None else []
         self.problems += found
-        if values is None:
-            return
-        found = servo.misplaced(values, ... if found else observer)
-        self.problems += found
-        if plant is None or found:
-            return
-        s.initial = {**dict(plant.initial), **{scale.name: 1.0 for scale in SCALES}}
-        s.servo = servo.assembled(observer, plant, values)
+        if plant is not None and values is not None and not found:
+            self.scenario.initial = {**dict(plant.initial), **{scale.name: 1.0 for scale in SCALES}}
+            self.scenario.servo = servo.assembled(observer, plant, values)
 
     def _together(self) -> None:
         """What can only be judged with several tables in hand, as far as they are valid."""

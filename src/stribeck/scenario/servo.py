@@ -88,6 +88,8 @@ def read_observer(table: dict[str, Any], plant: Law | None, folder: Path) -> tup
     if wrong:
         return None, wrong
     law = cls(values)
+    if ".py:" in str(name) and (trouble := laws.trouble(law)):
+        return None, [(f"{path}.name", f"{show(name)}: {trouble}")]
     return (law, []) if (text := _useless(law)) is None else (None, [(f"{path}.name", f"{show(name)}: {text}")])
 
 

@@ -41,6 +41,6 @@ def check(law: Law, v_max: float | None = None, seconds: float = _SECONDS) -> Ve
         "bounded": within,
         "smooth": smooth.decide(quadrants),
         "passive": passive.decide(model, v_max, within.holds, deadline),
-        "drift_free": drift.decide(quadrants),
+        "drift_free": drift.decide(quadrants, deadline),
     }
     return Verdicts(law, found, v_max, monotonic() - started)

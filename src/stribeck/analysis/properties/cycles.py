@@ -110,6 +110,7 @@ def _candidates(storage: Storage, at: float) -> tuple[Array, Array]:
     own = own_speeds(storage.law)
     top = storage.v_max if storage.v_max is not None else own[-1] * 1e6
     u = np.logspace(np.log10(min(own[0] * 1e-3, top * 1e-3)), np.log10(top), 40)
+    u[-1] = top
     _, _, v_low, v_high = storage.extremes(np.array([at]))
     speeds = np.concatenate([-u, u])
     return np.append(speeds, v_high), np.append(speeds, v_low)
@@ -118,7 +119,7 @@ def _candidates(storage: Storage, at: float) -> tuple[Array, Array]:
 def _best(storage: Storage, ups: Array, downs: Array, z: Array) -> tuple[float, float, float, float, float] | None:
     """The best (cost, v_up, v_down, low, high): much energy for what flows, neither slow nor fast."""
     z = np.unique(z)
-    dz = np.gradient(z)
+    dz, fastest = np.gradient(z), own_speeds(storage.law)[-1]
     (f_up, e_up), (f_down, e_down) = (storage.slopes(v[:, None], z) for v in (ups, downs))
     both = (f_up > 0)[:, None, :] & (f_down < 0)[None, :, :]
     gain = np.where(both, e_down[None, :, :] - e_up[:, None, :], -np.inf) * dz
@@ -133,7 +134,7 @@ def _best(storage: Storage, ups: Array, downs: Array, z: Array) -> tuple[float, 
         share = float(gain[i, j, w].sum() / ((abs(e_up[i, w]) + abs(e_down[j, w])) * dz[w]).sum())
         if share > _SAFE:
             time = float((dz[w] / f_up[i, w] - dz[w] / f_down[j, w]).sum())
-            fast = max(abs(ups[i]), abs(downs[j])) / own_speeds(storage.law)[-1]
+            fast = max(abs(ups[i]), abs(downs[j])) / fastest
             cost = _cost(share, time, fast, (z[found[1]] - z[found[0]]) / storage.largest)
             if best is None or cost < best[0]:
                 best = (cost, float(ups[i]), float(downs[j]), float(z[found[0]]), float(z[found[1]]))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -16,13 +17,13 @@ from stribeck.laws.base import Law
 _METHOD = "exact algebra: for |z| <= z_0 every case of dz/dt that occurs (interval arithmetic) is v identically"
 _MOVED = "a load below F_s that comes back to 0 leaves the body displaced, replayed by simulation"
 _SLOW = 0.1  # of v_s: the speed of the dithered body
-_STIFF = 100.0  # how far the contact's resonance lies above the dither
+_STIFF = 20.0  # how far the contact's resonance lies above the dither
 _CYCLES = 10
 _VISIBLE = 0.01  # of the elastic displacement: enough to show
 _NOISE = 1e-6  # of the elastic displacement: a smaller one would be rounding
 
 
-def decide(quadrants: Quadrants) -> Verdict:
+def decide(quadrants: Quadrants, deadline: float) -> Verdict:
     """dz/dt = v for |z| <= z_0; or a load that moves the body for good."""
     law = quadrants.model.law
     z_0 = _elastic(law)
@@ -31,7 +32,7 @@ def decide(quadrants: Quadrants) -> Verdict:
         return Verdict(True, _METHOD, evidence, again=lambda: _is_v(quadrants, z_0))
     if z_0 > 0:
         return undecided(f"dz/dt is v up to |z| = {z_0:g} as far as sampled; no proof was found")
-    return _moved(law)
+    return _moved(law, deadline)
 
 
 def _elastic(law: Law) -> float:
@@ -54,7 +55,7 @@ def _is_v(quadrants: Quadrants, z_0: float) -> bool:
     return all(vanishes(fold(form, within, True) - side[0] * U) for side, form in quadrants.form.items())
 
 
-def _moved(law: Law) -> Verdict:
+def _moved(law: Law, deadline: float) -> Verdict:
     """A sawtooth load, between a fifth and all of its peak, that begins and ends at 0: fast enough to be short, or slow
     enough for the smooth signs to be felt."""
     slow = own_speeds(law)[0]
@@ -64,6 +65,8 @@ def _moved(law: Law) -> Verdict:
             verdict.holds is False
             and abs(verdict.evidence["distance"]) > _VISIBLE * verdict.evidence["elastic_displacement"]
         ):
+            break
+        if monotonic() > deadline or "distance" not in verdict.evidence:
             break
     return verdict
 

@@ -328,7 +328,7 @@ def bernstein(coefficients: tuple[Fraction, ...], x: Interval) -> Interval:
     for i in range(n + 1):
         b = point(np.zeros_like(x.low))
         for j in range(i + 1):
-            b = b + scaled[j] * _fraction(Fraction(comb(i, j), comb(n, j)))
+            b = b + scaled[j] * point(float(comb(i, j))) / point(float(comb(n, j)))  # whole numbers: often exact
         found = b if found is None else found.hull(b)
     assert found is not None
     bounded = np.isfinite(x.low) & np.isfinite(x.high)
