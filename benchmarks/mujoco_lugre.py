@@ -145,7 +145,7 @@ def main() -> None:
     given = options(__doc__, "mujoco", repetitions=5, quick=1)
     results = benchmark(given.repetitions)
     write(given.out, results)
-    figures.draw(given.out)
+    figures.draw("mujoco", given.out)
     print(report(results))
 
 
