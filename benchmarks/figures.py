@@ -127,7 +127,7 @@ def mujoco(results: dict[str, Any]) -> str:
             if i == 1:
                 at = (run["max_error"], run["milliseconds"]["median"])
                 step = f"{1e3 * run['step_s']:g} ms"
-                axes["cost"].annotate(step, at, textcoords="offset points", xytext=(5, -9), fontsize=8)
+                axes["cost"].annotate(step, at, textcoords="offset points", xytext=(0, -14), ha="center", fontsize=8)
     logarithmic(axes["cost"], "largest error of y (part of its range)", "processor time (ms)")
     axes["cost"].invert_xaxis()
     plots.legend(made, axes["cost"])
