@@ -43,7 +43,7 @@ def precision(results: dict[str, Any]) -> str:
         axis.axvline(least, color=plots.GREY, linewidth=0.8)
         logarithmic(axis, "largest error of y (part of its range)", "processor time (ms)")
         axis.invert_xaxis()
-        axis.set_title(problem["problem"].replace("_", " "))
+        axis.set_title({"limit_cycle": "limit cycle", "stick_slip": "stick-slip"}[problem["problem"]])
     plots.legend(made, axes[names[0]])
     return plots.svg(made)
 
@@ -51,43 +51,57 @@ def precision(results: dict[str, Any]) -> str:
 def scaling(results: dict[str, Any]) -> str:
     """Time against the length of a run, and against the number of lanes."""
     made, axes = plots.figure([["length", "lanes"]], 3.6)
-    for what, size, x in (
-        ("length", "seconds", "length of the run (s of simulated time)"),
-        ("lanes", "lanes", "lanes"),
+    for what, size, x, y in (
+        ("length", "seconds", "length of the run (s of simulated time)", "processor time (ms)"),
+        ("lanes", "lanes", "lanes", "processor time a lane (ms)"),
     ):
-        lines, axis = results[what], axes[what]
-        for i, name in enumerate(dict.fromkeys(entry["solver"] for entry in lines)):
-            own = [entry for entry in lines if entry["solver"] == name]
-            share = [1 if what == "length" else entry[size] for entry in own]
-            clock = "wall_milliseconds" if what == "lanes" else "cpu_milliseconds"
-            cost = [entry[clock] / s for entry, s in zip(own, share, strict=True)]
-            line(axis, i, [entry[size] for entry in own], cost, name)
-        logarithmic(axis, x, "processor time (ms)" if what == "length" else "time a lane (ms)")
-        axis.legend(fontsize=8)
+        for i, name in enumerate(dict.fromkeys(entry["solver"] for entry in results[what])):
+            by_wall = "threads" in name
+            if by_wall and busy(results):
+                continue
+            mine = [entry for entry in results[what] if entry["solver"] == name]
+            clock = "wall_milliseconds" if by_wall else "cpu_milliseconds"
+            cost = [entry[clock] / (entry[size] if what == "lanes" else 1) for entry in mine]
+            line(axes[what], i, [entry[size] for entry in mine], cost, f"{name} (wall)" if by_wall else name)
+        logarithmic(axes[what], x, y)
+        axes[what].legend(fontsize=8)
     axes["length"].set_title("limit cycle")
     axes["lanes"].set_title("stick-slip, 300 s a lane")
     return plots.svg(made)
 
 
-def bars(axis: Any, names: list[str], values: list[float], text: list[str]) -> None:
-    """Horizontal bars on a logarithmic axis, each with its figure; this project's are dark."""
+def busy(results: dict[str, Any]) -> bool:
+    """Whether other processes kept the machine so busy that time on the wall means nothing."""
+    machine = results["machine"]
+    return bool(machine["load"]) and machine["load"][0] > 1.5 * machine["cores"]
+
+
+def bars(axis: Any, values: dict[str, float]) -> None:
+    """Horizontal bars on a logarithmic axis, each with its figure; this project's are blue."""
+    names, lengths = list(values), list(values.values())
     colours = [plots.COLOURS[2] if name.startswith("stribeck") else plots.GREY for name in names]
-    axis.barh(range(len(names)), values, color=colours, height=0.65)
+    axis.barh(range(len(names)), lengths, color=colours, height=0.65)
     axis.set_yticks(range(len(names)), names)
     axis.invert_yaxis()
     axis.set_xscale("log")
-    axis.set_xlim(min(values) / 2, max(values) * 6)
+    axis.set_xlim(min(lengths) / 2, max(lengths) * 3)
     axis.grid(visible=False, axis="y")
-    for i, (value, label) in enumerate(zip(values, text, strict=True)):
-        axis.text(value * 1.15, i, label, va="center")
+    for i, value in enumerate(lengths):
+        axis.text(value * 1.1, i, f"{value:.0f}" if value >= 100 else f"{value:.3g}", va="center")
 
 
 def ensemble(results: dict[str, Any]) -> str:
-    """Trajectories a second."""
+    """Trajectories a second of processor time; for several threads, a second on the wall."""
     made, axes = plots.figure([["rate"]], 2.6)
-    rates = {entry["solver"]: entry["trajectories_per_second"]["median"] for entry in results["solvers"]}
-    bars(axes["rate"], list(rates), list(rates.values()), [f"{rate:.3g}" for rate in rates.values()])
-    axes["rate"].set_xlabel("trajectories a second (stick-slip, 300 s each)")
+    rates = {}
+    for entry in results["solvers"]:
+        name = entry["solver"]
+        if "threads" not in name:
+            rates[name] = 1e3 / entry["cpu_milliseconds"]["median"]
+        elif not busy(results):
+            rates[f"{name} (wall)"] = entry["trajectories_per_second"]["median"]
+    bars(axes["rate"], rates)
+    axes["rate"].set_xlabel("trajectories a second of processor time (stick-slip, 300 s each)")
     return plots.svg(made)
 
 
@@ -95,7 +109,7 @@ def single(results: dict[str, Any]) -> str:
     """Milliseconds of one limit cycle."""
     made, axes = plots.figure([["time"]], 3.6)
     times = {entry["solver"]: entry["milliseconds"]["median"] for entry in results["solvers"]}
-    bars(axes["time"], list(times), list(times.values()), [f"{time:.3g}" for time in times.values()])
+    bars(axes["time"], times)
     axes["time"].set_xlabel("time for one limit cycle of 250 s, error 1e-6 of the range (ms)")
     return plots.svg(made)
 
@@ -113,7 +127,7 @@ def mujoco(results: dict[str, Any]) -> str:
             if i == 1:
                 at = (run["max_error"], run["milliseconds"]["median"])
                 step = f"{1e3 * run['step_s']:g} ms"
-                axes["cost"].annotate(step, at, textcoords="offset points", xytext=(5, -9), fontsize=8)
+                axes["cost"].annotate(step, at, textcoords="offset points", xytext=(0, -14), ha="center", fontsize=8)
     logarithmic(axes["cost"], "largest error of y (part of its range)", "processor time (ms)")
     axes["cost"].invert_xaxis()
     plots.legend(made, axes["cost"])
@@ -129,10 +143,10 @@ FIGURES: dict[str, Callable[[dict[str, Any]], str]] = {
 }
 
 
-def draw(results: Path) -> None:
-    """The figure of a file of results, beside it under the same name."""
+def draw(name: str, results: Path) -> None:
+    """The figure of a benchmark's file of results, beside it."""
     with plots.style():
-        text = FIGURES[results.stem.partition("-")[0]](json.loads(results.read_text()))
+        text = FIGURES[name](json.loads(results.read_text()))
     write_text(results.with_suffix(".svg"), text)
 
 
@@ -140,8 +154,8 @@ def main() -> None:
     """All figures whose results are there."""
     for name in FIGURES:
         if (file := RESULTS / f"{name}.json").is_file():
-            draw(file)
-            say(f"{file.with_suffix('.svg').name}")
+            draw(name, file)
+            say(file.with_suffix(".svg").name)
 
 
 if __name__ == "__main__":

@@ -186,10 +186,10 @@ PEERS = (
     Peer("SciPy odeint, tuned", "scipy", _TUNED, partial(odeint, tuned=True), like="SciPy odeint"),
     Peer("solve_ivp LSODA", "scipy", _PLAIN, partial(solve_ivp, method="LSODA", tuned=False), curve=False),
     Peer("solve_ivp LSODA, tuned", "scipy", _TUNED, partial(solve_ivp, method="LSODA", tuned=True),
-         like="solve_ivp LSODA"),
+         like="solve_ivp LSODA", curve=False),
     Peer("solve_ivp Radau", "scipy", _PLAIN, partial(solve_ivp, method="Radau", tuned=False)),
     Peer("diffrax Kvaerno3", "diffrax", f"order 3, {_JAX}", partial(diffrax, method="Kvaerno3"), shares=(1e-3,),
          compiles=True),
     Peer("diffrax Kvaerno5", "diffrax", f"order 5, {_JAX}", partial(diffrax, method="Kvaerno5"), shares=(1e-3,),
-         compiles=True),
+         compiles=True, curve=False),
 )  # fmt: skip

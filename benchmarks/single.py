@@ -208,9 +208,7 @@ def judge(choices: list[Choice]) -> list[dict[str, Any]]:
         for text, peer, wanted in TARGETS:
             ratio = None
             if peer in times and base in times:
-                ratio = statistics.median(
-                    theirs.cpu / own.cpu for theirs, own in zip(times[peer], times[base], strict=True)
-                )
+                ratio = statistics.median(theirs.cpu / times[base][i].cpu for i, theirs in times[peer].items())
             judged.append(
                 {
                     "target": f"{base}: {text}",
@@ -270,7 +268,7 @@ def main() -> None:
     given = options(__doc__, "single", repetitions=15, quick=2, scan="scan the slow solvers too (some minutes)")
     results = benchmark(given.repetitions, given.scan)
     write(given.out, results)
-    figures.draw(given.out)
+    figures.draw("single", given.out)
     print(report(results))
 
 
