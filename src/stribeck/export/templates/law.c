@@ -111,7 +111,8 @@ static real implicit(const parameters *p, real v, real pull, real z, real far, r
     return x;
 }
 
-/* z after dt with v held; pull is added to dz/dt. One step, or up to 32 where the slope changes on the way. */
+/* z after dt with v held; pull is added to dz/dt. One step, or up to 32 where the slope changes on the way; what would
+ * overshoot even then is left to one implicit step. */
 static real advance(const parameters *p, real v, real pull, real z, real dt)
 {
     const real shortest = dt / 32;
@@ -119,17 +120,15 @@ static real advance(const parameters *p, real v, real pull, real z, real dt)
     real rate = rate_and_slope(p, v, z, &slope) + pull;
     while (left > 0) {
         if (h > left) h = left;
-        real next = z + h * phi_1(slope * h) * rate;
-        real next_rate = rate_and_slope(p, v, next, &after) + pull;
+        const real next = z + h * phi_1(slope * h) * rate;
+        if (FN(fabs)(next - z) <= 4 * EPSILON * FN(fabs)(z)) return next; /* steady */
+        const real next_rate = rate_and_slope(p, v, next, &after) + pull;
         const int overshoots = (rate > 0 && next_rate < 0) || (rate < 0 && next_rate > 0);
         if ((overshoots || FN(fabs)(after - slope) * h > R(0.1)) && h > shortest) {
-            h /= 2;
+            h = h > 2 * shortest ? h / 2 : shortest;
             continue;
         }
-        if (overshoots) {
-            next = implicit(p, v, pull, z, next, h);
-            next_rate = rate_and_slope(p, v, next, &after) + pull;
-        }
+        if (overshoots) return implicit(p, v, pull, z, z + left * phi_1(slope * left) * rate, left);
         z = next;
         rate = next_rate;
         slope = after;

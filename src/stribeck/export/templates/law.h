@@ -8,8 +8,8 @@
 {% if law.has_z %}
  * {{ P }}_step: {% if eq.linear %}exact where the velocity is constant over the step (zero-order hold), for a step of any length.
 {% else %}of order 2 where the velocity is constant over the step (exponential Rosenbrock-Euler, in up to 32 parts
- * where d(dz/dt)/dz changes on the way); a part that would still overshoot the steady deflection is made by the
- * implicit Euler rule instead, so that it never does.
+ * where d(dz/dt)/dz changes on the way); where a part would still overshoot the steady deflection, the implicit
+ * Euler rule makes the rest of the step instead, so that it never does.
 {% endif %}
 {% if eq.bounded %}
  * |z| never exceeds its bound, whatever the step, once it is within.

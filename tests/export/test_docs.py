@@ -1,0 +1,68 @@
+"""The commands and the C of docs/export.md and docs/matlab.md work as they stand."""
+
+import re
+import shlex
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from stribeck.cli import _status
+from stribeck.export import binaries
+from tests.export.harness import STRICT, need
+
+DOCS = Path(__file__).parent.parent.parent / "docs"
+
+
+def blocks(page, language):
+    return re.findall(rf"```{language}\n(.*?)```", (DOCS / page).read_text(encoding="utf-8"), re.S)
+
+
+@pytest.mark.parametrize("page", ["export.md", "matlab.md"])
+def test_commands(page, tmp_path, monkeypatch):
+    need("cc")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(binaries, "_ACROSS", ())
+    for line in "\n".join(blocks(page, "sh")).splitlines():
+        words = shlex.split(line, comments=True)
+        if words and words[0] == "stribeck":
+            assert _status(words[1:]) == 0, line
+        elif words:
+            subprocess.run(words, check=True)
+
+
+def test_c_of_the_pages_compiles_and_runs(tmp_path):
+    need("gcc")
+    export = ["export", "lugre_majorant", "--parameters", "canudas1995", "--set", "k_v=1e6"]
+    assert _status([*export, "--target", "c", "--out", str(tmp_path)]) == 0
+    (first,) = blocks("export.md", "c")
+    start, output, header, sample = blocks("matlab.md", "c")
+    (tmp_path / "friction_sample.h").write_text(header)
+    (tmp_path / "friction_sample.c").write_text(sample)
+    (tmp_path / "main.c").write_text(f"""{first}
+#include <stdio.h>
+#include "friction_sample.h"
+int main(void)
+{{
+    lugre_majorant_parameters p;
+    lugre_majorant_state s;
+    double F = 0, G = 0, H = 0, z = 0;
+    const double v = 2e-4;
+    {start}
+    for (int i = 0; i < 20; ++i) {{
+        {output}
+        G = friction_of_axis(v);
+        H = friction_sample(&z, v, 1e-3);
+    }}
+    printf("%.17g %.17g %.17g\\n", F, G, H);
+    return 0;
+}}
+""")
+    files = ["main.c", "friction_sample.c", "lugre_majorant.c"]
+    strict = [flag for flag in STRICT if flag != "-Werror"]
+    command = ["gcc", *strict, "-Wno-missing-prototypes", *files, "-o", "main", "-lm"]
+    subprocess.run(command, cwd=tmp_path, check=True)
+    done = subprocess.run(["./main"], cwd=tmp_path, capture_output=True, text=True, check=True)
+    F, G, H = map(float, done.stdout.split())
+    assert F == G == H
+    assert 0.3 < F < 0.5  # 4 um on 1e5 N/m, with damping
