@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,6 +34,7 @@ _FEWEST_SPEEDS, _FEWEST_SEGMENTS = 5, 8
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
 _HUBER = 1.345
+_PARTS = 10  # of a stretch of constant speed
 
 
 @dataclass(frozen=True)
@@ -217,7 +219,7 @@ def _by_segments(log: Log, begun: Start, u: Array, setting: Setting, segments: S
     held: dict[str, float] = {n: x for n, x in begun.problem.values(u).items() if n in ("mass", "delay")}
     body = [n for n in setting.body if n != "delay"]
     again = solve(
-        log, begun.problem.law, setting.fixed, setting.free, held.get("mass", 0.0), body, averaging(segments),
+        log, begun.problem.law, setting.fixed, setting.free, held.get("mass", 0.0), body, averaging(_parts(segments)),
         delay=held.get("delay", 0.0),
     )  # fmt: skip
     point = _settled(again.problem, again.point, setting.robust)
@@ -228,6 +230,16 @@ def _by_segments(log: Log, begun: Start, u: Array, setting: Setting, segments: S
         "their force), mass from all rows"
     )
     return replace(fit, body={**kept, **fit.body}, used={**fit.used, **held}, notes=(*again.notes, *fit.notes, note))
+
+
+def _parts(segments: Sequence[slice]) -> list[slice]:
+    """Each stretch in up to ten parts: what they differ by is noise, and tells how sure the curve is."""
+    found = []
+    for s in segments:
+        count = min(_PARTS, (s.stop - s.start) // 20 or 1)
+        edges = np.linspace(s.start, s.stop, count + 1).astype(int).tolist()
+        found += [slice(a, b) for a, b in pairwise(edges)]
+    return found
 
 
 def _curve(
