@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+import stribeck
 from stribeck.errors import InputError
 from stribeck.identify.dynamic import fit_dynamic
 from stribeck.identify.dynamic_problem import velocity_problem
 from stribeck.identify.experiment import Body
+from stribeck.identify.log import Log
 from stribeck.identify.problem import Tie
 from tests.identify import rig
 
@@ -112,7 +114,7 @@ def test_derivatives_are_those_of_the_residuals(full):
 
 
 def test_the_law_s_relations_hold_wherever_the_search_looks(full):
-    problem, u, low, high = velocity_problem(full, "lugre", mass=0.0)
+    problem, u, _, _ = velocity_problem(full, "lugre", mass=0.0)
     beyond = problem.point({**problem.values(u), "F_c": 14.0, "F_s": 9.0})
     inside = problem.values(problem.nearest(beyond))
     assert inside["F_s"] >= inside["F_c"]
@@ -137,7 +139,38 @@ def test_what_cannot_be_fitted_is_refused(full, options, message):
         fit_dynamic(full, law, mass=0.0, **options)
 
 
+def test_a_log_too_long_for_a_simulation_is_refused(full, monkeypatch):
+    monkeypatch.setattr("stribeck.identify.dynamic_problem._MOST_ROWS", 1000)
+    with pytest.raises(InputError, match=r"rows: a simulation takes at most 1000; .*--method static"):
+        fit_dynamic(full, "lugre", mass=0.0)
+
+
 def test_a_log_without_motion_or_force_is_refused(full):
     for column in ("velocity", "force"):
         with pytest.raises(InputError, match=f"{column}: 0 throughout"):
             fit_dynamic(full.with_columns(**{column: np.zeros(len(full))}), "lugre", mass=0.0)
+
+
+def test_friction_and_offset_in_one_direction_are_not_told_apart():
+    """A body pulled by a spring, stick and slip: the force is friction and offset together."""
+    machine = stribeck.parameters()["canudas1995"].values
+    scenario = stribeck.Scenario(
+        law={"name": "lugre", "parameters": machine},
+        plant={"mass": 1.0},
+        drive={"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}},
+        solve={"t_end": 12.0},
+        output={"step": 1e-3},
+    )
+    solution = stribeck.simulate(scenario)
+    noise = 0.01 * np.random.default_rng(0).standard_normal(len(solution.t))
+    log = Log(
+        time=solution.t, position=solution["y"], velocity=solution["v"], acceleration=solution["u"] - solution["F"],
+        force=solution["u"] + noise, run=np.zeros(len(noise), np.int32), step=1e-3,
+    )  # fmt: skip
+    fit = fit_dynamic(log, "lugre", starts=4)
+    assert not fit.estimates["F_c"].identifiable
+    assert not fit.body["offset"].identifiable
+    assert "offset" in fit.estimates["F_c"].why
+    known = fit_dynamic(log, "lugre", fixed={"offset": 0.0}, starts=4)
+    for name in ("F_c", "F_s"):
+        assert known.estimates[name].low < machine[name] < known.estimates[name].high, name

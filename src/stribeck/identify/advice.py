@@ -18,6 +18,7 @@ _WORDS = {
     "v_s": "constant speeds in both directions from {slowest} to {fast}, at least ten, evenly spaced in the logarithm",
     "mass": "accelerations at which mass * acceleration exceeds half the friction level ({half}), in both directions",
     "stiffness": "slow strokes over the whole travel, in both directions",
+    "sigma_2_by_direction": "at least three constant speeds up to {fast}, the same in both directions",
     "offset": "the same constant speeds in both directions",
 }
 
@@ -32,8 +33,8 @@ def experiment_for(name: str, values: Mapping[str, float], sizes: Scales) -> str
         "rate": _show(100 * sizes.force, "N/s"), "gentle": _show(0.1 * sizes.force, "N/s"),
         "half": _show(0.5 * sizes.force, "N"),
     }  # fmt: skip
-    if name.endswith("_shift"):
-        return "the same motions at several levels of what shifts it, at least three apart by half its range"
+    if "_by_" in name and name not in _WORDS:
+        return f"the same motions at three levels of {name.partition('_by_')[2]} or more, evenly over its range"
     words = _WORDS.get(name, "motions in which the force depends on it: reversals of several sizes and speeds")
     return words.format(**numbers)
 

@@ -23,6 +23,7 @@ Given = Mapping[str, float]
 
 _TOLERANCE = 1e-6  # of the deflection, as a share of its natural scale: far below any sensor
 _MANY_RUNS = 200
+_MOST_ROWS = 2_000_000  # beyond, the lanes of a derivative fill the memory
 _LEVELS = ("F_c", "F_s")  # what a varying friction level shifts
 
 
@@ -163,6 +164,10 @@ def velocity_problem(
 
     Arguments as in :func:`stribeck.identify.dynamic.fit_dynamic`.
     """
+    if len(log) > _MOST_ROWS:
+        raise InputError(
+            f"DATA: {len(log)} rows: a simulation takes at most {_MOST_ROWS}; cut the log, or use --method static"
+        )
     law, fixed, tied = laws.find(law_name), dict(fixed or {}), dict(tied or {})
     held = {name: fixed.pop(name) for name in list(fixed) if name in TERMS}
     free = free_constants(law, fixed, tied, free)

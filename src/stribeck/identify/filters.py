@@ -61,7 +61,7 @@ def _anti_alias(q: int) -> tuple[Array, Array]:
 def decimate(x: Array, q: int) -> Array:
     """Samples 1, 1 + q, 1 + 2 q, ... (from 0) behind a Chebyshev filter of type 1 (order 8, 0.05 dB, 0.8/q)."""
     for part in stages(q):
-        x = zero_phase(*_anti_alias(part), x)[1::part]
+        x = zero_phase(*_anti_alias(part), x)[1::part].copy()  # and not a view, which would hold all of it
     return x
 
 

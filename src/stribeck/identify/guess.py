@@ -13,6 +13,7 @@ from stribeck.laws.base import Law
 
 Array = NDArray[np.float64]
 _REVERSALS_LOOKED_AT = 200
+_TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
 
 
 @dataclass(frozen=True)
@@ -80,7 +81,7 @@ def _stiffness(log: Log, force: Array, level: float) -> float:
                 way = abs(y[first + half] - y[first])
                 found += [rise[half] / way] if way > 0 and half else []
     if not found:
-        return 10 * level / max(float(np.ptp(log.position)), 1e-12)
+        return level / max(_TYPICAL_BREAK_AWAY * float(np.ptp(log.position)), 1e-12)
     return float(np.quantile(found, 0.75))
 
 

@@ -162,7 +162,7 @@ def _loops(fit: Fit) -> list[Chapter]:
     loops: Sequence[Any] = fit.details.get("loops", ())
     if not len(loops):
         return []
-    text = ["Small reversals, in which the contact holds: the slopes are the bristles' stiffness."]
+    text = ["Small reversals, in which the contact mostly holds, measured and as simulated along the measured motion."]
     return [Chapter("presliding", "Presliding", text, figures=[pictures.loops(loops)])]
 
 

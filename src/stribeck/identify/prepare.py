@@ -99,10 +99,13 @@ def _columns(
     parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int
 ) -> tuple[dict[str, Array], list[int]]:
     """Every column of the log, one after the other so that little is held twice; and the rows of each run."""
+    if len(parts) == 1 and len(parts[0].runs) == 1:  # however long: nothing is copied that need not be
+        whole = _run(parts[0], parts[0].runs[0], _grid(parts[0], parts[0].runs[0], step), step, cutoff)
+        parts[0].columns.clear()
+        return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]) - trim, trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
     kept = [max(len(grid) - trim, 0) for grid in grids]
-    if max(kept) < FEWEST:
-        raise InputError(f"--trim: {trim}: leaves less than {FEWEST} rows of every run")
+    _enough(max(kept), trim)
     place = np.concatenate([[0], np.cumsum(kept)])
     names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
     out = {name: np.empty(place[-1]) for name in names}
@@ -114,6 +117,12 @@ def _columns(
                 out[name][rows] = x[trim:]
             number += 1
     return out, kept
+
+
+def _enough(rows: int, trim: int) -> int:
+    if rows < FEWEST:
+        raise InputError(f"--trim: {trim}: leaves less than {FEWEST} rows of every run")
+    return rows
 
 
 _MOTION = ("time", "position", "velocity", "acceleration")

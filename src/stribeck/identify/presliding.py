@@ -125,9 +125,13 @@ def fit_presliding(
         f"{len(travel)} small reversals in {len(small)} stretches, {travel.min():.3g} m to {travel.max():.3g} m long, "
         f"{len(cut)} rows"
     )
+    told = [i for i, n in enumerate(fit.names) if n not in unseen]
     return replace(
         fit,
         method="presliding",
+        names=tuple(fit.names[i] for i in told),
+        covariance=fit.covariance[np.ix_(told, told)],
+        profiles={n: p for n, p in fit.profiles.items() if n not in unseen},
         estimates={n: estimates[n] for n in found.constants() if n in estimates},
         fixed=dict(fixed or {}),
         data_hash=log.hash,

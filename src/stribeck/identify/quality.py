@@ -15,6 +15,7 @@ Mask = NDArray[np.bool_]
 FEWEST = 50
 _EVEN = 1e-2  # of the step: what times may be off and still count as evenly spaced
 _GAP = 5.5  # steps without a sample that end a run
+_BLOCK = 1_000_000
 _STUCK = 50  # samples of one and the same value, while the others move
 _AT_LIMIT = 5  # samples in a row at the largest or smallest value
 _LEVELS = 100  # a sensor with fewer different values is too coarse to tell clipping from rest
@@ -62,16 +63,19 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
         steps = np.diff(time)
         new_run = np.zeros(len(steps), bool) if own is None else np.diff(own) != 0
     _enough(columns, number)
-    step = float(np.median(steps[~new_run]))
-    near = ~new_run & (abs(steps - step) < 0.5 * step)
-    step = float(np.mean(steps[near]))  # to more digits than a single difference has
+    some = steps[:: max(len(steps) // 1_000_000, 1)]
+    step = float(np.median(some[some > 0]))
+    near = steps < 1.5 * step
+    near &= steps > 0.5 * step
+    step = float(np.mean(steps, where=near & ~new_run))  # to more digits than a single difference has
     gaps = (steps > _GAP * step) & ~new_run
     if count := int(gaps.sum()):
         notes.append(
             f"{number}: {count} gaps in time, the longest {steps[gaps].max():.3g} s (step {step:.3g} s); "
             "the log is cut there, and nothing is filtered across a gap"
         )
-    bad = _stuck(columns, number, notes) | _clipped(columns, number, notes)
+    bad = _clipped(columns, number, notes)
+    bad |= _stuck(columns, number, notes, bad)
     breaks = new_run | gaps | (bad[1:] != bad[:-1])
     cuts = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(time)]
     pieces = [slice(a, b) for a, b in pairwise(cuts) if not bad[a]]
@@ -80,7 +84,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
         notes.append(f"{number}: {lost} rows stand in pieces shorter than {FEWEST} rows and were left out")
     if not runs:
         raise InputError(f"DATA: {number}: no piece without a gap has {FEWEST} rows or more")
-    off = max(_jitter(steps[r.start : r.stop - 1], step) for r in runs)
+    off = max(_jitter(time[r]) for r in runs)
     even = off <= _EVEN
     if not even:
         notes.append(
@@ -90,10 +94,12 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     return Clean(columns, runs, step, even, notes)
 
 
-def _jitter(steps: Array, step: float) -> float:
+def _jitter(time: Array) -> float:
     """How far times are from an even grid of their own, in steps."""
-    grid = np.cumsum(steps) - steps.mean() * np.arange(1, len(steps) + 1)
-    return float(np.max(abs(grid), initial=0.0)) / step
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    blocks = range(0, len(time), _BLOCK)
+    off = (time[b : b + _BLOCK] - time[0] - step * np.arange(b, min(b + _BLOCK, len(time))) for b in blocks)
+    return max(float(np.max(abs(x))) for x in off) / step
 
 
 def _enough(columns: dict[str, Array], number: str) -> None:
@@ -114,30 +120,38 @@ def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> 
     return columns if keep.all() else {role: x[keep] for role, x in columns.items()}
 
 
-def _repeats(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """First rows and lengths of stretches of one value."""
-    starts = np.append(0, np.flatnonzero(x[1:] != x[:-1]) + 1)
-    return starts, np.diff(np.append(starts, len(x)))
+def _repeats(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], float, int]:
+    """First rows and lengths of the stretches of one value, two rows or longer; the usual length (nine in ten stretches
+    are no longer), and the number of stretches of any length."""
+    same = x[1:] == x[:-1]
+    edges = np.flatnonzero(np.diff(same, prepend=False, append=False))
+    starts, lengths = edges[::2], edges[1::2] - edges[::2] + 1
+    count = len(x) - int(same.sum())
+    rank = (0.9 * count - (count - len(lengths))) / max(len(lengths), 1)
+    return starts, lengths, float(np.quantile(lengths, rank)) if rank > 0 else 1.0, count
 
 
-def _stuck(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
+def _stuck(columns: dict[str, Array], number: str, notes: list[str], known: Mask) -> Mask:
     """A sensor that repeats one value for long, though it does not do so by its nature and the body moves."""
     bad = np.zeros(len(columns["time"]), bool)
     motion = columns["position"] if "position" in columns else np.cumsum(columns["velocity"])
     for role in ("force", "velocity", "load", "pressure"):
         if role not in columns:
             continue
-        starts, lengths = _repeats(columns[role])
-        usual = float(np.quantile(lengths, 0.9))
+        starts, lengths, usual, count = _repeats(columns[role])
         candidates = np.flatnonzero(lengths > max(_STUCK, 20 * usual)).tolist()
         still = 0.02 * float(np.ptp(motion))
-        long = [i for i in candidates if abs(motion[starts[i] + lengths[i] - 1] - motion[starts[i]]) > still]
-        if not long or len(starts) < _LEVELS:
+        long = [
+            i
+            for i in candidates
+            if abs(motion[starts[i] + lengths[i] - 1] - motion[starts[i]]) > still and not known[starts[i]]
+        ]
+        if not long or count < _LEVELS:
             continue
         rows = int(sum(lengths[i] for i in long))
         first = columns["time"][starts[long[0]]]
         notes.append(
-            f"{number}: {role}: the sensor stands still {len(long)} times while the body moves, {rows} rows in all "
+            f"{number}: {role}: the sensor repeats one value while the body moves, {rows} rows in all "
             f"(first at {first:.6g} s); the log is cut there, without them"
         )
         for i in long:
@@ -152,11 +166,11 @@ def _clipped(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
         x = columns.get(role)
         if x is None:
             continue
-        starts, lengths = _repeats(x)
-        if len(starts) < _LEVELS or np.quantile(lengths, 0.9) > 2:
+        starts, lengths, usual, count = _repeats(x)
+        if count < _LEVELS or usual > 2:
             continue
         values = x[starts]
-        for end, word in ((values.max(), "largest"), (values.min(), "smallest")):
+        for end, word in ((x.max(), "largest"), (x.min(), "smallest")):
             at = np.flatnonzero((values == end) & (lengths >= _AT_LIMIT))
             rows = int(lengths[at].sum())
             if rows:

@@ -83,6 +83,8 @@ def read(path: Path, columns: Columns) -> dict[str, Array]:
     Raises:
         InputError: the file or a column is not there, or holds no numbers; an unknown unit; a line for each problem.
     """
+    import pyarrow
+
     path = Path(path)
     source = _open(path)
     columns = columns.over(beside(path))
@@ -116,6 +118,7 @@ def read(path: Path, columns: Columns) -> dict[str, Array]:
     if problems:
         raise InputError(problems)
     data = source.columns(wanted)
+    pyarrow.default_memory_pool().release_unused()  # it would keep as much as the columns take
     lengths = {len(x) for x in data.values()}
     if len(lengths) > 1:
         raise InputError(
@@ -180,7 +183,8 @@ class _Source:
             elif column.ndim > 1 and max(column.shape) != column.size:
                 problems.append(f"--{role}: {name!r}: this variable of {self.path} is a matrix, {column.shape}")
             else:
-                found[role] = np.array(column.ravel(), float)
+                own = column.base is None and column.dtype == np.float64 and list(wanted.values()).count(name) == 1
+                found[role] = column.ravel() if own else np.array(column.ravel(), float)
         if problems:
             raise InputError(problems)
         return found
@@ -217,17 +221,24 @@ class _CsvSource(_Source):
         try:
             reader = csv.open_csv(
                 self.path,
-                csv.ReadOptions(column_names=self.names, skip_rows=int(self.head), block_size=1 << 23),
+                csv.ReadOptions(
+                    column_names=self.names, skip_rows=int(self.head), block_size=1 << 20, use_threads=False
+                ),
                 csv.ParseOptions(delimiter=self.separator),
                 options,
             )
-            parts: dict[str, list[Array]] = {name: [] for name in include}
+            joined = {name: np.empty(0) for name in include}
+            rows = 0
             for batch in reader:
-                for name in include:
-                    parts[name].append(np.array(batch.column(name).to_numpy(zero_copy_only=False), float))
+                for name, column in joined.items():
+                    if rows + len(batch) > len(column):  # grows in place: no second copy of a long column
+                        column.resize(2 * rows + len(batch), refcheck=False)
+                    column[rows : rows + len(batch)] = batch.column(name).to_numpy(zero_copy_only=False)
+                rows += len(batch)
+            for column in joined.values():
+                column.resize(rows, refcheck=False)
         except (OSError, pyarrow.ArrowException) as error:
             raise InputError(self._reason(error)) from None
-        joined = {name: np.concatenate(parts.pop(name)) if parts[name] else np.zeros(0) for name in include}
         return {
             role: joined[name] if list(wanted.values()).count(name) == 1 else joined[name].copy()
             for role, name in wanted.items()
@@ -257,15 +268,22 @@ def _parquet(path: Path) -> _Source:
     class Lazy(_Source):
         def __init__(self) -> None:
             self.path = path
-            self.file = parquet.ParquetFile(path)
+            self.file = parquet.ParquetFile(path, pre_buffer=False)
             self.names = list(self.file.schema_arrow.names)
             self.constants = {}
 
         def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
+            names = list(dict.fromkeys(wanted.values()))
+            rows, place = self.file.metadata.num_rows, 0
             self.variables = {}
-            for name in dict.fromkeys(wanted.values()):
-                column = self.file.read([name]).column(0)
-                self.variables[name] = column.to_numpy()
+            for batch in self.file.iter_batches(1 << 18, columns=names, use_threads=False):
+                for name in names:
+                    part = batch.column(name).to_numpy(zero_copy_only=False)
+                    if part.dtype.kind not in "fiub":  # text, which the check below names
+                        self.variables[name] = part
+                        continue
+                    self.variables.setdefault(name, np.empty(rows))[place : place + len(part)] = part
+                place += len(batch)
             return super().columns(wanted)
 
     return Lazy()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -31,14 +31,17 @@ class Sliding:
         self.base = {n: v for n, v in self.base.items() if n in law.constants()}
 
     def force(self, values: Mapping[str, float], v: Array) -> Array:
-        """The steady force; for long logs by a table of speeds, straight between (some 3e-6 off)."""
-        law = self.law({**self.base, **values})
-        if len(v) <= _GRID:
-            return np.asarray(law.steady_force(v))
-        fastest = float(np.max(abs(v)))
-        one_side = np.geomspace(1e-9 * fastest, fastest, _GRID)
-        speeds = np.concatenate([-one_side[::-1], [0.0], one_side])
-        return np.asarray(np.interp(v, speeds, law.steady_force(speeds)))
+        """The steady force."""
+        return np.asarray(self.law({**self.base, **values}).steady_force(v))
+
+    def table(self, shape: Mapping[str, float], fastest: float, names: Sequence[str]) -> tuple[Array, dict[str, Array]]:
+        """Speeds, and what each (linear) constant multiplies there; straight lines between them are some 3e-6 off.
+
+        Without names the force itself, under the name "".
+        """
+        half = np.geomspace(1e-9 * fastest, 1.001 * fastest, _GRID)
+        speeds = np.concatenate([-half[::-1], [0.0], half])
+        return speeds, self.columns(shape, speeds, names) if names else {"": self.force(shape, speeds)}
 
     def _probe(self) -> Array:
         fastest = 3 * self.base.get("v_s", 0.01)
@@ -71,7 +74,7 @@ class Sliding:
                 found.append(name)
         return tuple(found)
 
-    def columns(self, shape: Mapping[str, float], v: Array, names: list[str] | tuple[str, ...]) -> dict[str, Array]:
+    def columns(self, shape: Mapping[str, float], v: Array, names: Sequence[str]) -> dict[str, Array]:
         """The derivative of the steady force by each of the (linear) constants."""
         base = {n: self.base[n] for n in names}
         start = self.force({**shape, **base}, v)

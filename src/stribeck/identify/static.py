@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +22,7 @@ from stribeck.identify.crossvalidate import FOLDS, LeftOut, groups
 from stribeck.identify.estimate import Estimate, Fit, Prediction
 from stribeck.identify.guess import scales
 from stribeck.identify.levels import levels
-from stribeck.identify.log import Log
+from stribeck.identify.log import Log, thinned
 from stribeck.identify.optimise import descend
 from stribeck.identify.segments import constant_speed, distinct_speeds
 from stribeck.identify.static_problem import StaticProblem, averaging, decimation, kept_rows, thinning
@@ -31,8 +32,9 @@ from stribeck.identify.terms import TERMS
 Array = NDArray[np.float64]
 _FEWEST_SPEEDS, _FEWEST_SEGMENTS = 5, 8
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
-_LOOKED_AT = 2_000_000  # rows searched for stretches of constant speed
+_LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
 _HUBER = 1.345
+_PARTS = 10  # of a stretch of constant speed
 
 
 @dataclass(frozen=True)
@@ -75,7 +77,8 @@ def fit_static(log: Log, law: str, setting: Setting | None = None, profiles: boo
     begun = solve(log, found, setting.fixed, setting.free, setting.mass, setting.body, thinning(log, q))
     problem, u = begun.problem, _settled(begun.problem, begun.point, setting.robust)
     notes = [why, *begun.notes]
-    segments = constant_speed(log.rows(slice(0, _LOOKED_AT)) if len(log) > _LOOKED_AT else log)
+    near = log.rows(slice(0, _LOOKED_AT))
+    segments = constant_speed(near)
     speeds = distinct_speeds(log, segments)
     wanted = setting.segments
     if wanted is None:
@@ -101,7 +104,7 @@ def fit_static(log: Log, law: str, setting: Setting | None = None, profiles: boo
         details={
             **fit.details,
             "decimation": q,
-            "segments": _curve(problem, values, segments, log),
+            "segments": _curve(problem, values, segments, near),
             "left_out": left_out,
             "levels": levels(problem, u, log, q),
         },
@@ -118,13 +121,15 @@ def check_motion(log: Log) -> None:
     fastest = float(np.max(abs(v)))
     if fastest <= 0:
         raise InputError("--velocity: 0 throughout: nothing moves, so there is no friction to fit")
-    if float(np.std(v)) < _STEADY * fastest and (v.min() > 0 or v.max() < 0):
+    low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.02, 0.5, 0.98))
+    if high - low < 2 * _STEADY * abs(middle):
         raise InputError(
-            f"--velocity: constant ({np.mean(v):.4g} m/s within {np.std(v):.1g}): friction, offset and inertia cannot be "
+            f"--velocity: constant ({middle:.4g} m/s within {high - low:.1g}): friction, offset and inertia cannot be "
             "told apart; measure several speeds in both directions"
         )
     every = max(len(log) // 1_000_000, 1)
-    rough = np.column_stack([log.acceleration, v, np.sign(v), np.ones(len(log))])[::every]
+    thin = v[::every]
+    rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), np.ones(len(thin))])
     coefficients = np.linalg.lstsq(rough / np.maximum(np.abs(rough).max(0), 1e-300), log.force[::every], rcond=1e-10)[0]
     both = v.min() < -0.1 * fastest and v.max() > 0.1 * fastest
     if both and coefficients[1] + coefficients[2] < 0 and coefficients[2] < 0:
@@ -148,7 +153,7 @@ def _settled(problem: StaticProblem, u: Array, robust: bool) -> Array:
 
 def _judged(begun: Start, problem: StaticProblem, u: Array, log: Log, profiles: bool) -> Fit:
     """The fit of one problem, without what is told of all rows."""
-    judged = uncertainty.judge(problem, u, log, profiles)
+    judged = uncertainty.judge(problem, u, thinned(log), profiles)
     values = problem.values(judged.point)
     estimates = {n: e for n, e in judged.estimates.items() if n not in TERMS} | _unseen(begun, log, values)
     order = [n for n in problem.law.constants() if n in estimates]
@@ -176,7 +181,7 @@ def _unseen(begun: Start, log: Log, values: Mapping[str, float]) -> dict[str, Es
     found = {}
     for name, why in begun.unseen.items():
         unit = begun.problem.law.constants()[name].unit
-        advice = experiment_for(name, values, scales(log))
+        advice = experiment_for(name, values, scales(thinned(log)))
         found[name] = Estimate(None, None, None, unit, False, why, advice)
     for name, high in begun.at_bound.items():
         unit = begun.problem.law.constants()[name].unit
@@ -214,7 +219,7 @@ def _by_segments(log: Log, begun: Start, u: Array, setting: Setting, segments: S
     held: dict[str, float] = {n: x for n, x in begun.problem.values(u).items() if n in ("mass", "delay")}
     body = [n for n in setting.body if n != "delay"]
     again = solve(
-        log, begun.problem.law, setting.fixed, setting.free, held.get("mass", 0.0), body, averaging(segments),
+        log, begun.problem.law, setting.fixed, setting.free, held.get("mass", 0.0), body, averaging(_parts(segments)),
         delay=held.get("delay", 0.0),
     )  # fmt: skip
     point = _settled(again.problem, again.point, setting.robust)
@@ -225,6 +230,16 @@ def _by_segments(log: Log, begun: Start, u: Array, setting: Setting, segments: S
         "their force), mass from all rows"
     )
     return replace(fit, body={**kept, **fit.body}, used={**fit.used, **held}, notes=(*again.notes, *fit.notes, note))
+
+
+def _parts(segments: Sequence[slice]) -> list[slice]:
+    """Each stretch in up to ten parts: what they differ by is noise, and tells how sure the curve is."""
+    found = []
+    for s in segments:
+        count = min(_PARTS, (s.stop - s.start) // 20 or 1)
+        edges = np.linspace(s.start, s.stop, count + 1).astype(int).tolist()
+        found += [slice(a, b) for a, b in pairwise(edges)]
+    return found
 
 
 def _curve(
@@ -269,8 +284,7 @@ def _prediction(problem: StaticProblem, values: Mapping[str, float], log: Log, r
 
 def cross_validate(problem: StaticProblem, u: Array, log: Log, q: int, folds: int) -> LeftOut:
     """Fit the problem anew without each part of the log and predict the part."""
-    group, how = groups(log, folds)
-    group = group[kept_rows(log, q)]
+    group, how = groups(log.rows(kept_rows(log, q)), folds)
     squares, size = [], []
     for number in range(int(group.max()) + 1):
         out = group == number

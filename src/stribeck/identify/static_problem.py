@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 Reduce = Callable[[Array], Array]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
 _RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
-_MOST_ROWS = 1_000_000
+_MOST_ROWS = 500_000
 
 
 class StaticProblem(Problem):
@@ -47,6 +47,7 @@ class StaticProblem(Problem):
     ) -> None:
         self.log, self.sliding, self.terms, self.reduce = log, sliding, tuple(body), reduce
         self.force = reduce(log.force)
+        self.fastest = max(float(log.velocity.max()), -float(log.velocity.min()))
         self.weight = np.ones(len(self.force)) if weight is None else weight
         size = float(np.sqrt(np.mean(self.force**2)))
         super().__init__(sliding.law, coordinates, fixed, tied, self.weight * self.force, size)
@@ -74,15 +75,13 @@ class StaticProblem(Problem):
     def _of_friction(self, shape: tuple[tuple[str, float], ...], delay: float) -> dict[str, Array]:
         """What each coefficient of the law and of its level multiplies, for given other constants and delay."""
         v = self._moved(self.log.velocity, delay)
-        shapes = dict(shape)
-        found = dict(self.sliding.columns(shapes, v, self.names))
+        speeds, table = self.sliding.table(dict(shape), self.fastest, self.names)
+        found = {name: self.reduce(np.interp(v, speeds, x)) for name, x in table.items()}
         levels = [name for name in self.terms if TERMS[name].level]
         if levels:
-            level = found["F_c"] + found.get("F_s", 0.0)
-            found |= {name: level * self._moved(self._column(name), delay) for name in levels}
-        if not self.names:
-            found[""] = self.sliding.force(shapes, v)
-        return {name: self.reduce(x) for name, x in found.items()}
+            level = np.interp(v, speeds, table["F_c"] + table.get("F_s", 0.0))
+            found |= {name: self.reduce(level * self._moved(self._column(name), delay)) for name in levels}
+        return found
 
     def _of_body(self, name: str, delay: float) -> Array:
         return self.reduce(self._moved(self._column(name), 0.0 if name == "offset" else delay))

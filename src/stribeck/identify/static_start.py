@@ -13,7 +13,7 @@ from scipy.stats import qmc
 from stribeck.errors import InputError
 from stribeck.identify.dynamic_problem import free_constants
 from stribeck.identify.guess import Scales, ranges, scales
-from stribeck.identify.log import Log
+from stribeck.identify.log import Log, thinned
 from stribeck.identify.problem import Coordinate, Tie
 from stribeck.identify.sliding import Sliding
 from stribeck.identify.static_problem import Reduce, StaticProblem
@@ -73,7 +73,7 @@ def solve(
     wanted = free_constants(law, given, {}, free)
     if "k_v" in given and "k_v" not in fixed:  # a default: the force changes sign at once then, as in the literature
         given["k_v"] = _SHARP
-    sizes = scales(log, mass or 0.0)
+    sizes = scales(thinned(log), mass or 0.0)
     sliding = Sliding(law, given, _typical(law, sizes, given))
     own = law.own_constants()
     unseen = {

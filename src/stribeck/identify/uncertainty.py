@@ -27,6 +27,7 @@ from stribeck.identify.problem import Problem
 Array = NDArray[np.float64]
 _THRESHOLD = float(chi2.ppf(0.95, 1))
 _WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
+_MOST_ALIKE = 50.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
 _FEWEST = 12.0  # samples that an estimate must rest on
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
@@ -81,6 +82,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool) -> Judgement:
     inner = covariance(slopes, variance, memory)
     plain = covariance(slopes, variance, np.zeros(0))
     support = supporting_samples(slopes)
+    alike = np.diag(plain) * np.sum(slopes**2, axis=0) / variance if variance > 0 else np.ones(len(u))
     sizes, values = scales(log), problem.values(u)
     unseen = _presliding_unseen(problem, values, log)
     estimates, found = {}, {}
@@ -91,7 +93,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool) -> Judgement:
         deviation = float(np.sqrt(inner[k, k]))
         low: float | None
         high: float | None
-        doubt = unseen if c.name in _BRISTLES and unseen else _doubt(problem, k, u, inner, support[k])
+        doubt = unseen if c.name in _BRISTLES and unseen else _doubt(problem, k, u, inner, support[k], alike[k])
         if profiles and not doubt:
             low, high, found[c.name] = profile(problem, u, k, deviation, variance * inflation, inner)
             doubt = _open(low, high, c.log)
@@ -171,7 +173,7 @@ def supporting_samples(slopes: Array) -> Array:
 # -- verdicts --------------------------------------------------------------------------------------------------------
 
 
-def _doubt(problem: Problem, k: int, u: Array, inner: Array, support: float) -> str:
+def _doubt(problem: Problem, k: int, u: Array, inner: Array, support: float, alike: float) -> str:
     """Why a coordinate is not determined, or nothing."""
     c, deviation = problem.coordinates[k], float(np.sqrt(inner[k, k]))
     low, high = problem.bounds
@@ -181,13 +183,15 @@ def _doubt(problem: Problem, k: int, u: Array, inner: Array, support: float) -> 
     spread = np.sqrt(np.diag(inner))
     with np.errstate(all="ignore"):
         relation = inner[k] / (spread * spread[k])
-    others = [i for i in np.argsort(-abs(relation)) if i != k and abs(relation[i]) > 0.98]
+    others = [i for i in np.argsort(-abs(relation)) if i != k and abs(relation[i]) > 0.9]
     along = [problem.coordinates[i].name for i in others if not problem.coordinates[i].nuisance][:2]
     together = f"; {' and '.join(along)} can make up for it" if along else ""
     if support < _FEWEST:
         return f"it rests on {max(support, 0):.0f} samples only{together}"
     if c.log and np.sqrt(_THRESHOLD) * deviation > _WIDEST:
         return f"the residuals hardly depend on it{together}"
+    if alike > _MOST_ALIKE:
+        return f"it is hardly told apart from the others{together}"
     return ""
 
 
