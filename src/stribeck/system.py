@@ -64,8 +64,7 @@ class System:
     @cached_property
     def parameters(self) -> tuple[tuple[str, str], ...]:
         """(group, name) of each run-time constant, in the order in which compiled code takes them."""
-        law = self.law.constants()
-        names = [("law", n) for n, c in law.items() if not c.choices and (not c.optional or n in self.options)]
+        names = [("law", n) for n in self.law.numbers(self.options)]
         names += [] if self.drive.sets_velocity else [("plant", n) for n in Mass.constants]
         names += [("drive", n) for n in self.drive.constants]
         return (*names, *(("signal", n) for n in (self.signal.constants if self.signal else ())))

@@ -88,12 +88,11 @@ class ServoSystem:
         drive = {n: c for n, c in Cascade.constants.items() if not c.optional or self.droop}
         if self.sampled:
             drive["u"] = Constant("V", "valve voltage, held")
-        observer = self.observer.constants() if self.observer else {}
         groups = {
-            "law": {n: c for n, c in self.law.constants().items() if not c.optional or n in self.options},
+            "law": self.law.numbers(self.options),
             "plant": Cylinder.constants,
             "drive": drive,
-            "observer": {n: c for n, c in observer.items() if not c.optional or n in self.observer_options},
+            "observer": self.observer.numbers(self.observer_options) if self.observer else {},
             "model": Cylinder.constants,
             "adaptation": Adaptation.constants if self.adaptive else {},
             "signal": self.signal.constants,

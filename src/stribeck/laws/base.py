@@ -244,6 +244,11 @@ class Law(ToTools):
         return [tuple(word for word in words if word) for words in product(*each)]
 
     @classmethod
+    def numbers(cls, structure: tuple[str, ...]) -> dict[str, Constant]:
+        """The constants that are numbers in that form of the equations: no choices, and no optional ones that are off."""
+        return {n: c for n, c in cls.constants().items() if not c.choices and (not c.optional or n in structure)}
+
+    @classmethod
     def symbolic(cls, make: Callable[[str], Value], structure: tuple[str, ...] = ()) -> SimpleNamespace:
         """The constants as symbols; optional ones that are off are None, choices are words."""
         words = dict(word.split("=") for word in structure if "=" in word)
