@@ -63,7 +63,7 @@ class _Source:
     # -- constant subexpressions ---------------------------------------------------------------------------------
 
     def _constant(self, node: Expr, known: dict[Expr, bool]) -> bool:
-        for each in ordered([node]):
+        for each in () if node in known else ordered([node]):
             if each not in known:
                 is_parameter = each.op == "constant" or (each.op == "symbol" and str(each.value) in self.parameter_text)
                 known[each] = is_parameter or (bool(each.args) and all(known[a] for a in each.args))
