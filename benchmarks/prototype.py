@@ -60,7 +60,7 @@ class Prototype:
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode != 0:
             raise Missing(f"it does not compile: {result.stderr.strip().partition(chr(10))[0]}")
-        self._times = job.LIMIT_CYCLE.times
+        self._times, self._step = job.LIMIT_CYCLE.times, job.LIMIT_CYCLE.scenario.output.step
         pointer = POINTER(c_double)
         self._run = ctypes.CDLL(str(library)).prototype
         self._run.restype = c_int
@@ -74,7 +74,7 @@ class Prototype:
         out, events = np.empty((len(self._times), 4)), np.empty(4096)
         status = self._run(
             _pointer(_CONSTANTS), self._times[0], self._times[-1], rtol, atol, FIRST_STEP, len(out),
-            self._times[1] - self._times[0], _pointer(out), _pointer(events), len(events), job.V_S,
+            self._step, _pointer(out), _pointer(events), len(events), job.V_S,
         )  # fmt: skip
         if status != 0:
             raise ArithmeticError(f"the prototype failed with status {status}")

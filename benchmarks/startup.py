@@ -39,6 +39,7 @@ class Case:
     limit: float | None = None
     beyond: str | None = None
     times: list[float] = field(default_factory=list)
+    cpu: list[float] = field(default_factory=list)
     megabytes: list[float] = field(default_factory=list)
 
     def run(self) -> None:
@@ -54,6 +55,7 @@ class Case:
         complaint = process.stderr.read()
         _, status, usage = os.wait4(process.pid, 0)
         self.times.append(perf_counter() - started)
+        self.cpu.append(usage.ru_utime + usage.ru_stime)
         process.stderr.close()
         process.returncode = os.waitstatus_to_exitcode(status)
         self.megabytes.append(usage.ru_maxrss * KILO / 1e6)
@@ -95,7 +97,8 @@ def cases(folder: Path) -> list[Case]:
 
 def figures(case: Case) -> dict[str, Any]:
     """A case's line of the results."""
-    return {"case": case.name, "seconds": spread(case.times), "peak_megabytes": max(case.megabytes)}
+    peak = max(case.megabytes)
+    return {"case": case.name, "seconds": spread(case.times), "cpu_seconds": spread(case.cpu), "peak_megabytes": peak}
 
 
 def judge(measured: list[Case]) -> list[dict[str, Any]]:
@@ -135,8 +138,8 @@ def benchmark(repetitions: int) -> dict[str, Any]:
         for case in measured:
             case.run()
         for case in measured:
-            case.times.clear()
-            case.megabytes.clear()
+            for kept in (case.times, case.cpu, case.megabytes):
+                kept.clear()
         for repetition in range(repetitions):
             for case in measured:
                 case.run()
@@ -155,9 +158,15 @@ def report(results: dict[str, Any]) -> str:
     for line in results["cases"]:
         s = line["seconds"]
         rows.append(
-            (line["case"], f"{s['median']:.3f}", f"{s['q1']:.3f} - {s['q3']:.3f}", f"{line['peak_megabytes']:.0f}")
+            (
+                line["case"],
+                f"{s['median']:.3f}",
+                f"{s['q1']:.3f} - {s['q3']:.3f}",
+                f"{line['cpu_seconds']['median']:.3f}",
+                f"{line['peak_megabytes']:.0f}",
+            )
         )
-    head = ("command", "s", "quartiles", "peak MB")
+    head = ("command", "s", "quartiles", "cpu s", "peak MB")
     return f"{results['benchmark']}\n\n{table(head, rows)}\n\n{targets_table(results['targets'])}\n"
 
 
