@@ -128,7 +128,7 @@ def check_numbers(chapters):
     assert {rate: found[rate] for rate in known} == pytest.approx(known, abs=1.1e-5)
     assert 0 < away["largest_shortfall"][two] < 5e-4
     assert 0 < away["largest_shortfall"][one] < 4.1e-3
-    drift = chapters["beyond"]["drift"]
+    drift = chapters["evidence"]["drift"]
     assert drift["lugre"]["sine"] == pytest.approx(0.24e-3, rel=0.01)
     assert drift["elastoplastic_sobczyk"]["sawtooth"] / 16 == pytest.approx(1.1e-6, rel=0.05)
     for law in ("elastoplastic", "elastoplastic_majorant"):
