@@ -78,7 +78,12 @@ def shifted(x: Array, shift: float) -> Array:
     whole = int(np.floor(shift))
     s = shift - whole
     weights = np.array(
-        [-s * (s - 1) * (s - 2) / 6, (s + 1) * (s - 1) * (s - 2) / 2, -s * (s + 1) * (s - 2) / 2, s * (s + 1) * (s - 1) / 6]
+        [
+            -s * (s - 1) * (s - 2) / 6,
+            (s + 1) * (s - 1) * (s - 2) / 2,
+            -s * (s + 1) * (s - 2) / 2,
+            s * (s + 1) * (s - 1) / 6,
+        ]
     )
     before, after = max(1 - whole, 0), max(whole + 2, 0)
     padded = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
