@@ -100,3 +100,14 @@ def test_bad_usage_is_one_line_and_writes_nothing(stribeck, log, tmp_path, optio
     assert said in found.err
     assert len(found.err.strip().splitlines()) == 1
     assert not out.exists()
+
+
+def test_a_log_at_constant_velocity_is_refused(stribeck, tmp_path):
+    rng = np.random.default_rng(0)
+    t = np.arange(4000) * 1e-3
+    path = tmp_path / "log.csv"
+    rows = (f"{x!r},{0.1 * x!r},{5 + f!r}" for x, f in zip(t.tolist(), rng.normal(0, 0.05, 4000).tolist(), strict=True))
+    path.write_text("t,x,F\n" + "\n".join(rows))
+    found = stribeck("fit", path, "--law", "coulomb_viscous", "--time", "t", "--position", "x", "--force", "F")
+    assert (found.status, found.out) == (2, "")
+    assert found.err.startswith("--velocity: constant (0.1 m/s")

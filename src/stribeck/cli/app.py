@@ -176,6 +176,9 @@ def fit(
     acceleration: Annotated[str | None, typer.Option("--acceleration", metavar="COL")] = None,
     load: Annotated[str | None, typer.Option("--load", metavar="COL", help="Column of the normal load.")] = None,
     pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL")] = None,
+    command: Annotated[
+        str | None, typer.Option("--command", metavar="COL", help="Column of what a drive is told (--drive).")
+    ] = None,
     run: Annotated[str | None, typer.Option("--run", metavar="COL", help="Column of a run number.")] = None,
     unit: Annotated[
         list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given.")
@@ -211,22 +214,30 @@ def fit(
     folds: Annotated[int, typer.Option("--folds", min=2, help="Blocks of the cross-validation.")] = 10,
     starts: Annotated[int, typer.Option("--starts", min=1, help="Of the simulation-error fit.")] = 20,
     seed: Annotated[int, typer.Option("--seed", min=0, help="Of these starts.")] = 0,
+    output: Annotated[
+        str, typer.Option("--output", metavar="WHAT", help="What a simulation is to meet: force, velocity, position.")
+    ] = "force",
+    drive: Annotated[
+        str | None,
+        typer.Option("--drive", metavar="KIND[:KEY=VALUE,...]", help="What moves the body then: force, pid, spring."),
+    ] = None,
     out: Out = None,
     json: Json = False,
 ) -> int:
     """Parameters of a law from a measured log, with intervals and a verdict on what the data cannot tell."""
-    from stribeck.cli import fit as command
+    from stribeck.cli import fit as work
 
     columns = {
         "time": time, "position": position, "velocity": velocity, "acceleration": acceleration, "force": force,
-        "load": load, "pressure": pressure, "run": run,
+        "load": load, "pressure": pressure, "run": run, "command": command,
     }  # fmt: skip
     request = {
         "mass": mass, "method": method, "free": free or (), "terms": term or (), "select": select, "decimate": decimate,
         "robust": robust, "folds": folds, "starts": starts, "seed": seed,
+        "output": output, "drive": None if drive is None else work.drive(drive),
     }  # fmt: skip
-    options = command.Options(columns, unit or [], force_gain, set_ or [], cutoff, trim, request)
-    return command.fit(data, law, options, out, json)
+    options = work.Options(columns, unit or [], force_gain, set_ or [], cutoff, trim, request)
+    return work.fit(data, law, options, out, json)
 
 
 @app.command()

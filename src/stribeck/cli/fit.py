@@ -62,6 +62,22 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
     return 0
 
 
+def drive(text: str) -> dict[str, Any]:
+    """``KIND:KEY=VALUE,...`` as the table [drive] of a scenario.
+
+    Raises:
+        InputError: it is something else.
+    """
+    kind, _, rest = text.partition(":")
+    found: dict[str, Any] = {"kind": kind}
+    for part in filter(None, rest.split(",")):
+        if "=" not in part:
+            raise InputError(f"--drive: {text!r}: must be KIND or KIND:KEY=VALUE,...")
+        name, found_value = parse_assignment(part)
+        found[name] = float(found_value) if type(found_value) is int else found_value
+    return found
+
+
 def _constants(assignments: list[str]) -> dict[str, float]:
     found = {}
     for text in assignments:

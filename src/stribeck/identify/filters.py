@@ -14,26 +14,30 @@ Array = NDArray[np.float64]
 _CHUNK = 1_000_000
 _STAGE = 13  # the most that one Chebyshev filter of order 8 is to reduce the rate by
 _FORGOTTEN = 1e-10
+_ENDS = 1.2  # periods of the cut-off
 
 
-def zero_phase(b: Array, a: Array, x: Array) -> Array:
-    """filtfilt with MATLAB's padding, 3 (order); long arrays in overlapping pieces, so that no copy is as long."""
-    order = max(len(a), len(b)) - 1
+def zero_phase(b: Array, a: Array, x: Array, padding: int = 0) -> Array:
+    """filtfilt with MATLAB's padding, 3 (order), or more; long arrays in overlapping pieces, so that no copy is as long."""
+    padding = max(3 * (max(len(a), len(b)) - 1), padding)
     if len(x) <= 2 * _CHUNK:
-        return np.asarray(signal.filtfilt(b, a, x, padlen=min(3 * order, len(x) - 1)))
+        return np.asarray(signal.filtfilt(b, a, x, padlen=min(padding, len(x) - 1)))
     slowest = float(np.max(abs(np.roots(a))))
-    overlap = min(int(np.log(_FORGOTTEN) / np.log(slowest)) + 3 * order, _CHUNK)
+    overlap = min(int(np.log(_FORGOTTEN) / np.log(slowest)) + padding, _CHUNK)
     out = np.empty(len(x))
     for first in range(0, len(x), _CHUNK):
         last = min(first + _CHUNK, len(x))
         low, high = max(first - overlap, 0), min(last + overlap, len(x))
-        out[first:last] = signal.filtfilt(b, a, x[low:high], padlen=3 * order)[first - low : last - low]
+        out[first:last] = signal.filtfilt(b, a, x[low:high], padlen=padding)[first - low : last - low]
     return out
 
 
 def low_pass(x: Array, cutoff: float, step: float) -> Array:
-    """Butterworth of order 4 at ``cutoff`` Hz, there and back."""
-    return zero_phase(*signal.butter(4, 2 * cutoff * step), x)
+    """Butterworth of order 4 at ``cutoff`` Hz, there and back.
+
+    MATLAB's padding of 12 samples is too short for a cut-off far below the sampling rate: it is 1.2 periods at least.
+    """
+    return zero_phase(*signal.butter(4, 2 * cutoff * step), x, round(_ENDS / (cutoff * step)))
 
 
 def stages(q: int) -> list[int]:

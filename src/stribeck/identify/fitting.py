@@ -16,6 +16,7 @@ from stribeck.identify.crossvalidate import FOLDS
 from stribeck.identify.dynamic import fit_dynamic
 from stribeck.identify.estimate import Fit
 from stribeck.identify.log import Log
+from stribeck.identify.motion import fit_motion
 from stribeck.identify.prepare import Preparation, load
 from stribeck.identify.presliding import fit_presliding
 from stribeck.identify.read import Columns
@@ -46,6 +47,8 @@ def fit(
     folds: int = FOLDS,
     starts: int = 20,
     seed: int = 0,
+    output: str = "force",
+    drive: Mapping[str, Any] | None = None,
     **named: str,
 ) -> Fit | Choice:
     """Fit a friction law, or several, to a measured log.
@@ -69,6 +72,9 @@ def fit(
         robust: Huber's loss (static).
         folds: of the cross-validation.
         starts: of the simulation-error fit; ``seed`` makes them the same each time.
+        output: what the simulation is to meet: "force" for the measured motion, or "velocity" or "position" for the
+            measured force or command (dynamic; one law).
+        drive: what moves the body then, as ``[drive]`` of a scenario without its signal; the measured force unless given.
         **named: columns by role.
 
     Returns:
@@ -81,8 +87,11 @@ def fit(
     sharp = is_simulated(names, method)
     log = read_log(data, {**(columns or {}), **named}, units, force_gain, cutoff, trim, sharp)
     ask = _Request(
-        mass, method, dict(constants or {}), tuple(free), tuple(terms), select, decimate, robust, folds, starts, seed
-    )
+        mass, method, dict(constants or {}), tuple(free), tuple(terms), select, decimate, robust, folds, starts, seed,
+        output, drive,
+    )  # fmt: skip
+    if output != "force" and len(names) > 1:
+        raise InputError("--output: laws are compared by the force they predict; must be given with one law")
     if len(names) == 1:
         return ask.fit(log, names[0])
     if method is None and any(laws.find(name).has_z for name in names):
@@ -135,12 +144,14 @@ class _Request:
     def __init__(
         self, mass: float | None, method: str | None, constants: dict[str, float], free: Sequence[str],
         terms: Sequence[str], select: bool, decimate: int | None, robust: bool, folds: int, starts: int, seed: int,
+        output: str, drive: Mapping[str, Any] | None,
     ) -> None:  # fmt: skip
         if method is not None and method not in METHODS:
             raise InputError(f"--method: {method!r}: must be {', '.join(METHODS)}{nearest(method, METHODS)}")
         self.mass, self.method, self.constants, self.free = mass, method, constants, tuple(free)
         self.terms, self.select, self.decimate, self.robust = tuple(terms), select, decimate, robust
         self.folds, self.starts, self.seed = folds, starts, seed
+        self.output, self.drive = output, drive
         self.cross = 0  # folds of a simulation-error fit: costly, and wanted for comparison only
 
     def fit(self, log: Log, law: str) -> Fit:
@@ -164,6 +175,10 @@ class _Request:
         method = self.method or ("dynamic" if found.has_z else "static")
         if method != "static" and (wrong := self._only_static()):
             raise InputError([f"{option}: belongs to --method static, not {method}" for option in wrong])
+        if method != "dynamic" and (self.output != "force" or self.drive):
+            raise InputError(f"--output, --drive: belong to --method dynamic, not {method}")
+        if self.drive and self.output == "force":
+            raise InputError("--drive: needs --output velocity or position")
         check_motion(log)
         return METHODS[method](self, log, law)
 
@@ -192,7 +207,13 @@ class _Request:
         )
 
     def dynamic(self, log: Log, law: str) -> Fit:
-        """By simulation of the law along the measured motion."""
+        """By simulation of the law along the measured motion, or of the motion under the measured force or command."""
+        if self.output != "force":
+            offset = ("offset",) if (self.drive or {"kind": "force"}).get("kind") == "force" else ()
+            return fit_motion(
+                log, law, self.drive, output=self.output, fixed=self.constants, free=self.free_of(law), mass=self.mass,
+                body=tuple(dict.fromkeys((*offset, *self.terms))), starts=self.starts, seed=self.seed,
+            )  # fmt: skip
         return fit_dynamic(
             log, law, fixed=self.constants, free=self.free_of(law), mass=self.mass,
             body=tuple(dict.fromkeys(("offset", *self.terms))), starts=self.starts, seed=self.seed, folds=self.cross,

@@ -121,7 +121,7 @@ def fit_motion(
     ``details["output_error"]`` is norm(residual)/norm(output).
     """
     drive = dict(drive or {"kind": "force"})
-    problems = []
+    problems: list[str] = []
     if drive.get("kind") == "velocity" or "kind" not in drive:
         problems.append(f"drive.kind: {drive.get('kind')!r}: must be 'force', 'pid' or 'spring'")
     elif drive["kind"] != "force" and log.command is None:

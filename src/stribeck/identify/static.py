@@ -121,7 +121,7 @@ def check_motion(log: Log) -> None:
     fastest = float(np.max(abs(v)))
     if fastest <= 0:
         raise InputError("--velocity: 0 throughout: nothing moves, so there is no friction to fit")
-    low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.02, 0.5, 0.98))
+    low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
         raise InputError(
             f"--velocity: constant ({middle:.4g} m/s within {high - low:.1g}): friction, offset and inertia cannot be "

@@ -27,7 +27,8 @@ from stribeck.identify.problem import Problem
 Array = NDArray[np.float64]
 _THRESHOLD = float(chi2.ppf(0.95, 1))
 _WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
-_MOST_ALIKE = 50.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
+_MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
+_BOUND = 0.95  # correlation with one that is inflated so
 _FEWEST = 12.0  # samples that an estimate must rest on
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
@@ -82,7 +83,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool) -> Judgement:
     inner = covariance(slopes, variance, memory)
     plain = covariance(slopes, variance, np.zeros(0))
     support = supporting_samples(slopes)
-    alike = np.diag(plain) * np.sum(slopes**2, axis=0) / variance if variance > 0 else np.ones(len(u))
+    alike = _alike(plain, slopes, variance)
     sizes, values = scales(log), problem.values(u)
     unseen = _presliding_unseen(problem, values, log)
     estimates, found = {}, {}
@@ -173,7 +174,7 @@ def supporting_samples(slopes: Array) -> Array:
 # -- verdicts --------------------------------------------------------------------------------------------------------
 
 
-def _doubt(problem: Problem, k: int, u: Array, inner: Array, support: float, alike: float) -> str:
+def _doubt(problem: Problem, k: int, u: Array, inner: Array, support: float, alike: bool) -> str:
     """Why a coordinate is not determined, or nothing."""
     c, deviation = problem.coordinates[k], float(np.sqrt(inner[k, k]))
     low, high = problem.bounds
@@ -190,9 +191,19 @@ def _doubt(problem: Problem, k: int, u: Array, inner: Array, support: float, ali
         return f"it rests on {max(support, 0):.0f} samples only{together}"
     if c.log and np.sqrt(_THRESHOLD) * deviation > _WIDEST:
         return f"the residuals hardly depend on it{together}"
-    if alike > _MOST_ALIKE:
+    if alike:
         return f"it is hardly told apart from the others{together}"
     return ""
+
+
+def _alike(plain: Array, slopes: Array, variance: float) -> NDArray[np.bool_]:
+    """Which coordinates the others can imitate so well that only combinations of them are determined."""
+    if variance <= 0:
+        return np.zeros(len(plain), bool)
+    inflated = np.diag(plain) * np.sum(slopes**2, axis=0) / variance > _MOST_ALIKE
+    spread = np.sqrt(np.diag(plain))
+    bound = abs(plain) > _BOUND * np.outer(spread, spread)
+    return np.asarray(inflated | (bound & inflated[None, :]).any(axis=1))
 
 
 def _presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -> str:
