@@ -149,13 +149,16 @@ def exact_hold(name, z, v, dt):
 
 @pytest.mark.parametrize("name", LINEAR)
 @pytest.mark.parametrize("dt", [1e-7, 1e-4, 4e-3, 10.0])
-def test_step_is_the_exact_hold(name, dt, folder):
-    v, z = inputs(name, False, np.random.default_rng(3), n=100)
-    status, F, after = program(name, folder)("t", z, v, dt)
+@pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
+def test_step_is_the_exact_hold(name, dt, single, folder):
+    v, z = inputs(name, single, np.random.default_rng(3), n=100)
+    dt = float(np.float32(dt)) if single else dt
+    status, F, after = program(name, folder, single=single)("t", z, v, dt)
     assert (status == 0).all()
     expected, scale = np.array([exact_hold(name, *row, dt) for row in zip(z, v, strict=True)]).T
-    assert np.max(abs(after - expected) / (EPS * scale + 1e-320)) <= 4
-    assert pytest.approx(law(name).force(v, after), rel=0, abs=EPS * 16 * np.max(abs(v)) * 1e4) == F
+    eps, least = (EPS_FLOAT, 1e-38) if single else (EPS, 1e-320)
+    assert np.max(abs(after - expected) / (eps * scale + least)) <= 4
+    assert pytest.approx(law(name).force(v, after), rel=0, abs=eps * 16 * np.max(abs(v)) * 1e4) == F
 
 
 @pytest.mark.parametrize("name", ELASTOPLASTIC)

@@ -114,6 +114,26 @@ def test_a_law_of_the_users_own(tmp_path):
     assert command(*words, "--target", "st", "--out", str(tmp_path / "law.st")) == 0
 
 
+def test_constants_that_no_target_can_have(tmp_path, capsys):
+    (tmp_path / "mine.py").write_text(
+        "from stribeck.laws.base import StaticLaw\n"
+        "from stribeck.constants import Constant\n"
+        "class Odd(StaticLaw):\n"
+        "    'Viscous.'\n"
+        "    dt = Constant('N s/m', 'viscous friction', at_least=0)\n"
+        "    double = Constant('N s/m', 'viscous friction', at_least=0)\n"
+        "    @staticmethod\n"
+        "    def friction(p, v, z, dz_dt):\n"
+        "        return (p.dt + p.double) * v\n"
+    )
+    words = (f"{tmp_path}/mine.py:Odd", "--set", "dt=1.0", "--set", "double=1.0", "--out", str(tmp_path / "out"))
+    assert command(*words, "--target", "c") == 2
+    assert command(*words, "--target", "st") == 2
+    said = capsys.readouterr().err.splitlines()
+    assert [line.split(":")[0] for line in said] == ["double", "dt"]
+    assert not (tmp_path / "out").exists()
+
+
 def test_step_in_time_or_not(tmp_path):
     """With a mass, the note names the step at which sampled friction and body stop being stable together."""
     rig = stribeck.Scenario.load(stribeck_example())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stribeck.errors import InputError, NotDifferentiable
-from stribeck.export.ccode import Equations, condition, render
+from stribeck.export.ccode import WORDS, Equations, condition, render
 from stribeck.export.request import Request
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
 
@@ -30,8 +30,8 @@ def context(request: Request) -> dict[str, Any]:
     law, equations = request.law, Equations(request.law)
     if request.part == "observer" and not law.has_z:
         raise InputError(f"--part: 'observer': law '{law.name}' has no internal state to observe")
-    if ".py:" not in law.name and not request.name.isidentifier():
-        raise InputError(f"{law.name!r}: cannot be the name of a C function")
+    if bad := [name for name in request.constants if name in WORDS or not name.isascii()]:
+        raise InputError([f"{name}: a constant of this name cannot be exported to C: rename it" for name in bad])
     declared = law.constants()
     return {
         "P": request.name,

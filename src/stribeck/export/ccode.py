@@ -25,8 +25,7 @@ DIALECT = Dialect(
     statement_end=";",
 )
 
-# Words of C and names of the templates: no variable may be called so.
-_TAKEN = frozenset(
+WORDS = frozenset(
     [
         "auto",
         "break",
@@ -62,37 +61,16 @@ _TAKEN = frozenset(
         "void",
         "volatile",
         "while",
-        "p",
-        "v",
-        "z",
-        "s",
-        "l",
-        "dt",
-        "a",
-        "b",
-        "x",
-        "y",
-        "u",
-        "w",
-        "real",
-        "R",
-        "FN",
-        "exp",
-        "log",
-        "sqrt",
-        "sin",
-        "cos",
-        "atan",
-        "tanh",
-        "fabs",
-        "pow",
-        "sign_of",
-        "rate",
-        "force",
-        "dv_dt",
+        "EPSILON",
+        "SLOWEST",
+        "NAN",
+        "INFINITY",
         "unix",
         "linux",
     ]
+)  # of C and of the templates' macros: neither a variable nor a member can be called so
+_TAKEN = WORDS | frozenset(
+    "p v z s l dt a b x y u w real R FN exp log sqrt sin cos atan tanh fabs pow sign_of rate force dv_dt".split()  # noqa: SIM905
 )
 
 _labels = threading.Lock()  # nodes are shared, and so are the names they carry

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from stribeck.errors import InputError
 from stribeck.export.ccode import Equations, render
 from stribeck.export.request import Request
 from stribeck.export.sampling import resolution
 from stribeck.expressions.emit import Dialect, Writer
 from stribeck.expressions.graph import Expr
 
+_OWN = ("v", "dt", "reset", "f", "z", "ok")  # of the block itself; the language knows no case
 _PARTS = 16  # of a step, for laws whose dz/dt is not linear in z
 
 # EXP, TANH and SIGN are functions of the file: the standard has no TANH, and controllers may stop on an overflow.
@@ -63,6 +65,10 @@ def number(x: float) -> str:
 def files(request: Request) -> dict[str, str | bytes]:
     """The function block, with the functions that it needs."""
     law, equations = request.law, Equations(request.law)
+    names = [*_OWN, *(name.lower() for name in request.constants)]
+    if bad := [name for name in request.constants if names.count(name.lower()) > 1 or not name.isascii()]:
+        text = "a constant of this name cannot be exported to Structured Text: rename it"
+        raise InputError([f"{name}: {text}" for name in bad])
     inputs = {name: name for name in request.constants} | {"v": "v", "z": "z", "rate": "w_rate"}
     writer = _Writer(request, inputs)
     writer.taken.update(("w_rate", "w_slope", "w_drive", "w_x", "w_dz", "w_bound", "w_h"))
