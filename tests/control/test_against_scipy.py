@@ -53,11 +53,11 @@ def test_variants_on_a_sine(name):
     changes = {f"drive__{'lambda' if n == 'lam' else n}": x for n, x in gains.items()}
     path = {"kind": "sine", "offset": 0.4, "amplitude": 0.1, "frequency": 0.5}
     solution = solved(
-        smooth(law), smooth(observer, 1e5), drive__signal=path, plant__initial__y=0.405, solve__t_end=4.0,
-        output__step=0.01, **changes,
+        smooth(law), smooth(observer, 1e5), drive__signal=path, plant__initial__y=0.405, solve__t_end=2.0,
+        output__step=0.005, **changes,
     )  # fmt: skip
     expected = independent.solve(
-        law, observer, independent.sine(0.4, 0.1, 0.5), 4.0, gains, observer_k_v=1e5, start=(0.405, 0.0, 4e5, 4e5)
+        law, observer, independent.sine(0.4, 0.1, 0.5), 2.0, gains, observer_k_v=1e5, start=(0.405, 0.0, 4e5, 4e5)
     )
     agree(solution, expected, np.arange(401))
 

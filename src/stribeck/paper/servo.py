@@ -204,6 +204,8 @@ def _inside(s: Solution, none: Solution) -> FigureSvg:
         for i, (name, label) in enumerate((("z", "z"), ("z_hat", "z_hat"))):
             plots.line(axes["z"], i, s.t, 1e3 * s[name], label)
         axes["z"].set(xlabel="t (s)", ylabel="deflection (mm)", title="(d) z and its estimate", xlim=(0, 6))
+        for panel, bottom in (("p", 2.4), ("F", -95), ("z", -12)):
+            axes[panel].set_ylim(bottom=bottom)  # room for the legends
         for panel, axis in axes.items():
             axis.legend(loc="upper right" if panel == "u" else "lower left", fontsize=7)
         return plots.finish(
