@@ -111,3 +111,21 @@ def test_a_log_at_constant_velocity_is_refused(stribeck, tmp_path):
     found = stribeck("fit", path, "--law", "coulomb_viscous", "--time", "t", "--position", "x", "--force", "F")
     assert (found.status, found.out) == (2, "")
     assert found.err.startswith("--velocity: constant (0.1 m/s")
+
+
+def test_the_report_says_whether_the_fitted_law_is_passive(stribeck, tmp_path):
+    from tests.identify import rig
+
+    log = rig.measured([*rig.LOOPS, *rig.STROKES])
+    np.savez(tmp_path / "log.npz", t=log.time, y=log.position, F=log.force)
+    options = ("--time", "t", "--position", "y", "--force", "F", "--mass", "0", "--starts", "1", "--cutoff", "0")
+    words = ("--set", "k_v=1e5", "--set", "smooth_abs=sqrt")
+    found = stribeck("fit", tmp_path / "log.npz", "--law", "lugre_majorant", *options, *words, "--out", tmp_path)
+    assert found.status == 0, found.err
+    law = package.law("lugre_majorant", parameters=str(tmp_path / "parameters.toml"))
+    assert law.choices["smooth_abs"] == "sqrt"
+    assert package.check(law)["passive"].holds is False  # sigma_1 (F_s - F_c)/F_c is far above sigma_2
+    page = (tmp_path / "report.html").read_text()
+    row = page[page.index("Properties of the result</h2>") :]
+    row = row[row.index("passive") :][:60]
+    assert ">no<" in row

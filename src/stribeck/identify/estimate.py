@@ -136,7 +136,8 @@ class Fit:
                     for n in missing
                 ]
             )
-        return laws.find(self.law)(self.values)
+        found = laws.find(self.law)
+        return found({n: v for n, v in self.values.items() if n in found.constants()})
 
     def to_json(self) -> dict[str, Any]:
         """What ``stribeck fit --json`` prints."""

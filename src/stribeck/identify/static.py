@@ -121,14 +121,14 @@ def check_motion(log: Log) -> None:
     fastest = float(np.max(abs(v)))
     if fastest <= 0:
         raise InputError("--velocity: 0 throughout: nothing moves, so there is no friction to fit")
-    if not np.ptp(log.force) > 0:
-        raise InputError(f"--force: {log.force[0]:.6g} N throughout: there is no friction to fit")
     low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
         raise InputError(
             f"--velocity: constant ({middle:.4g} m/s within {high - low:.1g}): friction, offset and inertia cannot be "
             "told apart; measure several speeds in both directions"
         )
+    if not np.ptp(log.force) > 0:
+        raise InputError(f"--force: {log.force[0]:.6g} N throughout: there is no friction to fit")
     every = max(len(log) // 1_000_000, 1)
     thin = v[::every]
     rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), np.ones(len(thin))])

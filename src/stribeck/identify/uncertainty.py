@@ -98,12 +98,13 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool) -> Judgement:
         low: float | None
         high: float | None
         doubt = unseen if c.name in _BRISTLES and unseen else _doubt(problem, k, u, inner, support[k], alike[k])
+        doubt = doubt or _hangs(c, spare[k])
         if profiles and not doubt:
             low, high, found[c.name] = profile(problem, u, k, deviation, variance * inflation, inner)
-            doubt = _hangs(c, spare[k]) or _open(low, high, c.log)
+            doubt = doubt or _open(low, high, c.log)
             low, high = (None if x is None else c.outer(x + side * spare[k]) for x, side in ((low, -1), (high, 1)))
         else:
-            ends = [u[k] + side * np.sqrt(_THRESHOLD) * deviation for side in (-1, 1)]
+            ends = [u[k] + side * (np.sqrt(_THRESHOLD) * deviation + spare[k]) for side in (-1, 1)]
             low, high = (c.outer(x) if c.inner(c.low) < x < c.inner(c.high) else None for x in ends)
         if doubt:
             what = experiment_for(c.name, values, sizes)
@@ -234,9 +235,7 @@ def _hangs(c: Coordinate, spare: float) -> str:
     """Why the filter of the motion leaves a coordinate open, or nothing."""
     if not c.log or spare <= _MOST_LEEWAY:
         return ""
-    return (
-        f"it hangs on the filter of the motion, which may shift it by {spare:.0%}: the position is too coarse or noisy"
-    )
+    return f"it hangs on the filter of the motion, which may shift it by {spare:.0%}: the position is too coarse or noisy, or sampled too slowly"
 
 
 def _widened(problem: Problem, estimates: Mapping[str, Estimate], spare: Array, inner: Array) -> list[str]:

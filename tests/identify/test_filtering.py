@@ -1,0 +1,39 @@
+"""What the filter of a coarse position does to the bristles' damping is counted in the interval."""
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.identify.dynamic_problem import velocity_problem
+from stribeck.identify.filtering import leeway
+from tests.identify import rig
+
+SLOW = [rig.loop(size, rate, 3) for size in (8e-6, 2e-5, 3e-5) for rate in (0.5, 3.0)]
+
+
+def written(path, resolution):
+    log = rig.measured([*SLOW, *map(rig.stroke, (2e-3, 1e-2, 0.1))], noise=0.02)
+    y = resolution * np.round(log.position / resolution)
+    np.savez(path, t=log.time, y=y, F=log.force)
+    return path
+
+
+def fitted(path):
+    given = {"sigma_2": 30.0}
+    return stribeck.fit(path, "lugre", time="t", position="y", force="F", mass=0.0, constants=given, starts=1)
+
+
+def test_damping_that_hangs_on_the_filter_is_not_printed_as_known(tmp_path):
+    fit = fitted(written(tmp_path / "log.npz", 1.6e-8))
+    damping = fit.estimates["sigma_1"]
+    assert damping.value is None
+    assert "hangs on the filter" in damping.why
+    assert damping.low < 1e3 < damping.high
+    optimum = np.sqrt(damping.low * damping.high)
+    assert abs(optimum - 1e3) > 5 * np.sqrt(fit.covariance[1, 1])  # the residuals' noise alone would rule the truth out
+    assert fit.estimates["sigma_0"].value == pytest.approx(1e6, rel=0.01)
+
+
+def test_motion_taken_as_it_is_has_no_filter_to_doubt():
+    problem, u, _, _ = velocity_problem(rig.measured(rig.LOOPS), "lugre", mass=0.0)
+    assert not leeway(problem, u, problem.sensitivities(u)).any()
