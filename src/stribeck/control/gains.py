@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -131,9 +132,10 @@ def prove(law: Law, gains: Mapping[str, float], v: Interval) -> Proof:
     form, constants = derive(), {name: (x, x) for name, x in law.values.items() if x is not None}
     constants |= {name: (gains[name], gains[name]) for name in ("K_D", "K")}
     tests = [decay(law), *(_in_graph(test, w=decay(law), sigma_1=damping(law)) for test in (form.exact, form.ss))]
-    left, boxes = [(v[0], 0.0), (0.0, v[1])] if v[0] < 0 < v[1] else [v], 0
+    # the widest first: a violation is then found before its edges, where no sign settles
+    left, boxes = deque([(v[0], 0.0), (0.0, v[1])] if v[0] < 0 < v[1] else [v]), 0
     while left and boxes < _BOXES:
-        low, high = left.pop()
+        low, high = left.popleft()
         boxes += 1
         try:
             signs = [_above_zero(enclose(test, {**constants, "v": (low, high)})) for test in tests]
@@ -146,7 +148,7 @@ def prove(law: Law, gains: Mapping[str, float], v: Interval) -> Proof:
             return Proof(False, boxes, f"dV/dt can be positive at v = {middle:.6g} m/s")
         if not low < middle < high or high - low < 1e-12 * (v[1] - v[0]):
             return Proof(None, boxes, f"the sign is not settled at v = {middle:.6g} m/s")
-        left += [(low, middle), (middle, high)]
+        left.extend([(low, middle), (middle, high)])
     return Proof(None, boxes, "too many boxes") if left else Proof(True, boxes, "")
 
 
