@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 
 from stribeck.analysis.properties import replay
 from stribeck.analysis.properties.algebra import sign_over_all
-from stribeck.analysis.properties.boxes import grid, not_negative
 from stribeck.analysis.properties.cycles import integrate
 from stribeck.analysis.properties.elastic import speed_edges
-from stribeck.analysis.properties.intervals import Evaluator, Interval, point
 from stribeck.analysis.properties.model import Model, Z, over_u, reciprocal
 from stribeck.analysis.properties.storage import Storage
 from stribeck.analysis.properties.verdicts import Verdict, undecided
+from stribeck.expressions.boxes import grid, not_negative
 from stribeck.expressions.graph import Expr, substitute, symbol, wrap
+from stribeck.expressions.intervals import Evaluator, Interval, point
 
 _ALGEBRA = "exact algebra: on |z| = Z, dz/dt points inward for every v (signs of polynomials by Bernstein coefficients)"
 _BOXES = "interval arithmetic over all v: on |z| = Z, dz/dt points inward"

@@ -6,10 +6,10 @@ from time import monotonic
 from typing import Any
 
 from stribeck.analysis.properties import cells, cycles, elastic, replay
-from stribeck.analysis.properties.boxes import Cover
 from stribeck.analysis.properties.model import Model
 from stribeck.analysis.properties.storage import Storage, largest_speed, reach_of
 from stribeck.analysis.properties.verdicts import Verdict, undecided
+from stribeck.expressions.boxes import Cover
 
 _CYCLE = "a cycle of held speeds that returns z to its start and draws energy, replayed by simulation"
 _ENDLESS = (

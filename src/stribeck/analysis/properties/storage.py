@@ -145,7 +145,9 @@ class Storage:
         i = int(value.argmin())
         worst, at = float(value[i]), float(z[i])
         lower = np.minimum(value[:-2], value[2:]) - value[1:-1]  # than the neighbours
-        deep = 4 * np.maximum(abs(np.diff(value))[:-1], abs(np.diff(value))[1:])  # what a dip could fall further, and more
+        deep = 4 * np.maximum(
+            abs(np.diff(value))[:-1], abs(np.diff(value))[1:]
+        )  # what a dip could fall further, and more
         dips = 1 + np.flatnonzero((lower >= 0) & (value[1:-1] <= deep))
         if worst < -_NEGATIVE or not len(dips):
             return worst, at

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from stribeck.analysis.properties import replay
-from stribeck.analysis.properties.boxes import grid
 from stribeck.analysis.properties.elastic import speed_edges
-from stribeck.analysis.properties.intervals import Evaluator, Interval
 from stribeck.analysis.properties.model import over_u, reciprocal
 from stribeck.analysis.properties.seams import Quadrants, W
 from stribeck.analysis.properties.storage import own_speeds
 from stribeck.analysis.properties.verdicts import Verdict, undecided
+from stribeck.expressions.boxes import grid
 from stribeck.expressions.graph import derivative
+from stribeck.expressions.intervals import Evaluator, Interval
 
 _METHOD = (
     "dz/dt is continuous (exact algebra where its cases meet) and Lipschitz in z, uniformly over bounded v: "
