@@ -25,53 +25,15 @@ DIALECT = Dialect(
     statement_end=";",
 )
 
-WORDS = frozenset(
-    [
-        "auto",
-        "break",
-        "case",
-        "char",
-        "const",
-        "continue",
-        "default",
-        "do",
-        "double",
-        "else",
-        "enum",
-        "extern",
-        "float",
-        "for",
-        "goto",
-        "if",
-        "inline",
-        "int",
-        "long",
-        "register",
-        "restrict",
-        "return",
-        "short",
-        "signed",
-        "sizeof",
-        "static",
-        "struct",
-        "switch",
-        "typedef",
-        "union",
-        "unsigned",
-        "void",
-        "volatile",
-        "while",
-        "EPSILON",
-        "SLOWEST",
-        "NAN",
-        "INFINITY",
-        "unix",
-        "linux",
-    ]
-)  # of C and of the templates' macros: neither a variable nor a member can be called so
-_TAKEN = WORDS | frozenset(
-    "p v z s l dt a b x y u w real R FN exp log sqrt sin cos atan tanh fabs pow sign_of rate force dv_dt".split()  # noqa: SIM905
-)
+# Of C and of the templates' macros: neither a variable nor a member can be called so.
+_WORDS = """
+    auto break case char const continue default do double else enum extern float for goto if inline int long register
+    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+    EPSILON SLOWEST NAN INFINITY unix linux
+"""
+_LOCALS = "p v z s l dt a b x y u w real R FN exp log sqrt sin cos atan tanh fabs pow sign_of rate force dv_dt"
+WORDS = frozenset(_WORDS.split())
+_TAKEN = WORDS | frozenset(_LOCALS.split())
 
 _labels = threading.Lock()  # nodes are shared, and so are the names they carry
 
