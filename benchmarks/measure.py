@@ -1,20 +1,58 @@
-"""What both benchmarks share: medians and quartiles, the machine, plain tables, and files of results."""
+"""What the benchmarks share: clocks, medians and quartiles, the machine, plain tables, and files of results."""
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import platform
 import statistics
 import subprocess
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
 from datetime import UTC, datetime
 from importlib import metadata
 from pathlib import Path
-from typing import Any
+from time import perf_counter, process_time
+from typing import Any, NamedTuple
 
 RESULTS = Path(__file__).parent / "results"
-PACKAGES = ("stribeck", "numpy", "scipy", "numba", "numbalsoda", "scikit-sundae")
+KEPT = Path(__file__).parent / "tolerances.json"  # tolerances whose search takes long
+PACKAGES = (
+    "stribeck", "numpy", "scipy", "numba", "numbalsoda", "scikit-sundae", "casadi", "diffrax", "jax", "mujoco",
+)  # fmt: skip
+
+
+class Seconds(NamedTuple):
+    """What a call took: processor time of all threads, and time on the wall."""
+
+    cpu: float
+    wall: float
+
+
+def timed(call: Callable[[], object]) -> Seconds:
+    """Call once. Ratios are taken of processor time: another process at work then matters little."""
+    wall, cpu = perf_counter(), process_time()
+    call()
+    return Seconds(process_time() - cpu, perf_counter() - wall)
+
+
+def say(text: str) -> None:
+    """Progress, on standard error."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def options(about: str | None, name: str, repetitions: int, quick: int, **flags: str) -> argparse.Namespace:
+    """The options that every benchmark has, and flags of its own: repetitions, quick, out."""
+    parser = argparse.ArgumentParser(description=(about or "").partition("\n")[0])
+    parser.add_argument("--repetitions", type=int, help=f"{repetitions} unless given")
+    parser.add_argument("--quick", action="store_true", help="only see whether it works; the figures mean little")
+    parser.add_argument("--out", type=Path, default=RESULTS / f"{name}.json", help="file of the results")
+    for flag, text in flags.items():
+        parser.add_argument(f"--{flag}", action="store_true", help=text)
+    given = parser.parse_args()
+    given.repetitions = given.repetitions or (quick if given.quick else repetitions)
+    return given
 
 
 def spread(values: Sequence[float]) -> dict[str, float]:
@@ -24,12 +62,12 @@ def spread(values: Sequence[float]) -> dict[str, float]:
 
 
 def machine() -> dict[str, Any]:
-    """Date, processor, load (processes wanting a core), compiler and versions: what the figures depend on."""
+    """Date, processor, load (of the last 1, 5 and 15 minutes), compiler and versions: what the figures depend on."""
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "processor": processor(),
         "cores": os.cpu_count(),
-        "load": round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None,
+        "load": [round(x, 2) for x in os.getloadavg()] if hasattr(os, "getloadavg") else None,
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "compiler": first_line([os.environ.get("STRIBECK_CC") or os.environ.get("CC") or "cc", "--version"]),
         "python": platform.python_version(),
@@ -64,6 +102,16 @@ def first_line(command: list[str]) -> str | None:
     return result.stdout.partition("\n")[0] or None
 
 
+def kept() -> dict[str, dict[str, float]]:
+    """The tolerances, by solver, that an earlier search found."""
+    return json.loads(KEPT.read_text()) if KEPT.is_file() else {}
+
+
+def keep(name: str, rtol: float, atol: float) -> None:
+    """Keep what a search found."""
+    write(KEPT, {**kept(), name: {"rtol": rtol, "atol": atol}})
+
+
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A plain table: the first column to the left, the others to the right but the last."""
     widths = [max(len(row[i]) for row in [head, *rows]) for i in range(len(head))]
@@ -81,8 +129,8 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 def targets_table(targets: Sequence[dict[str, Any]]) -> str:
     """Which targets are met."""
-    said = {True: "met", False: "NOT met", None: "not measured"}
-    rows = [(t["target"], t["wanted"], t["measured"], said[t["met"]]) for t in targets]
+    said = {True: "met", False: "NOT met", None: ""}
+    rows = [(t["target"], t["wanted"], t["measured"] or "not measured", said[t["met"]]) for t in targets]
     return table(("target", "wanted", "measured", ""), rows)
 
 

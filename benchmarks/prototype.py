@@ -13,8 +13,8 @@ import subprocess
 from ctypes import POINTER, c_double, c_int
 from pathlib import Path
 
-import limit_cycle as job
 import numpy as np
+import problems as job
 from numpy.typing import NDArray
 
 FLAGS = ("-O3", "-march=native", "-ffast-math")
@@ -60,6 +60,7 @@ class Prototype:
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         if result.returncode != 0:
             raise Missing(f"it does not compile: {result.stderr.strip().partition(chr(10))[0]}")
+        self._times, self._step = job.LIMIT_CYCLE.times, job.LIMIT_CYCLE.scenario.output.step
         pointer = POINTER(c_double)
         self._run = ctypes.CDLL(str(library)).prototype
         self._run.restype = c_int
@@ -70,10 +71,10 @@ class Prototype:
 
     def solve(self, rtol: float, atol: float) -> NDArray[np.float64]:
         """y at the rows from START on; like stribeck it also locates slip instants and allocates its output."""
-        out, events = np.empty((job.ROWS - job.FIRST_ROW, 4)), np.empty(4096)
+        out, events = np.empty((len(self._times), 4)), np.empty(4096)
         status = self._run(
-            _pointer(_CONSTANTS), job.START, job.END, rtol, atol, FIRST_STEP, len(out), job.STEP, _pointer(out),
-            _pointer(events), len(events), job.V_S,
+            _pointer(_CONSTANTS), self._times[0], self._times[-1], rtol, atol, FIRST_STEP, len(out),
+            self._step, _pointer(out), _pointer(events), len(events), job.V_S,
         )  # fmt: skip
         if status != 0:
             raise ArithmeticError(f"the prototype failed with status {status}")

@@ -13,24 +13,22 @@ instants besides.
 
 from __future__ import annotations
 
-import argparse
-import json
 import math
 import os
 import random
 import statistics
-import sys
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import perf_counter
 from typing import Any
 
-import limit_cycle as job
+import figures
 import numpy as np
-from measure import RESULTS, machine, spread, table, targets_table, write
-from solvers import BASE, PEERS_ATOL, Array, Solver, Stribeck, available, solve_ivp, tuned_rates
+from measure import Seconds, keep, kept, machine, options, say, spread, table, targets_table, timed, write
+from peers import solve_ivp
+from problems import LIMIT_CYCLE
+from solvers import BASE, PEERS_ATOL, Array, Solver, Stribeck, available
 
 LIMIT = 1e-6  # of the range of y
 REFERENCE_RTOL = 1e-12
@@ -39,10 +37,10 @@ TIGHTEST = -11  # log10 of the rtol at which a scan gives up
 # points of a scan for each decade of rtol, and how many neighbours on each side share in the typical error
 COARSE, FINE = (8, 1), (40, 5)
 QUICK = 0.02  # s: solvers faster than this are scanned finely, and in every run
-KEPT = Path(__file__).parent / "tolerances.json"
 TRUSTED = (LIMIT / 3, 1.5 * LIMIT)  # typical errors between which kept tolerances are used again
 BLOCK = 0.03  # s: a solver's calls within a repetition take about so long together; their median counts
 MOST_CALLS = 15
+SLOW, FEW = 0.4, 5  # solvers slower than so many s take part in so many repetitions only
 # what, which peer, how many times faster than it, in which direction
 TARGETS = (
     ("no slower than the C prototype", "C prototype", 1.0),
@@ -54,14 +52,14 @@ TARGETS = (
 
 @dataclass
 class Choice:
-    """A solver with the tolerances found for it, and its times in s."""
+    """A solver with the tolerances found for it, and its times by repetition."""
 
     solver: Solver
     rtol: float
     atol: float | None
     error: float
     quick: float
-    times: list[float] = field(default_factory=list)
+    times: dict[int, Seconds] = field(default_factory=dict)
 
     def run(self) -> Array:
         """Solve once."""
@@ -70,11 +68,11 @@ class Choice:
 
 def reference() -> tuple[Array, dict[str, Any]]:
     """The reference rows, and how well two others agree with them."""
-    own = Stribeck()
+    own = Stribeck(LIMIT_CYCLE)
     y = own.solve(REFERENCE_RTOL, None)
     scale = float(np.max(np.abs(y)))
     looser = float(np.max(np.abs(own.solve(10 * REFERENCE_RTOL, None) - y))) / scale
-    radau = float(np.max(np.abs(solve_ivp("Radau", tuned_rates)(CHECK_RTOL, CHECK_RTOL / 100) - y))) / scale
+    radau = float(np.max(np.abs(solve_ivp(LIMIT_CYCLE, "Radau", tuned=True)(CHECK_RTOL, CHECK_RTOL / 100) - y))) / scale
     if max(looser, radau) > LIMIT / 10:
         raise SystemExit(f"the reference is uncertain: {looser:.1e} by rtol, {radau:.1e} from SciPy's Radau")
     return y, {
@@ -85,27 +83,23 @@ def reference() -> tuple[Array, dict[str, Any]]:
     }
 
 
-def seconds(call: Callable[[], object], calls: int) -> float:
-    """The median time of some calls in a row."""
-    times = []
-    for _ in range(calls):
-        started = perf_counter()
-        call()
-        times.append(perf_counter() - started)
-    return statistics.median(times)
+def seconds(call: Callable[[], object], calls: int) -> Seconds:
+    """The median times of some calls in a row."""
+    times = [timed(call) for _ in range(calls)]
+    return Seconds(*(statistics.median(clock) for clock in zip(*times, strict=True)))
 
 
-def tolerances(solvers: list[Solver], y: Array, kept: dict[str, Any]) -> tuple[list[Choice], dict[str, str]]:
-    """Each solver with its tolerances, kept or found by its scan, and those without; ``kept`` is brought up to date."""
+def tolerances(solvers: list[Solver], y: Array, rescan: bool) -> tuple[list[Choice], dict[str, str]]:
+    """Each solver with its tolerances, kept or found by its scan, and those without."""
     choices: dict[str, Choice] = {}
-    failed = {}
+    failed, before = {}, {} if rescan else kept()
     for solver in solvers:
-        choice = like(solver, choices) or from_kept(solver, kept.get(solver.name), y)
+        choice = like(solver, choices) or from_kept(solver, before.get(solver.name), y)
         if choice is None:
             say(f"scan for the tolerances of {solver.name}")
             choice = scan(solver, y)
             if choice is not None and choice.quick >= QUICK:
-                kept[solver.name] = {"rtol": choice.rtol, "atol": choice.atol}
+                keep(solver.name, choice.rtol, choice.atol or 0.0)
         if choice is None:
             failed[solver.name] = f"no tolerance of the scan gives an error of {LIMIT:g} of the range"
         else:
@@ -119,22 +113,22 @@ def like(solver: Solver, choices: dict[str, Choice]) -> Choice | None:
         return None
     same = choices[solver.like]
     choice = Choice(solver, same.rtol, same.atol, same.error, 0.0)
-    choice.quick = seconds(choice.run, 2)
+    choice.quick = seconds(choice.run, 2).cpu
     return choice
 
 
-def from_kept(solver: Solver, kept: dict[str, float] | None, y: Array) -> Choice | None:
+def from_kept(solver: Solver, found: dict[str, float] | None, y: Array) -> Choice | None:
     """The tolerances of an earlier scan, if they still give the error."""
-    if kept is None:
+    if found is None:
         return None
-    share = kept["atol"] / kept["rtol"]
+    share = found["atol"] / found["rtol"]
     per_decade, reach = COARSE
-    nearby = [kept["rtol"] * 10 ** (i / per_decade) for i in range(-reach, reach + 1)]
+    nearby = [found["rtol"] * 10 ** (i / per_decade) for i in range(-reach, reach + 1)]
     error = statistics.median(error_of(solver, rtol, share, y) for rtol in nearby)
     if not TRUSTED[0] <= error <= TRUSTED[1]:
         return None
-    choice = Choice(solver, kept["rtol"], kept["atol"], error, 0.0)
-    choice.quick = seconds(choice.run, 1)
+    choice = Choice(solver, found["rtol"], found["atol"], error, 0.0)
+    choice.quick = seconds(choice.run, 1).cpu
     return choice
 
 
@@ -161,7 +155,7 @@ def scan_share(solver: Solver, share: float | None, y: Array) -> Choice | None:
         return None
     rtol = rtols[first]
     choice = Choice(solver, rtol, None if share is None else share * rtol, typical[first], 0.0)
-    choice.quick = min(seconds(choice.run, 1) for _ in range(15 if per_decade == FINE[0] else 2))
+    choice.quick = min(timed(choice.run).cpu for _ in range(15 if per_decade == FINE[0] else 2))
     return choice
 
 
@@ -177,24 +171,21 @@ def error_of(solver: Solver, rtol: float, share: float | None, y: Array) -> floa
 def is_quick(solver: Solver, share: float | None) -> bool:
     """Whether the scan can afford many points."""
     rtol = solver.loosest / 10
-    return seconds(lambda: error_of(solver, rtol, share, np.ones(1)), 3) < QUICK
+    return seconds(lambda: error_of(solver, rtol, share, np.ones(1)), 3).cpu < QUICK
 
 
 def measure(choices: list[Choice], repetitions: int) -> None:
     """Time all solvers, interleaved."""
     for repetition in range(repetitions):
         for choice in random.sample(choices, len(choices)):
+            if choice.quick > SLOW and repetition >= FEW:
+                continue
             calls = min(max(math.ceil(BLOCK / choice.quick), 1), MOST_CALLS)
-            choice.times.append(seconds(choice.run, calls))
+            choice.times[repetition] = seconds(choice.run, calls)
         say(f"repetition {repetition + 1} of {repetitions}")
 
 
-def say(text: str) -> None:
-    """Progress, on standard error."""
-    print(text, file=sys.stderr, flush=True)
-
-
-def figures(choice: Choice, base: Choice) -> dict[str, Any]:
+def entry(choice: Choice, base: Choice) -> dict[str, Any]:
     """A solver's line of the results; its ratios to the base are taken within repetitions."""
     return {
         "solver": choice.solver.name,
@@ -202,8 +193,10 @@ def figures(choice: Choice, base: Choice) -> dict[str, Any]:
         "rtol": choice.rtol,
         "atol": choice.atol,
         "error": choice.error,
-        "milliseconds": spread([1e3 * t for t in choice.times]),
-        "ratio": spread([t / b for t, b in zip(choice.times, base.times, strict=True)]),
+        "milliseconds": spread([1e3 * t.cpu for t in choice.times.values()]),
+        "wall_milliseconds": spread([1e3 * t.wall for t in choice.times.values()]),
+        "ratio": spread([t.cpu / base.times[i].cpu for i, t in choice.times.items()]),
+        "made_in_seconds": choice.solver.made_in,
     }
 
 
@@ -215,12 +208,12 @@ def judge(choices: list[Choice]) -> list[dict[str, Any]]:
         for text, peer, wanted in TARGETS:
             ratio = None
             if peer in times and base in times:
-                ratio = statistics.median(theirs / own for theirs, own in zip(times[peer], times[base], strict=True))
+                ratio = statistics.median(theirs.cpu / times[base][i].cpu for i, theirs in times[peer].items())
             judged.append(
                 {
                     "target": f"{base}: {text}",
                     "wanted": f">= {wanted:g} x",
-                    "measured": "-" if ratio is None else f"{ratio:.3g} x",
+                    "measured": None if ratio is None else f"{ratio:.3g} x",
                     "met": None if ratio is None else ratio >= wanted,
                 }
             )
@@ -234,20 +227,18 @@ def benchmark(repetitions: int, rescan: bool) -> dict[str, Any]:
         os.environ["STRIBECK_CACHE"] = folder
         say("reference")
         y, about = reference()
-        solvers, missing = available(Path(folder))
-        kept = {} if rescan or not KEPT.is_file() else json.loads(KEPT.read_text())
-        choices, failed = tolerances(solvers, y, kept)
-        write(KEPT, kept)
+        solvers, missing = available(LIMIT_CYCLE, Path(folder))
+        choices, failed = tolerances(solvers, y, rescan)
         missing |= failed
         if not choices or choices[0].solver.name != BASE:
             raise SystemExit(f"{BASE}: {missing[BASE]}")
         measure(choices, repetitions)
-    lines = [figures(choice, choices[0]) for choice in choices]
+    lines = [entry(choice, choices[0]) for choice in choices]
     return {
         "benchmark": "limit cycle, one simulation",
         "machine": about_machine,
         "error_limit": LIMIT,
-        "rows": job.ROWS,
+        "rows": LIMIT_CYCLE.scenario.rows,
         "reference": about,
         "solvers": lines,
         "not_measured": missing,
@@ -274,13 +265,10 @@ def report(results: dict[str, Any]) -> str:
 
 def main() -> None:
     """Run the benchmark, print the table, write the results."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--repetitions", type=int, default=15)
-    parser.add_argument("--scan", action="store_true", help="scan the slow solvers too (some minutes)")
-    parser.add_argument("--out", type=Path, default=RESULTS / "single.json")
-    options = parser.parse_args()
-    results = benchmark(options.repetitions, options.scan)
-    write(options.out, results)
+    given = options(__doc__, "single", repetitions=15, quick=2, scan="scan the slow solvers too (some minutes)")
+    results = benchmark(given.repetitions, given.scan)
+    write(given.out, results)
+    figures.draw("single", given.out)
     print(report(results))
 
 

@@ -6,7 +6,6 @@ and empty for the new ones. The commands take turns. Memory is the peak of the p
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import subprocess
@@ -18,8 +17,8 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-from limit_cycle import SCENARIO
-from measure import RESULTS, machine, spread, table, targets_table, write
+from measure import machine, options, spread, table, targets_table, write
+from problems import LIMIT_CYCLE
 
 MEMORY_LIMIT = 200.0  # MB
 KILO = 1 if sys.platform == "darwin" else 1024  # ru_maxrss is in bytes there
@@ -40,6 +39,7 @@ class Case:
     limit: float | None = None
     beyond: str | None = None
     times: list[float] = field(default_factory=list)
+    cpu: list[float] = field(default_factory=list)
     megabytes: list[float] = field(default_factory=list)
 
     def run(self) -> None:
@@ -55,6 +55,7 @@ class Case:
         complaint = process.stderr.read()
         _, status, usage = os.wait4(process.pid, 0)
         self.times.append(perf_counter() - started)
+        self.cpu.append(usage.ru_utime + usage.ru_stime)
         process.stderr.close()
         process.returncode = os.waitstatus_to_exitcode(status)
         self.megabytes.append(usage.ru_maxrss * KILO / 1e6)
@@ -74,7 +75,7 @@ def stribeck() -> list[str]:
 def cases(folder: Path) -> list[Case]:
     """The commands, each with its target."""
     scenario, filled = folder / "limit_cycle.toml", folder / "filled"
-    scenario.write_text(SCENARIO)
+    scenario.write_text(LIMIT_CYCLE.toml)
 
     def fresh() -> Path:
         return Path(tempfile.mkdtemp(prefix="fresh-", dir=folder))
@@ -96,7 +97,8 @@ def cases(folder: Path) -> list[Case]:
 
 def figures(case: Case) -> dict[str, Any]:
     """A case's line of the results."""
-    return {"case": case.name, "seconds": spread(case.times), "peak_megabytes": max(case.megabytes)}
+    peak = max(case.megabytes)
+    return {"case": case.name, "seconds": spread(case.times), "cpu_seconds": spread(case.cpu), "peak_megabytes": peak}
 
 
 def judge(measured: list[Case]) -> list[dict[str, Any]]:
@@ -136,8 +138,8 @@ def benchmark(repetitions: int) -> dict[str, Any]:
         for case in measured:
             case.run()
         for case in measured:
-            case.times.clear()
-            case.megabytes.clear()
+            for kept in (case.times, case.cpu, case.megabytes):
+                kept.clear()
         for repetition in range(repetitions):
             for case in measured:
                 case.run()
@@ -156,20 +158,23 @@ def report(results: dict[str, Any]) -> str:
     for line in results["cases"]:
         s = line["seconds"]
         rows.append(
-            (line["case"], f"{s['median']:.3f}", f"{s['q1']:.3f} - {s['q3']:.3f}", f"{line['peak_megabytes']:.0f}")
+            (
+                line["case"],
+                f"{s['median']:.3f}",
+                f"{s['q1']:.3f} - {s['q3']:.3f}",
+                f"{line['cpu_seconds']['median']:.3f}",
+                f"{line['peak_megabytes']:.0f}",
+            )
         )
-    head = ("command", "s", "quartiles", "peak MB")
+    head = ("command", "s", "quartiles", "cpu s", "peak MB")
     return f"{results['benchmark']}\n\n{table(head, rows)}\n\n{targets_table(results['targets'])}\n"
 
 
 def main() -> None:
     """Run the benchmark, print the table, write the results."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--repetitions", type=int, default=11)
-    parser.add_argument("--out", type=Path, default=RESULTS / "startup.json")
-    options = parser.parse_args()
-    results = benchmark(options.repetitions)
-    write(options.out, results)
+    given = options(__doc__, "startup", repetitions=11, quick=1)
+    results = benchmark(given.repetitions)
+    write(given.out, results)
     print(report(results))
 
 

@@ -19,7 +19,7 @@ def blocks(language):
 def test_commands(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     commands = [line for line in blocks("sh")[1].splitlines() if line]
-    assert len(commands) == 9
+    assert len(commands) == 10
     for command in commands:
         words = shlex.split(command, comments=True)
         assert words[0] == "stribeck"
@@ -28,6 +28,7 @@ def test_commands(tmp_path, monkeypatch, capsys):
         "plot.svg", "summary.json", "trajectory.csv", "trajectory.parquet",
     ]  # fmt: skip
     assert (tmp_path / "laws" / "compare.svg").exists()
+    assert (tmp_path / "grid" / "part-000000.parquet").exists()
     assert "self-test  passed" in capsys.readouterr().out
 
 
@@ -38,7 +39,18 @@ def test_python(capsys):
     exec(compile(code, "README.md", "exec"), scope)
     assert scope["solution"].status == "done"
     assert len(scope["frame"]) == 4001
+    assert scope["lanes"]["y"].shape == (16, 4001)
     assert "done" in capsys.readouterr().out
+
+
+def test_commands_of_the_page_on_sweeps(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = (Path(__file__).parent.parent / "docs" / "sweeps.md").read_text(encoding="utf-8")
+    assert _status(["new", "my_rig"]) == 0
+    exec(re.findall(r"```python\n(.*?)```", text, re.S)[0], {})
+    for command in re.findall(r"^stribeck .*$", text, re.M):
+        assert _status(shlex.split(command, comments=True)[1:]) == 0, command
+    assert "(9, 4001)" in capsys.readouterr().out
 
 
 def test_make_targets_exist():

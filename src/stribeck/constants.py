@@ -10,13 +10,16 @@ from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
+from stribeck.errors import nearest
+
 
 @dataclass(frozen=True)
 class Constant:
-    """A number that an equation uses.
+    """A number that an equation uses, or a word that chooses its form.
 
     ``above`` is an exclusive bound and ``at_least`` an inclusive one. A constant with a ``default`` may be left out;
-    ``optional`` ones are off (None) unless given, and the equation then takes another form.
+    ``optional`` ones are off (None) unless given, and the equation then takes another form. One with ``choices`` is
+    one of these words, the first unless given.
     """
 
     unit: str
@@ -27,10 +30,13 @@ class Constant:
     optional: bool = False
     rotary_unit: str | None = None
     example: float | None = None  # a value that makes sense, for documentation and tests
+    choices: tuple[str, ...] = ()
 
     @property
     def allowed(self) -> str:
         """What is allowed, in words."""
+        if self.choices:
+            return f"one of {', '.join(self.choices)}"
         if self.above is not None:
             return f"a finite number > {self.above:g}"
         return "a finite number" if self.at_least is None else f"a finite number >= {self.at_least:g}"
@@ -38,10 +44,14 @@ class Constant:
     @property
     def required(self) -> bool:
         """True where a value must be given."""
-        return self.default is None and not self.optional
+        return self.default is None and not self.optional and not self.choices
 
     def problem(self, value: Any) -> str | None:
         """What is wrong with a value, or None."""
+        if self.choices:
+            if isinstance(value, str):
+                return None if value in self.choices else f"must be {self.allowed}{nearest(value, self.choices)}"
+            return f"must be {self.allowed}, not {kind_of(value)}"
         if isinstance(value, bool) or not isinstance(value, Real):
             return f"must be {self.allowed}, not {kind_of(value)}"
         try:

@@ -75,6 +75,15 @@ class Signal:
         """The longest step in s that cannot miss a wave of the signal."""
         return math.inf
 
+    @property
+    def pieces(self) -> list[tuple[float, dict[str, float]]]:
+        """When the equation of a smooth signal changes its constants, and to what; one piece unless said."""
+        return [(0.0, self.values)]
+
+    def values_at(self, t: ArrayLike) -> dict[str, Any]:
+        """The constants of a smooth signal's equation at the times t."""
+        return self.values
+
     def at(self, t: ArrayLike) -> Array:
         """The signal at the times t (s), as an array of the same shape."""
         return self.segments.at(t)

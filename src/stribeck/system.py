@@ -7,6 +7,7 @@ from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
 
+from stribeck.constants import Constant
 from stribeck.drives.base import Column, Drive
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.ops import Value
@@ -40,7 +41,7 @@ class System:
     """
 
     law: type[Law]
-    options: tuple[str, ...]  # the law's optional constants that are on
+    options: tuple[str, ...]  # the form of the law's equations: its ``structure``
     drive: type[Drive]
     signal: type[Signal] | None  # None: made of straight pieces
     energy: bool = False
@@ -63,11 +64,23 @@ class System:
     @cached_property
     def parameters(self) -> tuple[tuple[str, str], ...]:
         """(group, name) of each run-time constant, in the order in which compiled code takes them."""
-        law = self.law.constants()
-        names = [("law", n) for n, c in law.items() if not c.optional or n in self.options]
+        names = [("law", n) for n in self.law.numbers(self.options)]
         names += [] if self.drive.sets_velocity else [("plant", n) for n in Mass.constants]
         names += [("drive", n) for n in self.drive.constants]
         return (*names, *(("signal", n) for n in (self.signal.constants if self.signal else ())))
+
+    def constant(self, owner: str, name: str) -> Constant:
+        """The declaration of a run-time constant."""
+        tables = {"law": self.law.constants(), "plant": Mass.constants, "drive": self.drive.constants}
+        return {**tables, "signal": self.signal.constants if self.signal else {}}[owner][name]
+
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """What this is, for the head of the generated code."""
+        law, drive = self.law, self.drive
+        return (
+            f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", f"Drive: {drive.kind}; {drive.meaning}."
+        )  # fmt: skip
 
     def symbolic(self) -> Groups:
         """The constants as symbols named ``group.name``."""

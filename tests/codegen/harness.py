@@ -44,10 +44,10 @@ EXPORT void test_steps(Run *run, double h, int n, double s, double *inside)
         Jacobian jac;
         rates(p, &c, &piece, run->t, run->x, f0);
         jacobian(p, &c, &piece, run->t, run->x, &jac, df_dt);
-        attempt(run, p, &c, &piece, &jac, f0, df_dt, h, k, x_new);
+        attempt(run->atol, run->rtol, p, &c, &piece, &jac, f0, df_dt, run->t, run->x, h, k, x_new);
         for (int i = 0; i < N; i++) {
             dense(k, i, d);
-            inside[step * N + i] = interpolate(s, run->x[i], x_new[i], d);
+            inside[step * N + i] = interpolate(s, run->x[i], x_new[i], d[0], d[1], d[2]);
         }
         for (int i = 0; i < N; i++) run->x[i] = x_new[i];
         run->t += h;
@@ -55,7 +55,10 @@ EXPORT void test_steps(Run *run, double h, int n, double s, double *inside)
 }
 
 #if V_STATE >= 0
-EXPORT void test_events(Run *run, double v0, double v1, const double *d) { note_events(run, 0, 1, v0, v1, d); }
+EXPORT int test_events(double level, double v0, double v1, const double *d, double *s, int8_t *rises)
+{
+    return events_within(level, v0, v1, d[0], d[1], d[2], s, rises);
+}
 #endif
 """
 

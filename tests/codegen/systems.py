@@ -9,8 +9,7 @@ from stribeck.drives import KINDS
 from stribeck.signals import Sine
 from stribeck.system import System
 
-VARIANTS = [(law, options) for law in laws.builtin().values() for options in ((), ("k_v",))
-            if not options or law.name == "stribeck"]  # fmt: skip
+VARIANTS = [(law, options) for law in laws.builtin().values() for options in law.structures()]
 IDS = ["_".join((law.name, *options)) for law, options in VARIANTS]
 
 
@@ -24,7 +23,7 @@ def systems(law, options, energy=(False, True)):
 # of the order of 1, so that finite differences are exact to many digits
 VALUES = {
     "sigma_0": 3.0, "sigma_1": 0.7, "sigma_2": 0.4, "F_c": 1.1, "F_s": 1.7, "v_s": 0.9, "k_v": 1.3, "z_ba": 0.2,
-    "delta": 1.7, "g1": 0.25, "g2": 2.0, "g3": 0.5, "g4": 0.1, "g5": 1.5, "g6": 0.01, "mass": 1.4, "stiffness": 2.1,
+    "delta": 1.7, "g1": 0.25, "g2": 2.0, "g3": 0.5, "g4": 0.1, "g5": 1.5, "g6": 0.01, "v_d": 1.6, "mass": 1.4, "stiffness": 2.1,
     "K_p": 2.0, "K_i": 0.7, "K_d": 0.5, "amplitude": 1.2, "frequency": 0.3, "offset": 0.4, "phase": 0.5,
 }  # fmt: skip
 

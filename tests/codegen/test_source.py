@@ -32,6 +32,19 @@ def test_compiles_without_a_warning(law, options, tmp_path):
         assert found.returncode == 0, found.stderr
 
 
+@needs_compiler
+@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
+def test_compiles_for_lanes_without_a_warning(law, options, tmp_path):
+    """For one width of the processor's vectors; every width is run by tests/simulation/test_lanes.py."""
+    every = [system for system in systems(law, options, energy=(True,)) if system.signal is None]
+    files = [tmp_path / f"system{i}.c" for i in range(len(every))]
+    for file, system in zip(files, every, strict=True):
+        file.write_text(source(system, lanes=4))
+    words = [*compiler.find().command, *STRICT, "-Wno-psabi", "-fsyntax-only", *files]
+    found = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert found.returncode == 0, found.stderr
+
+
 @pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
 def test_depends_on_the_system_alone(law, options):
     """Neither on what else there is, nor on what else is being made: or the cache would miss."""
@@ -52,9 +65,9 @@ def test_says_what_it_is_and_names_what_it_holds():
     assert "Law: lugre_sobczyk" in text
     assert "/* N/m, bristle stiffness (law.sigma_0) */" in text
     for name in ("g", "S_0", "dz_dt", "F", "u"):
-        assert re.search(rf"const double {name} = ", text), name
+        assert re.search(rf"const real {name} = ", text), name
     assert max(map(len, text.splitlines())) < 250
-    assert "[0]" not in re.sub(r"(x|dx|k|right|df_dt)\[\d\]", "", text.split("/* ---- The solver")[0])
+    assert "[0]" not in re.sub(r"(x|dx|k|right|df_dt)\[\d\]", "", text.split("/* ---- The method")[0])
 
 
 AWKWARD = '''
@@ -86,7 +99,7 @@ NAMES = (
     "g", "t", "x", "y", "v", "z", "F", "u", "p", "c", "k", "h", "I", "mass", "stiffness", "double", "start", "value",
     "slope", "exp", "atan", "run", "N", "right", "shift", "jac", "fac", "piece", "dx", "df_dt", "c0", "c1", "inv_mass",
     "t1", "t2", "sign_of", "prepare", "solve", "A", "C", "NODE", "STAGES", "attempt", "Run", "Jacobian", "E_in",
-    "M_PI", "NAN", "linux",
+    "M_PI", "NAN", "linux", "real", "mask", "choose", "splat", "any", "exp_of", "LANES", "BY_LANE", "dense",
 )  # fmt: skip
 
 
@@ -113,4 +126,4 @@ def test_a_law_whose_terms_are_named_like_its_constants(tmp_path):
 
             return v - abs(v) / g(p, v) * z
 
-    assert "const double g = " in source(systems(Twice, ())[0])
+    assert "const real g = " in source(systems(Twice, ())[0])

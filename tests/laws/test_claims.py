@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import e, pi
 from typing import Any
 
 import numpy as np
@@ -300,3 +301,69 @@ def test_samples_depend_on_the_seed_only():
     law = make(JumpsInZ)
     assert violations(law, seed=3) == violations(law, seed=3)
     assert violations(law, seed=3) != violations(law, seed=4)
+
+
+# -- forms of the laws: damping that falls with speed, and other majorants ---------------------------------------------
+
+DAMPED = ("lugre", "lugre_arctan", "lugre_majorant", "elastoplastic", "elastoplastic_majorant")
+WIDEST = 4 * (2 * e) ** 0.5  # v_d sigma_1/F_c up to which sigma_1(v) |v| <= 4 F_c
+
+
+@pytest.mark.parametrize("set_name", parameters())
+@pytest.mark.parametrize("name", [name for name, law in builtin().items() if "v_d" in law.constants()])
+def test_claims_with_damping_that_falls(name, set_name):
+    p = parameters()[set_name].values
+    v_d = WIDEST * p["F_c"] / p["sigma_1"]
+    # the majorants exceed |v|: a hundredth is far more than they need at the steepness that make() gives
+    law = make(builtin()[name], set_name, v_d=0.99 * v_d)
+    if "k_v" in law.values:
+        law = make(builtin()[name], set_name, v_d=0.99 * v_d, k_v=1e4 / v_d)
+    assert law.guarantees()["passive"] == (name in DAMPED)
+    assert violations(law) == []
+
+
+@pytest.mark.parametrize("name", DAMPED)
+def test_damping_that_falls_too_late(name):
+    """Theory.md, section 2: Table 1 is passive up to v_d = 0.0894 m/s; the claim stops at 0.0295."""
+    assert make(builtin()[name], v_d=0.02949).guarantees()["passive"]
+    assert not make(builtin()[name], v_d=0.0296).guarantees()["passive"]
+    beyond = make(claiming(builtin()[name], passive=True), v_d=0.1)
+    (line,) = violations(beyond)
+    assert line.startswith("passive: two velocities by turns draw energy")
+    if name in ("lugre", "lugre_majorant"):
+        assert violations(make(claiming(builtin()[name], passive=True), v_d=0.085)) == []
+
+
+@pytest.mark.parametrize("smooth_abs", ["sqrt", "compact"])
+@pytest.mark.parametrize("k_v", [1e2, 1e6, 1e8])
+@pytest.mark.parametrize("name", ["lugre_majorant", "elastoplastic_majorant"])
+def test_claims_of_other_majorants(name, k_v, smooth_abs):
+    assert violations(make(builtin()[name], k_v=k_v, smooth_abs=smooth_abs), seed=3) == []
+    passive = make(builtin()[name], k_v=k_v, smooth_abs=smooth_abs, sigma_1=0.8 * (1 - 1e-12))
+    assert passive.guarantees()["passive"]
+    assert violations(passive, seed=4) == []
+    if k_v >= 1e6:  # at 1e2 s/m, z does not come near its bound from 0, where a larger sigma_1 draws energy
+        too_much = make(claiming(builtin()[name], passive=True), k_v=k_v, smooth_abs=smooth_abs, sigma_1=1.0)
+        assert violations(too_much)[0].startswith("passive: ")
+
+
+@pytest.mark.parametrize(("smooth_abs", "gap"), [("atan", 2 / pi), ("sqrt", 1.0), ("compact", 0.375)])
+def test_the_steepness_that_a_majorant_needs(smooth_abs, gap):
+    """LuGre's condition carries over while sigma_1 m(0) <= F_s; F_s = F_c makes it hold for any sigma_1."""
+    table = {"sigma_1": 100.0, "F_s": 1.0, "smooth_abs": smooth_abs}
+    assert make(LuGreMajorant, k_v=100.001 * gap, **table).guarantees()["passive"]
+    assert violations(make(LuGreMajorant, k_v=100.001 * gap, **table)) == []
+    assert not make(LuGreMajorant, k_v=99.999 * gap, **table).guarantees()["passive"]
+
+
+def test_the_forms_of_a_law():
+    assert LuGre.structures() == [(), ("v_d",)]
+    assert LuGreMajorant.structures()[:4] == [
+        (), ("smooth_abs=sqrt",), ("smooth_abs=compact",), ("v_d",),
+    ]  # fmt: skip
+    assert len(LuGreMajorant.structures()) == 6
+    assert make(LuGreMajorant).structure == make(LuGreMajorant, smooth_abs="atan").structure == ()
+    both = make(LuGreMajorant, smooth_abs="sqrt", v_d=1.0)
+    assert both.structure in LuGreMajorant.structures()
+    assert both.choices == {"smooth_abs": "sqrt"}
+    assert builtin()["dahl"].structures() == [()]

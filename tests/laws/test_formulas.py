@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import atan, copysign, exp, nan, pi, sin, tanh
+from math import atan, copysign, exp, nan, pi, sin, sqrt, tanh
 
 import numpy as np
 import pytest
@@ -68,6 +68,40 @@ STATIC = {
 SPEEDS = (0.0, 1e-9, 3e-7, 1e-6, 1e-4, 7e-4, 1e-3, 2.5e-3, 0.03, 1.0)
 V = [s * v for v in SPEEDS for s in (1, -1)]
 Z = [s * z for z in (0.0, 1e-9, 5e-6, 7e-6, 7.1e-6, 9e-6, 1.2e-5, 1.5e-5) for s in (1, -1)]
+
+
+MAJORANTS = {
+    "atan": m,
+    "sqrt": lambda v: sqrt(v * v + 1 / KV**2),
+    "compact": lambda v: abs(v) if abs(v) >= 1 / KV else abs(v) + (1 - KV * abs(v)) ** 3 * (3 + KV * abs(v)) / (8 * KV),
+}
+
+
+@pytest.mark.parametrize("smooth_abs", MAJORANTS)
+@pytest.mark.parametrize("name", ["lugre_majorant", "elastoplastic_majorant"])
+def test_the_choice_of_majorant(name, smooth_abs):
+    model, majorant = make(name, smooth_abs=smooth_abs), MAJORANTS[smooth_abs]
+    for v in [*V, 0.3 / KV, -0.99 / KV, 1 / KV, 1.01 / KV]:
+        for z in Z:
+            share = a(v, z) if name == "elastoplastic_majorant" else 1.0
+            expected = v - share * majorant(v) / g(v) * z
+            scale = abs(v) + abs(z) * (abs(v) + 1 / KV) / g(v)
+            assert model.rate(v, z) == pytest.approx(expected, rel=1e-12, abs=1e-14 * scale), (v, z)
+            assert model.force(v, z) == pytest.approx(
+                S0 * z + S1 * expected + S2 * v, rel=1e-12, abs=1e-14 * S1 * scale
+            )
+
+
+@pytest.mark.parametrize("name", [n for n in RATES if n != "dahl"])
+def test_damping_that_falls_with_speed(name):
+    model, constant = make(name, v_d=2e-3), make(name)
+    for v in V:
+        for z in Z:
+            rate = constant.rate(v, z)
+            assert model.rate(v, z) == rate
+            force = S0 * z + S1 * exp(-((v / 2e-3) ** 2)) * rate + S2 * v
+            assert model.force(v, z) == pytest.approx(force, rel=1e-12, abs=1e-12)
+        assert model.steady_force(v) == pytest.approx(constant.steady_force(v), rel=1e-12)
 
 
 def test_every_law_is_tested():
@@ -252,10 +286,29 @@ def test_shapes_broadcast():
 @pytest.mark.parametrize(
     ("name", "changes", "lines"),
     [
-        ("lugre", {"k_v": 1e6}, ["k_v: 1000000.0: law 'lugre' has no such constant (it has none of its own)"]),
+        ("lugre", {"k_v": 1e6}, ["k_v: 1000000.0: law 'lugre' has no such constant (it has v_d)"]),
         ("lugre_majorant", {}, ["k_v: missing: law 'lugre_majorant' needs it (steepness of the smooth sign, a finite"]),
         ("lugre_majorant", {"k_v": 0.0, "v_s": -1}, ["k_v: 0.0: must be", "v_s: -1: must be a finite number > 0"]),
         ("lugre", {"F_s": 0.5}, ["F_s: 0.5: must be at least F_c (F_c = 1.0)"]),
+        ("lugre", {"v_d": 0.0}, ["v_d: 0.0: must be a finite number > 0"]),
+        ("lugre", {"v_d": "slow"}, ["v_d: 'slow': must be a finite number > 0, not text"]),
+        ("dahl", {"v_d": 0.1}, ["v_d: 0.1: law 'dahl' has no such constant (did you mean 'v_s'?)"]),
+        (
+            "lugre_majorant",
+            {"k_v": KV, "smooth_abs": "cubic"},
+            ["smooth_abs: 'cubic': must be one of atan, sqrt, compact"],
+        ),
+        (
+            "lugre_majorant",
+            {"k_v": KV, "smooth_abs": "sqr"},
+            ["smooth_abs: 'sqr': must be one of atan, sqrt, compact (did"],
+        ),
+        (
+            "lugre_majorant",
+            {"k_v": KV, "smooth_abs": 1.0},
+            ["smooth_abs: 1.0: must be one of atan, sqrt, compact, not a n"],
+        ),
+        ("lugre_sobczyk", {"k_v": KV, "smooth_abs": "sqrt"}, ["smooth_abs: 'sqrt': law 'lugre_sobczyk' has no such"]),
         ("dahl", {"F_s": 0.5}, ["F_s: 0.5: must be at least F_c (F_c = 1.0)"]),
         ("stribeck", {"delta": 0}, ["delta: 0: must be a finite number > 0"]),
         ("elastoplastic", {"z_ba": 1e-5}, ["z_ba: 1e-05: must be less than F_c/sigma_0"]),
@@ -272,5 +325,5 @@ def test_constants_are_checked(name, changes, lines):
 def test_whole_and_numpy_numbers_are_taken():
     values = {**P, "F_c": 1, "F_s": np.int64(2), "v_s": np.float32(0.5)}
     model = law("lugre", values)
-    assert model.values == {**P, "F_c": 1.0, "F_s": 2.0, "v_s": 0.5}
-    assert all(type(x) is float for x in model.values.values())
+    assert model.values == {**P, "F_c": 1.0, "F_s": 2.0, "v_s": 0.5, "v_d": None}
+    assert all(type(x) is float for n, x in model.values.items() if n != "v_d")

@@ -28,7 +28,10 @@ VALID: dict[str, dict[str, Any]] = {
     },
     "spring_ramp": {
         "schema": 1,
-        "law": {"name": "elastoplastic_majorant", "k_v": 1e6, "z_ba": 7e-6, "parameters": CANUDAS},
+        "law": {
+            "name": "elastoplastic_majorant", "k_v": 1e6, "z_ba": 7e-6, "v_d": 0.02, "smooth_abs": "compact",
+            "parameters": CANUDAS,
+        },
         "plant": {"mass": 1},
         "drive": {"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}},
         "solve": {"t_end": 1.0},
@@ -68,7 +71,8 @@ VALID: dict[str, dict[str, Any]] = {
 _ANY, _POSITIVE, _NOT_NEGATIVE = "any", "positive", "not negative"
 ALLOWED: dict[str, str] = {
     "schema": "one", "name": "text", "law.name": "word", "law.parameters": "table or word",
-    **dict.fromkeys(("law.k_v", "law.z_ba", "law.delta", "law.g2", "law.g5"), _POSITIVE),
+    **dict.fromkeys(("law.k_v", "law.z_ba", "law.v_d", "law.delta", "law.g2", "law.g5"), _POSITIVE),
+    "law.smooth_abs": "word",
     **dict.fromkeys(("law.g1", "law.g3", "law.g4", "law.g6"), _NOT_NEGATIVE),
     **{f"law.parameters.{n}": _NOT_NEGATIVE if n in ("sigma_1", "sigma_2") else _POSITIVE for n in CANUDAS},
     "plant.kind": "word", "plant.mass": _POSITIVE,
@@ -86,7 +90,8 @@ ALLOWED: dict[str, str] = {
 ALLOWED_VALUE = {"points": "list", "step": _ANY, "file": "column"}
 
 OPTIONAL = {
-    "name", "law.delta", "plant.kind", "plant.initial", "plant.initial.y", "plant.initial.v", "plant.initial.z",
+    "name", "law.delta", "law.v_d", "law.smooth_abs", "plant.kind", "plant.initial",
+    "plant.initial.y", "plant.initial.v", "plant.initial.z",
     "drive.signal.offset", "drive.signal.phase", "solve.rtol", "solve.atol", "solve.atol.y", "solve.atol.v",
     "solve.max_steps", "output.energy",
 }  # fmt: skip

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario
-from stribeck.simulation.native import Run
 from tests.codegen.harness import compiled
 from tests.simulation.rig import law_table, needs_compiler, rig, solved
 
@@ -100,19 +99,16 @@ def bernstein(values):
 
 
 def events_of(library, v0, v1, d, threshold):
-    times, rises = np.zeros(32), np.zeros(32, np.int8)
-    run = Run(threshold=threshold, event_room=32)
-    run.event_time = times.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
-    run.event_rises = rises.ctypes.data_as(ctypes.POINTER(ctypes.c_int8))
-    library.test_events(ctypes.byref(run), ctypes.c_double(v0), ctypes.c_double(v1), np.ascontiguousarray(d))
-    return [(float(t), bool(up)) for t, up in zip(times[: run.events], rises[: run.events], strict=True)]
+    times, rises, number = np.zeros(16), np.zeros(16, np.int8), ctypes.c_double
+    count = library.test_events(number(threshold), number(v0), number(v1), np.ascontiguousarray(d), times, rises)
+    return [(float(t), bool(up)) for t, up in zip(times[:count], rises[:count], strict=True)]
 
 
 def test_every_crossing_within_one_step(tmp_path):
     """Quartics of all shapes through both levels, against NumPy's roots."""
     library = compiled(Scenario(RIGS["spring"]).system, tmp_path)
-    library.test_events.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double,
-                                    np.ctypeslib.ndpointer(np.float64)]  # fmt: skip
+    numbers = np.ctypeslib.ndpointer(np.float64)
+    library.test_events.argtypes = [*[ctypes.c_double] * 3, numbers, numbers, np.ctypeslib.ndpointer(np.int8)]
     random, most = np.random.default_rng(1), 0
     for _ in range(3000):
         values = random.uniform(-1, 1, 5) * random.choice([0.5, 2.0, 4.0])
@@ -134,8 +130,8 @@ def test_every_crossing_within_one_step(tmp_path):
 def test_a_speed_that_rests_at_the_threshold_does_not_search_for_ever(tmp_path):
     """Rounding around v_s has many signs and no crossings worth finding."""
     library = compiled(Scenario(RIGS["spring"]).system, tmp_path)
-    library.test_events.argtypes = [ctypes.c_void_p, ctypes.c_double, ctypes.c_double,
-                                    np.ctypeslib.ndpointer(np.float64)]  # fmt: skip
+    numbers = np.ctypeslib.ndpointer(np.float64)
+    library.test_events.argtypes = [*[ctypes.c_double] * 3, numbers, numbers, np.ctypeslib.ndpointer(np.int8)]
     random = np.random.default_rng(2)
     for _ in range(200):
         v0, v1, *d = 1e-19 * random.uniform(-1, 1, 5)

@@ -39,7 +39,10 @@ class Comparison:
             "laws": {
                 label: {
                     "status": s.status,
-                    "law": {"name": s.scenario.law.name, "constants": s.scenario.law.values},
+                    "law": {
+                        "name": s.scenario.law.name,
+                        "constants": {**s.scenario.law.values, **s.scenario.law.choices},
+                    },
                     "rows": len(s.t),
                     "peaks": {name: s.peaks[name] for name in COMPARED},
                     "deviations": self.deviations.get(label),

@@ -13,6 +13,7 @@ from scipy.ndimage import minimum_filter
 from scipy.optimize import least_squares
 
 from stribeck.constants import kind_of, show
+from stribeck.drives.pid import Pid
 from stribeck.errors import InputError, StribeckError
 from stribeck.laws import builtin
 from stribeck.laws.base import Law
@@ -68,7 +69,7 @@ def hunting(scenario: Scenario, of: str = "law") -> Hunting:
         InputError: the scenario's drive is not a PID controller, or ``of`` is neither.
         StribeckError: a simulation failed.
     """
-    if scenario.drive.kind != "pid":
+    if scenario.drive is not Pid:
         raise InputError(f"drive.kind: {scenario.drive.kind!r}: must be 'pid' to hunt")
     if of not in ("law", "body"):
         raise InputError(f"of: {show(of)}: must be 'law' or 'body'")
@@ -126,9 +127,9 @@ class _Loop:
 
     def controller(self, omega: float) -> complex:
         """Force over velocity: the drive's own equations on phasors."""
-        p, drive, y, v = self.scenario.groups().drive, self.scenario.drive, 1 / (1j * omega), 1.0
-        own = tuple(rate / (1j * omega) for rate in drive.rates(p, 0.0, y, v, (0.0,)))
-        return complex(drive.force(p, 0.0, y, v, own))
+        p, y, v = self.scenario.groups().drive, 1 / (1j * omega), 1.0
+        own = tuple(rate / (1j * omega) for rate in Pid.rates(p, 0.0, y, v, (0.0,)))
+        return complex(Pid.force(p, 0.0, y, v, own))
 
     def body(self, size: float, omega: float) -> complex:
         """Velocity of the body over the force on it."""

@@ -8,17 +8,27 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 
-def amplitude_and_period(t: Array, y: Array) -> tuple[float, float]:
+def amplitude_and_period(t: Array, y: Array) -> tuple[Array, Array]:
     """Half of peak to peak, and the mean time between crossings of the middle upwards, interpolated between rows.
 
-    The period is nan where the middle is crossed upwards less than twice.
+    ``y`` may have several trajectories, times along the last axis. The period is nan where the middle is crossed
+    upwards less than twice.
     """
-    middle = 0.5 * (float(y.max()) + float(y.min()))
-    over = y - middle
-    up = np.flatnonzero((over[:-1] < 0) & (over[1:] >= 0))
-    crossings = t[up] + (t[up + 1] - t[up]) * over[up] / (over[up] - over[up + 1])
-    period = float(np.mean(np.diff(crossings))) if len(crossings) > 1 else float("nan")
-    return 0.5 * float(np.ptp(y)), period
+    highest, lowest = y.max(axis=-1), y.min(axis=-1)
+    if len(t) < 2:
+        return np.asarray(0.5 * (highest - lowest)), np.full(y.shape[:-1], np.nan)
+    over = np.atleast_2d(y - (0.5 * (highest + lowest))[..., np.newaxis])
+    up = (over[:, :-1] < 0) & (over[:, 1:] >= 0)
+    count, lanes = up.sum(axis=1), np.arange(len(over))
+
+    def crossing(i: NDArray[np.intp]) -> Array:
+        before, after = over[lanes, i], over[lanes, i + 1]
+        with np.errstate(all="ignore"):  # where there is none
+            return np.asarray(t[i] + (t[i + 1] - t[i]) * before / (before - after))
+
+    first, last = crossing(up.argmax(axis=1)), crossing(up.shape[1] - 1 - up[:, ::-1].argmax(axis=1))
+    period = np.where(count > 1, (last - first) / np.maximum(count - 1, 1), np.nan)
+    return np.asarray(0.5 * (highest - lowest)), period.reshape(y.shape[:-1])
 
 
 def first_maximum(y: Array) -> int:

@@ -76,17 +76,226 @@ def compare(
 
 
 @app.command()
+def sweep(
+    scenario: ScenarioFile,
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the parts; made if need be.")],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="A range of a number; may be repeated."),
+    ] = None,
+    samples: Annotated[
+        int | None, typer.Option("--samples", metavar="N", help="N random points of the ranges, not their grid.")
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="What the random points are drawn by.", min=0)] = 0,
+    summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
+    set_: Set = None,
+    threads: Annotated[
+        int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
+    from stribeck.cli import sweep as command
+
+    return command.sweep(scenario, vary or [], samples, seed, summary, out, set_ or [], threads, json)
+
+
+@app.command()
 def laws(
     law: Annotated[
         list[str] | None, typer.Argument(metavar="[LAW]...", help="Only these; FILE.py:NAME is one too.")
     ] = None,
     json: Json = False,
     test: Annotated[bool, typer.Option("--test", help="Test numerically all that the laws claim.")] = False,
+    sets: Annotated[
+        bool, typer.Option("--sets", help="List the parameter sets, and the laws that are passive with each.")
+    ] = False,
 ) -> int:
     """List the laws: equation, constants, units, source, what each guarantees."""
     from stribeck.cli import laws as command
 
-    return command.laws(law or [], json, test)
+    return command.laws(law or [], json, test, sets)
+
+
+@app.command()
+def advise(
+    law: Annotated[str, typer.Argument(metavar="LAW", help="A bristle law with k_v.")],
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="NAME or FILE", help="The machine's parameters.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Another constant, such as z_ba=7e-6.")
+    ] = None,
+    creep: Annotated[float | None, typer.Option(help="Tolerated creep in m/s under a held load.")] = None,
+    share: Annotated[float, typer.Option(help="That load, and presliding's, as a share of F_s.")] = 0.95,
+    steady_error: Annotated[float | None, typer.Option(help="Tolerated relative error of friction at --speed.")] = None,
+    speed: Annotated[float | None, typer.Option(help="That speed, m/s.")] = None,
+    presliding_error: Annotated[
+        float | None, typer.Option(help="Tolerated error of the presliding position, relative to its peak.")
+    ] = None,
+    force_rate: Annotated[float | None, typer.Option(help="The force's rate in presliding, N/s.")] = None,
+    position_error: Annotated[
+        float | None, typer.Option(help="Tolerated error of the position in --scenario, m.")
+    ] = None,
+    scenario: Annotated[Path | None, typer.Option(metavar="SCENARIO.toml", help="That scenario.")] = None,
+    sample_time: Annotated[
+        float | None, typer.Option(help="Step of the target, s: explicit Euler is to be stable with it.")
+    ] = None,
+    v_max: Annotated[float | None, typer.Option(help="Largest speed that matters, m/s; 100 v_s unless given.")] = None,
+    mass: Annotated[float | None, typer.Option(help="Mass of the body, kg.")] = None,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """Which k_v? The smallest that meets what you tolerate, what it costs, and the same for the majorant law."""
+    from stribeck.cli import advise as command
+
+    tolerated = {
+        "creep": creep, "share": share, "steady_error": steady_error, "speed": speed, "presliding_error": presliding_error,
+        "force_rate": force_rate, "position_error": position_error, "scenario": scenario, "sample_time": sample_time,
+        "v_max": v_max, "mass": mass,
+    }  # fmt: skip
+    return command.advise(law, parameters, set_ or [], tolerated, out, json)
+
+
+@app.command()
+def fit(
+    data: Annotated[
+        list[Path], typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs.")
+    ],
+    law: Annotated[list[str], typer.Option("--law", metavar="NAME", help="A law; of several, one is picked.")],
+    time: Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")] = None,
+    position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")] = None,
+    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Column of the velocity.")] = None,
+    force: Annotated[
+        str | None, typer.Option("--force", metavar="COL", help="Column of the driving force, torque or current.")
+    ] = None,
+    force_gain: Annotated[
+        str | None,
+        typer.Option("--force-gain", metavar="X", help="Force per unit of that column; or a constant's name."),
+    ] = None,
+    acceleration: Annotated[str | None, typer.Option("--acceleration", metavar="COL")] = None,
+    load: Annotated[str | None, typer.Option("--load", metavar="COL", help="Column of the normal load.")] = None,
+    pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL")] = None,
+    command: Annotated[
+        str | None, typer.Option("--command", metavar="COL", help="Column of what a drive is told (--drive).")
+    ] = None,
+    run: Annotated[str | None, typer.Option("--run", metavar="COL", help="Column of a run number.")] = None,
+    unit: Annotated[
+        list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given.")
+    ] = None,
+    mass: Annotated[float | None, typer.Option("--mass", metavar="M", help="kg; fitted unless given.")] = None,
+    method: Annotated[
+        str | None, typer.Option("--method", metavar="METHOD", help="static, presliding or dynamic.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="A constant that is given, such as k_v=1e6.")
+    ] = None,
+    free: Annotated[
+        list[str] | None, typer.Option("--free", metavar="KEY", help="Fit a constant of the law's own too.")
+    ] = None,
+    term: Annotated[
+        list[str] | None,
+        typer.Option("--term", metavar="TERM", help="What the force holds beside mass and offset (docs/fit.md)."),
+    ] = None,
+    select: Annotated[
+        bool, typer.Option("--select", help="Add the terms that lower the error over data left out.")
+    ] = False,
+    cutoff: Annotated[
+        float | None,
+        typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter; else from the data; 0: none."),
+    ] = None,
+    trim: Annotated[
+        int | None, typer.Option("--trim", metavar="N", help="Samples dropped at the start of a run.")
+    ] = None,
+    decimate: Annotated[
+        int | None, typer.Option("--decimate", metavar="N", min=1, help="Fit one row in N; else from the data.")
+    ] = None,
+    robust: Annotated[bool, typer.Option("--robust", help="Huber's loss instead of squares.")] = False,
+    folds: Annotated[int, typer.Option("--folds", min=2, help="Blocks of the cross-validation.")] = 10,
+    starts: Annotated[int, typer.Option("--starts", min=1, help="Of the simulation-error fit.")] = 20,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Of these starts.")] = 0,
+    output: Annotated[
+        str, typer.Option("--output", metavar="WHAT", help="What a simulation is to meet: force, velocity, position.")
+    ] = "force",
+    drive: Annotated[
+        str | None,
+        typer.Option("--drive", metavar="KIND[:KEY=VALUE,...]", help="What moves the body then: force, pid, spring."),
+    ] = None,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """Parameters of a law from a measured log, with intervals and a verdict on what the data cannot tell."""
+    from stribeck.cli import fit as work
+
+    columns = {
+        "time": time, "position": position, "velocity": velocity, "acceleration": acceleration, "force": force,
+        "load": load, "pressure": pressure, "run": run, "command": command,
+    }  # fmt: skip
+    request = {
+        "mass": mass, "method": method, "free": free or (), "terms": term or (), "select": select, "decimate": decimate,
+        "robust": robust, "folds": folds, "starts": starts, "seed": seed,
+        "output": output, "drive": None if drive is None else work.drive(drive),
+    }  # fmt: skip
+    options = work.Options(columns, unit or [], force_gain, set_ or [], cutoff, trim, request)
+    return work.fit(data, law, options, out, json)
+
+
+@app.command()
+def rig(
+    stroke: Annotated[float, typer.Option("--stroke", metavar="M", help="The rig's travel, m.")],
+    speed: Annotated[float, typer.Option("--speed", metavar="M/S", help="Its highest speed, m/s.")],
+    force: Annotated[float, typer.Option("--force", metavar="N", help="Its largest force, N.")],
+    deflection: Annotated[
+        float | None,
+        typer.Option("--deflection", metavar="M", help="Way to break-away, F_c/sigma_0, where it is roughly known."),
+    ] = None,
+    simulate: Annotated[
+        bool, typer.Option("--simulate", help="Write a SYNTHETIC log of the programme too: simulated, not measured.")
+    ] = False,
+    law: Annotated[str, typer.Option("--law", metavar="NAME", help="The synthetic rig's friction.")] = "lugre",
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="SET", help="Its constants: a set or a file.")
+    ] = None,
+    set_: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="One of its constants.")] = None,
+    seed: Annotated[int, typer.Option("--seed", help="Of its noise.")] = 0,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """Print what to measure to fit a law: speeds, amplitudes, force rates for the limits of a rig."""
+    from stribeck.cli import rig as command
+
+    limits = (stroke, speed, force, deflection)
+    return command.rig(limits, simulate, law, parameters, set_ or [], seed, out, json)
+
+
+@app.command()
+def check(
+    law: Annotated[str | None, typer.Argument(metavar="[LAW]", help="A law; FILE.py:NAME is one too.")] = None,
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="NAME or FILE", help="The machine's parameters.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="Another constant, such as k_v=1e7.")
+    ] = None,
+    v_max: Annotated[
+        float | None, typer.Option("--v-max", metavar="V", help="Passivity is asked for |v| <= V, m/s.")
+    ] = None,
+    every: Annotated[bool, typer.Option("--all", help="Every law with the parameters.")] = False,
+    margins: Annotated[
+        bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
+    ] = False,
+    verify: Annotated[
+        bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="DIR", help="Write counterexamples here, as scenarios to run.")
+    ] = None,
+    json: Json = False,
+) -> int:
+    """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
+    from stribeck.cli import check as command
+
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out)
 
 
 @app.command()
@@ -149,6 +358,22 @@ def export(
     from stribeck.cli import export as command
 
     return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json)
+
+
+@app.command()
+def gains(
+    scenario: ScenarioFile,
+    v_max: Annotated[
+        float | None,
+        typer.Option("--v-max", metavar="V", help="Speeds to prove it for, m/s; twice those met unless given."),
+    ] = None,
+    set_: Set = None,
+    json: Json = False,
+) -> int:
+    """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation."""
+    from stribeck.cli import gains as command
+
+    return command.gains(scenario, v_max, set_ or [], json)
 
 
 @app.command()

@@ -18,7 +18,9 @@ from stribeck.cli.show import print_json
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, cache, compiler, fallback, simulate
 
-_PACKAGES = ("numpy", "scipy", "pydantic", "typer", "rich", "pyarrow", "matplotlib", "jinja2", "pandas", "ziglang")
+_PACKAGES = (
+    "numpy", "scipy", "pydantic", "typer", "rich", "pyarrow", "matplotlib", "jinja2", "python-flint", "pandas", "ziglang",
+)  # fmt: skip
 
 
 def doctor(json: bool) -> int:

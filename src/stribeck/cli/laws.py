@@ -7,25 +7,56 @@ from typing import Any
 
 from stribeck import laws as registry
 from stribeck.cli.show import print_json
+from stribeck.errors import InputError
 from stribeck.laws.base import Claims, Law
 from stribeck.laws.render import condition, equations
 from stribeck.parameter_sets import parameters
 
 
-def laws(names: list[str], json: bool, test: bool) -> int:
-    """List the laws named, or all; with ``test``, test what they claim."""
+def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
+    """List the laws named, or all; with ``test``, test what they claim; with ``sets``, list the parameter sets."""
+    if sets:
+        return _sets(names, json)
     chosen = [registry.find(name) for name in names] or list(registry.builtin().values())
     if test:
         return _test(chosen, json)
     described = [_describe(law) for law in chosen]
     if json:
-        sets = {name: {k: v for k, v in asdict(s).items() if k != "name"} for name, s in parameters().items()}
-        print_json({"laws": described, "parameter_sets": sets})
+        known = {name: {k: v for k, v in asdict(s).items() if k != "name"} for name, s in parameters().items()}
+        print_json({"laws": described, "parameter_sets": known})
         return 0
     for law in described:
         _print(law)
     if not names:
-        print("parameter sets: " + ", ".join(parameters()))
+        print("parameter sets: " + ", ".join(parameters()) + " (--sets shows what is passive with each)")
+    return 0
+
+
+def _sets(names: list[str], json: bool) -> int:
+    """The built-in parameter sets and the laws that are passive with each."""
+    from stribeck.analysis.properties.matrix import every_law, passive_with
+
+    if names:
+        raise InputError(f"--sets: lists every set with every law; leave out {', '.join(names)}")
+    listed = {
+        name: {
+            **{k: v for k, v in asdict(s).items() if k != "name"},
+            "passive": passive_with(s.values),
+            "own_constants": {n: x for law in every_law(s.values) for n, x in law.values.items()
+                              if n in law.own_constants() and x is not None},
+        }
+        for name, s in parameters().items()
+    }  # fmt: skip
+    if json:
+        print_json({"parameter_sets": listed})
+        return 0
+    for name, s in listed.items():
+        passive = [law for law, holds in s["passive"].items() if holds]
+        own = ", ".join(f"{n} = {x:g}" for n, x in s["own_constants"].items())
+        print(f"{name}: {s['title']} ({s['motion']})")
+        print(f"    {', '.join(f'{n} = {x:g}' for n, x in s['values'].items())}")
+        print(f"    passive with {', '.join(passive) or 'no law'} (with {own})")
+        print(f"    source: {s['source']}")
     return 0
 
 
@@ -33,40 +64,67 @@ def _describe(law: type[Law]) -> dict[str, Any]:
     constants = {
         name: {
             "unit": c.unit or "1", "rotary_unit": c.rotary_unit, "meaning": c.meaning, "allowed": c.allowed,
-            "required": c.required, "default": c.default, "where": "law.parameters" if name in law.uses else "law",
+            "required": c.required, "default": c.choices[0] if c.choices else c.default,
+            "where": "law.parameters" if name in law.uses else "law",
         }
         for name, c in law.constants().items()
     }  # fmt: skip
     return {
         "name": law.name,
         "summary": " ".join((law.__doc__ or "").split()),
-        "equations": [asdict(e) for e in equations(law)],
+        "equations": _equations(law),
         "parameters": constants,
         "source": law.source,
-        "guarantees": {field.name: _guarantee(law, field.name) for field in fields(Claims)},
+        "guarantees": _guarantees(law),
+        "with": {form[0]: _changed(law, form) for form in law.structures() if len(form) == 1},
     }
 
 
-def _guarantee(law: type[Law], name: str) -> Any:
-    claim = getattr(law.claims, name)
-    return {"if": asdict(condition(claim, law))} if callable(claim) else claim
+def _equations(law: type[Law], form: tuple[str, ...] = ()) -> list[dict[str, str]]:
+    return [asdict(e) for e in equations(law, form)]
+
+
+def _guarantees(law: type[Law], form: tuple[str, ...] = ()) -> dict[str, Any]:
+    claims = {field.name: getattr(law.claims, field.name) for field in fields(Claims)}
+    return {n: {"if": asdict(condition(c, law, form))} if callable(c) else c for n, c in claims.items()}
+
+
+def _changed(law: type[Law], form: tuple[str, ...]) -> dict[str, Any]:
+    """The equations and guarantees that a form of the law has and the usual one has not."""
+    usual, claims = _equations(law), _guarantees(law)
+    return {
+        "equations": [e for e in _equations(law, form) if e not in usual],
+        "guarantees": {n: c for n, c in _guarantees(law, form).items() if c != claims[n]},
+    }
 
 
 def _print(law: dict[str, Any]) -> None:
     print(f"{law['name']}: {law['summary']}")
     for equation in law["equations"]:
         print(f"    {equation['text']}")
-    words = []
-    for name, claim in law["guarantees"].items():
-        if claim is not None:
-            text = f"if {claim['if']['text']}" if isinstance(claim, dict) else "yes" if claim else "no"
-            words.append(f"{name.replace('_', '-')}: {text}")
-    print(f"  claims     {'; '.join(words) or 'no internal state, so none of the five properties'}")
-    own = [f"{n} ({p['unit']}, {p['meaning']})" for n, p in law["parameters"].items() if p["where"] == "law"]
+    words = _words(law["guarantees"])
+    print(f"  claims     {words or 'no internal state, so none of the five properties'}")
+    for form, changed in law["with"].items():
+        parts = [*(e["text"] for e in changed["equations"]), _words(changed["guarantees"])]
+        print(f"  with {form}: {'; '.join(part for part in parts if part)}")
+    own = [f"{n} ({_unit_or_words(p)}, {p['meaning']})" for n, p in law["parameters"].items() if p["where"] == "law"]
     if own:
         print(f"  constants  {'; '.join(own)}")
     print(f"  parameters {', '.join(n for n, p in law['parameters'].items() if p['where'] != 'law') or 'none'}")
     print(f"  source     {law['source']}\n")
+
+
+def _words(guarantees: dict[str, Any]) -> str:
+    words = []
+    for name, claim in guarantees.items():
+        if claim is not None:
+            text = f"if {claim['if']['text']}" if isinstance(claim, dict) else "yes" if claim else "no"
+            words.append(f"{name.replace('_', '-')}: {text}")
+    return "; ".join(words)
+
+
+def _unit_or_words(parameter: dict[str, Any]) -> str:
+    return str(parameter["allowed"] if parameter["allowed"].startswith("one of") else parameter["unit"])
 
 
 def _test(chosen: list[type[Law]], json: bool) -> int:

@@ -14,7 +14,8 @@ _START = "stick_slip"  # the example that a new name starts from
 _HELP = """\
 # {name}: a scenario for 'stribeck run'. SI units everywhere (rotary machines: N m, rad).
 # [law] name: 'stribeck laws' lists them; parameters: a table as here, a built-in set ("canudas1995") or a file.
-# [drive] kind: "force" (N), "spring" (position of the far end, m), "pid" (setpoint, m) or "velocity" (m/s).
+# [drive] kind: "force" (N), "spring" (position of the far end, m), "pid" (setpoint, m) or "velocity" (m/s);
+#         "cascade", a pneumatic servo, has an example of its own: stribeck new servo.
 # [drive.signal] kind: "points" (t, value), "ramp" (rate), "sine" (amplitude, frequency, offset, phase),
 #                      "step" (value, time) or "file" (path, time, value: columns of a CSV or Parquet file).
 """

@@ -43,6 +43,13 @@ def check_folder(out: Path) -> None:
 @contextmanager
 def progress(what: str) -> Iterator[Callable[[float], None] | None]:
     """A progress bar on standard error where that is a terminal; it shows only when the work takes a while."""
+    with rate(what) as tell:
+        yield None if tell is None else lambda share: tell(share, 0.0)
+
+
+@contextmanager
+def rate(what: str, unit: str = "") -> Iterator[Callable[[float, float], None] | None]:
+    """A progress bar that also shows how many units a second are done: told the share done, and how many by now."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -50,18 +57,24 @@ def progress(what: str) -> Iterator[Callable[[float], None] | None]:
 
     started, bar = monotonic(), None
 
-    def tell(share: float) -> None:
+    def tell(share: float, count: float) -> None:
         nonlocal bar
         if bar is None and monotonic() - started > 0.5:
             from rich.console import Console
             from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-            columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
+            columns = (
+                TextColumn("{task.description}"),
+                BarColumn(),
+                TimeRemainingColumn(),
+                TextColumn("{task.fields[speed]}"),
+            )
             bar = Progress(*columns, console=Console(stderr=True), transient=True)
             bar.start()
-            bar.add_task(what, total=1.0)
+            bar.add_task(what, total=1.0, speed="")
         if bar is not None:
-            bar.update(bar.task_ids[0], completed=share)
+            speed = f"{count / (monotonic() - started):.0f} {unit}/s" if unit else ""
+            bar.update(bar.task_ids[0], completed=share, speed=speed)
 
     try:
         yield tell

@@ -9,17 +9,18 @@ from functools import lru_cache
 from importlib.resources import files
 
 from stribeck.codegen.elimination import eliminate
+from stribeck.codegen.interface import Equations
 from stribeck.expressions.emit import C, Writer
 from stribeck.expressions.graph import ONE, Expr, derivative, is_zero, ordered, rewrite, substitute, symbol
-from stribeck.system import System
 
 # Words of C, and names that the generated functions use themselves.
 _RESERVED = frozenset(
     """
     auto break case char const continue default do double else enum extern float for goto if inline int long register
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-    p c t x dx piece jac fac shift df_dt exp log sqrt sin cos atan tanh fabs pow sign_of exp_of atan_of
-    N V_STATE INFINITY NAN HUGE_VAL M_PI M_E UNUSED unix linux
+    p c t x dx piece jac fac shift df_dt exp log sqrt sin cos atan tanh fabs pow
+    abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
+    N V_STATE LANES BY_LANE EXPORT INFINITY NAN HUGE_VAL M_PI M_E UNUSED unix linux
     """.split()  # noqa: SIM905
 )
 
@@ -29,15 +30,18 @@ _one_at_a_time = threading.Lock()
 
 
 @lru_cache(maxsize=64)
-def source(system: System) -> str:
-    """One C file for the system: compile it alone, as a shared library."""
+def source(system: Equations, lanes: bool = False) -> str:
+    """One C file for the system: compile it alone, as a shared library.
+
+    With ``lanes`` it solves several trajectories at once, each in a lane of the widest vectors that it is compiled for.
+    """
     with _one_at_a_time:
-        return _Source(system).text()
+        return _Source(system, lanes).text()
 
 
 class _Source:
-    def __init__(self, system: System) -> None:
-        self.system = system
+    def __init__(self, system: Equations, lanes: bool) -> None:
+        self.system, self.lanes = system, lanes
         self.names = [state.name for state in system.states]
         self.fields = _unique([name for _, name in system.parameters])
         self.parameter_text = {
@@ -59,7 +63,7 @@ class _Source:
     # -- constant subexpressions ---------------------------------------------------------------------------------
 
     def _constant(self, node: Expr, known: dict[Expr, bool]) -> bool:
-        for each in ordered([node]):
+        for each in () if node in known else ordered([node]):
             if each not in known:
                 is_parameter = each.op == "constant" or (each.op == "symbol" and str(each.value) in self.parameter_text)
                 known[each] = is_parameter or (bool(each.args) and all(known[a] for a in each.args))
@@ -95,7 +99,7 @@ class _Source:
             trivial = node.op in ("symbol", "constant") or (node.op == "neg" and node.args[0].op == "symbol")
             if trivial:
                 continue
-            if self._constant(node, known):
+            if self._constant(node, known) and node.op not in ("lt", "le", "both", "either"):
                 name = node.label or _coefficient_name(node, len(self.coefficients))
                 while name in taken:
                     name += "_"
@@ -116,37 +120,39 @@ class _Source:
         solution = eliminate(matrix, self.names, right, self._keep_factor)
         parts = [
             self._head(),
+            _runtime("vector.c" if self.lanes else "scalar.c"),
             self._struct("Parameters", self.fields, [f"{owner}.{name}" for owner, name in self.system.parameters]),
             self._struct("Coefficients", list(self.coefficients), None),
-            "/* The current straight piece of the signal. */\ntypedef struct { double start, value, slope; } Segment;",
+            "/* The current straight piece of the signal. */\ntypedef struct { real start, value, slope; } Segment;",
             self._struct("Jacobian", list(self.jacobian), None),
             self._struct("Factors", list(self.factors), None),
-            _runtime("operations.c"),
             self._function(
                 "Constants of a run.", "prepare", "const Parameters *p, Coefficients *c",
                 [(f"c->{name}", node) for name, node in self.coefficients.items()],
             ),
             self._function(
                 "Time derivatives of the states.", "rates",
-                f"{_COMMON}, const Segment *piece, double t, const double *x, double *dx",
+                f"{_COMMON}, const Segment *piece, real t, const real *x, real *dx",
                 [(f"dx[{i}]", rate) for i, rate in enumerate(self.rates)],
             ),
             self._function(
                 "Their derivatives: by the states (the entries that vary) and by time.", "jacobian",
-                f"{_COMMON}, const Segment *piece, double t, const double *x, Jacobian *jac, double *df_dt",
+                f"{_COMMON}, const Segment *piece, real t, const real *x, Jacobian *jac, real *df_dt",
                 [*((f"jac->{name}", node) for name, node in self.jacobian.items()),
                  *((f"df_dt[{i}]", node) for i, node in enumerate(self.by_time))],
             ),
             self._function(
-                "Factors of shift I - J.", "factorise", f"{_COMMON}, const Jacobian *jac, double shift, Factors *fac",
+                "Factors of shift I - J.", "factorise", f"{_COMMON}, const Jacobian *jac, real shift, Factors *fac",
                 [(f"fac->{name}", node) for name, node in self.factors.items()],
             ),
             self._function(
                 "Solve (shift I - J) k = r.", "solve",
-                f"{_COMMON}, const Jacobian *jac, double shift, const Factors *fac, const double *right, double *k",
+                f"{_COMMON}, const Jacobian *jac, real shift, const Factors *fac, const real *right, real *k",
                 [(f"k[{i}]", node) for i, node in enumerate(solution)],
             ),
-            _runtime("rodas5p.c"),
+            _runtime("method.c"),
+            _runtime("events.c"),
+            _runtime("lanes.c" if self.lanes else "run.c"),
         ]  # fmt: skip
         return "\n\n".join(parts)
 
@@ -181,44 +187,37 @@ class _Source:
         return symbol(f"factor.{name}")
 
     def _head(self) -> str:
-        law, drive = self.system.law, self.system.drive
         states = "".join(
             f"   x[{i}] = {s.name:<14} {s.unit:<6} {s.meaning}\n" for i, s in enumerate(self.system.states)
         )
         speed = self.names.index("v") if "v" in self.names else -1
         return (
             f"/* Generated by Stribeck: a simulation as straight-line C.\n"
-            f"   Law: {law.name}. {_comment(law.__doc__)}\n"
-            f"   Source: {_comment(law.source)}\n"
-            f"   Drive: {drive.kind}; {_comment(drive.meaning)}.\n"
+            f"{''.join(f'   {_comment(line)}' + chr(10) for line in self.system.heading)}"
             f"   States, SI units:\n{states}*/\n"
-            f"#include <math.h>\n#include <stdint.h>\n\n#define N {len(self.names)} /* states */\n"
+            f"#include <math.h>\n#include <stddef.h>\n#include <stdint.h>\n{_PORTABLE}\n"
+            f"#define N {len(self.names)} /* states */\n"
             f"#define V_STATE {speed} /* the state that is the velocity, or -1 */"
         )
 
     def _struct(self, name: str, fields: Sequence[str], comments: Sequence[str] | None) -> str:
         if not fields:
-            return f"typedef struct {{ double none; }} {name};"
+            return f"typedef struct {{ real none; }} {name};"
         if comments is None:
             body = (
-                textwrap.fill(", ".join(fields), 100, initial_indent="    double ", subsequent_indent="        ")
-                + ";\n"
+                textwrap.fill(", ".join(fields), 100, initial_indent="    real ", subsequent_indent="        ") + ";\n"
             )
         else:
             width = max(map(len, fields))
             body = "".join(
-                f"    double {field + ';':<{width + 1}} /* {self._unit(path)} */\n"
+                f"    real {field + ';':<{width + 1}} /* {self._unit(path)} */\n"
                 for field, path in zip(fields, comments, strict=True)
             )
         return f"typedef struct {{\n{body}}} {name};"
 
     def _unit(self, path: str) -> str:
         owner, _, name = path.partition(".")
-        from stribeck.plants.mass import Mass
-
-        tables = {"law": self.system.law.constants(), "plant": Mass.constants, "drive": self.system.drive.constants}
-        tables["signal"] = self.system.signal.constants if self.system.signal else {}
-        constant = tables[owner][name]
+        constant = self.system.constant(owner, name)
         return _comment(f"{constant.unit or '1'}, {constant.meaning} ({path})")
 
     def _function(self, what: str, name: str, arguments: str, outputs: list[tuple[str, Expr]]) -> str:
@@ -233,13 +232,25 @@ class _Source:
         }  # fmt: skip
         local = dict(zip(self.names, _unique(self.names), strict=True))
         used = {str(node.value) for node in ordered(e for _, e in outputs) if node.op == "symbol"}
-        lines = [f"const double {local[n]} = x[{i}];" for i, n in enumerate(self.names) if n in used]
+        lines = [f"const real {local[n]} = x[{i}];" for i, n in enumerate(self.names) if n in used]
         lines += Writer(C, {**inputs, **local}, taken=_RESERVED).write(outputs)
         body = "".join(f"    {line}\n" for line in lines)
         unused = "".join(f"    (void){word};\n" for word in _argument_names(arguments) if not _mentions(body, word))
         return f"/* {what} */\nstatic inline void {name}({arguments})\n{{\n{unused}{body}}}"
 
 
+_PORTABLE = """\
+#if defined(_WIN32)
+#define EXPORT __declspec(dllexport)
+#else
+#define EXPORT __attribute__((visibility("default")))
+#endif
+#if defined(__GNUC__)
+#define UNUSED __attribute__((unused))
+#else
+#define UNUSED
+#endif
+"""
 _COMMON = "const Parameters *p, const Coefficients *c"
 
 

@@ -7,7 +7,7 @@ from collections import Counter
 from typing import Any
 from xml.etree import ElementTree as ET
 
-import stribeck
+from stribeck.version import __version__
 
 _BASE = {
     "N": {"kg": 1, "m": 1, "s": -2},
@@ -25,8 +25,8 @@ def model_description(values: dict[str, Any]) -> str:
     token = "instantiationToken" if fmi == 3 else "guid"
     root = ET.Element("fmiModelDescription", {
         "fmiVersion": f"{fmi}.0", "modelName": model, token: values["token"],
-        "description": values["about"][0], "version": stribeck.__version__, "license": "Apache-2.0",
-        "generationTool": f"stribeck {stribeck.__version__}", "variableNamingConvention": "structured",
+        "description": values["about"][0], "version": __version__, "license": "Apache-2.0",
+        "generationTool": f"stribeck {__version__}", "variableNamingConvention": "structured",
         **({"numberOfEventIndicators": "0"} if fmi == 2 else {}),
     })  # fmt: skip
     state = "FMUState" if fmi == 3 else "FMUstate"

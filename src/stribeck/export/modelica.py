@@ -6,12 +6,12 @@ import html
 import re
 from collections.abc import Mapping
 
-import stribeck
 from stribeck.constants import Constant
 from stribeck.export.request import Request
 from stribeck.expressions.emit import _ADD, _ATOM, _UNARY, Dialect, Writer
 from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.laws.base import Law
+from stribeck.version import __version__
 
 MODELICA = Dialect(
     declare="",
@@ -94,7 +94,7 @@ package {name} "{_line(law)}"
     mass*der(v) = u - friction.F;
   end Body;
 
-  annotation(version="{stribeck.__version__}", Documentation(info="<html><pre>{info}</pre></html>"));
+  annotation(version="{__version__}", Documentation(info="<html><pre>{info}</pre></html>"));
 end {name};
 """
 

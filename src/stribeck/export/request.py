@@ -6,12 +6,12 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
-import stribeck
 from stribeck.errors import InputError
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.render import equations
 from stribeck.parameter_sets import parameters
 from stribeck.scenario import Scenario
+from stribeck.version import __version__
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Request:
             lines.append(
                 f"The law is {', '.join(kept) or 'none of the five properties'}{'; not ' if lost else ''}{', '.join(lost)}."
             )
-        lines.append(f"Made by stribeck {stribeck.__version__} (Apache-2.0).")
+        lines.append(f"Made by stribeck {__version__} (Apache-2.0).")
         return [ascii_only(line) for line in lines]
 
 

@@ -26,15 +26,20 @@ class Dialect:
     where: str
     statement_end: str
     where_precedence: int = _TERNARY
+    value: str = "{0}"  # a number that stands alone, not beside an operator
 
 
+# ``real`` is a number, or a vector of numbers for several trajectories: runtime/scalar.c, runtime/vector.c.
+_FUNCTIONS = ("abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
 C = Dialect(
-    declare="const double ",
-    functions={"abs": "fabs", "sign": "sign_of", "exp": "exp_of", "atan": "atan_of"},
-    both="&&",
-    either="||",
-    where="{0} ? {1} : {2}",
+    declare="const real ",
+    functions={name: f"{name}_of" for name in _FUNCTIONS},
+    both="&",
+    either="|",
+    where="choose({0}, {1}, {2})",
     statement_end=";",
+    where_precedence=_ATOM,
+    value="splat({0})",
 )
 PYTHON = Dialect(
     declare="", functions={}, both="", either="", where="where({0}, {1}, {2})", statement_end="", where_precedence=_ATOM
@@ -70,7 +75,7 @@ class Writer:
             for node in ordered([expr]):
                 if node not in self._text:
                     self._text[node] = self._statement(node, uses[node])
-            self.lines.append(f"{target} = {self._text[expr][0]}{self.dialect.statement_end}")
+            self.lines.append(f"{target} = {self._value(expr, _TERNARY)}{self.dialect.statement_end}")
         return self.lines
 
     def _statement(self, node: Expr, uses: int) -> tuple[str, int]:
@@ -95,6 +100,10 @@ class Writer:
         text, precedence = self._text[node]
         return text if precedence <= limit else f"({text})"
 
+    def _value(self, node: Expr, limit: int) -> str:
+        text = self._arg(node, limit)
+        return self.dialect.value.format(text) if node.op == "constant" else text
+
     def _format(self, node: Expr) -> tuple[str, int]:
         op, args = node.op, node.args
         if op == "symbol":
@@ -115,12 +124,12 @@ class Writer:
             if not sign:
                 return f"{op}({self._arg(args[0], _OR)}, {self._arg(args[1], _OR)})", _ATOM
             level = _AND if op == "both" else _OR
-            return f"{self._arg(args[0], _COMPARE)} {sign} {self._arg(args[1], _COMPARE)}", level
+            return f"{self._arg(args[0], _ATOM)} {sign} {self._arg(args[1], _ATOM)}", level
         if op == "where":
-            texts = (self._arg(args[0], _OR), self._arg(args[1], _ADD), self._arg(args[2], _ADD))
+            texts = (self._arg(args[0], _OR), self._value(args[1], _ADD), self._value(args[2], _ADD))
             return self.dialect.where.format(*texts), self.dialect.where_precedence
         name = self.dialect.functions.get(op, op)
-        return f"{name}({', '.join(self._arg(a, _TERNARY) for a in args)})", _ATOM
+        return f"{name}({', '.join(self._value(a, _TERNARY) for a in args)})", _ATOM
 
 
 def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[..., tuple[Any, ...]]:

@@ -314,6 +314,14 @@ def derivative(of: Expr, by: Expr, known: dict[Expr, Expr] | None = None) -> Exp
     return known[of]
 
 
+def total_derivative(of: Expr, rates: Mapping[Expr, Expr]) -> Expr:
+    """The derivative of a node along a motion: its partial derivatives times the rates of the symbols."""
+    total = ZERO
+    for by, rate in rates.items():
+        total = total + derivative(of, by) * rate
+    return total
+
+
 def ordered(outputs: Iterable[Expr]) -> list[Expr]:
     """Every node that the outputs need, each after its arguments."""
     order: dict[Expr, None] = {}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from fractions import Fraction
-from math import pi
+from math import isfinite, pi
 
 from stribeck.expressions.graph import Expr
 
@@ -31,6 +31,16 @@ def name(text: str, latex: bool) -> str:
 def write(expr: Expr, names: Mapping[str, str], latex: bool) -> str:
     """The expression as LaTeX or as text; ``names`` maps symbols to what stands for them."""
     return _Writer(names, latex).text(expr)[0]
+
+
+def multiple_of_pi(x: float) -> tuple[Fraction, bool] | None:
+    """q and True where x is the float nearest to q pi, q and False where it is that of q/pi; None where neither."""
+    for factor, above in ((pi, True), (1 / pi, False)):
+        if x and isfinite(x):
+            ratio = Fraction(x / factor).limit_denominator(64)
+            if ratio and abs(float(ratio) * factor - x) < 4e-16 * abs(x):
+                return ratio, above
+    return None
 
 
 class _Writer:
@@ -81,15 +91,16 @@ class _Writer:
             return f"-{self._number(-x)[0]}", _SUM
         if x == int(x) and x < 1e15:
             return str(int(x)), _ATOM
-        for factor, above in ((pi, False), (1 / pi, True)):  # multiples of pi and of 1/pi
-            ratio = Fraction(x / factor).limit_denominator(64)
-            if ratio and abs(float(ratio) * factor - x) < 4e-16 * x:
-                sign = r"\pi" if self.latex else "π"
-                top = str(ratio.numerator) if above else sign if ratio.numerator == 1 else f"{ratio.numerator}{sign}"
-                bottom = sign if above and ratio.denominator == 1 else str(ratio.denominator)
-                bottom = f"{ratio.denominator}{sign}" if above and ratio.denominator > 1 else bottom
-                binds = _ATOM if top == sign else _PRODUCT
-                return self._fraction(top, bottom) if bottom != "1" else (top, binds)
+        if multiple := multiple_of_pi(x):
+            ratio, above = multiple
+            sign = r"\pi" if self.latex else "π"
+            top = str(ratio.numerator)
+            bottom = str(ratio.denominator)
+            if above:
+                top = sign if ratio.numerator == 1 else f"{ratio.numerator}{sign}"
+            else:
+                bottom = sign if ratio.denominator == 1 else f"{ratio.denominator}{sign}"
+            return self._fraction(top, bottom) if bottom != "1" else (top, _ATOM if top == sign else _PRODUCT)
         return f"{x:.15g}", _ATOM
 
     def _fraction(self, top: str, bottom: str) -> tuple[str, int]:

@@ -127,14 +127,14 @@ def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None)
     return {n: value for n, value in values.items() if n in PARAMETERS or n in own}
 
 
-def law(name: str, parameters: str | Mapping[str, float] | None = None, **constants: float) -> Law:
+def law(name: str, parameters: str | Mapping[str, float] | None = None, **constants: float | str | None) -> Law:
     """A friction law with its constants.
 
     Args:
         name: a built-in law's name (:func:`builtin` lists them) or ``"FILE.py:NAME"`` for one of your own.
         parameters: the machine's parameters in SI units, as a mapping, as the name of a built-in set
             (``stribeck.parameters()`` lists them) or as the path of a set's file.
-        **constants: the law's own constants (``k_v=1e7``); they also override single parameters.
+        **constants: the law's own constants (``k_v=1e7``, ``smooth_abs="sqrt"``); they also override single parameters.
 
     Raises:
         InputError: an unknown law or set, or bad values; one line for each problem.

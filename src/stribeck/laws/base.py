@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from itertools import product
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -31,6 +32,7 @@ from stribeck.errors import InputError, NotDifferentiable, nearest
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import Value
+from stribeck.laws import terms
 from stribeck.laws.numeric import first_root, shaped
 from stribeck.laws.tools import ToTools
 
@@ -60,6 +62,8 @@ class Relation:
 @dataclass(frozen=True)
 class Claims:
     """What a law claims to guarantee: True, False, or a condition on its constants; None where it does not apply.
+
+    Where a condition is not met nothing is claimed; it may be sufficient only.
 
     unique: one solution z(t) for every piecewise continuous v(t). bounded: z stays within :meth:`Law.z_bound`
     whatever v(t). smooth: dz/dt is continuously differentiable in (v, z). passive: from v to F, with z within that
@@ -97,6 +101,10 @@ STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c
 _SLOWEST = 1e-100
 
 
+def _may_be_none(constant: Constant) -> bool:
+    return constant.optional or bool(constant.choices)
+
+
 class Law(ToTools):
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
@@ -123,12 +131,16 @@ class Law(ToTools):
         self.values: dict[str, float | None] = {
             name: float(values[name]) if values.get(name) is not None else constant.default
             for name, constant in declared.items()
+            if not constant.choices
+        }
+        self.choices: dict[str, str] = {
+            name: values.get(name) or constant.choices[0] for name, constant in declared.items() if constant.choices
         }
         # parameters of the machine that this law does not use, such as v_s for the event threshold
         self.machine: dict[str, float] = {
             name: float(value) for name, value in values.items() if name in PARAMETERS and value is not None
         }
-        self.p: Any = SimpleNamespace(**self.values)
+        self.p: Any = SimpleNamespace(**self.values, **self.choices)
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -171,14 +183,11 @@ class Law(ToTools):
 
     @classmethod
     def constants(cls) -> dict[str, Constant]:
-        """Every constant of the law by name: the machine's parameters first, then its own."""
-        own = {
-            name: value
-            for base in reversed(cls.__mro__)
-            for name, value in vars(base).items()
-            if isinstance(value, Constant)
-        }
-        return {**{name: PARAMETERS[name] for name in cls.uses}, **own}
+        """Every constant of the law by name: the machine's parameters first, then its own, what may be left out last."""
+        names = dict.fromkeys(name for base in reversed(cls.__mro__) for name in vars(base))
+        own = {name: value for name in names if isinstance(value := getattr(cls, name), Constant)}
+        last = sorted(own, key=lambda name: _may_be_none(own[name]))
+        return {**{name: PARAMETERS[name] for name in cls.uses}, **{name: own[name] for name in last}}
 
     @classmethod
     def own_constants(cls) -> dict[str, Constant]:
@@ -199,7 +208,7 @@ class Law(ToTools):
                 has = ", ".join(cls.own_constants()) or "none of its own"
                 guess = nearest(name, known) or f" (it has {has})"
                 found.append((name, f"{show(value)}: law '{cls.name}' has no such constant{guess}"))
-            elif not (value is None and known[name].optional) and (text := known[name].problem(value)):
+            elif not (value is None and _may_be_none(known[name])) and (text := known[name].problem(value)):
                 found.append((name, f"{show(value)}: {text}"))
         for name, constant in declared.items():
             if constant.required and name not in values:
@@ -218,15 +227,38 @@ class Law(ToTools):
 
     @property
     def structure(self) -> tuple[str, ...]:
-        """The optional constants that are on: they change the form of the equations."""
-        return tuple(name for name, c in self.constants().items() if c.optional and self.values[name] is not None)
+        """What changes the form of the equations: the optional constants that are on, and choices (``name=word``)
+        other than the first."""
+        on = (name for name, c in self.constants().items() if c.optional and self.values[name] is not None)
+        chosen = (f"{n}={word}" for n, word in self.choices.items() if word != self.constants()[n].choices[0])
+        return (*on, *chosen)
+
+    @classmethod
+    def structures(cls) -> list[tuple[str, ...]]:
+        """Every form that the equations can take, as :attr:`structure`; the usual one first."""
+        each = [
+            [f"{n}={word}" if i else "" for i, word in enumerate(c.choices)] if c.choices else ["", n]
+            for n, c in cls.constants().items()
+            if c.choices or c.optional
+        ]
+        return [tuple(word for word in words if word) for words in product(*each)]
+
+    @classmethod
+    def numbers(cls, structure: tuple[str, ...]) -> dict[str, Constant]:
+        """The constants that are numbers in that form of the equations: no choices, and no optional ones that are off."""
+        return {n: c for n, c in cls.constants().items() if not c.choices and (not c.optional or n in structure)}
 
     @classmethod
     def symbolic(cls, make: Callable[[str], Value], structure: tuple[str, ...] = ()) -> SimpleNamespace:
-        """The constants as symbols; optional ones that are off are None."""
-        return SimpleNamespace(
-            **{n: None if c.optional and n not in structure else make(n) for n, c in cls.constants().items()}
-        )
+        """The constants as symbols; optional ones that are off are None, choices are words."""
+        words = dict(word.split("=") for word in structure if "=" in word)
+        made: dict[str, Value] = {}
+        for name, constant in cls.constants().items():
+            if constant.choices:
+                made[name] = words.get(name, constant.choices[0])
+            else:
+                made[name] = None if constant.optional and name not in structure else make(name)
+        return SimpleNamespace(**made)
 
     def guarantees(self) -> dict[str, bool | None]:
         """The claims evaluated for these values: True, False, or None where a property does not apply."""
@@ -347,15 +379,20 @@ class Law(ToTools):
 
 
 class BristleLaw(Law):
-    """A law with one state, the mean deflection z of bristles: F = sigma_0 z + sigma_1 dz/dt + sigma_2 v."""
+    """A law with one state, the mean deflection z of bristles: F = sigma_0 z + sigma_1 dz/dt + sigma_2 v.
 
+    With the constant v_d the bristle damping sigma_1 falls with speed.
+    """
+
+    v_d: ClassVar[Constant | None] = terms.V_D  # None in a law whose force is another
     uses: ClassVar[tuple[str, ...]] = ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")
     relations: ClassVar[tuple[Relation, ...]] = STATIC_ABOVE_COULOMB
 
     @staticmethod
     def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
         """The paper's eq. 1."""
-        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v
+        sigma_1 = p.sigma_1 if p.v_d is None else terms.sigma_1(p, v)
+        return p.sigma_0 * z + sigma_1 * dz_dt + p.sigma_2 * v
 
     @staticmethod
     def stored_energy(p: Any, z: Value) -> Value:

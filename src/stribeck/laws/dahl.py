@@ -15,6 +15,7 @@ class Dahl(BristleLaw):
     name = "dahl"
     source = "Dahl, A solid friction model, TOR-0158(3107-18)-1, The Aerospace Corporation, 1968"
     claims = Claims(unique=True, bounded=True, smooth=False, passive=True, drift_free=False)
+    v_d = None
     uses = ("sigma_0", "F_c")
     relations = ()
 

@@ -8,7 +8,7 @@ from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, clip, pi, sin, where
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, BristleLaw, Claims, Relation
 from stribeck.laws.lugre import passive_as_lugre, passive_as_majorant
-from stribeck.laws.terms import K_V, S_0, g, m, term
+from stribeck.laws.terms import K_V, S_0, SMOOTH_ABS, g, m, term
 
 Z_BA = Constant(
     "m", "break-away deflection, below which the contact is elastic", above=0, rotary_unit="rad", example=7e-6
@@ -88,6 +88,7 @@ class ElastoPlasticMajorant(_ElastoPlastic):
     source = "Stribeck, docs/theory.md"
     claims = Claims(unique=True, bounded=True, smooth=True, passive=passive_as_majorant, drift_free=True)
     k_v = K_V
+    smooth_abs = SMOOTH_ABS
 
     @staticmethod
     def dz_dt(p: Any, v: Value, z: Value) -> Value:

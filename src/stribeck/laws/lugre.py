@@ -2,22 +2,34 @@
 
 from __future__ import annotations
 
+from math import e
 from typing import Any
 
-from stribeck.expressions.ops import Value, both, pi
+from stribeck.expressions.ops import Value, both, either
 from stribeck.laws.base import BristleLaw, Claims
-from stribeck.laws.terms import K_V, S_0, g, m
+from stribeck.laws.terms import K_V, S_0, SMOOTH_ABS, g, m, m_0
+
+
+def _damped(p: Any, above: Value = 0.0) -> Value:
+    """sigma_1(v) (|v| + above) <= 4 F_c for all v: passive whatever sigma_2 is, if m <= |v| + above."""
+    return p.sigma_1 * (p.v_d / (2 * e) ** 0.5 + above) <= 4 * p.F_c  # (2 e)^-1/2: the maximum of x exp(-x^2)
 
 
 def passive_as_lugre(p: Any) -> Value:
-    """LuGre's condition, necessary and sufficient with sigma_0 z^2/2 as storage (Barabanov & Ortega 2000)."""
-    return p.sigma_2 * p.F_c >= p.sigma_1 * (p.F_s - p.F_c)
+    """LuGre's condition, necessary and sufficient (Barabanov & Ortega 2000); with v_d, sufficient only, as is v_d small."""
+    constant = p.sigma_2 * p.F_c >= p.sigma_1 * (p.F_s - p.F_c)
+    return constant if p.v_d is None else either(constant, _damped(p))
 
 
 def passive_as_majorant(p: Any) -> Value:
-    """LuGre's condition; k_v large enough that m - |v| <= F_s/sigma_1 makes it sufficient."""
-    steep = p.k_v * pi * p.F_s >= 2 * p.sigma_1
-    return both(passive_as_lugre(p), steep)
+    """LuGre's condition; k_v large enough that m - |v| <= F_s/sigma_1 makes it sufficient. With v_d, also v_d small."""
+    constant = both(p.sigma_2 * p.F_c >= p.sigma_1 * (p.F_s - p.F_c), p.sigma_1 * m_0(p) <= p.F_s)
+    return constant if p.v_d is None else either(constant, _damped(p, m_0(p)))
+
+
+def passive_as_arctan(p: Any) -> Value:
+    """Without bristle damping, as z is not bounded; or with v_d small."""
+    return p.sigma_1 <= 0 if p.v_d is None else _damped(p)
 
 
 class LuGre(BristleLaw):
@@ -39,7 +51,7 @@ class LuGreArctan(BristleLaw):
     source = (
         "Guenther, Perondi, DePieri, Valdiero, J. Braz. Soc. Mech. Sci. Eng. 28(1):48-57, 2006; the paper's eqs 4-6"
     )
-    claims = Claims(unique=True, bounded=False, smooth=True, passive=lambda p: p.sigma_1 <= 0, drift_free=False)
+    claims = Claims(unique=True, bounded=False, smooth=True, passive=passive_as_arctan, drift_free=False)
     k_v = K_V
 
     @staticmethod
@@ -69,6 +81,7 @@ class LuGreMajorant(BristleLaw):
     source = "Stribeck, docs/theory.md"
     claims = Claims(unique=True, bounded=True, smooth=True, passive=passive_as_majorant, drift_free=False)
     k_v = K_V
+    smooth_abs = SMOOTH_ABS
 
     @staticmethod
     def dz_dt(p: Any, v: Value, z: Value) -> Value:

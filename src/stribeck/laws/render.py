@@ -25,7 +25,7 @@ class Equation:
 def equations(law: type[Law], options: tuple[str, ...] = ()) -> list[Equation]:
     """The law's equations: dz/dt (where it has a z), F, then the functions that they use, each once.
 
-    ``options`` are the optional constants that are on.
+    ``options`` is the form that they take, one of :meth:`Law.structures`.
     """
     p, v, z, rate = law.symbolic(symbol, options), symbol("v"), symbol("z"), symbol("dz_dt")
     names = [*law.constants(), "v", "z"]
@@ -46,9 +46,9 @@ def equations(law: type[Law], options: tuple[str, ...] = ()) -> list[Equation]:
     ]
 
 
-def condition(claim: Any, law: type[Law]) -> Equation:
+def condition(claim: Any, law: type[Law], options: tuple[str, ...] = ()) -> Equation:
     """A claim that depends on the constants, as a condition."""
-    value = claim(law.symbolic(symbol))
+    value = claim(law.symbolic(symbol, options))
     latex, text = ({n: pretty.name(n, latex=way) for n in law.constants()} for way in (True, False))
     return Equation(pretty.write(value, latex, latex=True), pretty.write(value, text, latex=False))
 

@@ -8,9 +8,14 @@ from typing import Any
 
 from stribeck.constants import Constant
 from stribeck.expressions.graph import Expr
-from stribeck.expressions.ops import Value, atan, exp, pi
+from stribeck.expressions.ops import Value, atan, exp, pi, sqrt, where
 
 K_V = Constant("s/m", "steepness of the smooth sign", above=0, rotary_unit="s/rad", example=1e7)
+V_D = Constant(
+    "m/s", "speed at which bristle damping has fallen to 1/e; constant damping unless given",
+    above=0, optional=True, rotary_unit="rad/s",
+)  # fmt: skip
+SMOOTH_ABS = Constant("", "which smooth majorant of |v|", choices=("atan", "sqrt", "compact"))
 
 # Set by stribeck.laws.render: it then wants terms by name, with their definitions apart.
 on_term: Callable[[str, str, tuple[Value, ...], Value], Value] | None = None
@@ -46,5 +51,22 @@ def S_0(p: Any, v: Value) -> Value:
 
 @term("m")
 def m(p: Any, v: Value) -> Value:
-    """Smooth majorant of |v| in m/s: |v| <= m(v) <= |v| + 2/(pi k_v)."""
-    return v * S_0(p, v) + 2 / (pi * p.k_v)
+    """Smooth majorant of |v| in m/s: |v| <= m(v) <= |v| + m(0). docs/theory.md has the proofs."""
+    if p.smooth_abs == "sqrt":
+        return sqrt(v**2 + 1 / p.k_v**2)
+    if p.smooth_abs == "compact":
+        return where(p.k_v * abs(v) < 1, (3 / p.k_v + 6 * p.k_v * v**2 - p.k_v**3 * v**4) / 8, abs(v))
+    return v * S_0(p, v) + m_0(p)
+
+
+def m_0(p: Any) -> Value:
+    """m(0), which is also the most by which m exceeds |v|, m/s."""
+    if p.smooth_abs == "sqrt":
+        return 1 / p.k_v
+    return 3 / (8 * p.k_v) if p.smooth_abs == "compact" else 2 / (pi * p.k_v)
+
+
+@term("\\sigma_1")
+def sigma_1(p: Any, v: Value) -> Value:
+    """Bristle damping that falls with speed, N s/m (Olsson et al., Eur. J. Control 4(3):176-195, 1998)."""
+    return p.sigma_1 * exp(-((v / p.v_d) ** 2))

@@ -8,16 +8,17 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import stribeck
 from stribeck.report.files import write_columns, write_json, write_text, write_with
 from stribeck.report.page import Chapter, html
+from stribeck.version import __version__
 
 # In the order of the report; a new chapter is a module here and a name in this list.
 CHAPTERS = (
-    "steady", "smoothing", "presliding", "stick_slip", "sine_force", "limit_cycle", "break_away", "statements", "beyond",
+    "steady", "smoothing", "presliding", "stick_slip", "sine_force", "limit_cycle", "break_away", "servo", "statements",
+    "beyond", "guarantees", "evidence", "which_k_v",
 )  # fmt: skip
 _READS_OTHERS = ("statements",)  # chapters made of what the others computed
-_SLOWEST_FIRST = ("beyond", "stick_slip", "limit_cycle", "break_away")
+_SLOWEST_FIRST = ("guarantees", "servo", "evidence", "which_k_v", "beyond", "stick_slip", "limit_cycle", "break_away")
 
 TITLE = "A continuous approximation of the LuGre friction model: every figure, computed"
 _INTRODUCTION = (
@@ -52,10 +53,10 @@ def write(folder: Path, progress: Callable[[float], None] | None = None) -> dict
             paths.append(folder / "data" / f"{chapter.key}.parquet")
             write_columns(paths[-1], chapter.data)
     page = folder / "report.html"
-    write_text(page, html(TITLE, f"Made by Stribeck {stribeck.__version__}.", _INTRODUCTION, chapters))
+    write_text(page, html(TITLE, f"Made by Stribeck {__version__}.", _INTRODUCTION, chapters))
     summary = {
         "status": "done",
-        "version": stribeck.__version__,
+        "version": __version__,
         "chapters": {chapter.key: chapter.numbers for chapter in chapters},
         "files": [str(path) for path in (page, *paths, folder / "summary.json")],
     }

@@ -20,6 +20,17 @@ PAPER: dict[str, Variant] = {
     REFERENCE: ("lugre", {}),
     **{f"proposed, k_v = 1e{n} s/m": ("lugre_sobczyk", {"k_v": 10.0**n}) for n in (6, 7, 8)},
 }
+# Every law with bristles.
+BRISTLES: dict[str, Variant] = {
+    "lugre": ("lugre", {}),
+    "lugre_arctan": ("lugre_arctan", {"k_v": 1e6}),
+    "lugre_sobczyk": ("lugre_sobczyk", {"k_v": 1e6}),
+    "lugre_majorant": ("lugre_majorant", {"k_v": 1e6}),
+    "elastoplastic": ("elastoplastic", {"z_ba": 7e-6}),
+    "elastoplastic_sobczyk": ("elastoplastic_sobczyk", {"z_ba": 7e-6, "k_v": 1e6}),
+    "elastoplastic_majorant": ("elastoplastic_majorant", {"z_ba": 7e-6, "k_v": 1e6}),
+    "dahl": ("dahl", {}),
+}
 PROPOSED = tuple(PAPER)[1:]
 
 Done = Mapping[str, Chapter]  # the chapters before, for what they computed

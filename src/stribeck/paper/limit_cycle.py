@@ -36,7 +36,8 @@ def chapter(done: Done) -> Chapter:
     cycles = {}
     for label, s in solutions.items():
         late = s.t > SETTLED
-        cycles[label] = amplitude_and_period(s.t[late], s["y"][late])
+        amplitude, period = amplitude_and_period(s.t[late], s["y"][late])
+        cycles[label] = float(amplitude), float(period)
     off = {label: deviations(reference, solutions[label])["y"]["max_relative"] for label in PROPOSED}
     rows = [
         [label, f"{a:.6f}", f"{period:.2f}", f"{solutions[label].peaks['y']:.5f}", percent(off.get(label))]

@@ -17,7 +17,7 @@ from stribeck.report.page import Chapter, FigureSvg, Table
 def chapter(done: Done) -> Chapter:
     """m(v) = v S_0(v), S_0(v) and S_1(v) for the three k_v, beside what they replace."""
     v = np.concatenate([-np.geomspace(5e-6, 1e-9, 200), np.geomspace(1e-9, 5e-6, 200)])
-    steep = {k_v: SimpleNamespace(k_v=k_v) for k_v in STEEPNESSES}
+    steep = {k_v: SimpleNamespace(k_v=k_v, smooth_abs="atan") for k_v in STEEPNESSES}
     labels = {k_v: f"k_v = {k_v:.0e} s/m".replace("e+0", "e") for k_v in STEEPNESSES}
     two = _beside(
         "fig02_smooth_sign",

@@ -52,6 +52,9 @@ _STYLE: dict[str, Any] = {
     "svg.fonttype": "none",
     "svg.hashsalt": "stribeck",
 }
+_BODY = [["y", "v"], ["F", "F"], ["Fv", "Fy"]]
+_AXES = [("y", "t", "y"), ("v", "t", "v"), ("F", "t", "F"), ("Fv", "v", "F"), ("Fy", "y", "F")]
+_SERVO = [["y", "e"], ["p_1", "p_2"], ["u", "V"], ["F", "F_hat"]]
 _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
 
 
@@ -81,6 +84,9 @@ def svg(made: Figure) -> str:
 
     buffer = io.StringIO()
     FigureCanvasSVG(made)
+    if (layout := made.get_layout_engine()) is not None:
+        layout.execute(made)  # once, and not for every format: a third of the time of a figure
+        made.set_layout_engine("none")
     made.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     return buffer.getvalue()
 
@@ -111,6 +117,15 @@ def draw(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
     axis.set_ylabel(f"{y} ({units[y]})")
 
 
+def logarithmic(axis: Axes, x: bool = True, y: bool = True) -> None:
+    """Make the scales logarithmic, without the small ticks: laying them out would take most of a figure's time."""
+    if x:
+        axis.set_xscale("log")
+    if y:
+        axis.set_yscale("log")
+    axis.minorticks_off()
+
+
 def legend(made: Figure, axis: Axes) -> None:
     """One legend for the whole figure, above the panels, from one panel's lines."""
     handles, labels = axis.get_legend_handles_labels()
@@ -131,13 +146,20 @@ def finish(made: Figure, name: str, caption: str) -> FigureSvg:
 
 
 def overview(solutions: Mapping[str, Solution]) -> str:
-    """Position, velocity and friction force against time, and the force against velocity and position, as SVG."""
+    """Position, velocity and friction force against time, and the force against velocity and position; of a servo its
+    errors, pressures, voltage, forces and V against time. As SVG."""
     failed = [label for label, solution in solutions.items() if solution.status != "done"]
     name = next(iter(solutions.values())).scenario.name
+    servo = all(solution.scenario.servo is not None for solution in solutions.values())
+    layout, height, panels = (
+        (_SERVO, 8.4, [(y, "t", y) for row in _SERVO for y in row]) if servo else (_BODY, 6.6, _AXES)
+    )
     with style():
-        made, axes = figure([["y", "v"], ["F", "F"], ["Fv", "Fy"]], 6.6)
-        for panel, x, y in (("y", "t", "y"), ("v", "t", "v"), ("F", "t", "F"), ("Fv", "v", "F"), ("Fy", "y", "F")):
+        made, axes = figure(layout, height)
+        for panel, x, y in panels:
             draw(axes[panel], solutions, x, y)
+        if servo:
+            axes["V"].set_yscale("log")
         early = f" (failed early: {', '.join(failed)})" if failed else ""
         axes["y"].set_title(f"{name}{early}")
         legend(made, axes["y"])

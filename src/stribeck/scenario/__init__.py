@@ -10,19 +10,27 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from stribeck import drives, laws, signals
+from stribeck import laws
 from stribeck.constants import kind_of, show
+from stribeck.control.cascade import Cascade
+from stribeck.control.observer import SCALES
+from stribeck.control.servo import ServoSystem
 from stribeck.drives import Drive
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.parameter_sets import read_toml
-from stribeck.scenario import memory, tables
+from stribeck.scenario import memory, servo, tables
 from stribeck.scenario.changes import changed, parse_assignment, plain
+from stribeck.scenario.servo import Servo
+from stribeck.scenario.signal import read_signal
 from stribeck.signals import Signal
 from stribeck.system import Groups, System
 
 __all__ = ["Scenario", "parse_assignment"]
+
+Array = NDArray[np.float64]
 
 _TABLES = ("law", "plant", "drive", "solve", "output")
 # In presliding all of the motion is a few natural scales: a tenth keeps y and v within 1e-6 of their peaks there too.
@@ -48,7 +56,7 @@ class Scenario:
         self.data: dict[str, Any] = plain({"schema": 1, **tables_} if data is None else {**data, **tables_})
         self.folder = Path(folder) if folder is not None else Path()
         self.law: Law
-        self.drive: type[Drive]
+        self.drive: type[Drive] | type[Cascade]
         self.signal: Signal
         problems = _Reader(self).read()
         if problems:
@@ -74,7 +82,8 @@ class Scenario:
 
     # -- filled in by _Reader --------------------------------------------------------------------------------------
 
-    mass: float | None
+    mass: float | None = None
+    servo: Servo | None = None  # what a servo has beside law, drive constants and signal
     initial: dict[str, float]
     drive_values: dict[str, float]
     solve: tables.Solve
@@ -96,8 +105,11 @@ class Scenario:
         return max(self.solve.t_end, (self.rows - 1) * self.output.step)
 
     @cached_property
-    def system(self) -> System:
+    def system(self) -> System | ServoSystem:
         """The structure of the equations, without values."""
+        if self.servo is not None:
+            return self.servo.system(self.law, type(self.signal), "supply_droop" in self.drive_values)
+        assert issubclass(self.drive, Drive)
         smooth = type(self.signal) if self.signal.smooth else None
         return System(type(self.law), self.law.structure, self.drive, smooth, self.output.energy)
 
@@ -106,25 +118,44 @@ class Scenario:
         """The speed that slip and stick are told by: v_s, or 0 (none) where the parameters have no v_s."""
         return self.law.machine.get("v_s", 0.0)
 
+    def columns(self, t: Array, states: dict[str, Array]) -> dict[str, Any]:
+        """Every column of the output by name, from the states at the times t."""
+        system = self.system
+        if isinstance(system, ServoSystem):
+            return system.table({**self.values(), **self.signal_values(t)}, t, states)
+        return system.quantities(self.groups(), self.signal.at(t), states)
+
     def groups(self) -> Groups:
         """The constants by owner, for evaluating the system's equations with NumPy."""
-        plant = SimpleNamespace(mass=self.mass)
-        return Groups(self.law.p, plant, SimpleNamespace(**self.drive_values), SimpleNamespace(**self.signal.values))
+        plant, drive = SimpleNamespace(mass=self.mass), SimpleNamespace(**self.drive_values)
+        return Groups(self.law.p, plant, drive, SimpleNamespace(**self.signal.values))
+
+    def signal_values(self, t: Array) -> dict[tuple[str, str], Any]:
+        """The constants of a smooth signal at the times t."""
+        return {("signal", n): x for n, x in self.signal.values_at(t).items()}
 
     def values(self) -> dict[tuple[str, str], float]:
         """The system's run-time constants by (group, name)."""
         found = {("law", n): v for n, v in self.law.values.items() if v is not None}
         found |= {("drive", n): v for n, v in self.drive_values.items()}
         found |= {("signal", n): v for n, v in self.signal.values.items()} if self.signal.smooth else {}
+        found |= self.servo.values() if self.servo else {}
         return found if self.mass is None else {**found, ("plant", "mass"): self.mass}
 
-    def atol(self) -> dict[str, float]:
-        """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale."""
-        scales = self.law.scales(self.law.p)
+    def atol(self, constants: Groups | None = None) -> dict[str, float]:
+        """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale.
+
+        With ``constants`` it is that of the same scenario with other values.
+        """
+        q = self.groups() if constants is None else constants
+        scales = self.law.scales(q.law)
         natural = {"y": scales.length, "v": scales.speed, "z": scales.length}
-        own = self.drive.state_scales(SimpleNamespace(**self.drive_values), scales.length, scales.force)
-        natural |= dict(zip((s.name for s in self.drive.states), own, strict=True))
         natural |= dict.fromkeys(("E_in", "E_dissipated"), scales.force * scales.length)
+        if self.servo is not None:
+            natural |= servo.atol_scales(self.servo, self.law)
+        elif issubclass(self.drive, Drive):
+            own = self.drive.state_scales(q.drive, scales.length, scales.force)
+            natural |= dict(zip((s.name for s in self.drive.states), own, strict=True))
         rtol = self.solve.rtol
         return {s.name: self.solve.atol.get(s.name, _ATOL_SHARE * rtol * natural[s.name]) for s in self.system.states}
 
@@ -250,17 +281,19 @@ class _Reader:
     def _drive(self) -> None:
         table = self.data.get("drive")
         if not isinstance(table, dict):
-            kinds = ", ".join(drives.KINDS)
+            kinds = ", ".join(tables.DRIVES)
             text = f"missing: the table [drive] must be given (with kind, one of {kinds}, and signal)"
             self.problems.append(("drive", text if table is None else _no_table(table)))
             return
-        kind = self._kind(table, "drive", drives.KINDS, tables.drive_table)
+        kind = self._kind(table, "drive", tables.DRIVES, tables.drive_table)
         if kind is not None:
             values, found = tables.validate(tables.drive_table(kind), table, "drive")
             self.problems += [p for p in found if p[0] != "drive.signal" or "signal" not in table]
-            self.scenario.drive = drives.KINDS[kind]
+            self.scenario.drive = tables.DRIVES[kind]
             if values is not None:
-                self.scenario.drive_values = {n: getattr(values, n) for n in drives.KINDS[kind].constants}
+                given = {n: getattr(values, n) for n in tables.DRIVES[kind].constants}
+                self.scenario.drive_values = {n: x for n, x in given.items() if x is not None}
+                self.drive_table = values
         if "signal" in table:
             self._signal(table["signal"])
 
@@ -284,28 +317,17 @@ class _Reader:
         if not isinstance(table, dict):
             self.problems.append((path, _no_table(table)))
             return
-        kind = self._kind(table, path, signals.KINDS, tables.signal_table)
+        kind = self._kind(table, path, tables.SIGNALS, tables.signal_table)
         if kind is None:
             return
         values, found = tables.validate(tables.signal_table(kind), table, path)
         self.problems += found
         if values is None:
             return
-        cls = signals.KINDS[kind]
-        if cls is signals.File:
-            try:
-                self.scenario.signal = signals.File.read(self.folder / values.path, values.time, values.value)
-            except InputError as error:
-                keyed = (text.partition(": ") for text in error.problems)
-                self.problems += [(f"{path}.{key}", text) for key, _, text in keyed]
-        elif cls is signals.Points:
-            t, value = np.array(values.t, float), np.array(values.value, float)
-            wrong = signals.Points.problems(t, value)
-            self.problems += [(f"{path}.{key}", text) for key, text in wrong]
-            if not wrong:
-                self.scenario.signal = signals.Points(t, value)
-        else:
-            self.scenario.signal = cls({name: getattr(values, name) for name in cls.constants})
+        signal, found = read_signal(kind, values, self.folder)
+        self.problems += [(f"{path}.{key}", text) for key, text in found]
+        if signal is not None:
+            self.scenario.signal = signal
 
     def _plant(self) -> None:
         drive = getattr(self.scenario, "drive", None)
@@ -317,10 +339,25 @@ class _Reader:
                 found = tables.validate(tables.plant_table(True), self.data["plant"], "plant")[1]
                 self.problems += [p for p in found if not p[1].startswith("missing")]
             return
+        if drive is Cascade:
+            self._servo()
+            return
         table = self._table(tables.plant_table(not moved), "plant")
         if table is not None:
             self.scenario.mass = None if moved else table.mass
             self.scenario.initial = {"v": 0.0, **dict(table.initial)}
+
+    def _servo(self) -> None:
+        """The plant and the controller of a servo."""
+        values, table = getattr(self, "drive_table", None), self.data["drive"].get("observer")
+        plant = self._table(tables.cylinder_table(), "plant")
+        law = getattr(self.scenario, "law", None)
+        observer, found = servo.read_observer(table, law, self.folder) if isinstance(table, dict) else (None, [])
+        found += servo.misplaced(values, ... if found else observer) if values is not None else []
+        self.problems += found
+        if plant is not None and values is not None and not found:
+            self.scenario.initial = {**dict(plant.initial), **{scale.name: 1.0 for scale in SCALES}}
+            self.scenario.servo = servo.assembled(observer, plant, values)
 
     def _together(self) -> None:
         """What can only be judged with several tables in hand, as far as they are valid."""
@@ -331,7 +368,16 @@ class _Reader:
             self.problems.append(("plant.initial.z", f"{initial['z']}: law '{law.name}' has no z; leave it out"))
         if law is None or drive is None:
             return
-        system = System(type(law), law.structure, drive, None, s.output is not None and s.output.energy)
+        if drive is Cascade:
+            if s.output is not None and s.output.energy:
+                self.problems.append(("output.energy", "true: must be false for a servo, whose energy is the column V"))
+            if s.servo is None or not hasattr(s, "signal") or self.problems:
+                return
+            system: System | ServoSystem = s.system
+            if s.solve:
+                self.problems += servo.judge(s.servo, law, s.signal, s.solve.t_end, s.initial)
+        else:
+            system = System(type(law), law.structure, drive, None, s.output is not None and s.output.energy)
         states = [state.name for state in system.states]
         for name in s.solve.atol if s.solve else ():
             if name not in states:

@@ -53,14 +53,20 @@ def plain(value: Any, path: str = "", depth: int = 0) -> Any:
 def changed(data: Mapping[str, Any], changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """The data of a scenario with the values at the given paths replaced.
 
-    A new ``law.name`` drops the constants of the old law that the new one does not have, and says so.
+    A new ``law.name`` drops the constants of the old law that the new one does not have, and says so; likewise
+    ``drive.observer.name``.
     """
     new: dict[str, Any] = plain(data)
     if "law.name" in changes:
         _set(new, "law.name", changes["law.name"])
         _drop_foreign_constants(new, folder)
+    if "drive.observer.name" in changes and isinstance(new.get("drive"), dict):
+        _set(new, "drive.observer.name", changes["drive.observer.name"])
+        _drop_of_observer(new["drive"]["observer"], folder)
     for path in sorted(changes, key=lambda path: path.count(".")):  # a table before what is in it
-        if path == "law.name" or (path.startswith("law.parameters.") and not _unfold_parameters(new, folder)):
+        if path in ("law.name", "drive.observer.name") or (
+            path.startswith("law.parameters.") and not _unfold_parameters(new, folder)
+        ):
             continue
         _set(new, path, plain(changes[path], path))
     return new
@@ -90,6 +96,17 @@ def _set(data: dict[str, Any], path: str, value: Any) -> None:
         if not isinstance(table, dict):
             raise InputError(f"{path}: {'.'.join(parents[: i + 1])} is not a table, so it has no key '{last}'")
     table[last] = value
+
+
+def _drop_of_observer(table: dict[str, Any], folder: Path) -> None:
+    try:
+        has = laws.find(table["name"], folder).constants() if table["name"] != "none" else {}
+    except InputError:
+        return  # named by the validation that follows
+    keep = ("name", "parameters") if has else ("name",)
+    for name in [name for name in table if name not in keep and name not in has]:
+        note(f"drive.observer.{name}: dropped: law '{table['name']}' has no such constant")
+        del table[name]
 
 
 def _drop_foreign_constants(data: dict[str, Any], folder: Path) -> None:

@@ -9,10 +9,14 @@ import json
 from pathlib import Path
 from typing import Any
 
-from stribeck import drives, laws, parameter_sets, signals
+from stribeck import drives, laws, parameter_sets
 from stribeck.constants import Constant
+from stribeck.control.cascade import Cascade
+from stribeck.control.servo import ServoSystem
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import tables
+from stribeck.scenario.servo import NONE
+from stribeck.signals import Sine
 from stribeck.system import System
 
 Node = dict[str, Any]
@@ -35,18 +39,23 @@ def json_schema() -> Node:
                 "schema": {"const": 1, "description": "the version of the file format"},
                 "name": {"type": "string", "description": "the scenario's name; the file's unless given"},
                 "law": {"oneOf": [*map(_law, laws.builtin().values()), _own_law()], "description": "the friction law"},
-                "plant": {**_model(tables.plant_table(True)), "required": [], "description": "what friction acts on"},
-                "drive": {"oneOf": [_drive(kind) for kind in drives.KINDS], "description": "what moves it"},
+                "plant": {"description": "what friction acts on"},
+                "drive": {"oneOf": [_drive(kind) for kind in tables.DRIVES], "description": "what moves it"},
                 "solve": _solve(),
                 "output": _model(tables.Output),
             },
             ["schema", "law", "drive", "solve", "output"],
         ),
-        "if": moved,
-        "then": velocity_is_set,
-        "else": mass_is_needed,
+        "if": {"properties": {"drive": {"properties": {"kind": {"const": Cascade.kind}}, "required": ["kind"]}}},
+        "then": {"properties": {"plant": _model(tables.cylinder_table())}, "required": ["plant"]},
+        "else": {
+            "properties": {"plant": {**_model(tables.plant_table(True)), "required": []}},
+            "if": moved,
+            "then": velocity_is_set,
+            "else": mass_is_needed,
+        },
         "$defs": {
-            "signal": {"oneOf": [_model(tables.signal_table(kind)) for kind in signals.KINDS]},
+            "signal": {"oneOf": [_model(tables.signal_table(kind)) for kind in tables.SIGNALS]},
             "set": {"anyOf": [_set(), _TOML_FILE]},
             **_numbers(PARAMETERS),
         },
@@ -64,6 +73,8 @@ def _object(properties: Node, required: list[str], others: bool | Node = False) 
 
 
 def _number(constant: Constant) -> Node:
+    if constant.choices:
+        return {"enum": list(constant.choices), "default": constant.choices[0], "description": constant.meaning}
     unit = f", {constant.unit}" if constant.unit else ""
     optional = {"exclusiveMinimum": constant.above, "minimum": constant.at_least, "default": constant.default}
     given = {key: value for key, value in optional.items() if value is not None}
@@ -87,6 +98,16 @@ def _law(law: type[Law]) -> Node:
         ["name", *(["parameters"] if needed else [])],
     )
     places = [_somewhere(name) for name, constant in own.items() if constant.required]
+    return {**node, **({"allOf": places} if places else {})}
+
+
+def _observer(law: type[Law]) -> Node:
+    """A law as an observer: what it is not given it takes from the plant."""
+    own = law.own_constants()
+    name = {"const": law.name, "description": (law.__doc__ or "").strip().partition("\n")[0]}
+    table = _object({**_MACHINE, **_numbers(own)}, [])
+    node = _object({"name": name, **_numbers(own), "parameters": _parameters(table)}, ["name"])
+    places = [_somewhere(n) for n, constant in own.items() if constant.required]
     return {**node, **({"allOf": places} if places else {})}
 
 
@@ -116,14 +137,21 @@ def _somewhere(name: str) -> Node:
 
 
 def _drive(kind: str) -> Node:
-    node, signal = _model(tables.drive_table(kind)), drives.KINDS[kind].signal
+    node, signal = _model(tables.drive_table(kind)), tables.DRIVES[kind].signal
+    if kind == Cascade.kind:
+        without = _object({"name": {"const": NONE, "description": "no compensation"}}, ["name"])
+        observers = [_observer(law) for law in laws.builtin().values() if law.claims.smooth is not False]
+        node["properties"]["observer"] = {"oneOf": [without, *observers, _own_law()]}
     node["properties"]["signal"] = {"$ref": "#/$defs/signal", "description": f"{signal.meaning}, {signal.unit}"}
     return node
 
 
 def _solve() -> Node:
     node = _model(tables.Solve)
-    systems = (System(laws.BristleLaw, (), drive, None, energy=True) for drive in drives.KINDS.values())
+    systems: list[System | ServoSystem] = [
+        System(laws.BristleLaw, (), drive, None, energy=True) for drive in drives.KINDS.values()
+    ]
+    systems.append(ServoSystem(laws.BristleLaw, (), laws.BristleLaw, (), Sine, adaptive=True))
     states = dict.fromkeys(state.name for system in systems for state in system.states)
     node["properties"]["atol"]["propertyNames"] = {"enum": sorted(states)}
     return node

@@ -7,12 +7,18 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
-from stribeck import drives, signals
+from stribeck import drives, paths, signals
 from stribeck.constants import Constant, kind_of, show
+from stribeck.control.cascade import Cascade
+from stribeck.control.observer import Adaptation
 from stribeck.errors import nearest
+from stribeck.plants.cylinder import Cylinder
 from stribeck.plants.mass import Mass
 
 Problem = tuple[str, str]  # path, message
+
+DRIVES: dict[str, type[drives.Drive] | type[Cascade]] = {**drives.KINDS, Cascade.kind: Cascade}
+SIGNALS: dict[str, type[signals.Signal]] = {**signals.KINDS, **paths.KINDS}
 
 RTOL_SMALLEST, RTOL_LARGEST = 1e-13, 0.1
 
@@ -58,14 +64,24 @@ class InitialAtVelocity(Table):
     z: float = Field(0.0, description="bristle deflection, m")
 
 
-def number(constant: Constant) -> tuple[Any, Any]:
-    """A constant's declaration as a pydantic field."""
+class InitialServo(Table):
+    """The state of a servo at t = 0."""
+
+    y: float = Field(description="position, m")
+    v: float = Field(0.0, description="velocity, m/s")
+    z: float = Field(0.0, description="bristle deflection, m")
+    p_1: float = Field(description="pressure in chamber 1, Pa")
+    p_2: float = Field(description="pressure in chamber 2, Pa")
+
+
+def number(constant: Constant, left_out: bool = False) -> tuple[Any, Any]:
+    """A constant's declaration as a pydantic field; ``left_out``: None where it is not given."""
     unit = f", {constant.unit}" if constant.unit else ""
     field = Field(
-        ... if constant.required else constant.default,
+        ... if constant.required and not left_out else constant.default,
         gt=constant.above, ge=constant.at_least, description=f"{constant.meaning}{unit}",
     )  # fmt: skip
-    return (float, field)
+    return (float | None if left_out or constant.optional else float, field)
 
 
 @cache
@@ -84,11 +100,57 @@ def plant_table(mass_needed: bool) -> type[Table]:
 
 
 @cache
+def cylinder_table() -> type[Table]:
+    """The model of [plant] for a pneumatic cylinder."""
+    fields: dict[str, Any] = {
+        "kind": (Literal[Cylinder.kind], Field(description="a pneumatic cylinder with a servo-valve")),
+        **{name: number(constant) for name, constant in Cylinder.constants.items()},
+        "initial": (InitialServo, Field(description="the state at t = 0, with y, p_1 and p_2")),
+    }
+    return create_model("CylinderPlant", __base__=Table, **fields)
+
+
+def _given(name: str, about: str, constants: dict[str, Constant], all_optional: bool) -> Any:
+    """A table of constants that may be left out."""
+    fields: dict[str, Any] = {n: number(c, left_out=all_optional) for n, c in constants.items()}
+    model: Any = create_model(name, __base__=Table, __doc__=about, **fields)
+    return (model, Field(default_factory=model, description=about))
+
+
+def _cascade_fields() -> dict[str, Any]:
+    """What the drive of a servo has beside its constants."""
+    known, adapted = (
+        "plant constants that the controller takes for true",
+        "gains of the adaptation, with adaptive = true",
+    )
+    noise = "standard deviation of the measured position, m"
+    return {
+        "sample_time": (float | None, Field(None, gt=0, description="the controller computes every so many s; off: always")),
+        "delay": (float, Field(0.0, ge=0, description="time from measuring to acting, s")),
+        "noise": (float, Field(0.0, ge=0, description=noise)),
+        "quantisation": (float, Field(0.0, ge=0, description="step of the measured position, m")),
+        "bandwidth": (
+            float | None, Field(None, gt=0, description="of the filter that estimates velocity and acceleration, rad/s")
+        ),
+        "seed": (int, Field(0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise")),
+        "adaptive": (bool, Field(False, description="adapt sigma_0, sigma_1, sigma_2 and the level F_c on line")),
+        "adaptation": _given("Adaptation", adapted, Adaptation.constants, False),
+        "model": _given("Model", known, Cylinder.constants, True),
+        "observer": (
+            dict[str, Any],
+            Field(description="the law that the controller takes for true: name ('none' for no compensation), its own "
+                  "constants, and parameters where they differ from the plant's"),
+        ),
+    }  # fmt: skip
+
+
+@cache
 def drive_table(kind: str) -> type[Table]:
     """The model of [drive] for a kind of drive; its signal is a table of its own."""
-    drive = drives.KINDS[kind]
+    drive = DRIVES[kind]
     fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=drive.meaning))}
     fields |= {name: number(constant) for name, constant in drive.constants.items()}
+    fields |= _cascade_fields() if drive is Cascade else {}
     fields["signal"] = (dict[str, Any], Field(description=f"{drive.signal.meaning}, {drive.signal.unit}"))
     return create_model(f"{kind.capitalize()}Drive", __base__=Table, __doc__=drive.meaning, **fields)
 
@@ -96,9 +158,13 @@ def drive_table(kind: str) -> type[Table]:
 @cache
 def signal_table(kind: str) -> type[Table]:
     """The model of [drive.signal] for a kind of signal."""
-    signal = signals.KINDS[kind]
+    signal = SIGNALS[kind]
     fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=signal.meaning))}
-    fields |= {name: number(constant) for name, constant in signal.constants.items()}
+    if issubclass(signal, paths.Curve):
+        fields["t"] = (list[float], Field(description="times of the points, s; must increase"))
+        fields["value"] = (list[float], Field(description="the signal at these times"))
+    else:
+        fields |= {name: number(constant) for name, constant in signal.constants.items()}
     if signal is signals.Points:
         fields["t"] = (list[float], Field(description="times, s; must not decrease, two equal times make a jump"))
         fields["value"] = (list[float], Field(description="the signal at these times"))

@@ -1,67 +1,14 @@
-"""Simulation of a scenario: compiled where there is a C compiler, by SciPy elsewhere."""
+"""Simulation of scenarios: one, or many at once with other numbers."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from time import perf_counter
-
 from stribeck.codegen import source
-from stribeck.errors import BuildError, note
 from stribeck.scenario import Scenario
-from stribeck.simulation import cache, compiler, fallback, native
-from stribeck.simulation.result import Result
+from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
+from stribeck.simulation.single import simulate
 from stribeck.simulation.solution import Solution
 
-__all__ = ["Solution", "c_source", "simulate"]
-
-
-def simulate(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Solution:
-    """Simulate a scenario.
-
-    The first simulation of a structure (law, drive, kind of signal) compiles it, some 0.3 s; later ones, in this
-    process or another, find it in the cache.
-
-    Args:
-        scenario: what to simulate.
-        progress: called now and then with the share of the time done, 0 to 1.
-
-    Returns:
-        The solution. A failed computation is a solution too: its ``status`` is "failed", its ``reason`` says why, and
-        it holds the rows that were reached.
-    """
-    started = perf_counter()
-    library, built, build_seconds = None, False, 0.0
-    chosen = compiler.find()
-    if chosen is None:
-        note("no C compiler found: solving with SciPy, hundreds of times slower (pip install 'stribeck[compiler]')")
-    else:
-        try:
-            found, built = cache.library(source(scenario.system), chosen)
-            native.check(found)
-            library = found
-            build_seconds = perf_counter() - started
-        except (BuildError, OSError) as error:
-            note(f"compiling failed ({' '.join(str(error).split())}): solving with SciPy, hundreds of times slower")
-    result = _solve(library, scenario, progress)
-    result.stats.update(
-        {"built": built, "build_seconds": build_seconds, "seconds": perf_counter() - started - build_seconds}
-    )
-    return Solution(scenario, result)
-
-
-def _solve(library: object, scenario: Scenario, progress: Callable[[float], None] | None) -> Result:
-    import ctypes
-
-    result = (
-        native.solve(library, scenario, progress)
-        if isinstance(library, ctypes.CDLL)
-        else fallback.solve(scenario, progress)
-    )
-    if scenario.drive.sets_velocity and scenario.threshold > 0:
-        # the velocity is no state then: its events are those of the signal, as far as the run came
-        reached = scenario.end if result.reason is None else len(result.states) * scenario.output.step
-        result.events.extend(scenario.signal.crossings(scenario.threshold, reached))
-    return result
+__all__ = ["Ensemble", "Solution", "c_source", "simulate", "simulate_ensemble"]
 
 
 def c_source(scenario: Scenario) -> str:

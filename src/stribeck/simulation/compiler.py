@@ -8,7 +8,7 @@ import platform
 import shutil
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from stribeck.errors import BuildError
@@ -19,6 +19,8 @@ _FLAGS = (
     "-O3", "-fno-math-errno", "-fno-trapping-math", "-fno-signed-zeros", "-fassociative-math", "-freciprocal-math",
     "-fno-tree-vectorize", "-fPIC", "-shared", "-fvisibility=hidden",
 )  # fmt: skip
+# Lanes are vectors from the start, and their exp rounds by adding a number and taking it away again.
+_FOR_LANES = ("-ftree-vectorize", "-fno-associative-math")
 _TIME_LIMIT = 120  # s
 
 
@@ -28,11 +30,16 @@ class Compiler:
 
     command: tuple[str, ...]
     identity: str
+    options: tuple[str, ...] = ()
 
     @property
     def key(self) -> str:
         """All that decides which library a source becomes: the compiler, its flags and this machine's processor."""
-        return "|".join((self.identity, *_FLAGS, platform.system(), _processor()))
+        return "|".join((self.identity, *_FLAGS, *self.options, platform.system(), _processor()))
+
+    def for_lanes(self) -> Compiler:
+        """The same compiler with the options that several trajectories at once need."""
+        return replace(self, options=_FOR_LANES)
 
     def build(self, source: Path, library: Path) -> None:
         """Compile a C file into a shared library.
@@ -42,7 +49,7 @@ class Compiler:
         """
         complaint = ""
         for target in (("-march=native",), ()):  # not every compiler knows its own machine
-            command = [*self.command, *_FLAGS, *target, "-o", str(library), str(source), "-lm"]
+            command = [*self.command, *_FLAGS, *self.options, *target, "-o", str(library), str(source), "-lm"]
             try:
                 result = subprocess.run(
                     command, capture_output=True, text=True, timeout=_TIME_LIMIT, check=False, errors="replace",

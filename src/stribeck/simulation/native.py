@@ -8,27 +8,29 @@ from ctypes import POINTER, c_double, c_int, c_int8, c_int64
 
 import numpy as np
 
+from stribeck.control.sampled import Log
 from stribeck.errors import BuildError
 from stribeck.scenario import Scenario
-from stribeck.simulation.result import Result, piecewise
+from stribeck.simulation.result import Result, ended, failure, legs, piecewise
 
-# The fields of Run in runtime/rodas5p.c, in the same order.
+# The fields of Run in runtime/run.c, in the same order.
 _POINTERS = ("parameters", "atol", "x", "piece_start", "piece_value", "piece_slope", "out", "event_time")
 _DOUBLES = (
-    "rtol", "t", "t_end", "h", "h_limit", "step", "threshold", "h_smallest", "h_largest", "last_h", "last_error",
+    "rtol", "t", "t_end", "h", "h_limit", "step", "threshold", "h_smallest", "h_largest", "last_h", "last_root",
 )  # fmt: skip
 _INTEGERS = (
     "pieces", "piece", "rows", "row", "event_room", "events", "accepted", "rejected", "rates", "jacobians",
-    "attempts_left", "rejected_last", "restart",
+    "attempts_left", "held", "restart",
 )  # fmt: skip
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
 _EVENT_ROOM = 4096
+_STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
 # What one step may err by, as a share of the tolerances: errors made while a contact creeps towards break-away grow up
 # to a hundredfold before it slips, and the solution is to keep what the tolerances promise.
 _STEP_SHARE = 0.01
 _RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
 
-_DONE, _MORE, _EVENTS_FULL, _STEP_TOO_SMALL, _NOT_FINITE = 0, 1, 2, -1, -2
+_DONE, _MORE, _EVENTS_FULL, _NOT_FINITE = 0, 1, 2, -2
 
 
 class Run(ctypes.Structure):
@@ -40,6 +42,11 @@ class Run(ctypes.Structure):
         *((name, c_double) for name in _DOUBLES),
         *((name, c_int64) for name in _INTEGERS),
     )
+
+
+def step_share(scenario: Scenario) -> float:
+    """What one step may err by, as a share of the scenario's tolerances."""
+    return max(_STEP_SHARE, min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -60,8 +67,8 @@ def check(library: ctypes.CDLL) -> None:
 def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with its compiled and checked system; ``progress`` is told the share of time done."""
     system, values, atol = scenario.system, scenario.values(), scenario.atol()
-    share = max(_STEP_SHARE, min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
-    starts, levels, slopes = piecewise(scenario)
+    share = step_share(scenario)
+    starts, levels, slopes = piecewise(scenario.signal)
     x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
     out = np.empty((scenario.rows, len(system.states)))
     event_time, event_rises = np.empty(_EVENT_ROOM), np.empty(_EVENT_ROOM, np.int8)
@@ -75,28 +82,46 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     for name, array in arrays.items():
         setattr(run, name, array.ctypes.data_as(POINTER(c_double)))
     run.event_rises = event_rises.ctypes.data_as(POINTER(c_int8))
-    run.rtol, run.t_end, run.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
+    run.rtol, run.step = share * scenario.solve.rtol, scenario.output.step
     run.h = run.h_smallest = np.inf
     run.h_limit = scenario.signal.longest_step
     run.threshold, run.pieces, run.rows = scenario.threshold, len(starts), scenario.rows
-    run.event_room, run.restart = _EVENT_ROOM, 1
+    run.event_room = _EVENT_ROOM
 
     times: list[float] = []
     rises: list[bool] = []
-    status, left = _MORE, scenario.solve.max_steps
-    while status in (_MORE, _EVENTS_FULL) and left > 0:
-        run.attempts_left = attempts = min(_SLICE, left)
-        status = library.stribeck_advance(ctypes.byref(run))
-        left -= attempts - max(run.attempts_left, 0)
-        times += event_time[: run.events].tolist()
-        rises += event_rises[: run.events].astype(bool).tolist()
-        run.events = 0
-        if progress is not None:
-            progress(run.t / run.t_end)
+    status, left, log = _DONE, scenario.solve.max_steps, Log()
+    place = {key: i for i, key in enumerate(system.parameters)}
+    stretches = legs(scenario, log)
+    leg = next(stretches, None)
+    while leg is not None and status == _DONE:
+        run.t_end, changes = leg
+        for key, value in changes.items():
+            arrays["parameters"][place[key]] = value
+        status, run.restart = _MORE, 1
+        while status in (_MORE, _EVENTS_FULL) and left > 0:
+            run.attempts_left = attempts = min(_SLICE, left)
+            before = run.t
+            status = library.stribeck_advance(ctypes.byref(run))
+            left -= attempts - max(run.attempts_left, 0)
+            if run.events:
+                times += event_time[: run.events].tolist()
+                rises += event_rises[: run.events].astype(bool).tolist()
+                run.events = 0
+            if status == _MORE and run.t - before < _STALL * scenario.end and ended(scenario, run.t, x):
+                status = _NOT_FINITE  # time is finer than the position where the equations end
+            if progress is not None:
+                progress(run.t / scenario.end)
+        if status == _DONE:
+            try:
+                leg = stretches.send(x)
+            except StopIteration:
+                leg = None
     return Result(
         states=out[: run.row],
         events=list(zip(times, rises, strict=True)),
-        reason=_reason(status, run, scenario),
+        reason=(ended(scenario, run.t, x) if status < 0 else None) or failure(status, run.t, scenario.solve.max_steps),
+        log=log if log.t else None,
         stats={
             "accepted": run.accepted, "rejected": run.rejected, "rates": run.rates, "jacobians": run.jacobians,
             "smallest_step": run.h_smallest if np.isfinite(run.h_smallest) else None,
@@ -104,13 +129,3 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
             "solver": "rodas5p",
         },
     )  # fmt: skip
-
-
-def _reason(status: int, run: Run, scenario: Scenario) -> str | None:
-    if status == _DONE:
-        return None
-    if status == _STEP_TOO_SMALL:
-        return f"at t = {run.t:.9g} s the step needed for solve.rtol fell below what floating point resolves"
-    if status == _NOT_FINITE:
-        return f"after t = {run.t:.9g} s the equations are no longer finite"
-    return f"gave up at t = {run.t:.9g} s after solve.max_steps = {scenario.solve.max_steps} attempted steps"

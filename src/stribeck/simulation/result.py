@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.control.sampled import Leg, Log
+from stribeck.control.sampled import legs as sampled_legs
+from stribeck.control.servo import ServoSystem
 from stribeck.scenario import Scenario
+from stribeck.signals import Signal
 
 
 @dataclass(frozen=True)
@@ -19,12 +24,48 @@ class Result:
     events: list[tuple[float, bool]]  # time; True where |v| rises through the threshold
     reason: str | None
     stats: dict[str, Any]
+    log: Log | None = None  # of a sampled controller
 
 
-def piecewise(scenario: Scenario) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def piecewise(signal: Signal) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Start, value and slope of the signal's pieces from t = 0 on; a single dummy piece for a smooth signal."""
-    if scenario.signal.smooth:
+    if signal.smooth:
         return np.zeros(1), np.zeros(1), np.zeros(1)
-    s = scenario.signal.segments
+    s = signal.segments
     first = max(int(np.searchsorted(s.start, 0.0, side="right")) - 1, 0)
     return s.start[first:].copy(), s.value[first:].copy(), s.slope[first:].copy()
+
+
+def failure(status: int, t: float, max_steps: int) -> str | None:
+    """Why a compiled run ended at t, by the status that runtime/run.c and lanes.c return; None when it is done."""
+    if status == 0:
+        return None
+    if status == -1:
+        return f"at t = {t:.9g} s the step needed for solve.rtol fell below what floating point resolves"
+    if status == -2:
+        return f"after t = {t:.9g} s the equations are no longer finite"
+    return f"gave up at t = {t:.9g} s after solve.max_steps = {max_steps} attempted steps"
+
+
+def legs(scenario: Scenario, log: Log) -> Generator[Leg, NDArray[np.float64], None]:
+    """The stretches of a run within which no run-time constant changes: until when, and what changes at its begin.
+
+    The state at the end of each is to be sent back.
+    """
+    system, signal = scenario.system, scenario.signal
+    if scenario.servo is not None and scenario.servo.sampling is not None:
+        assert isinstance(system, ServoSystem)
+        yield from sampled_legs(system, scenario.servo.sampling, scenario.values(), signal, scenario.end, log)
+    elif not signal.smooth:
+        yield scenario.end, {}
+    else:
+        pieces = [(start, values) for start, values in signal.pieces if start < scenario.end]
+        ends = [*(start for start, _ in pieces[1:]), scenario.end]
+        for (_, values), end in zip(pieces, ends, strict=True):
+            yield end, {("signal", name): value for name, value in values.items()}
+
+
+def ended(scenario: Scenario, t: float, x: NDArray[np.float64]) -> str | None:
+    """Why equations that are no longer finite ended, where the plant says why."""
+    system = scenario.system
+    return system.ended(scenario.values(), t, x) if isinstance(system, ServoSystem) else None

@@ -30,6 +30,7 @@ class Solution:
         status: ``"done"``, or ``"failed"``; the rows reached are kept.
         reason: why it failed, else None.
         events: ``{"slip": times, "stick": times}`` in s: where \\|v\\| rises, and falls, through v_s.
+        states: the states at the rows, an array (rows, states) in the order of ``scenario.system.states``.
         stats: accepted and rejected steps, evaluations, the solver, and seconds spent solving and building.
     """
 
@@ -38,7 +39,7 @@ class Solution:
         self.reason = result.reason
         self.status = "done" if result.reason is None else "failed"
         self.stats = result.stats
-        self._states = result.states
+        self.states, self._log = result.states, result.log
         self.events = {
             "slip": np.array([t for t, rises in result.events if rises]),
             "stick": np.array([t for t, rises in result.events if not rises]),
@@ -47,7 +48,7 @@ class Solution:
     @cached_property
     def t(self) -> Array:
         """Times of the rows, s: i * output.step."""
-        return np.arange(len(self._states), dtype=float) * self.scenario.output.step
+        return np.arange(len(self.states), dtype=float) * self.scenario.output.step
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -56,10 +57,10 @@ class Solution:
 
     @cached_property
     def _columns(self) -> dict[str, Array]:
-        system = self.scenario.system
-        states = {state.name: self._states[:, i] for i, state in enumerate(system.states)}
+        states = {state.name: self.states[:, i] for i, state in enumerate(self.scenario.system.states)}
+        states |= self._log.held(self.t) if self._log is not None else {}
         with np.errstate(all="ignore"):
-            found = system.quantities(self.scenario.groups(), self.scenario.signal.at(self.t), states)
+            found = self.scenario.columns(self.t, states)
         return {
             column.name: np.array(np.broadcast_to(np.asarray(found[column.name], float), self.t.shape))
             for column in self.columns
@@ -96,7 +97,7 @@ class Solution:
             "status": self.status,
             "reason": self.reason,
             "scenario": self.scenario.name,
-            "law": {"name": law.name, "constants": law.values},
+            "law": {"name": law.name, "constants": {**law.values, **law.choices}},
             "rows": len(self.t),
             "steps": self.stats,
             "events": {kind: times.tolist() for kind, times in self.events.items()},

@@ -1,0 +1,195 @@
+"""The peers: other people's solvers, on equations of their own (problems.py)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from problems import F_S, K_V, Problem, friction_by
+
+Array = NDArray[np.float64]
+Solve = Callable[[float, float | None], Array]
+
+MOST_STEPS = 10**6
+DIFFRAX_FIRST_STEP = 1e-6
+
+
+def odeint(problem: Problem, tuned: bool) -> Solve:
+    """SciPy's odeint (LSODA in Fortran or C), numerical Jacobian."""
+    from scipy.integrate import odeint
+
+    times, rest, rates = problem.times, problem.rest, _python(problem, tuned)
+
+    def solve(rtol: float, atol: float | None) -> Array:
+        rows, info = odeint(rates, rest, times, rtol=rtol, atol=atol, tfirst=True, mxstep=MOST_STEPS, full_output=True)
+        if info["message"] != "Integration successful.":
+            raise ArithmeticError(info["message"])
+        return rows[:, 0]
+
+    return solve
+
+
+def solve_ivp(problem: Problem, method: str, tuned: bool) -> Solve:
+    """SciPy's solve_ivp with a method, numerical Jacobian."""
+    from scipy.integrate import solve_ivp
+
+    times, rest, rates = problem.times, problem.rest, _python(problem, tuned)
+
+    def solve(rtol: float, atol: float | None) -> Array:
+        result = solve_ivp(rates, (times[0], times[-1]), rest, method=method, t_eval=times, rtol=rtol, atol=atol)
+        if not result.success:
+            raise ArithmeticError(result.message)
+        return result.y[0]
+
+    return solve
+
+
+def _python(problem: Problem, tuned: bool) -> Callable[..., Any]:
+    """The equations in Python; tuned, on Python's own floats, which are quicker than NumPy's scalars."""
+    rates = problem.rates()
+    return (lambda t, x: rates(t, x.tolist())) if tuned else rates
+
+
+def numbalsoda(problem: Problem) -> Solve:
+    """numbalsoda (LSODA in C++) with equations compiled by numba."""
+    from numbalsoda import lsoda
+
+    function, data = problem.compiled_rates(), np.array([K_V, F_S])
+    address, times, rest = function.address, problem.times, problem.rest
+
+    def solve(rtol: float, atol: float | None) -> Array:
+        assert function is not None  # keeps the compiled function alive
+        rows, success = lsoda(address, rest, times, data=data, rtol=rtol, atol=atol, mxstep=MOST_STEPS)
+        if not success:
+            raise ArithmeticError("numbalsoda failed")
+        return rows[:, 0]
+
+    return solve
+
+
+def cvode(problem: Problem) -> Solve:
+    """SUNDIALS CVODE (BDF) through scikit-sundae, Python equations, numerical Jacobian."""
+    from sksundae.cvode import CVODE
+
+    times, rest, rates = problem.times, problem.rest, problem.rates()
+
+    def right_side(t: float, x: Array, derivative: Array) -> None:
+        derivative[:] = rates(t, x)
+
+    def solve(rtol: float, atol: float | None) -> Array:
+        result = CVODE(right_side, rtol=rtol, atol=atol, max_num_steps=MOST_STEPS).solve(times, rest)
+        if not result.success:
+            raise ArithmeticError(result.message)
+        return result.y[:, 0]
+
+    return solve
+
+
+def casadi(problem: Problem) -> Solve:
+    """SUNDIALS CVODES (BDF) through CasADi, symbolic equations, derived Jacobian."""
+    import casadi
+
+    times, rest = problem.times, problem.rest
+    t, x = casadi.SX.sym("t"), casadi.SX.sym("x", problem.order)
+    rates = problem.equations(friction_by(casadi))(t, casadi.vertsplit(x))
+    equations = {"t": t, "x": x, "ode": casadi.vertcat(*rates)}
+
+    @cache
+    def integrator(rtol: float, atol: float) -> Any:
+        options = {"reltol": rtol, "abstol": atol, "max_num_steps": MOST_STEPS, "show_eval_warnings": False}
+        return casadi.integrator("rows", "cvodes", equations, times[0], times[1:], options)
+
+    def solve(rtol: float, atol: float | None) -> Array:
+        assert atol is not None
+        try:
+            rows = integrator(rtol, atol)(x0=rest)["xf"]
+        except RuntimeError as error:
+            raise ArithmeticError(str(error)) from None
+        return np.concatenate([rest[:1], np.asarray(rows)[0]])
+
+    return solve
+
+
+def diffrax_rows(problem: Problem, method: str) -> Callable[..., Any]:
+    """rtol, atol, k_v, F_s -> y at the times, and whether all went well; for jax.jit and jax.vmap."""
+    import diffrax
+    import jax
+    import jax.numpy
+
+    jax.config.update("jax_enable_x64", True)
+    rates = problem.equations(friction_by(jax.numpy))
+    term = diffrax.ODETerm(lambda t, x, args: jax.numpy.stack(rates(t, x, *args)))
+    times, rest = jax.numpy.asarray(problem.times), jax.numpy.asarray(problem.rest)
+
+    def rows(rtol: Any, atol: Any, k_v: Any, F_s: Any) -> Any:
+        found = diffrax.diffeqsolve(
+            term, getattr(diffrax, method)(), times[0], times[-1], DIFFRAX_FIRST_STEP, rest, args=(k_v, F_s),
+            saveat=diffrax.SaveAt(ts=times), stepsize_controller=diffrax.PIDController(rtol=rtol, atol=atol),
+            max_steps=MOST_STEPS, throw=False,
+        )  # fmt: skip
+        return found.ys[:, 0], found.result == diffrax.RESULTS.successful
+
+    return rows
+
+
+def diffrax(problem: Problem, method: str) -> Solve:
+    """diffrax: an implicit Runge-Kutta method, equations and solver compiled by JAX; compiled here, once."""
+    rows = diffrax_rows(problem, method)
+    import jax
+
+    compiled = jax.jit(rows).lower(1e-6, 1e-9, K_V, F_S).compile()
+
+    def solve(rtol: float, atol: float | None) -> Array:
+        y, success = compiled(rtol, atol, K_V, F_S)
+        if not success:
+            raise ArithmeticError("diffrax needed too many steps")
+        return np.asarray(y)
+
+    return solve
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A solver of somebody else's.
+
+    Attributes:
+        name, what: for the table.
+        package: that it comes from.
+        make: makes it for a problem; raises ImportError where it is not installed.
+        like: the peer whose tolerances it takes.
+        shares: the ratios atol/rtol that a scan tries, where they are not the usual ones.
+        compiles: whether making it takes long.
+        curve: whether it has a curve of its own where error is set against time.
+    """
+
+    name: str
+    package: str
+    what: str
+    make: Callable[[Problem], Solve]
+    like: str | None = None
+    shares: tuple[float, ...] | None = None
+    compiles: bool = False
+    curve: bool = True
+
+
+_PLAIN, _TUNED = "Python equations, state unpacked", "Python equations on x.tolist()"
+_JAX = "equations and solver compiled by JAX"
+PEERS = (
+    Peer("numbalsoda", "numbalsoda", "LSODA, equations compiled by numba", numbalsoda, compiles=True),
+    Peer("CasADi CVODES", "casadi", "BDF, symbolic equations, derived Jacobian", casadi),
+    Peer("scikit-sundae CVODE", "scikit-sundae", f"BDF, {_PLAIN}", cvode),
+    Peer("SciPy odeint", "scipy", _PLAIN, partial(odeint, tuned=False), curve=False),
+    Peer("SciPy odeint, tuned", "scipy", _TUNED, partial(odeint, tuned=True), like="SciPy odeint"),
+    Peer("solve_ivp LSODA", "scipy", _PLAIN, partial(solve_ivp, method="LSODA", tuned=False), curve=False),
+    Peer("solve_ivp LSODA, tuned", "scipy", _TUNED, partial(solve_ivp, method="LSODA", tuned=True),
+         like="solve_ivp LSODA", curve=False),
+    Peer("solve_ivp Radau", "scipy", _PLAIN, partial(solve_ivp, method="Radau", tuned=False)),
+    Peer("diffrax Kvaerno3", "diffrax", f"order 3, {_JAX}", partial(diffrax, method="Kvaerno3"), shares=(1e-3,),
+         compiles=True),
+    Peer("diffrax Kvaerno5", "diffrax", f"order 5, {_JAX}", partial(diffrax, method="Kvaerno5"), shares=(1e-3,),
+         compiles=True, curve=False),
+)  # fmt: skip

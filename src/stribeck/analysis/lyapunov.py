@@ -1,0 +1,104 @@
+"""V and dV/dt along a simulation: where V rises, and where dV/dt exceeds what the proof allows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.control.gains import w_of
+from stribeck.control.proof import ERRORS, derive
+from stribeck.control.servo import ServoSystem
+from stribeck.errors import StribeckError
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import ONE, symbol, total_derivative
+from stribeck.simulation import Solution
+
+Array = NDArray[np.float64]
+
+RISE = 1e-9  # of V(0): what is less is the solver's
+_TOLERANCE = 1e-6  # of the largest |dV/dt|
+
+
+@dataclass(frozen=True)
+class Along:
+    """V along a run. ``bound`` is eq. 19 evaluated for the errors met (None where it has no meaning)."""
+
+    t: Array
+    V: Array
+    dV_dt: Array | None
+    bound: Array | None
+    saturated: NDArray[np.bool_]
+
+    @property
+    def rises(self) -> NDArray[np.bool_]:
+        """True in the rows after which V rises by more than 1e-9 V(0)."""
+        return np.append(np.diff(self.V) > RISE * self.V[0], False)
+
+    @property
+    def excess(self) -> NDArray[np.bool_]:
+        """True in the rows where dV/dt is above its bound."""
+        if self.dV_dt is None or self.bound is None:
+            return np.zeros(len(self.t), bool)
+        return np.asarray(self.dV_dt > self.bound + _TOLERANCE * np.max(np.abs(self.dV_dt)), bool)
+
+    def summary(self) -> dict[str, Any]:
+        """For programs."""
+        steps = np.diff(self.V)
+        return {
+            "V_0": float(self.V[0]), "V_end": float(self.V[-1]),
+            "rises": int(self.rises.sum()), "largest_rise": float(max(np.max(steps, initial=0.0), 0.0)),
+            "rise_times": spans(self.t, self.rises), "excess_times": spans(self.t, self.excess),
+            "saturated_times": spans(self.t, self.saturated),
+        }  # fmt: skip
+
+
+def along(solution: Solution) -> Along:
+    """V, dV/dt from the states, and the proof's bound, on the rows of a servo's solution.
+
+    Raises:
+        StribeckError: the solution is no servo's, or has no rows.
+    """
+    scenario = solution.scenario
+    system, servo = scenario.system, scenario.servo
+    if not isinstance(system, ServoSystem) or servo is None or not len(solution.t):
+        raise StribeckError(f"{scenario.name}: V needs the solution of a servo, with rows")
+    saturated = np.abs(solution["u"]) >= scenario.drive_values["u_max"] * (1 - 1e-9)
+    observer = servo.observer
+    if system.sampled or observer is None or not observer.has_z or system.adaptive:
+        return Along(solution.t, solution["V"], None, None, saturated)
+    values = {f"{owner}.{name}": x for (owner, name), x in scenario.values().items()}
+    values |= {f"signal.{name}": x for name, x in scenario.signal.values_at(solution.t).items()}
+    states = [state.name for state in system.states]
+    rates = dict(zip(map(symbol, states), system.rates(), strict=True))
+    derivative = total_derivative(system.outputs["V"], {symbol("t"): ONE, **rates})
+    function = python_function([*values, "t", *states], [derivative])
+    with np.errstate(all="ignore"):
+        dV_dt = function(*values.values(), solution.t, *(solution[name] for name in states))[0]
+        bound = _bound(solution, scenario.drive_values)
+    return Along(solution.t, solution["V"], np.asarray(dV_dt), bound, saturated)
+
+
+def _bound(solution: Solution, gains: Mapping[str, float]) -> Array:
+    """Eq. 19 with the errors and speeds of the rows."""
+    import sympy
+
+    observer = solution.scenario.servo.observer  # type: ignore[union-attr]
+    assert observer is not None
+    w = np.array([w_of(observer)(v) for v in solution["v"].tolist()])
+    expr = derive().derivative
+    names = sorted(map(str, expr.free_symbols - set(sympy.symbols((*ERRORS, "w"), real=True))))
+    known = {**gains, **{n: x for n, x in observer.values.items() if x is not None}}
+    symbols = [*sympy.symbols((*ERRORS, "w"), real=True), *(sympy.Symbol(n, positive=True) for n in names)]
+    function = sympy.lambdify(symbols, expr, "numpy")
+    errors = (solution["s"], solution["p_err"], solution["z_hat"] - solution["z"])
+    return np.asarray(function(*errors, w, *(known[n] for n in names)))
+
+
+def spans(t: Array, marked: NDArray[np.bool_]) -> list[tuple[float, float]]:
+    """The stretches of rows that are marked, as (first, last) times."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], marked.astype(int), [0]])))
+    return [(float(t[a]), float(t[b - 1])) for a, b in edges.reshape(-1, 2)]

@@ -1,0 +1,81 @@
+"""Scenarios that show a counterexample, and their simulation."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from stribeck import laws
+from stribeck.errors import InputError, StribeckNote
+from stribeck.laws.base import PARAMETERS, Law
+from stribeck.scenario import Scenario
+from stribeck.simulation import Solution, simulate
+
+ROWS = 1000
+AGREES = 1e-6
+_MOST_STEPS = 1_000_000  # a law that is wrong may vibrate without end
+
+
+def law_table(law: Law) -> dict[str, Any] | None:
+    """[law] of a scenario for this law; None for a law that no file holds."""
+    cls = type(law)
+    name = cls.name
+    if laws.builtin().get(name) is not cls:
+        file = getattr(sys.modules.get(cls.__module__), "__file__", None)
+        if file is None or getattr(sys.modules[cls.__module__], cls.__name__, None) is not cls:
+            return None
+        name = f"{Path(file).resolve()}:{cls.__name__}"
+    given = {n: x for n, x in law.values.items() if x is not None} | law.choices
+    given |= {n: x for n, x in law.machine.items() if n not in given}
+    machine = {n: x for n, x in given.items() if n in PARAMETERS}
+    return {"name": name, **{n: x for n, x in given.items() if n not in machine}, "parameters": machine}
+
+
+def scenario_of(
+    law: Law, name: str, drive: Mapping[str, Any], t_end: float, plant: Mapping[str, Any], energy: bool = False
+) -> dict[str, Any] | None:
+    """The tables of a scenario that ends in a row at t_end; None for a law that no file holds."""
+    table = law_table(law)
+    if table is None:
+        return None
+    return {
+        "schema": 1, "name": name, "law": table, "plant": dict(plant), "drive": dict(drive),
+        "solve": {"t_end": t_end, "rtol": 1e-11, "max_steps": _MOST_STEPS}, "output": {"step": t_end / ROWS, "energy": energy},
+    }  # fmt: skip
+
+
+def velocity_drive(speeds: Sequence[float], durations: Sequence[float]) -> tuple[dict[str, Any], float]:
+    """A drive that holds each speed for its duration; and when it ends."""
+    t, value, now = [0.0], [speeds[0]], 0.0
+    for i, (speed, duration) in enumerate(zip(speeds, durations, strict=True)):
+        if i:
+            t.append(now)
+            value.append(speed)
+        now += duration
+        t.append(now)
+        value.append(speed)
+    return {"kind": "velocity", "signal": {"kind": "points", "t": t, "value": value}}, now
+
+
+def run(tables: Mapping[str, Any] | None) -> Solution | None:
+    """Simulate; None where there is no scenario, or it failed."""
+    if tables is None:
+        return None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", StribeckNote)
+            solution = simulate(Scenario(tables))
+    except InputError:
+        return None
+    return solution if solution.status == "done" else None
+
+
+def repeats(tables: Mapping[str, Any], stated: Mapping[str, float]) -> bool:
+    """Whether a simulation ends with the values stated, within 1e-6."""
+    solution = run(tables)
+    if solution is None:
+        return False
+    return all(abs(solution.final[n] - x) <= AGREES * abs(x) for n, x in stated.items())

@@ -1,0 +1,226 @@
+"""The interval that a storage function's slope must lie in, by sampling: which sets are passive, and up to which speed.
+
+dz/dt = f(z, v). A storage function S(z) exists if and only if L <= S' <= U where z can be driven both ways, with
+L(z) = sup of F v/f over the v with f < 0 (energy given back for a metre of unwinding) and U(z) = inf of F v/f over the
+v with f > 0 (energy needed for a metre of winding up), and F v >= 0 where f = 0. (shared theory; docs/check.md)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from time import monotonic
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stribeck.laws.base import Law
+
+Array = NDArray[np.float64]
+
+_SLOWEST, _FASTEST = 1e-7, 1e16  # sampled, as multiples of the smallest and the largest speed of the law's own
+_PER_DECADE, _ZOOMS, _ZOOM_POINTS = 5, 7, 7
+_CANCELS = 1e-10  # dz/dt this small beside its terms is noise
+_NEGATIVE = 1e-9  # share of |L| + |U| by which U may fall short of L by rounding
+_ENDLESS = 500.0  # energy in proportion to a speed a thousand times larger
+_FAR = 1e4  # where z has no bound: how many natural lengths to look
+
+
+def own_speeds(law: Law) -> list[float]:
+    """The speeds that a law's constants define, m/s: where its equations change character."""
+    scales, found = law.scales(law.p), [law.scales(law.p).speed]
+    for name, constant in law.constants().items():
+        value = law.values.get(name)
+        if value and value > 0:
+            by_unit = {"m/s": value, "s/m": 1 / value, "N s/m": scales.force / value}
+            found += [by_unit[constant.unit]] if constant.unit in by_unit else []
+    return sorted(x for x in found if 1e-150 < x < 1e150)
+
+
+@dataclass(frozen=True)
+class Storage:
+    """The storage interval of a law with |v| <= v_max; ``reach`` bounds |z|, or None where z has no bound.
+
+    Attributes:
+        per_decade: speeds sampled in a decade.
+    """
+
+    law: Law
+    v_max: float | None = None
+    reach: float | None = None
+    per_decade: int = _PER_DECADE
+
+    @cached_property
+    def largest(self) -> float:
+        """The largest |z| to look at, m: where it can be driven to from 0, and not beyond the bound."""
+        far = self.reach if self.reach is not None else _FAR * self.law.scales(self.law.p).length
+        with np.errstate(all="ignore"):
+            z = abs(self.law.steady_deflection(self.v))
+        driven = float(np.max(z, initial=0.0, where=np.isfinite(z)))
+        return min(far, driven) if driven > 0 else far
+
+    @cached_property
+    def v(self) -> Array:
+        """The speeds sampled, of both signs."""
+        own = own_speeds(self.law)
+        low, high = np.log10(own[0] * _SLOWEST), np.log10(own[-1] * _FASTEST)
+        if self.v_max is not None:
+            high = np.log10(self.v_max)
+            low = min(low, high - 6)
+        u = np.logspace(low, high, max(int(self.per_decade * (high - low)), 2))
+        if self.v_max is not None:
+            u[-1] = self.v_max
+        return np.concatenate([-u[::-1], u])
+
+    @cached_property
+    def z(self) -> Array:
+        """Deflections, dense where z begins and where it ends."""
+        near = np.logspace(-6, np.log10(0.5), 24)
+        if self.reach is None:
+            share = np.logspace(-6, 0, 60) / 1.0001
+        else:
+            share = np.concatenate(
+                [near, np.linspace(0.5, 0.98, 24)[1:-1], 1 - np.logspace(-9, np.log10(0.02), 24)[::-1]]
+            )
+        z = self.largest * share
+        return np.concatenate([-z[::-1], z])
+
+    def slopes(self, v: Array, z: Array) -> tuple[Array, Array]:
+        """dz/dt (0 where it is noise) and F v / (dz/dt), J/m, with v along the first axis."""
+        with np.errstate(all="ignore"):
+            f = self.law.rate(v, z)
+            size = np.maximum(abs(self.law.rate(v, -z)), abs(self.law.rate(v, 0 * z)))
+            f = np.where(abs(f) > _CANCELS * size, f, 0.0)
+            energy = self.law.force(v, z) * v / f
+        return f, np.where(np.isfinite(energy), energy, 0.0)
+
+    def interval(self, z: ArrayLike) -> tuple[Array, Array]:
+        """L(z) and U(z) in J/m; -inf and inf where no speed unwinds, or winds up."""
+        low, high, _, _ = self.extremes(z)
+        return low, high
+
+    def extremes(self, z: ArrayLike) -> tuple[Array, Array, Array, Array]:
+        """L and U, and the speeds that give them."""
+        z = np.atleast_1d(np.asarray(z, float))
+        f, energy = self.slopes(self.v[:, None], z)
+        low, v_low = self._refined(z, np.where(f < 0, energy, -np.inf), side=-1)
+        high, v_high = self._refined(z, np.where(f > 0, -energy, -np.inf), side=1)
+        return low, -high, v_low, v_high
+
+    def _refined(self, z: Array, table: Array, side: int) -> tuple[Array, Array]:
+        """The largest entries, refined between the sampled speeds, and where they are."""
+        at = table.argmax(axis=0)
+        best, v = table[at, np.arange(len(z))], self.v[at]
+        step = np.log(abs(self.v[-1] / self.v[-2]))
+        share = np.linspace(-1, 1, _ZOOM_POINTS)[:, None]
+        top = abs(self.v[-1])
+        for _ in range(_ZOOMS):
+            around = np.clip(v * np.exp(step * share), -top, top)
+            f, energy = self.slopes(around, z)
+            value = np.where(side * f > 0, -side * energy, -np.inf)
+            at = value.argmax(axis=0)
+            better = value[at, np.arange(len(z))] > best
+            best = np.where(better, value[at, np.arange(len(z))], best)
+            v = np.where(better, around[at, np.arange(len(z))], v)
+            step *= 2.5 / (_ZOOM_POINTS - 1)
+        return best, v
+
+    def shortfall(self, z: Array) -> Array:
+        """(U - L)/(|U| + |L|), from -1 to 1; 1 where one of them is infinite."""
+        low, high = self.interval(z)
+        with np.errstate(all="ignore"):
+            share = (high - low) / (abs(high) + abs(low))
+        return np.where(np.isfinite(low) & np.isfinite(high), np.nan_to_num(share, nan=0.0), 1.0)
+
+    @cached_property
+    def worst(self) -> tuple[float, float]:
+        """The smallest shortfall, and the z where it is."""
+        z = self.z
+        value = self.shortfall(z)
+        i = int(value.argmin())
+        worst, at = float(value[i]), float(z[i])
+        if worst < -_NEGATIVE:
+            return worst, at
+        inner = np.arange(1, len(z) - 1)
+        dips = inner[(value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:])]
+        left, right, lanes = z[dips - 1], z[dips + 1], np.arange(len(dips))
+        for _ in range(7):
+            points = left + (right - left) * np.linspace(0, 1, 7)[:, None]
+            value = self.shortfall(points.ravel()).reshape(points.shape)
+            j = np.clip(value.argmin(axis=0), 1, 5)
+            left, right = points[j - 1, lanes], points[j + 1, lanes]
+            i = int(value.argmin())
+            if value.flat[i] < worst:
+                worst, at = float(value.flat[i]), float(points.flat[i])
+        return worst, at
+
+    @cached_property
+    def sliding(self) -> tuple[float, float]:
+        """The smallest power of steady sliding as a share of its terms, and the speed where it is."""
+        v = self.v
+        with np.errstate(all="ignore"):
+            z = self.law.steady_deflection(v)
+            power = self.law.force(v, z) * np.sign(v)
+            size = abs(self.law.force(v, 0 * z)) + abs(self.law.force(0 * v, z))
+            share = np.where(np.isfinite(power) & (size > 0), power / size, 1.0)
+        i = int(share.argmin())
+        return float(share[i]), float(v[i])
+
+    @cached_property
+    def endless(self) -> int:
+        """The side on which unwinding from the bound gives back ever more energy the faster it is, or 0."""
+        if self.v_max is not None or self.reach is None:
+            return 0
+        v = self.v[[0, -1]][:, None] * np.array([[1.0], [1e-3]])[:, None, :].reshape(1, 2)
+        for side in (1, -1):
+            f, energy = self.slopes(v.reshape(-1, 1), np.array([side * self.reach]))
+            given = np.where(side * f[:, 0] < 0, side * energy[:, 0], 0.0).reshape(2, 2)  # by sign and by speed
+            scale = abs(self.law.force(0.0, self.reach))
+            if np.any((given[:, 0] > _ENDLESS * given[:, 1]) & (given[:, 0] > _ENDLESS * scale)):
+                return side
+        return 0
+
+    @property
+    def exists(self) -> bool:
+        """Whether the samples leave room for a storage function."""
+        return self.worst[0] >= -_NEGATIVE and self.sliding[0] >= -_NEGATIVE and not self.endless
+
+
+def reach_of(law: Law, bounded: bool | None) -> float | None:
+    """The |z| within which passivity is asked for: the bound, or None where there is none."""
+    return None if bounded is False else float(law.z_bound(law.p))
+
+
+def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tuple[Array, Array]:
+    """L(z) and U(z) in N (J/m): a storage function exists where L <= S' <= U for all z that v can drive both ways.
+
+    Args:
+        law: a law with z.
+        z: deflections, m, within the law's bound.
+        v_max: the largest speed, m/s; none unless given.
+
+    Returns:
+        Two arrays like z, by sampling of v; -inf and inf where no speed drives z that way.
+    """
+    z = np.asarray(z, float)
+    low, high = Storage(law, v_max, reach=float(law.z_bound(law.p))).interval(z.ravel())
+    return low.reshape(z.shape), high.reshape(z.shape)
+
+
+def largest_speed(law: Law, reach: float | None, deadline: float = np.inf) -> float | None:
+    """The largest v_max in m/s for which a storage function exists, by bisection until the deadline; None where there is
+    no limit, 0 where no speed is slow enough."""
+
+    def passes(v_max: float | None) -> bool:
+        return Storage(law, v_max, reach).exists
+
+    if passes(None):
+        return None
+    own = own_speeds(law)
+    low, high = own[0] * _SLOWEST, own[-1] * _FASTEST
+    if not passes(low):
+        return 0.0
+    while high / low > 1 + 1e-7 and monotonic() < deadline:
+        middle = float(np.sqrt(low) * np.sqrt(high)) if high / low > 1.01 else 0.5 * (low + high)
+        low, high = (middle, high) if passes(middle) else (low, middle)
+    return low

@@ -1,0 +1,165 @@
+"""``stribeck check``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from stribeck import laws, parameter_sets
+from stribeck.analysis.properties import NAMES, Verdict, Verdicts
+from stribeck.analysis.properties import check as decide
+from stribeck.cli import show
+from stribeck.constants import show as shown
+from stribeck.errors import InputError, note
+from stribeck.laws.base import PARAMETERS, Law
+from stribeck.scenario import parse_assignment
+
+_DEFAULT_SET = "canudas1995"
+_WORDS = {True: "yes", False: "no", None: "undecided"}
+
+
+def check(
+    name: str | None, parameters: str | None, assignments: list[str], v_max: float | None, json: bool,
+    every: bool = False, margins: bool = False, verify: bool = False, out: Path | None = None,
+) -> int:  # fmt: skip
+    """Check the law named, or every law, and print the verdicts; 0 whatever they are."""
+    if every == (name is not None):
+        raise InputError("LAW: must be given, or --all for every law, and not both")
+    if every and (margins or out is not None):
+        raise InputError("--all: must stand without --margins and --out, which are for one law")
+    if v_max is not None and not 0 < v_max < float("inf"):
+        raise InputError(f"--v-max: {shown(v_max)}: must be a finite number > 0, in m/s")
+    given = dict(parse_assignment(text) for text in assignments)
+    if parameters is None and not set(given) & set(PARAMETERS) and (every or _needs_parameters(name)):
+        parameters = _DEFAULT_SET
+        note(f"no parameters given: checked with the set {parameters}")
+    if every:
+        return _all(parameters, given, v_max, json, verify)
+    assert name is not None
+    law = laws.law(name, parameters, **given)
+    if problem := laws.trouble(law):
+        raise InputError(f"{name!r}: {problem}")
+    if out is not None:
+        show.check_folder(out)
+    verdicts = decide(law, v_max)
+    if verify:
+        verdicts.verify()
+    data = verdicts.to_json()
+    if margins and law.has_z:
+        data["margins"] = _margins(verdicts)
+    if out is not None:
+        data["files"] = _write(verdicts, out)
+    if json:
+        show.print_json(data)
+    else:
+        _print(verdicts, data)
+    return 0
+
+
+def _needs_parameters(name: str | None) -> bool:
+    found = laws.find(name) if name is not None else None
+    return found is not None and any(found.constants()[n].required for n in found.uses)
+
+
+def _all(parameters: str | None, given: Mapping[str, Any], v_max: float | None, json: bool, verify: bool) -> int:
+    from stribeck.analysis.properties.matrix import every_law
+
+    values = dict(parameter_sets.load(parameters).values) if parameters else {}
+    known = {n for cls in laws.builtin().values() for n in cls.constants()}
+    if odd := [n for n in given if n not in known]:
+        raise InputError([f"--set: {n}: no law has such a constant" for n in odd])
+    found = every_law({**values, **given})
+    if not found:
+        raise InputError("--all: no law has all that it needs; give --parameters, or all of sigma_0 ... v_s with --set")
+    checked: list[Verdicts] = []
+    with show.progress("checking every law") as tell:
+        for i, law in enumerate(found):
+            checked.append(decide(law, v_max))
+            if verify:
+                checked[-1].verify()
+            if tell is not None:
+                tell((i + 1) / len(found))
+    if json:
+        show.print_json({"parameters": parameters, "v_max": v_max, "laws": [v.to_json() for v in checked]})
+    else:
+        _print_matrix(checked, parameters)
+    return 0
+
+
+def _margins(verdicts: Verdicts) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    from stribeck.analysis.properties.margins import margins
+
+    return asdict(margins(verdicts.law, verdicts.v_max, verdicts["bounded"].holds is not False))
+
+
+def _write(verdicts: Verdicts, out: Path) -> list[str]:
+    """A scenario for each counterexample that one can show."""
+    from tomli_w import dumps
+
+    from stribeck.report.files import write_text
+
+    files = []
+    for name, verdict in verdicts.properties.items():
+        if verdict.holds is False and verdict.scenario is not None:
+            path = out / f"{name}.toml"
+            write_text(
+                path,
+                f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}{dumps(verdict.scenario)}",
+            )
+            files.append(str(path))
+    return files
+
+
+def _stated(verdict: Verdict) -> str:
+    stated = verdict.evidence.get("replay", {})
+    return "".join(f"# at the end: {name} = {value!r}\n" for name, value in stated.items())
+
+
+def _constants(law: Law) -> str:
+    values = {n: f"{x:g}" for n, x in law.values.items() if x is not None} | law.choices
+    return ", ".join(f"{n} = {x}" for n, x in values.items())
+
+
+def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
+    print(f"{verdicts.law.name} with {_constants(verdicts.law)}")
+    for name, verdict in verdicts.properties.items():
+        again = {True: ", verified", False: ", NOT CONFIRMED by a second run", None: ""}[verdict.verified]
+        reason = verdict.evidence.get("reason") if verdict.holds is None else verdict.method
+        print(f"  {name:11}{_WORDS[verdict.holds]:10}{reason}{again}")
+        for line in _lines(verdict.evidence):
+            print(f"  {'':21}{line}")
+    for name, margin in data.get("margins", {}).get("constants", {}).items():
+        ends = ["any" if margin[end] is None else f"{margin[end]:.9g}" for end in ("low", "high")]
+        print(f"  margin     {name} = {margin['value']:g}: passivity stays as it is from {ends[0]} to {ends[1]}")
+    if largest := data.get("margins", {}).get("largest_v_d"):
+        print(f"  remedy     passive with v_d up to {largest:.6g} m/s (as sampled)")
+    for file in data.get("files", ()):
+        print(f"  wrote {file}")
+
+
+def _lines(evidence: Mapping[str, Any]) -> list[str]:
+    """The evidence in short: numbers and words; of lists their entries, of long ones their length."""
+    lines = []
+    plain = {n: x for n, x in evidence.items() if isinstance(x, int | float | str) and n != "reason"}
+    if plain:
+        lines.append(", ".join(f"{n} {x:.9g}" if isinstance(x, float) else f"{n} {x}" for n, x in plain.items()))
+    for name in ("programme", "levels"):
+        rows = evidence.get(name, ())
+        lines += ["  " + ", ".join(f"{n} {x:.6g}" for n, x in row.items()) for row in rows]
+    return lines
+
+
+def _print_matrix(checked: list[Verdicts], parameters: str | None) -> None:
+    print(f"parameters {parameters or 'as given'}; own constants: " + _own(checked))
+    width = max(len(v.law.name) for v in checked)
+    print(f"{'':{width}}  " + "".join(f"{name:12}" for name in NAMES))
+    for v in checked:
+        print(f"{v.law.name:{width}}  " + "".join(f"{_WORDS[v[name].holds]:12}" for name in NAMES))
+
+
+def _own(checked: list[Verdicts]) -> str:
+    own = {n: x for v in checked for n, x in v.law.values.items() if n in v.law.own_constants() and x is not None}
+    return ", ".join(f"{n} = {x:g}" for n, x in own.items())

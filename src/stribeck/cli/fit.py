@@ -1,0 +1,152 @@
+"""``stribeck fit``."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from stribeck.cli import show
+from stribeck.constants import show as shown
+from stribeck.errors import InputError
+from stribeck.identify import fitting
+from stribeck.identify.choose import Choice
+from stribeck.identify.estimate import Estimate, Fit
+from stribeck.identify.log import Log
+from stribeck.scenario import parse_assignment
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of the command that say how to fit."""
+
+    columns: dict[str, str | None]
+    units: list[str]
+    force_gain: str | None
+    assignments: list[str]
+    cutoff: float | None
+    trim: int | None
+    request: dict[str, Any]
+
+
+def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, json: bool) -> int:
+    """Read the log, fit, print the estimates, write what was asked for."""
+    columns = {role: name for role, name in options.columns.items() if name is not None}
+    constants = _constants(options.assignments)
+    if out is not None:
+        show.check_folder(out)
+    with show.progress("fit") as tell:
+        sharp = fitting.is_simulated(laws, options.request["method"])
+        log = fitting.read_log(
+            data, columns, _units(options.units), options.force_gain, options.cutoff, options.trim, sharp
+        )
+        if tell is not None:
+            tell(0.1)
+        result = fitting.fit(log, laws if len(laws) > 1 else laws[0], constants=constants, **options.request)
+    summary = result.to_json()
+    summary["data"] = {
+        "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
+    }  # fmt: skip
+    summary["files"] = []
+    if out is not None:
+        from stribeck.identify.files import write
+
+        command = "stribeck " + shlex.join(sys.argv[1:])
+        summary["files"] = write(result, log, out, command, ", ".join(p.name for p in data))
+    if json:
+        show.print_json(summary)
+    else:
+        _print(result, log, summary["files"])
+    return 0
+
+
+def drive(text: str) -> dict[str, Any]:
+    """``KIND:KEY=VALUE,...`` as the table [drive] of a scenario.
+
+    Raises:
+        InputError: it is something else.
+    """
+    kind, _, rest = text.partition(":")
+    found: dict[str, Any] = {"kind": kind}
+    for part in filter(None, rest.split(",")):
+        if "=" not in part:
+            raise InputError(f"--drive: {text!r}: must be KIND or KIND:KEY=VALUE,...")
+        name, found_value = parse_assignment(part)
+        found[name] = float(found_value) if type(found_value) is int else found_value
+    return found
+
+
+def _constants(assignments: list[str]) -> dict[str, float]:
+    found = {}
+    for text in assignments:
+        name, value = parse_assignment(text)
+        name = name.removeprefix("law.").removeprefix("parameters.")
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(f"--set {name}: {shown(value)}: must be a number")
+        found[name] = float(value)
+    return found
+
+
+def _units(texts: list[str]) -> dict[str, str]:
+    found = {}
+    for text in texts:
+        column, equals, unit = text.rpartition("=")
+        if not equals or not column or not unit:
+            raise InputError(f"--unit: {text!r}: must be COL=UNIT, such as pos=mm")
+        found[column.strip()] = unit.strip()
+    return found
+
+
+def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
+    if isinstance(result, Choice):
+        _print_choice(result)
+    best = result.best if isinstance(result, Choice) else result
+    print(
+        f"{best.law}, {best.method}: {len(log)} rows, relative force error {_percent(best.relative_force_error)}",
+        end="",
+    )
+    left_out = best.cross_validated_error
+    print("" if left_out is None else f", on data left out {_percent(left_out)}")
+    rows = {**best.estimates, **best.body}
+    width = max(map(len, rows), default=4)
+    print(f"  {'':{width}}  {'value':>12}  {'95 % interval':>27}  unit")
+    for name, e in rows.items():
+        if e.identifiable:
+            print(f"  {name:{width}}  {_digits(e.value):>12}  {_interval(e):>27}  {e.unit}")
+    for name, e in rows.items():
+        if not e.identifiable:
+            print(f"  {name}: not determined by the data: {e.why}")
+            print(f"  {'':{width}}  to determine it: {e.experiment}")
+    for r in best.details.get("levels", ()):
+        at = "".join(f" at {n.removeprefix('F_c_by_')} {x:.4g}" for n, x in r["at"].items())
+        told = f", predicted from the others {r['predicted']:.4g}" if "predicted" in r else ""
+        print(f"  {r['file']}{at}: F_c {r['level']:.4g} ({r['low']:.4g} ... {r['high']:.4g}) N{told}")
+    for text in (*log.quality, *best.notes):
+        print(f"  note: {text}")
+    for file in files:
+        print(f"  wrote {file}")
+
+
+def _print_choice(choice: Choice) -> None:
+    width = max(map(len, (*choice.fits, *choice.failed)))
+    print(f"{'law':{width}}  {'left out':>9}  {'fitted':>9}  numbers")
+    for row in choice.table():
+        error, whole = row["cross_validated_error"], row["relative_force_error"]
+        print(f"{row['law']:{width}}  {_percent(error):>9}  {_percent(whole):>9}  {row['numbers']}")
+    for name, why in choice.failed.items():
+        print(f"{name:{width}}  {why}")
+    print(f"picked: {choice.picked}: {choice.reason}\n")
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100 * share:.3f} %"
+
+
+def _digits(value: float | None) -> str:
+    return "-" if value is None else f"{value:.6g}"
+
+
+def _interval(e: Estimate) -> str:
+    return f"{_digits(e.low)} ... {_digits(e.high)}"

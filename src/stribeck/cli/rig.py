@@ -1,0 +1,45 @@
+"""``stribeck rig``."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import asdict
+from pathlib import Path
+
+from stribeck.cli import show
+from stribeck.errors import InputError
+from stribeck.identify import rig as made
+from stribeck.identify.experiment import LABEL
+from stribeck.identify.programme import Limits, programme
+from stribeck.parameter_sets import load
+from stribeck.scenario import parse_assignment
+
+
+def rig(
+    limits: tuple[float, float, float, float | None], simulate: bool, law: str, parameters: str | None,
+    assignments: list[str], seed: int, out: Path | None, json: bool,
+) -> int:  # fmt: skip
+    """Print the programme, or write it and, where asked for, a synthetic log."""
+    bounds = Limits(*limits)
+    if simulate and out is None:
+        raise InputError("--simulate: needs --out DIR, where the synthetic log goes")
+    if not simulate and (parameters or assignments):
+        raise InputError("--parameters, --set: are for --simulate: the programme depends on the rig's limits only")
+    if seed < 0:
+        raise InputError(f"--seed: {seed}: must be a whole number >= 0")
+    given = dict(load(parameters).values) if parameters else {}
+    given |= made.numbers([parse_assignment(text) for text in assignments])
+    experiment = made.simulated(bounds, law, given, seed) if simulate else None
+    tests, files = programme(bounds), []
+    if out is not None:
+        show.check_folder(out)
+        files = made.write(bounds, out)
+        files += made.write_simulated(experiment, out) if experiment is not None else []
+    if json:
+        truth = None if experiment is None else {"law": law, "constants": experiment.law.values, "label": LABEL}
+        show.print_json({"tests": [asdict(t) for t in tests], "synthetic": truth, "files": files})
+    else:
+        print(made.csv(made.HEAD, made.table(tests)), end="")
+    for file in files:
+        print(f"wrote {file}", file=sys.stderr)
+    return 0

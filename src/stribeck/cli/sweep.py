@@ -1,0 +1,60 @@
+"""``stribeck sweep``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from time import perf_counter
+
+from stribeck.cli import show
+from stribeck.errors import InputError
+from stribeck.report.sweep import Range, Sweep, lanes_of
+
+
+def sweep(
+    path: Path,
+    vary: list[str],
+    samples: int | None,
+    seed: int,
+    summary: bool,
+    out: Path,
+    assignments: list[str],
+    threads: int | None,
+    json: bool,
+) -> int:
+    """Simulate every lane, in parts; go on where an earlier run stopped."""
+    scenario = show.load(path, assignments)
+    problems, ranges = [], []
+    for text in vary:
+        try:
+            ranges.append(Range.parse(text, drawn=samples is not None))
+        except InputError as error:
+            problems += error.problems
+    if samples is None and seed:
+        problems.append(f"--seed {seed}: goes with --samples, which is not given")
+    if problems:
+        raise InputError(problems)
+    job = Sweep(scenario, lanes_of(ranges, samples, seed), out, summary)
+    show.check_folder(out)
+    started, there = perf_counter(), job.parts - len(job.missing())
+    with show.rate(f"{scenario.name}: {len(job.lanes)} lanes", "lanes") as tell:
+        failed = job.run(threads, tell)
+    report = {
+        "status": "failed" if failed == len(job.lanes) else "done",
+        "scenario": scenario.name,
+        "lanes": len(job.lanes),
+        "failed": failed,
+        "parts": job.parts,
+        "parts_found": there,
+        "seconds": perf_counter() - started,
+        "files": [str(out / "_manifest.json"), *(str(job.path(i)) for i in range(job.parts))],
+    }
+    if json:
+        show.print_json(report)
+    else:
+        found = f", {there} of them there already" if there else ""
+        print(f"{scenario.name}: {len(job.lanes)} lanes in {job.parts} parts{found}, {report['seconds']:.1f} s")
+        print(f"  wrote {out / '_manifest.json'} and {out}/part-*.parquet")
+    if failed:
+        print(f"stribeck: {failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
+    return 1 if report["status"] == "failed" else 0

@@ -1,0 +1,1 @@
+"""Controllers that compensate friction: their equations, written once, and their Lyapunov function."""

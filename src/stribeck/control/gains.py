@@ -1,0 +1,169 @@
+"""Do the gains make V decrease? The conditions that follow from dV/dt, up to which speed they hold, and better gains."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from stribeck.control.intervals import Interval, enclose
+from stribeck.control.proof import derive
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import Expr, derivative, symbol, wrap
+from stribeck.laws.base import Law
+
+FASTEST = 1e6  # m/s; what holds up to here is taken to hold at any speed
+_BOXES = 100_000  # given up after so many
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition on the gains at the speed asked for: the K_D that it needs, in N s/m, by how much K_D exceeds that, and
+    the largest speed at which it holds (None: at any speed)."""
+
+    holds: bool
+    least_K_D: float
+    margin: float
+    largest_speed: float | None
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Whether V decreases for all errors, up to ``v_max``, while the valve is not at its limit."""
+
+    v_max: float
+    w_max: float
+    exact: Condition
+    sufficient: Condition
+    largest_K_sufficient: float
+    proposed: dict[str, float]
+
+    def summary(self) -> dict[str, Any]:
+        """For programs."""
+        return asdict(self)
+
+
+def decay(law: Law) -> Expr:
+    """w(v) of a law dz/dt = S_1 v - w z, its constants symbols."""
+    p, v, z = law.symbolic(symbol, law.structure), symbol("v"), symbol("z")
+    return -derivative(wrap(law.dz_dt(p, v, z)), z)
+
+
+def w_of(law: Law) -> Any:
+    """w as a function of the speed."""
+    names = [name for name, value in law.values.items() if value is not None]
+    function = python_function([*names, "v"], [decay(law)])
+    values = [law.values[name] for name in names]
+    return lambda v: float(function(*values, v)[0])
+
+
+def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
+    """The conditions for gains K_D, K and a law that is linear in z, in plant and observer alike.
+
+    Raises:
+        StribeckError: SymPy is not installed.
+    """
+    import sympy
+
+    form, w = derive(), sympy.Symbol("w", real=True)
+    K_D, K = (sympy.Symbol(n, positive=True) for n in ("K_D", "K"))
+    p = {sympy.Symbol(n, positive=True): law.values[n] for n in ("sigma_0", "sigma_1")}
+    of_speed = w_of(law)
+    # w grows with |v| in every law here; the interval proof does not rely on it
+    w_max = of_speed(v_max)
+    exact = form.exact.subs(p)
+    error, deflection = (each.subs(p) for each in form.sufficient)
+
+    def condition(expr: Any, also: bool) -> Condition:
+        least = float(sympy.solve(expr, K_D)[0].subs({K: gains["K"], w: w_max}))
+        roots = sympy.solve(expr.subs({K: gains["K"], K_D: gains["K_D"]}), w)
+        speed = _speed(of_speed, float(roots[0])) if roots else None
+        margin = gains["K_D"] - least
+        return Condition(also and margin >= 0, least, margin, speed if also else 0.0)
+
+    largest_K = float(sympy.solve(deflection, K)[0]) if law.values["sigma_1"] else math.inf
+    needed = 2.0 * condition(exact, True).least_K_D
+    roots = sympy.solve(exact.subs({K_D: gains["K_D"], w: w_max}), K)
+    limit = float(roots[0]) if roots else math.inf
+    # half of what the condition allows; where it allows any K, what is given
+    proposed = {"K_D": max(gains["K_D"], needed), "K": gains["K"] if limit <= 0 else min(gains["K"], limit / 2)}
+    return Verdict(
+        v_max, w_max, condition(exact, True), condition(error, gains["K"] < largest_K), largest_K, proposed
+    )  # fmt: skip
+
+
+def _speed(of_speed: Any, w: float) -> float | None:
+    """The largest speed at which w is not passed."""
+    if of_speed(FASTEST) <= w:
+        return None
+    if of_speed(0.0) > w:
+        return 0.0
+    low, high = 0.0, FASTEST
+    for _ in range(200):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if of_speed(middle) <= w else (low, middle)
+    return low
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What intervals show about dV/dt <= 0 for all s, p_err and z_err and the speeds asked for."""
+
+    proven: bool | None  # None: not settled
+    boxes: int
+    reason: str
+
+
+def prove(law: Law, gains: Mapping[str, float], v: Interval) -> Proof:
+    """Show with interval arithmetic that dV/dt <= 0 for every error and every speed in ``v``.
+
+    The quadratic form is non-negative where its diagonal and 4 ss zz - sz^2 are; w is divided out, so that it may be 0.
+    """
+    import sympy
+
+    w_expr, form, w = decay(law), derive(), sympy.Symbol("w", real=True)
+    constants = {name: (x, x) for name, x in law.values.items() if x is not None}
+    known = {"K_D": gains["K_D"], "K": gains["K"], **{n: law.values[n] for n in ("sigma_0", "sigma_1")}}
+    tests = [form.exact, form.ss]
+    # each is linear in w: offset + slope w
+    lines = [
+        (_enclosed(sympy.expand(test).coeff(w, 0), known), _enclosed(sympy.expand(test).coeff(w, 1), known))
+        for test in tests
+    ]
+    left, boxes = [(v[0], 0.0), (0.0, v[1])] if v[0] < 0 < v[1] else [v], 0
+    while left and boxes < _BOXES:
+        low, high = left.pop()
+        boxes += 1
+        try:
+            speed = enclose(w_expr, {**constants, "v": (low, high)})
+        except NotImplementedError as error:
+            return Proof(None, boxes, f"{error}: this law has no proof by intervals")
+        signs = [_above_zero(speed), *(_above_zero(_line(offset, slope, speed)) for offset, slope in lines)]
+        if all(signs):
+            continue
+        middle = 0.5 * (low + high)
+        if any(sign is False for sign in signs):
+            return Proof(False, boxes, f"dV/dt can be positive at v = {middle:.6g} m/s")
+        if not low < middle < high or high - low < 1e-12 * (v[1] - v[0]):
+            return Proof(None, boxes, f"the sign is not settled at v = {middle:.6g} m/s")
+        left += [(low, middle), (middle, high)]
+    return Proof(None, boxes, "too many boxes") if left else Proof(True, boxes, "")
+
+
+def _enclosed(expr: Any, known: Mapping[str, Any]) -> Interval:
+    """A SymPy expression without w as an interval, evaluated exactly as a fraction and rounded outward."""
+    import sympy
+
+    exact = expr.subs({sympy.Symbol(n, positive=True): sympy.Rational(x) for n, x in known.items()})
+    value = float(exact)
+    return math.nextafter(value, -math.inf), math.nextafter(value, math.inf)
+
+
+def _line(offset: Interval, slope: Interval, w: Interval) -> Interval:
+    names = {"offset": offset, "slope": slope, "w": w}
+    return enclose(symbol("offset") + symbol("slope") * symbol("w"), names)
+
+
+def _above_zero(x: Interval) -> bool | None:
+    return True if x[0] >= 0 else False if x[1] < 0 else None

@@ -1,0 +1,90 @@
+"""Friction observers: what the controller takes the friction force to be, from any law with a time derivative."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+from stribeck.constants import Constant
+from stribeck.drives.base import Column
+from stribeck.expressions.ops import Value, clip, where
+from stribeck.laws.base import Law
+
+Z_HAT = Column("z_hat", "m", "the observer's deflection")
+_LAYER = 0.05  # share of a bound over which the projection fades the rate out
+
+# Scales by which the known parameters are multiplied: of sigma_0, sigma_1, sigma_2 and of 1/g.
+SCALES = (
+    Column("a_0", "1", "adapted scale of sigma_0"),
+    Column("a_1", "1", "adapted scale of sigma_1"),
+    Column("a_2", "1", "adapted scale of sigma_2"),
+    Column("a_g", "1", "adapted scale of 1/g"),
+)
+ETA = Column("eta", "m", "how much z_hat grows by a_g")
+
+
+class Adaptation:
+    """The constants of the adaptive observer."""
+
+    constants: ClassVar[dict[str, Constant]] = {
+        "gamma_0": Constant("1/J", "adaptation gain of sigma_0", at_least=0, default=2.0),
+        "gamma_1": Constant("1/J", "adaptation gain of sigma_1", at_least=0, default=2.0),
+        "gamma_2": Constant("1/J", "adaptation gain of sigma_2", at_least=0, default=2.0),
+        "gamma_g": Constant("1/J", "adaptation gain of the level F_c, through 1/g", at_least=0, default=2.0),
+        "range": Constant(
+            "", "each parameter stays within its known value divided and multiplied by this", above=1, default=4.0
+        ),
+    }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """What an observer gives: the friction force (N), its own deflection (m), and the rates of its states."""
+
+    F: Value
+    z: Value
+    rates: dict[str, Value]
+
+
+def observe(law: type[Law] | None, p: Any, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Estimate:
+    """Eqs 14 and 15: the law driven by the measured velocity and by the tracking error s; without a law, no friction."""
+    if law is None:
+        return Estimate(0.0 * v, 0.0 * v, {})
+    if not law.has_z:
+        return Estimate(law.friction(p, v, 0.0 * v, 0.0 * v), 0.0 * v, {})
+    z = x["z_hat"]
+    rate = law.dz_dt(p, v, z) - K * p.sigma_0 * s
+    return Estimate(law.friction(p, v, z, rate), z, {"z_hat": rate})
+
+
+def adapt(law: type[Law], p: Any, a: Any, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Estimate:
+    """The observer whose parameters are adapted (docs/servo.md): the law is linear in z, ``a`` holds the gains.
+
+    a_g multiplies what is linear in z, so it scales 1/g; eta is the sensitivity of z_hat to it, which makes a_g enter
+    the error of F_hat linearly, up to terms of second order.
+    """
+    z, eta, scale = x["z_hat"], x["eta"], x["a_g"]
+    known = SimpleNamespace(**vars(p))
+    known.sigma_0, known.sigma_1, known.sigma_2 = p.sigma_0 * x["a_0"], p.sigma_1 * x["a_1"], p.sigma_2 * x["a_2"]
+
+    def decay(z: Value) -> Value:  # -w z
+        return law.dz_dt(p, v, z) - law.dz_dt(p, v, 0.0 * z)
+
+    rate = law.dz_dt(p, v, 0.0 * z) + scale * decay(z) - K * p.sigma_0 * s
+    eta_rate = scale * decay(eta) + decay(z)
+    forces = {  # the friction force of each scale: dF_hat/da
+        "a_0": p.sigma_0 * z, "a_1": p.sigma_1 * rate, "a_2": p.sigma_2 * v,
+        "a_g": known.sigma_0 * eta + known.sigma_1 * eta_rate,
+    }  # fmt: skip
+    gains = {"a_0": a.gamma_0, "a_1": a.gamma_1, "a_2": a.gamma_2, "a_g": a.gamma_g}
+    rates = {name: projected(x[name], -gains[name] * forces[name] * s, a.range) for name in forces}
+    F = law.friction(known, v, z, rate)
+    return Estimate(F, z, {"z_hat": rate + eta * rates["a_g"], "eta": eta_rate, **rates})
+
+
+def projected(value: Value, rate: Value, bound: Value) -> Value:
+    """A rate that fades out at 1/bound and bound, so that the value stays between."""
+    above = clip((bound - value) / (_LAYER * bound), 0.0, 1.0)
+    below = clip((value - 1 / bound) / (_LAYER / bound), 0.0, 1.0)
+    return rate * where(rate >= 0, above, below)

@@ -1,0 +1,125 @@
+"""The derivative of V along the loop (the paper's eq. 19), derived with SymPy from plant, controller and observer.
+
+V = (M s^2 + rho p_err^2 + z_err^2/K)/2. Nothing is typed in: the equations that are simulated are run on SymPy symbols.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+from stribeck.control.cascade import Cascade
+from stribeck.control.observer import observe
+from stribeck.errors import StribeckError
+from stribeck.expressions.ops import Value
+from stribeck.laws.base import BristleLaw
+from stribeck.plants.cylinder import Cylinder
+
+ERRORS = ("s", "p_err", "z_err")
+
+
+@dataclass(frozen=True)
+class Form:
+    """dV/dt = -(ss s^2 + pp p_err^2 + zz z_err^2 + sz s z_err) as SymPy expressions of the gains, sigma_0, sigma_1 and w.
+
+    ``rates`` are those of s, p_err and z_err.
+    """
+
+    rates: dict[str, Any]
+    ss: Any
+    pp: Any
+    zz: Any
+    sz: Any
+
+    @property
+    def derivative(self) -> Any:
+        """dV/dt."""
+        import sympy
+
+        s, p_err, z_err = sympy.symbols(ERRORS, real=True)
+        return -self.ss * s**2 - self.pp * p_err**2 - self.zz * z_err**2 - self.sz * s * z_err
+
+    @property
+    def exact(self) -> Any:
+        """What must not be negative for dV/dt <= 0 in all errors, where w > 0: 4 ss zz - sz^2, divided by w."""
+        import sympy
+
+        return sympy.expand(sympy.cancel((4 * self.ss * self.zz - self.sz**2) / sympy.Symbol("w", real=True)))
+
+    @property
+    def sufficient(self) -> tuple[Any, Any]:
+        """The paper's way to eq. 21, |s z_err| <= (s^2 + z_err^2)/2: neither may be negative (the second divided by w)."""
+        import sympy
+
+        w = sympy.Symbol("w", real=True)
+        return self.ss - self.sz / 2, sympy.expand(sympy.cancel((self.zz - self.sz / 2) / w))
+
+
+@lru_cache(maxsize=1)
+def derive() -> Form:
+    """The form for any law dz/dt = S_1(v) v - w(v) z with F = sigma_0 z + sigma_1 dz/dt + sigma_2 v, in plant and observer.
+
+    The valve is not at its limit, and the controller knows the plant.
+
+    Raises:
+        StribeckError: SymPy is not installed, or the derivative is not such a form.
+    """
+    try:
+        import sympy
+    except ImportError:
+        raise StribeckError("the derivation needs SymPy: pip install 'stribeck[proof]'") from None
+
+    def named(*groups: Any) -> SimpleNamespace:
+        return SimpleNamespace(**{n: sympy.Symbol(n, positive=True) for group in groups for n in group})
+
+    class Linear(BristleLaw):
+        @staticmethod
+        def dz_dt(p: Any, v: Value, z: Value) -> Value:
+            return sympy.Function("S_1")(v) * v - sympy.Function("w")(v) * z
+
+    c, m, p = named(Cascade.constants), named(Cylinder.constants), named(Linear.uses)
+    y, v, p_1, p_2, z, z_hat = sympy.symbols("y v p_1 p_2 z z_hat", real=True)
+    path: Any = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)
+    e, s = Cascade.errors(c, path, y, v)
+    found = observe(Linear, p, c.K, v, s, {"z_hat": z_hat})
+    dz_dt = Linear.dz_dt(p, v, z)
+    acceleration = Cylinder.acceleration(m, p_1, p_2, Linear.friction(p, v, z, dz_dt))
+    p_d = Cascade.desired_pressure(c, m, path, v, s, found.F)
+    motion = {y: v, v: acceleration, z: dz_dt, z_hat: found.rates["z_hat"], **dict(pairwise(path))}
+
+    def along(x: Any) -> Any:
+        return sum(sympy.diff(x, each) * rate for each, rate in motion.items())
+
+    p_err = p_1 - p_2 - p_d
+    u_hat = Cascade.pressure_demand(c, m, y, v, p_1, p_2, s, p_err, along(p_d))
+    rates = {
+        "s": along(s),
+        "p_err": Cylinder.unforced(m, y, v, p_1, p_2) + u_hat - along(p_d),
+        "z_err": along(z_hat - z),
+    }
+    E = dict(zip(ERRORS, sympy.symbols(ERRORS, real=True), strict=True))
+    # the states as functions of the errors; what does not cancel stays to be seen
+    by_errors = [
+        (p_1, p_2 + p_d + E["p_err"]),
+        (z_hat, z + E["z_err"]),
+        (path[1], v + getattr(c, "lambda") * e - E["s"]),
+    ]
+    for name, rate in rates.items():
+        for old, new in by_errors:
+            rate = rate.subs(old, new)
+        rates[name] = sympy.expand(sympy.expand(rate)).subs(sympy.Function("w")(v), sympy.Symbol("w", real=True))
+    V = Cascade.energy(c, m.mass, *E.values())
+    dV = sympy.expand(sum(sympy.diff(V, E[name]) * rate for name, rate in rates.items()))
+    poly = sympy.Poly(dV, *E.values())
+    form = Form(
+        rates, *(sympy.factor(-poly.coeff_monomial(each)) for each in
+                 (E["s"] ** 2, E["p_err"] ** 2, E["z_err"] ** 2, E["s"] * E["z_err"])),
+    )  # fmt: skip
+    if sympy.expand(dV - form.derivative) != 0 or dV.has(y, v, p_1, p_2, z, *path):
+        raise StribeckError(
+            "dV/dt is not the quadratic form of eq. 19: plant, controller and observer do not fit together"
+        )
+    return form

@@ -1,0 +1,91 @@
+"""A measured log in SI units, ready to be fitted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, fields, replace
+from functools import cached_property
+from hashlib import sha256
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+_COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "run")
+
+
+@dataclass(frozen=True)
+class Log:
+    """Motion and force against time, SI units (rotary machines: rad, N m), every array of the same length.
+
+    Within a run the time rises by ``step``; runs follow each other. ``force`` is what drives the body, positive in the
+    direction of positive motion: mass * acceleration + friction + spring, gravity and offset.
+
+    Attributes:
+        sources: where each column is from: "measured", "from position, cut-off 20 Hz", ...
+        quality: what was found in the raw data and what was done about it, a line each.
+        noise: standard deviation of a measured column's noise, where it could be told.
+        bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
+        files: the name of the file that each run is from.
+        spectrum: frequencies (Hz), power spectral density of the measured motion, and its noise floor.
+    """
+
+    time: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    force: Array
+    run: NDArray[np.int32]
+    load: Array | None = None
+    pressure: Array | None = None
+    command: Array | None = None
+    step: float = 0.0
+    sources: dict[str, str] = field(default_factory=dict)
+    quality: tuple[str, ...] = ()
+    noise: dict[str, float] = field(default_factory=dict)
+    bandwidth: float | None = None
+    files: tuple[str, ...] = ()
+    spectrum: tuple[Array, Array, float] | None = None
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    @cached_property
+    def hash(self) -> str:
+        """SHA-256 of the columns."""
+        digest = sha256()
+        for name, column in self.columns().items():
+            digest.update(name.encode())
+            digest.update(np.ascontiguousarray(column).view(np.uint8).data)
+        return digest.hexdigest()
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """The columns that are there, by name."""
+        return {name: getattr(self, name) for name in _COLUMNS if getattr(self, name) is not None}
+
+    def rows(self, which: Any) -> Log:
+        """The log with the rows that ``which`` (a slice, mask or index array) picks."""
+        return replace(self, **{name: column[which] for name, column in self.columns().items()})
+
+    def runs(self) -> Iterator[slice]:
+        """The rows of each run, in order."""
+        cuts = np.flatnonzero(np.diff(self.run)) + 1
+        for first, last in zip([0, *cuts.tolist()], [*cuts.tolist(), len(self)], strict=True):
+            if last > first:
+                yield slice(first, last)
+
+    def with_columns(self, **columns: Any) -> Log:
+        """The log with some columns or notes replaced."""
+        unknown = set(columns) - {f.name for f in fields(self)}
+        assert not unknown, unknown
+        return replace(self, **columns)
+
+
+_ENOUGH = 1_000_000  # rows that tell the sizes of a log
+
+
+def thinned(log: Log) -> Log:
+    """A long log with fewer rows, for sizes that do not need all of them."""
+    every = len(log) // _ENOUGH
+    return log if every < 2 else log.rows(slice(None, None, every))

@@ -1,0 +1,92 @@
+"""A two-chamber pneumatic cylinder with a servo-valve (Perondi & Guenther 2002; Guenther et al. 2006)."""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+from stribeck.constants import Constant
+from stribeck.expressions.ops import Value, atan, clip, cos, sin, where
+
+_LEAST_GAIN = 1.0  # Pa/s by opening; an open valve gives some 1e6
+
+
+class Cylinder:
+    """A piston between two chambers of gas, which a valve fills from the supply and empties to the atmosphere."""
+
+    kind = "pneumatic"
+    constants: ClassVar[dict[str, Constant]] = {
+        "mass": Constant("kg", "mass of piston and load", above=0, example=2.9),
+        "area": Constant("m^2", "cross-section of the piston", above=0, example=4.19e-4),
+        "stroke": Constant("m", "stroke; the position y runs from 0 to it", above=0, example=1.0),
+        "dead_volume_1": Constant("m^3", "volume of chamber 1 at y = 0", above=0, example=1.96e-6),
+        "dead_volume_2": Constant("m^3", "volume of chamber 2 at y = stroke", above=0, example=4.91e-6),
+        "heat_ratio": Constant("", "exponent of the polytropic change of state", above=0, example=1.4),
+        "gas_constant": Constant("J/(kg K)", "specific gas constant", above=0, example=286.9),
+        "temperature": Constant("K", "temperature of the gas", above=0, example=293.15),
+        "supply_pressure": Constant("Pa", "absolute pressure of the supply", above=0, example=7e5),
+        "atmospheric_pressure": Constant("Pa", "absolute pressure of the exhaust", above=0, example=1e5),
+        "beta_fill": Constant("kg/(s Pa)", "flow into a chamber by opening and pressure", above=0, example=4.897e-9),
+        "beta_empty": Constant("kg/(s Pa)", "flow out of a chamber by opening and pressure", above=0, example=5.173e-9),
+    }
+
+    @staticmethod
+    def acceleration(p: Any, p_1: Value, p_2: Value, F: Value) -> Value:
+        """dv/dt in m/s^2 under the chambers' pressures and the friction force F (the paper's eq. 10)."""
+        return (p.area * (p_1 - p_2) - F) / p.mass
+
+    @staticmethod
+    def volumes(p: Any, y: Value) -> tuple[Value, Value]:
+        """The volumes of the chambers, m^3."""
+        return p.area * y + p.dead_volume_1, p.area * (p.stroke - y) + p.dead_volume_2
+
+    @staticmethod
+    def opening(u: Value) -> Value:
+        """How far the valve opens at the voltage u."""
+        return atan(2 * u)
+
+    @staticmethod
+    def flows(p: Any, p_1: Value, p_2: Value, u: Value, droop: Value = 0.0) -> tuple[Value, Value]:
+        """The mass flows into the chambers in kg/s; ``droop`` is what the supply loses by flow, Pa s/kg."""
+        o = Cylinder.opening(u)
+
+        def filling(o: Value, inside: Value) -> Value:
+            flow = p.beta_fill * o
+            return flow * (p.supply_pressure - inside) / (1 + droop * flow)
+
+        def emptying(o: Value, inside: Value) -> Value:
+            return p.beta_empty * o * (inside - p.atmospheric_pressure)
+
+        q_1 = where(u >= 0, filling(o, p_1), emptying(o, p_1))
+        q_2 = where(u >= 0, -emptying(o, p_2), filling(-o, p_2))
+        return q_1, q_2
+
+    @staticmethod
+    def pressure_rates(
+        p: Any, y: Value, v: Value, p_1: Value, p_2: Value, q_1: Value, q_2: Value
+    ) -> tuple[Value, Value]:
+        """dp_1/dt and dp_2/dt, Pa/s."""
+        volume_1, volume_2 = Cylinder.volumes(p, y)
+        gas = p.heat_ratio * p.gas_constant * p.temperature
+        sweep = p.heat_ratio * p.area * v
+        return (gas * q_1 - sweep * p_1) / volume_1, (gas * q_2 + sweep * p_2) / volume_2
+
+    @staticmethod
+    def unforced(p: Any, y: Value, v: Value, p_1: Value, p_2: Value) -> Value:
+        """h_hat of the paper's eq. 11: the rate of p_1 - p_2 with the valve closed, Pa/s."""
+        rate_1, rate_2 = Cylinder.pressure_rates(p, y, v, p_1, p_2, 0.0, 0.0)
+        return rate_1 - rate_2
+
+    @staticmethod
+    def voltage(p: Any, y: Value, p_1: Value, p_2: Value, u_hat: Value, u_max: Value) -> Value:
+        """The valve voltage within +-u_max that adds u_hat (Pa/s) to the rate of p_1 - p_2, or comes nearest to it."""
+        volume_1, volume_2 = Cylinder.volumes(p, y)
+        gas = p.heat_ratio * p.gas_constant * p.temperature
+        fill_1 = p.beta_fill * (p.supply_pressure - p_1) / volume_1
+        fill_2 = p.beta_fill * (p.supply_pressure - p_2) / volume_2
+        empty_1 = p.beta_empty * (p_1 - p.atmospheric_pressure) / volume_1
+        empty_2 = p.beta_empty * (p_2 - p.atmospheric_pressure) / volume_2
+        gain = gas * where(u_hat >= 0, fill_1 + empty_2, fill_2 + empty_1)
+        # a chamber above the supply can turn the gain round: the valve then stays at its limit
+        o = u_hat / where(gain > _LEAST_GAIN, gain, _LEAST_GAIN)
+        o = clip(o, -Cylinder.opening(u_max), Cylinder.opening(u_max))
+        return sin(o) / cos(o) / 2

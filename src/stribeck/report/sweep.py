@@ -1,0 +1,306 @@
+"""A sweep: an ensemble in parts on disk, which goes on where it was stopped and ends with the same bytes."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.analysis.oscillation import amplitude_and_period
+from stribeck.errors import InputError
+from stribeck.report.files import write_json, write_with
+from stribeck.scenario import Scenario
+from stribeck.simulation import Ensemble, c_source, simulate_ensemble
+from stribeck.simulation.variations import vary
+from stribeck.version import __version__
+
+Array = NDArray[np.float64]
+Progress = Callable[[float, float], None]
+
+_PART_BYTES = 64e6  # of the columns of one part: what is lost at most when a sweep is killed, some seconds of work
+_MOST_LANES = 10**8
+
+
+@dataclass(frozen=True)
+class Range:
+    """A range of one number: ``count`` values from first to last, evenly or logarithmically spaced."""
+
+    path: str
+    first: float
+    last: float
+    count: int
+    log: bool = False
+
+    @classmethod
+    def parse(cls, text: str, drawn: bool = False) -> Range:
+        """``PATH=FIRST:LAST:COUNT[:log]``; for a drawn sample ``COUNT`` may be left out.
+
+        Raises:
+            InputError: it is no such range.
+        """
+        form = "PATH=FIRST:LAST[:log]" if drawn else "PATH=FIRST:LAST:COUNT[:log]"
+        path, sign, rest = text.partition("=")
+        words = rest.split(":")
+        log = words[-1] == "log"
+        words = words[:-1] if log else words
+        try:
+            first, last = float(words[0]), float(words[1])
+            count = int(words[2]) if len(words) > 2 or not drawn else 1
+        except (ValueError, IndexError):
+            raise InputError(f"--vary {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log") from None
+        if not sign or not path.strip() or len(words) > 3:
+            raise InputError(f"--vary {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log")
+        if not (math.isfinite(first) and math.isfinite(last)):
+            raise InputError(f"--vary {text!r}: FIRST and LAST must be finite numbers")
+        if not 1 <= count <= _MOST_LANES:
+            raise InputError(f"--vary {text!r}: COUNT must be a whole number from 1 to {_MOST_LANES}")
+        if log and not (first > 0 and last > 0):
+            raise InputError(f"--vary {text!r}: FIRST and LAST must be > 0 for log")
+        return cls(path.strip(), first, last, count, log)
+
+    @property
+    def values(self) -> Array:
+        """The values, both ends included."""
+        return self._scaled(np.linspace(0.0, 1.0, self.count) if self.count > 1 else np.zeros(1))
+
+    def drawn(self, random: np.random.Generator, count: int) -> Array:
+        """Values drawn between the ends, uniformly (in the logarithm for ``log``)."""
+        return self._scaled(random.random(count))
+
+    def _scaled(self, share: Array) -> Array:
+        if self.log:
+            found = 10 ** (math.log10(self.first) + math.log10(self.last / self.first) * share)
+        else:
+            found = self.first + (self.last - self.first) * share
+        return np.where(share == 0, self.first, np.where(share == 1, self.last, found))
+
+
+def lanes_of(ranges: Sequence[Range], samples: int | None = None, seed: int = 0) -> dict[str, Array]:
+    """The values of every lane by path: the grid of the ranges, the last one fastest, or ``samples`` random points.
+
+    Raises:
+        InputError: no range, two of one path, or more lanes than a sweep can have.
+    """
+    paths = [r.path for r in ranges]
+    if not ranges:
+        raise InputError("--vary: missing: must be given at least once, such as law.k_v=1e6:1e8:5:log")
+    if twice := [path for path in dict.fromkeys(paths) if paths.count(path) > 1]:
+        raise InputError([f"--vary {path}: given {paths.count(path)} times; must be given once" for path in twice])
+    count = math.prod(r.count for r in ranges) if samples is None else samples
+    if not 1 <= count <= _MOST_LANES:
+        what = "the grid has" if samples is None else "--samples"
+        raise InputError(f"{what} {count} lanes: must be from 1 to {_MOST_LANES}")
+    if samples is not None:
+        random = np.random.default_rng(seed)
+        return {r.path: r.drawn(random, samples) for r in ranges}
+    grid = np.meshgrid(*(r.values for r in ranges), indexing="ij")
+    return {path: values.reshape(-1) for path, values in zip(paths, grid, strict=True)}
+
+
+class Sweep:
+    """A sweep in a folder: parts of some lanes each, and ``_manifest.json``, which says what it is.
+
+    Readers of a folder of Parquet files pass over names that begin with an underscore.
+
+    Args:
+        scenario: what the lanes share.
+        values: the values of every lane by path.
+        folder: where the files go.
+        summary: keep one row a lane (peaks, slips, amplitude, period) in place of its trajectory.
+
+    Raises:
+        InputError: a path cannot be varied.
+    """
+
+    def __init__(self, scenario: Scenario, values: Mapping[str, Array], folder: Path, summary: bool) -> None:
+        self.lanes, self.folder, self.summary = vary(scenario, values), folder, summary
+        row = 8.0 * (1 + len(scenario.system.columns))
+        self.part_size = max(1, min(len(self.lanes), int(_PART_BYTES / (row * scenario.rows))))
+        self.parts = math.ceil(len(self.lanes) / self.part_size)
+        self.manifest: dict[str, Any] = {
+            "format": 1,
+            "stribeck": __version__,
+            "scenario": scenario.name,
+            "law": scenario.law.name,
+            "varied": list(self.lanes.values),
+            "summary": summary,
+            "lanes": len(self.lanes),
+            "lanes_per_part": self.part_size,
+            "parts": [self.path(i).name for i in range(self.parts)],
+            "digest": self._digest(),
+        }
+
+    def path(self, part: int) -> Path:
+        """The file of a part."""
+        return self.folder / f"part-{part:06d}.parquet"
+
+    def _digest(self) -> str:
+        """Of all that decides the numbers: the equations and solver as C, every constant, the signal, the values."""
+        s, lanes = self.lanes.scenario, self.lanes
+        signal = s.signal.segments if not s.signal.smooth else None
+        pieces = [signal.start, signal.value, signal.slope] if signal else []
+        numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.threshold, s.end]
+        settings = [s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values), s.data["drive"]]
+        text = json.dumps([c_source(s), numbers, settings])
+        arrays = b"".join(np.ascontiguousarray(x).tobytes() for x in [*pieces, *lanes.values.values()])
+        return sha256(text.encode() + arrays).hexdigest()
+
+    def missing(self) -> list[int]:
+        """The parts that are not there yet, or not whole."""
+        return [i for i in range(self.parts) if not _whole(self.path(i))]
+
+    def run(self, threads: int | None = None, progress: Progress | None = None) -> int:
+        """Write the parts that are missing; how many lanes failed in all.
+
+        ``progress`` is called with the share of the lanes done and how many of them were done in this run.
+
+        Raises:
+            InputError: the folder holds another sweep, or another process is at work in it.
+        """
+        with _alone(self.folder):
+            self._claim()
+            todo = self.missing()
+            before = len(self.lanes) - sum(len(range(*self._lanes_of(i))) for i in todo)
+            done = before
+            for part in todo:
+                first, end = self._lanes_of(part)
+
+                def tell(share: float, done: int = done, size: int = end - first) -> None:
+                    if progress is not None:
+                        progress((done + share * size) / len(self.lanes), done - before + share * size)
+
+                lanes = self.lanes.part(slice(first, end))
+                found = simulate_ensemble(lanes.scenario, lanes.values, threads=threads, progress=tell)
+                _write(self.path(part), _summary(found, first) if self.summary else _trajectories(found, first))
+                done += end - first
+            return sum(_failed_lanes(self.path(i)) for i in range(self.parts))
+
+    def _lanes_of(self, part: int) -> tuple[int, int]:
+        return part * self.part_size, min((part + 1) * self.part_size, len(self.lanes))
+
+    def _claim(self) -> None:
+        """Make the folder this sweep's: write its manifest, or find the same one there."""
+        place = self.folder / "_manifest.json"
+        for left in (*self.folder.glob(".part-*.tmp"), *self.folder.glob("._manifest*.tmp")):  # of a killed process
+            left.unlink()
+        if place.exists():
+            try:
+                same = json.loads(place.read_text(encoding="utf-8")) == self.manifest
+            except ValueError:
+                same = False
+            if not same:
+                text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
+                raise InputError(f"--out: {str(self.folder)!r}: {text}")
+        elif any(self.folder.glob("part-*.parquet")):
+            raise InputError(f"--out: {str(self.folder)!r}: holds parts of an unknown sweep: must be another folder")
+        else:
+            write_json(place, self.manifest)
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Keep other processes out of the folder for a while, where the system knows how."""
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):
+            try:
+                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                text = "another process is at work there: must be another folder, or wait"
+                raise InputError(f"--out: {str(folder)!r}: {text}") from None
+        yield
+    finally:
+        os.close(handle)
+
+
+# -- the tables of a part ----------------------------------------------------------------------------------------------
+
+Column = tuple[str, str, str, Any]  # name, unit, meaning, values
+
+
+def _about_lanes(e: Ensemble, first: int, lanes: NDArray[np.int64]) -> list[Column]:
+    """The first columns: which lane, its values, what became of it."""
+    reasons = np.array([reason or "" for reason in e.reason])[lanes]
+    varied = [(path, "", "varied", values[lanes]) for path, values in e.values.items()]
+    status = [("status", "", "done or failed", np.where(reasons == "", "done", "failed"))]
+    return [
+        ("lane", "", "number of the lane", first + lanes),
+        *varied,
+        *status,
+        ("reason", "", "why it failed", reasons),
+    ]
+
+
+def _trajectories(e: Ensemble, first: int) -> list[Column]:
+    """A row for each time that each lane reached; a lane that never began has one row without a time."""
+    reached = np.isfinite(e[e.columns[0].name])
+    begun = reached.copy()
+    begun[:, 0] = True
+    lanes, rows = np.nonzero(begun)
+    t = np.where(reached[lanes, rows], e.t[rows], np.nan)
+    columns = [(c.name, c.unit, c.meaning, e[c.name][lanes, rows]) for c in e.columns]
+    return [*_about_lanes(e, first, lanes), ("t", "s", "time", t), *columns]
+
+
+def _summary(e: Ensemble, first: int) -> list[Column]:
+    """A row for each lane; peaks and final values over the rows that it reached."""
+    lanes = np.arange(len(e))
+    found = _about_lanes(e, first, lanes)
+    found += [("slips", "", "|v| rises through v_s", e.slips), ("sticks", "", "|v| falls through v_s", e.sticks)]
+    last = np.maximum(np.isfinite(e[e.columns[0].name]).sum(axis=1) - 1, 0)
+    for c in e.columns:
+        largest = np.where(np.isnan(e[c.name]), -np.inf, np.abs(e[c.name])).max(axis=1)
+        peak = np.where(np.isinf(largest), np.nan, largest)
+        found.append((f"peak_{c.name}", c.unit, f"largest magnitude: {c.meaning}", peak))
+        found.append((f"final_{c.name}", c.unit, f"at the end: {c.meaning}", e[c.name][lanes, last]))
+    late = e.t >= 0.5 * e.t[-1]
+    amplitude, period = amplitude_and_period(e.t[late], e["y"][:, late])
+    found.append(("amplitude", "m", "half of peak to peak of y in the second half", amplitude))
+    return [*found, ("period", "s", "mean time between upward crossings of y's middle in the second half", period)]
+
+
+def _write(path: Path, columns: Sequence[Column]) -> None:
+    import pyarrow
+    from pyarrow import parquet
+
+    fields, arrays = [], []
+    for name, unit, meaning, values in columns:
+        # nan says "not reached" in NumPy; a table has nulls for that
+        array = pyarrow.array(values, from_pandas=values.dtype.kind == "f")
+        arrays.append(array)
+        fields.append(pyarrow.field(name, array.type, metadata={"unit": unit, "meaning": meaning}))
+    table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
+    write_with(path, lambda beside: parquet.write_table(table, beside, compression="zstd"))
+
+
+def _whole(path: Path) -> bool:
+    """True where the part is there and can be read."""
+    import pyarrow
+    from pyarrow import parquet
+
+    try:
+        parquet.read_metadata(path)
+    except (OSError, pyarrow.ArrowException):
+        return False
+    return True
+
+
+def _failed_lanes(path: Path) -> int:
+    from pyarrow import parquet
+
+    table = parquet.read_table(path, columns=["lane"], filters=[("status", "=", "failed")])
+    return len(table.column("lane").unique())

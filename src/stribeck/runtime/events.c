@@ -1,0 +1,68 @@
+/* ---- Events: where |v| passes a threshold within a step. ---------------------------------------------------------- */
+
+enum { MOST_EVENTS = 16 }; /* of one step */
+
+#if V_STATE >= 0
+/* Find every s in (s0, s1] where the quartic with Bernstein coefficients b passes through zero, in order; b's first and
+   last values lie at s0 and s1. A polynomial stays between its coefficients, so an interval without a change of sign
+   among them holds no root, and one with a single change holds exactly one (Descartes). */
+static int crossings(const double b[5], double noise, double s0, double s1, int depth, double *found, int8_t *rises,
+                     int count)
+{
+    int changes = 0, flat = 1;
+    for (int i = 0; i < 4; i++) changes += (b[i] >= 0) != (b[i + 1] >= 0);
+    for (int i = 0; i < 5; i++) flat &= fabs(b[i]) <= noise; /* rounding has signs of its own */
+    if (changes == 0 || count >= MOST_EVENTS / 2) return count;
+    if (flat || depth > 50 || (changes == 1 && s1 - s0 < 1e-14)) {
+        if ((b[0] >= 0) != (b[4] >= 0)) {
+            found[count] = s1;
+            rises[count++] = b[4] >= 0;
+        }
+        return count;
+    }
+    double left[5], right[5], w[5];
+    for (int i = 0; i < 5; i++) w[i] = b[i];
+    for (int level = 0; level < 5; level++) { /* de Casteljau at the middle */
+        left[level] = w[0];
+        right[4 - level] = w[4 - level];
+        for (int i = 0; i < 4 - level; i++) w[i] = 0.5 * (w[i] + w[i + 1]);
+    }
+    const double middle = 0.5 * (s0 + s1);
+    count = crossings(left, noise, s0, middle, depth + 1, found, rises, count);
+    return crossings(right, noise, middle, s1, depth + 1, found, rises, count);
+}
+
+/* Where |v| passes the level within a step, as shares of the step in order, and whether it rises there; how many. v0 and
+   v1 are the ends, d0 to d2 the coefficients of the dense output. */
+static int events_within(double level, double v0, double v1, double d0, double d1, double d2, double *s, int8_t *rises)
+{
+    const double b[5] = {v0, v0 + 0.25 * (v1 - v0) + 0.25 * d0, 0.5 * (v0 + v1) + d0 / 3 + d1 / 6,
+                         v0 + 0.75 * (v1 - v0) + 0.25 * (d0 + d1 + d2), v1};
+    double lowest = b[0], highest = b[0], largest = level, shifted[5];
+    for (int i = 0; i < 5; i++) {
+        lowest = b[i] < lowest ? b[i] : lowest;
+        highest = b[i] > highest ? b[i] : highest;
+        largest = fabs(b[i]) > largest ? fabs(b[i]) : largest;
+    }
+    const double noise = 1e-14 * largest;
+    if (!(highest - lowest < 1e100)) return 0; /* a trajectory that is about to fail */
+    if ((lowest > -level && highest < level) || lowest >= level || highest <= -level) return 0;
+    for (int i = 0; i < 5; i++) shifted[i] = b[i] - level;
+    int count = crossings(shifted, noise, 0, 1, 0, s, rises, 0);
+    const int upper = count;
+    for (int i = 0; i < 5; i++) shifted[i] = -b[i] - level;
+    count += crossings(shifted, noise, 0, 1, 0, s + upper, rises + upper, 0);
+    for (int i = 1; i < count; i++) { /* two sorted lists into one */
+        const double si = s[i];
+        const int8_t ri = rises[i];
+        int at = i;
+        for (; at > 0 && s[at - 1] > si; at--) {
+            s[at] = s[at - 1];
+            rises[at] = rises[at - 1];
+        }
+        s[at] = si;
+        rises[at] = ri;
+    }
+    return count;
+}
+#endif

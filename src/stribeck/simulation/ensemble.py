@@ -1,0 +1,204 @@
+"""The same scenario many times, with other numbers: in the lanes of the processor's vectors, on every core."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Callable, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stribeck.codegen import source
+from stribeck.drives.base import Column
+from stribeck.errors import BuildError, InputError, nearest
+from stribeck.scenario import Scenario, memory
+from stribeck.simulation import cache, compiler, lanes
+from stribeck.simulation.result import failure
+from stribeck.simulation.single import simulate
+from stribeck.simulation.solution import Solution
+from stribeck.simulation.variations import LaneByLane, Variations, vary
+
+Array = NDArray[np.float64]
+
+
+class Ensemble:
+    """A scenario simulated with many values: ``ensemble["y"]`` has the shape (lanes, times).
+
+    Rows that a failed lane did not reach are nan. ``ensemble.t`` holds the times in s, ``len(ensemble)`` is the number
+    of lanes.
+
+    Attributes:
+        scenario: what all lanes share.
+        values: the values that vary, by path.
+        reason: for each lane why it failed, else None.
+        slips, sticks: for each lane how often \\|v\\| rises, and falls, through v_s.
+        accepted, rejected: steps of each lane.
+    """
+
+    def __init__(
+        self,
+        variations: Variations | LaneByLane,
+        states: Array,
+        reason: list[str | None],
+        counts: Mapping[str, NDArray[np.int64]],
+        columns: dict[str, Array] | None = None,
+    ) -> None:
+        self.scenario, self.values = variations.scenario, variations.values
+        self.reason = reason
+        self.slips, self.sticks = counts["slips"], counts["sticks"]
+        self.accepted, self.rejected = counts["accepted"], counts["rejected"]
+        self._variations, self._states, self._given = variations, states, columns
+
+    def __len__(self) -> int:
+        return len(self._states)
+
+    @property
+    def status(self) -> list[str]:
+        """For each lane "done" or "failed"."""
+        return ["done" if reason is None else "failed" for reason in self.reason]
+
+    @cached_property
+    def t(self) -> Array:
+        """Times of the rows, s: i * output.step."""
+        return np.arange(self._states.shape[1], dtype=float) * self.scenario.output.step
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """The columns after t: name, unit and meaning."""
+        return self.scenario.system.columns
+
+    @cached_property
+    def _columns(self) -> dict[str, Array]:
+        if self._given is not None:
+            return self._given
+        assert isinstance(self._variations, Variations)
+        reached = ~np.isnan(self._states[:, :, 0])
+        return {
+            name: np.where(reached, x, np.nan) for name, x in self._variations.columns(self.t, self._states).items()
+        }
+
+    def __getitem__(self, name: str) -> Array:
+        if name not in self._columns:
+            known = list(self._columns)
+            raise KeyError(f"{name!r}: no such column{nearest(name, known) or ' (known: ' + ', '.join(known) + ')'}")
+        return self._columns[name]
+
+
+def simulate_ensemble(
+    scenario: Scenario,
+    values: Mapping[str, ArrayLike],
+    *,
+    threads: int | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Ensemble:
+    """Simulate a scenario once for each value of some of its numbers.
+
+    Lane i takes the i-th value of every path: ``simulate_ensemble(s, {"law.k_v": [1e6, 1e7], "plant.mass": [1, 2]})``
+    has two lanes. What can be varied: the law's constants, the mass, initial values, constants of the drive and of the
+    signal. The lanes agree with single runs within the tolerances, however many lanes and threads there are, and a
+    lane's numbers are the same from run to run.
+
+    Args:
+        scenario: what the lanes share.
+        values: numbers by path, as many for each path as there are lanes; a single number holds for all.
+        threads: how many to use; all of the machine's unless given.
+        progress: called now and then with the share of the lanes done, 0 to 1.
+
+    Returns:
+        The ensemble. A lane that fails, or whose values no scenario may have, has a ``reason``; the others go on.
+
+    Raises:
+        InputError: a path is none that can be varied, its values are no numbers, or the rows do not fit into memory.
+    """
+    variations = vary(scenario, values)
+    scenario, count = variations.scenario, len(variations)
+    if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
+        raise InputError(f"threads: {threads}: must be a whole number >= 1")
+    needed, room = 8.0 * count * scenario.rows * (len(scenario.system.states) + 1), memory.available()
+    if needed > room:
+        text = f"{count} lanes of {scenario.rows} rows would take {memory.size(needed)} of memory"
+        raise InputError(f"{text}, and {memory.size(room)} are free: use fewer rows, or 'stribeck sweep'")
+    reason, columns = variations.problems(), None
+    possible = np.flatnonzero([text is None for text in reason])
+    states = np.full((count, scenario.rows, len(scenario.system.states)), np.nan)
+    counts = {name: np.zeros(count, np.int64) for name in ("slips", "sticks", "accepted", "rejected")}
+    if len(possible):
+        library = _library(scenario) if isinstance(variations, Variations) else None
+        threads = threads or lanes.threads_of_this_machine()
+        if library is not None and isinstance(variations, Variations):
+            some = variations if len(possible) == count else variations.part(possible)
+            found = lanes.solve(library, some, threads, progress)
+            states[possible] = found.states
+            for name, x in counts.items():
+                x[possible] = found.counts[name]
+            for lane, status, t in zip(possible, found.counts["status"], found.t_reached, strict=True):
+                reason[lane] = failure(int(status), float(t), scenario.solve.max_steps)
+            if scenario.drive.sets_velocity:
+                _count_crossings(some, possible, found, counts)
+        else:
+            columns = _one_by_one(variations, possible, threads, states, reason, counts, progress)
+    return Ensemble(variations, states, reason, counts, columns)
+
+
+def _library(scenario: Scenario) -> ctypes.CDLL | None:
+    """The compiled system for lanes; None where it cannot be built."""
+    chosen = compiler.find()
+    if chosen is None:
+        return None
+    try:
+        library, _ = cache.library(source(scenario.system, lanes=True), chosen.for_lanes())
+        lanes.check(library)
+    except (BuildError, OSError):
+        return None  # the single runs will say why
+    return library
+
+
+def _one_by_one(
+    variations: Variations | LaneByLane,
+    places: NDArray[np.int64],
+    threads: int,
+    states: Array,
+    reason: list[str | None],
+    counts: dict[str, NDArray[np.int64]],
+    progress: Callable[[float], None] | None,
+) -> dict[str, Array]:
+    """The lanes as single runs, where vectors do not serve; their columns."""
+    scenario = variations.scenario
+    columns = {c.name: np.full(states.shape[:2], np.nan) for c in scenario.system.columns}
+
+    def run(lane: int) -> Solution:
+        return simulate(scenario.with_changes(variations.changes(lane)))
+
+    with ThreadPoolExecutor(threads) as pool:
+        try:
+            for done, (lane, solution) in enumerate(zip(places, pool.map(run, map(int, places)), strict=True)):
+                states[lane, : len(solution.t)] = solution.states
+                for name, x in columns.items():
+                    x[lane, : len(solution.t)] = solution[name]
+                reason[lane] = solution.reason
+                counts["slips"][lane], counts["sticks"][lane] = (len(solution.events[k]) for k in ("slip", "stick"))
+                counts["accepted"][lane], counts["rejected"][lane] = (
+                    solution.stats[k] for k in ("accepted", "rejected")
+                )
+                if progress is not None:
+                    progress((done + 1) / len(places))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    return columns
+
+
+def _count_crossings(
+    variations: Variations, places: NDArray[np.int64], found: lanes.Outcome, counts: dict[str, NDArray[np.int64]]
+) -> None:
+    """Slips and sticks of a prescribed velocity: those of the signal, as far as each lane came."""
+    signals, which = variations.signals
+    threshold, scenario = variations.threshold(), variations.scenario
+    for i, lane in enumerate(places):
+        if threshold[i] > 0:
+            done = found.counts["status"][i] == 0
+            end = scenario.end if done else float(found.counts["rows_reached"][i]) * scenario.output.step
+            rises = [up for _, up in signals[which[i]].crossings(float(threshold[i]), end)]
+            counts["slips"][lane], counts["sticks"][lane] = sum(rises), len(rises) - sum(rises)

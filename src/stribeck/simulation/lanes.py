@@ -1,0 +1,113 @@
+"""The compiled solver of many trajectories in the lanes of vectors, on every core, called through ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from collections.abc import Callable
+from ctypes import POINTER, c_double, c_int64
+from dataclasses import dataclass
+from threading import Thread
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.errors import BuildError
+from stribeck.simulation.native import step_share
+from stribeck.simulation.variations import Variations
+
+Integers = NDArray[np.int64]
+
+# The fields of Batch in runtime/lanes.c, in the same order.
+_INPUTS = ("parameters", "atol", "x0", "threshold", "h_limit")
+_PIECES = ("piece_start", "piece_value", "piece_slope")
+_COUNTS = ("rows_reached", "status", "accepted", "rejected", "slips", "sticks")
+
+
+class Batch(ctypes.Structure):
+    """What Python and the compiled solver share."""
+
+    _fields_ = (
+        *((name, POINTER(c_double)) for name in _INPUTS),
+        *((name, POINTER(c_int64)) for name in ("piece_first", "piece_end")),
+        *((name, POINTER(c_double)) for name in (*_PIECES, "out")),
+        *((name, POINTER(c_int64)) for name in _COUNTS),
+        ("t_reached", POINTER(c_double)),
+        ("queue", POINTER(c_int64)),
+        *((name, c_double) for name in ("rtol", "t_end", "step")),
+        *((name, c_int64) for name in ("count", "rows", "most_attempts")),
+    )
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of each lane: states (lanes, rows, states), rows reached, status as in runtime/lanes.c, counts."""
+
+    states: NDArray[np.float64]
+    t_reached: NDArray[np.float64]
+    counts: dict[str, Integers]
+
+
+def check(library: ctypes.CDLL) -> None:
+    """Make sure that the library is a compiled system of this version, for lanes.
+
+    Raises:
+        BuildError: it is not.
+    """
+    try:
+        library.stribeck_batch_size.restype = library.stribeck_lanes.restype = c_int64
+        library.stribeck_solve_batch.argtypes, library.stribeck_solve_batch.restype = [POINTER(Batch)], None
+    except AttributeError:
+        raise BuildError("the library built is not a compiled system for lanes") from None
+    if library.stribeck_batch_size() != ctypes.sizeof(Batch):
+        raise BuildError("the compiled system was built for another version of Stribeck")
+
+
+def threads_of_this_machine() -> int:
+    """How many threads may run at once."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def solve(
+    library: ctypes.CDLL, lanes: Variations, threads: int, progress: Callable[[float], None] | None = None
+) -> Outcome:
+    """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
+    scenario, count = lanes.scenario, len(lanes)
+    share, pieces = step_share(scenario), lanes.pieces()
+    numbers = {
+        "parameters": lanes.parameters(), "atol": share * lanes.atol(), "x0": lanes.initial(),
+        "threshold": lanes.threshold(), "h_limit": lanes.longest_step(),
+        "piece_start": pieces.start, "piece_value": pieces.value, "piece_slope": pieces.slope,
+        "out": np.full((count, scenario.rows, len(scenario.system.states)), np.nan), "t_reached": np.zeros(count),
+    }  # fmt: skip
+    integers = {"piece_first": pieces.first, "piece_end": pieces.end, "queue": np.zeros(3, np.int64)}
+    integers |= {name: np.zeros(count, np.int64) for name in _COUNTS}
+    numbers = {name: np.ascontiguousarray(x, float) for name, x in numbers.items()}
+    batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)
+    batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
+    for name, x in numbers.items():
+        setattr(batch, name, x.ctypes.data_as(POINTER(c_double)))
+    for name, i in integers.items():
+        setattr(batch, name, i.ctypes.data_as(POINTER(c_int64)))
+    _run(library, batch, integers["queue"], threads, progress)
+    return Outcome(numbers["out"], numbers["t_reached"], {name: integers[name] for name in _COUNTS})
+
+
+def _run(
+    library: ctypes.CDLL, batch: Batch, queue: Integers, threads: int, progress: Callable[[float], None] | None
+) -> None:
+    """Let the threads work; Ctrl-C stops them at their next step."""
+    workers = [Thread(target=library.stribeck_solve_batch, args=(ctypes.byref(batch),)) for _ in range(threads)]
+    try:
+        for worker in workers:
+            worker.start()
+        for worker in workers:
+            while worker.is_alive():
+                worker.join(0.1)
+                if progress is not None:
+                    progress(queue[1] / batch.count)
+    finally:
+        queue[2] = 1
+        for worker in workers:
+            if worker.ident is not None:
+                worker.join()

@@ -1,0 +1,96 @@
+"""A law's friction force for a measured velocity, compiled; several sets of parameters at a time."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping, Sequence
+from ctypes import POINTER, c_double, c_int, c_int64
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.codegen.response import parameters, response_source
+from stribeck.errors import BuildError
+from stribeck.laws.base import Law
+from stribeck.simulation import cache, compiler
+
+Array = NDArray[np.float64]
+_STEPS_A_SAMPLE = 1000
+
+
+class Response:
+    """The compiled answer of a law to a velocity: F(t) for v(t) given by samples and smooth between them.
+
+    Args:
+        law: the law.
+        structure: its optional constants that are on.
+
+    Raises:
+        BuildError: there is no C compiler, or it failed.
+    """
+
+    def __init__(self, law: type[Law], structure: tuple[str, ...] = ()) -> None:
+        chosen = compiler.find()
+        if chosen is None:
+            raise BuildError(
+                "a simulation-error fit needs a C compiler, and none was found (pip install 'stribeck[compiler]')"
+            )
+        self.names = parameters(law, structure)
+        library = cache.library(response_source(law, structure), chosen)[0]
+        self._call = library.stribeck_respond
+        pointer, whole = POINTER(c_double), c_int64
+        self._call.argtypes = [
+            whole, pointer, pointer, pointer, whole, pointer, pointer, pointer, c_double, whole, pointer, pointer, pointer,
+        ]  # fmt: skip
+        self._call.restype = c_int
+
+    def lanes(self, sets: Sequence[Mapping[str, float]]) -> Array:
+        """Sets of constants as rows in the order that the compiled code takes."""
+        return np.array([[each[name] for name in self.names] for each in sets], float)
+
+    def force(
+        self,
+        t: Array,
+        v: Array,
+        constants: Array,
+        z: Array,
+        tolerance: float,
+        shift: Array | None = None,
+        shifted: Sequence[str] = (),
+    ) -> Array | None:
+        """The friction force in N, shape (lanes, samples); None where the integration failed.
+
+        Args:
+            t: times of the samples, s, rising.
+            v: velocity there, m/s; its integral from sample to sample is taken from cubics through four of them.
+            constants: a row of the law's constants for each lane (:meth:`lanes`).
+            z: deflection of each lane at the first sample, m.
+            tolerance: largest error of the first lane's deflection in a step, m; all lanes take the same steps.
+            shift: what some constants grow by at each sample, shape (lanes, samples).
+            shifted: the names of these constants.
+        """
+        inputs = [np.ascontiguousarray(x, float) for x in (t, v, constants)]
+        bend = _bends(inputs[1])
+        gain = np.array([float(name in shifted) for name in self.names])
+        grown = None if shift is None else np.ascontiguousarray(shift, float)
+        out, state, present = np.empty((len(constants), len(t))), np.array(z, float), np.empty_like(inputs[2])
+        t_, v_, constants_, present_, state_, out_ = (_pointer(x) for x in (*inputs, present, state, out))
+        status = self._call(
+            len(t), t_, v_, _pointer(bend), len(constants), constants_,
+            None if grown is None else _pointer(grown), _pointer(gain), tolerance, _STEPS_A_SAMPLE * len(t),
+            present_, state_, out_,
+        )  # fmt: skip
+        return out if status == 0 and np.isfinite(out).all() else None
+
+
+def _pointer(array: Array) -> ctypes._Pointer[c_double]:
+    return array.ctypes.data_as(POINTER(c_double))
+
+
+def _bends(v: Array) -> Array:
+    """How far the mean of v between two samples exceeds the mean of these, by a cubic through the four around; v must
+    be sampled evenly. Where v has a corner it errs by no more than straight lines do elsewhere."""
+    found = np.zeros(len(v))
+    if len(v) >= 4:
+        found[1:-2] = -(v[3:] - v[2:-1] - v[1:-2] + v[:-3]) / 24
+    return found

@@ -1,0 +1,79 @@
+"""One scenario simulated: compiled where there is a C compiler, by SciPy elsewhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+
+import numpy as np
+
+from stribeck.codegen import source
+from stribeck.errors import BuildError, note
+from stribeck.scenario import Scenario
+from stribeck.simulation import cache, compiler, fallback, native
+from stribeck.simulation.result import Result
+from stribeck.simulation.solution import Solution
+
+
+def simulate(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Solution:
+    """Simulate a scenario.
+
+    The first simulation of a structure (law, drive, kind of signal) compiles it, some 0.3 s; later ones, in this
+    process or another, find it in the cache.
+
+    Args:
+        scenario: what to simulate.
+        progress: called now and then with the share of the time done, 0 to 1.
+
+    Returns:
+        The solution. A failed computation is a solution too: its ``status`` is "failed", its ``reason`` says why, and
+        it holds the rows that were reached.
+    """
+    started = perf_counter()
+    library, built, build_seconds = None, False, 0.0
+    chosen = compiler.find()
+    if chosen is None:
+        note("no C compiler found: solving with SciPy, hundreds of times slower (pip install 'stribeck[compiler]')")
+    else:
+        try:
+            found, built = cache.library(source(scenario.system), chosen)
+            native.check(found)
+            library = found
+            build_seconds = perf_counter() - started
+        except (BuildError, OSError) as error:
+            note(f"compiling failed ({' '.join(str(error).split())}): solving with SciPy, hundreds of times slower")
+    result = _solve(library, scenario, progress)
+    result.stats.update(
+        {"built": built, "build_seconds": build_seconds, "seconds": perf_counter() - started - build_seconds}
+    )
+    solution = Solution(scenario, result)
+    if scenario.servo is not None and solution.reason is None:
+        _say_if_limited(solution)
+    return solution
+
+
+def _say_if_limited(solution: Solution) -> None:
+    """Say that the valve of a servo ends at its limit, when it has been there for a tenth of the run."""
+    limit = solution.scenario.drive_values["u_max"]
+    free = np.flatnonzero(np.abs(solution["u"]) < limit * (1 - 1e-9))
+    first = free[-1] + 1 if len(free) else 0
+    if len(solution.t) - first > 0.1 * len(solution.t):
+        since = f"from t = {solution.t[first]:.4g} s to the end"
+        note(
+            f"{solution.scenario.name}: the valve is at its limit of {limit:g} V {since}: it cannot do what is asked of it"
+        )
+
+
+def _solve(library: object, scenario: Scenario, progress: Callable[[float], None] | None) -> Result:
+    import ctypes
+
+    result = (
+        native.solve(library, scenario, progress)
+        if isinstance(library, ctypes.CDLL)
+        else fallback.solve(scenario, progress)
+    )
+    if scenario.drive.sets_velocity and scenario.threshold > 0:
+        # the velocity is no state then: its events are those of the signal, as far as the run came
+        reached = scenario.end if result.reason is None else len(result.states) * scenario.output.step
+        result.events.extend(scenario.signal.crossings(scenario.threshold, reached))
+    return result

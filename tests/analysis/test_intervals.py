@@ -1,0 +1,96 @@
+"""The intervals hold the true values, found with exact rational numbers and with mpmath."""
+
+from fractions import Fraction
+
+import mpmath
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from stribeck.analysis.properties.intervals import Evaluator, bernstein, interval, number, point
+from stribeck.expressions import ops
+from stribeck.expressions.graph import symbol
+
+size = st.floats(min_value=1e-120, max_value=1e120)
+reals = st.one_of(size, size.map(lambda x: -x), st.just(0.0))
+small = st.floats(min_value=-50, max_value=50)
+inf = float("inf")
+
+
+def holds(x, value):
+    return Fraction(float(x.low)) <= value <= Fraction(float(x.high))
+
+
+@given(reals, reals)
+def test_sums_products_and_quotients_hold_the_exact_result_within_a_rounding(a, b):
+    with np.errstate(all="ignore"):
+        check_operations(a, b)
+
+
+def check_operations(a, b):
+    exact = {"+": Fraction(a) + Fraction(b), "*": Fraction(a) * Fraction(b)}
+    found = {"+": point(a) + point(b), "*": point(a) * point(b)}
+    if b:
+        exact["/"], found["/"] = Fraction(a) / Fraction(b), point(a) / point(b)
+    for op, value in exact.items():
+        assert holds(found[op], value), op
+        assert found[op].high <= np.nextafter(np.nextafter(found[op].low, inf), inf)
+
+
+@given(
+    st.lists(small, min_size=2, max_size=2), st.lists(small, min_size=2, max_size=2), st.floats(0, 1), st.floats(0, 1)
+)
+def test_an_operation_on_boxes_holds_that_on_their_points(a, b, s, t):
+    a, b = sorted(a), sorted(b)
+    x, y = (Fraction(e[0]) + Fraction(w) * (Fraction(e[1]) - Fraction(e[0])) for e, w in ((a, s), (b, t)))
+    with np.errstate(all="ignore"):
+        found = interval(*a) / interval(*b)
+    assert holds(interval(*a) * interval(*b), x * y)
+    assert holds(interval(*a) - interval(*b), x - y)
+    assert holds(abs(interval(*a)), abs(x))
+    if y:
+        low, high = float(found.low), float(found.high)
+        assert low == -inf or Fraction(low) <= x / y
+        assert high == inf or Fraction(high) >= x / y
+
+
+@given(small)
+def test_functions_hold_the_value_of_mpmath(x):
+    v = symbol("v")
+    with mpmath.workdps(50):
+        for name in ("exp", "atan", "tanh", "sin", "cos"):
+            found = Evaluator([getattr(ops, name)(v)])({"v": point(np.array([x]))})[0]
+            value = getattr(mpmath, name)(mpmath.mpf(x))
+            assert mpmath.mpf(float(found.low[0])) <= value <= mpmath.mpf(float(found.high[0]))
+            assert found.high[0] - found.low[0] <= 1e-14 * max(abs(float(value)), 1e-300) + 1e-16
+
+
+def test_unbounded_boxes():
+    v = symbol("v")
+    found = Evaluator([ops.atan(v), ops.exp(-v * v), 1 / v, abs(v)])({"v": interval([2.0], [inf])})
+    assert found[0].high[0] == pytest.approx(np.pi / 2)
+    assert (found[1].low[0], found[2].low[0], found[3].high[0]) == (0.0, 0.0, inf)
+
+
+def test_multiples_of_pi_are_meant_exactly():
+    with mpmath.workdps(50):
+        for x, value in ((2 / np.pi, 2 / mpmath.pi), (np.pi, mpmath.pi), (np.pi / 2, mpmath.pi / 2)):
+            assert mpmath.mpf(float(number(x).low)) <= value <= mpmath.mpf(float(number(x).high))
+            assert number(x).low < number(x).high
+
+
+@given(st.floats(-2, 2), st.floats(0, 2), st.floats(0, 1))
+def test_the_range_of_a_polynomial(low, width, share):
+    c = tuple(map(Fraction, (0, 0, 0, 10, -15, 6)))
+    x = Fraction(low) + Fraction(share) * Fraction(width)
+    assert holds(
+        bernstein(c, interval(np.array(low), np.array(float(low + width)))), sum(a * x**i for i, a in enumerate(c))
+    ) or (x > Fraction(float(low + width)))
+
+
+def test_the_quintic_smoothstep_stays_within_0_and_1():
+    s = ops.clip(symbol("x"), 0.0, 1.0)
+    found = Evaluator([s**3 * (10 - 15 * s + 6 * s**2)])({"x": interval([-3.0, 0.25], [5.0, 0.5])})[0]
+    assert (found.low[0], found.high[0]) == (0.0, 1.0)
+    assert 0.0 < found.low[1] < found.high[1] < 1.0

@@ -1,0 +1,112 @@
+"""stribeck check, and the listing of parameter sets."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from stribeck.analysis.properties import NAMES
+
+ROOT = Path(__file__).parents[2]
+SOBCZYK = ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7")
+
+
+def test_a_counterexample_is_replayed_by_run(stribeck, tmp_path):
+    result = stribeck(*SOBCZYK, "--v-max", "1e-5", "--out", tmp_path, "--verify", "--json")
+    assert result.status == 0
+    data = json.loads(result.out)
+    verdicts = data["properties"]
+    assert list(verdicts) == list(NAMES)
+    assert [v["holds"] for v in verdicts.values()] == [True, True, True, False, False]
+    assert all(v["verified"] for v in verdicts.values())
+    assert sorted(data["files"]) == [str(tmp_path / f"{n}.toml") for n in ("drift_free", "passive")]
+    passive, drift = (
+        json.loads(stribeck("run", tmp_path / f"{n}.toml", "--json").out) for n in ("passive", "drift_free")
+    )
+    evidence = verdicts["passive"]["evidence"]
+    assert -passive["final"]["E_in"] == pytest.approx(evidence["energy_drawn"], rel=1e-6)
+    assert passive["final"]["z"] == pytest.approx(evidence["z_start"], rel=1e-6)
+    assert passive["peaks"]["v"] <= 1e-5
+    assert evidence["energy_drawn"] > 0
+    assert drift["final"]["y"] == pytest.approx(verdicts["drift_free"]["evidence"]["distance"], rel=1e-6)
+    assert drift["peaks"]["u"] < 1.5
+
+
+def test_the_text_names_verdicts_methods_and_margins(stribeck):
+    result = stribeck("check", "lugre", "--parameters", "canudas1995", "--set", "sigma_2=200", "--margins")
+    assert result.status == 0
+    assert re.search(r"passive +yes +interval arithmetic over all v", result.out)
+    assert re.search(r"smooth +no +one-sided derivatives", result.out)
+    low = re.search(r"margin +sigma_2 = 200: passivity stays as it is from (\S+) to any", result.out)
+    assert float(low[1]) == pytest.approx(1e5**0.5 / 2, rel=1e-6)
+
+
+def test_every_law_with_a_set(stribeck):
+    result = stribeck("check", "--all", "--parameters", "liu2015")
+    assert result.status == 0
+    rows = {line.split()[0]: line.split()[1:] for line in result.out.splitlines()[2:]}
+    assert rows["lugre_majorant"] == ["yes", "yes", "yes", "yes", "no"]
+    assert rows["elastoplastic_majorant"] == ["yes"] * 5
+    assert rows["lugre_sobczyk"] == ["yes", "yes", "yes", "no", "no"]
+    assert rows["lugre_arctan"][1] == "no"
+
+
+def test_a_law_of_the_users_own_is_replayed_from_anywhere(stribeck, tmp_path):
+    name = f"{ROOT / 'tests' / 'analysis' / 'broken_laws.py'}:NegativeDamping"
+    data = json.loads(stribeck("check", name, "--parameters", "canudas1995", "--out", tmp_path, "--json").out)
+    assert data["properties"]["passive"]["holds"] is False
+    replayed = json.loads(stribeck("run", tmp_path / "passive.toml", "--json").out)
+    assert -replayed["final"]["E_in"] == pytest.approx(
+        data["properties"]["passive"]["evidence"]["energy_drawn"], rel=1e-6
+    )
+
+
+def test_without_parameters_the_usual_set_is_taken_and_named(stribeck):
+    result = stribeck("check", "dahl", "--json")
+    assert json.loads(result.out)["constants"] == {"sigma_0": 1e5, "F_c": 1.0}
+    assert "canudas1995" in result.err
+
+
+def test_a_law_without_z_is_null_with_the_reason(stribeck):
+    data = json.loads(stribeck("check", "coulomb_viscous", "--set", "F_c=1", "--set", "sigma_2=0.1", "--json").out)
+    assert {v["holds"] for v in data["properties"].values()} == {None}
+    assert all("no internal state" in v["evidence"]["reason"] for v in data["properties"].values())
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (("check",), "LAW: must be given, or --all"),
+        (("check", "lugre", "--all"), "and not both"),
+        (("check", "lugre", "--v-max", "-1"), "--v-max: -1.0: must be a finite number > 0"),
+        (("check", "lugrr", "--parameters", "canudas1995"), "did you mean 'lugre'"),
+        (("check", "lugre", "--parameters", "canudas1995", "--set", "v_s=0"), "v_s: 0: must be a finite number > 0"),
+        (("check", "lugre_majorant", "--parameters", "canudas1995"), "k_v: missing"),
+        (("check", "--all", "--set", "kv=1"), "no law has such a constant"),
+        (("check", "--all", "--margins"), "for one law"),
+        (("check", "lugre", "--parameters", "nowhere.toml"), "cannot be read"),
+        (("laws", "lugre", "--sets"), "leave out lugre"),
+    ],
+)
+def test_bad_input_is_one_line_and_nothing_else(stribeck, words, text):
+    result = stribeck(*words)
+    assert (result.status, result.out) == (2, "")
+    assert text in result.err.splitlines()[-1]
+
+
+def test_the_sets_are_listed_with_what_is_passive(stribeck):
+    sets = json.loads(stribeck("laws", "--sets", "--json").out)["parameter_sets"]
+    assert sets["liu2015"]["passive"]["elastoplastic_majorant"] is True
+    assert sets["canudas1995"]["passive"] == {**dict.fromkeys(sets["canudas1995"]["passive"], False), "dahl": True}
+    assert "passive with dahl" in stribeck("laws", "--sets").out
+
+
+def test_the_commands_of_the_page_are_accepted(stribeck, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "check.md").read_text()
+    lines = [line.partition("#")[0].split() for line in page.split("```sh\n")[1].split("```")[0].splitlines()]
+    quick = [words[1:] for words in lines if "lugre_sobczyk" in words or "run" in words or "--v-max" in words]
+    assert len(quick) == 3
+    for words in quick:
+        assert stribeck(*words).status == 0

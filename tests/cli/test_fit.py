@@ -1,0 +1,113 @@
+"""stribeck fit as a user runs it."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import stribeck as package
+from stribeck.parameter_sets import load
+
+
+@pytest.fixture
+def log(tmp_path):
+    rng = np.random.default_rng(0)
+    t = np.arange(6000) * 1e-3
+    v = 0.1 * np.sin(2 * np.pi * 0.37 * t) + 0.05 * np.sin(2 * np.pi * 0.91 * t + 1)
+    a = np.gradient(v, 1e-3)
+    force = 2 * a + 5 * np.tanh(1e4 * v) + 20 * v + 1 + 0.1 * rng.standard_normal(len(t))
+    path = tmp_path / "log.csv"
+    rows = (f"{x!r},{y!r},{z!r}" for x, y, z in zip(t.tolist(), (1e3 * v).tolist(), force.tolist(), strict=True))
+    path.write_text("time,speed,force\n" + "\n".join(rows))
+    return path
+
+
+OPTIONS = ("--time", "time", "--velocity", "speed", "--force", "force", "--unit", "speed=mm/s")
+
+
+def test_json_is_as_the_contract_has_it(stribeck, log):
+    found = stribeck("fit", log, "--law", "coulomb_viscous", *OPTIONS, "--json")
+    assert found.status == 0
+    data = json.loads(found.out)
+    assert data["law"] == "coulomb_viscous"
+    for name, truth, unit in (("F_c", 5, "N"), ("sigma_2", 20, "N s/m")):
+        e = data["parameters"][name]
+        assert e["low"] < e["value"] < e["high"]
+        assert e["value"] == pytest.approx(truth, rel=0.02)
+        assert (e["unit"], e["identifiable"]) == (unit, True)
+    assert 0 < data["relative_force_error"] < 0.05
+    assert data["files"] == []
+
+
+def test_files_are_read_back_and_the_page_stands_alone(stribeck, log, tmp_path):
+    out = tmp_path / "out"
+    found = stribeck("fit", log, "--law", "coulomb_viscous", *OPTIONS, "--out", out)
+    assert found.status == 0, found.err
+    assert "95 % interval" in found.out
+    assert "N s/m" in found.out
+    written = tomllib.loads((out / "parameters.toml").read_text())
+    assert written["law"] == "coulomb_viscous"
+    assert len(written["data_sha256"]) == 64
+    assert np.shape(written["covariance"]["matrix"]) == (4, 4)
+    law = package.law("coulomb_viscous", parameters=str(out / "parameters.toml"))
+    assert law.values["F_c"] == pytest.approx(5, rel=0.02)
+    assert load(str(out / "parameters.toml")).values["F_c"] == law.values["F_c"]
+    page = (out / "report.html").read_text()
+    for words in ("Friction against velocity", "Residuals", "Profiles", "<svg", "95 %"):
+        assert words in page
+    assert "http://" not in page.replace("http://www.w3.org", "")
+    assert "<script" not in page
+
+
+def test_what_the_data_do_not_tell_is_not_printed_as_known(stribeck, log, tmp_path):
+    out = tmp_path / "out"
+    found = stribeck("fit", log, "--law", "lugre", "--method", "static", *OPTIONS, "--out", out)
+    assert found.status == 0, found.err
+    assert "sigma_0: not determined by the data" in found.out
+    assert "to determine it: small reversals" in found.out
+    written = tomllib.loads((out / "parameters.toml").read_text())
+    assert "sigma_0" not in written["parameters"]
+    assert "small reversals" in written["unknown"]["sigma_0"]["experiment"]
+
+
+def test_several_laws_are_compared_and_one_picked(stribeck, log):
+    laws = ("--law", "stribeck", "--law", "coulomb_viscous")
+    data = json.loads(stribeck("fit", log, *laws, *OPTIONS, "--json").out)
+    assert [row["law"] for row in data["laws"]] == ["stribeck", "coulomb_viscous"]
+    assert data["law"] in ("stribeck", "coulomb_viscous")
+    assert data["reason"]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--law", "nothing"), "no such law"),
+        (("--law", "coulomb_viscous", "--method", "guess"), "--method: 'guess': must be static"),
+        (("--law", "coulomb_viscous", "--set", "sigma_9=1"), "--set: sigma_9"),
+        (("--law", "coulomb_viscous", "--mass", "-1"), "--mass: -1"),
+        (("--law", "coulomb_viscous", "--unit", "speed"), "--unit: 'speed': must be COL=UNIT"),
+        (("--law", "coulomb_viscous", "--term", "magic"), "--term: 'magic': no such term"),
+        (("--law", "coulomb_viscous", "--cutoff", "900"), "--cutoff: 900"),
+        (("--law", "lugre_majorant", "--method", "static"), "k_v: missing"),
+    ],
+)
+def test_bad_usage_is_one_line_and_writes_nothing(stribeck, log, tmp_path, options, said):
+    out = tmp_path / "out"
+    found = stribeck("fit", log, *OPTIONS, *options, "--json")
+    assert found.status == 2
+    assert found.out == ""
+    assert said in found.err
+    assert len(found.err.strip().splitlines()) == 1
+    assert not out.exists()
+
+
+def test_a_log_at_constant_velocity_is_refused(stribeck, tmp_path):
+    rng = np.random.default_rng(0)
+    t = np.arange(4000) * 1e-3
+    path = tmp_path / "log.csv"
+    rows = (f"{x!r},{0.1 * x!r},{5 + f!r}" for x, f in zip(t.tolist(), rng.normal(0, 0.05, 4000).tolist(), strict=True))
+    path.write_text("t,x,F\n" + "\n".join(rows))
+    found = stribeck("fit", path, "--law", "coulomb_viscous", "--time", "t", "--position", "x", "--force", "F")
+    assert (found.status, found.out) == (2, "")
+    assert found.err.startswith("--velocity: constant (0.1 m/s")

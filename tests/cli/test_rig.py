@@ -1,0 +1,82 @@
+"""``stribeck rig``."""
+
+import csv
+import io
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+LIMITS = ("--stroke", 0.05, "--speed", 0.1, "--force", 50)
+
+
+def rows(text):
+    return list(csv.DictReader(io.StringIO(text)))
+
+
+def test_the_programme_stays_within_the_limits(stribeck):
+    for more in ((), ("--deflection", 1e-5)):
+        outcome = stribeck("rig", *LIMITS, *more)
+        assert outcome.status == 0
+        tests = rows(outcome.out)
+        assert {t["kind"] for t in tests} == {"presliding loop", "constant speed", "force ramp", "acceleration"}
+        for test in tests:
+            if test["control"] == "motion":
+                assert float(test["amplitude_m"]) <= 0.05
+                assert float(test["speed_m_per_s"]) <= 0.1
+            else:
+                assert float(test["force_rate_N_per_s"]) * float(test["duration_s"]) <= 50
+    loops = [float(t["amplitude_m"]) for t in tests if t["kind"] == "presliding loop"]
+    assert min(loops) < 1e-5 < max(loops)
+
+
+def test_it_leaves_table_motion_and_plot(stribeck, tmp_path):
+    outcome = stribeck("rig", *LIMITS, "--deflection", 1e-5, "--out", tmp_path / "rig", "--json")
+    report = json.loads(outcome.out)
+    assert {p.rsplit("/")[-1] for p in report["files"]} == {"programme.csv", "motion.csv", "programme.svg"}
+    assert report["synthetic"] is None
+    t, y, v = np.loadtxt(tmp_path / "rig" / "motion.csv", delimiter=",", skiprows=1).T
+    assert np.ptp(y) <= 0.05
+    assert abs(v).max() <= 0.1 * (1 + 1e-9)
+    assert np.diff(y) / np.diff(t) == pytest.approx((v[1:] + v[:-1]) / 2, abs=1e-6)
+    assert abs(np.diff(v)).max() < 0.1 * 0.04  # no jolts
+    assert len(rows((tmp_path / "rig" / "programme.csv").read_text())) == len(report["tests"])
+    assert (tmp_path / "rig" / "programme.svg").read_text().startswith("<?xml")
+
+
+def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
+    out = tmp_path / "rig"
+    made = stribeck("rig", *LIMITS, "--deflection", 1e-5, "--simulate", "--law", "dahl", "--seed", 3, "--out", out)
+    assert made.status == 0
+    truth = tomllib.loads((out / "synthetic_truth.toml").read_text())
+    assert "SYNTHETIC" in truth["title"]
+    columns = ("--time", "time", "--position", "position", "--force", "force", "--mass", 0)
+    fit = stribeck("fit", out / "synthetic_log.csv", "--law", "dahl", *columns, "--starts", 3, "--json")
+    assert fit.status == 0, fit.err
+    for name, each in json.loads(fit.out)["parameters"].items():
+        assert each["value"] == pytest.approx(truth["parameters"][name], rel=0.02), name
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("--stroke", -1, "--speed", 0.1, "--force", 1), "stroke: -1.0: must be a finite number > 0"),
+        (("--stroke", 1, "--speed", "nan", "--force", 1), "speed: nan: must be a finite number > 0"),
+        ((*LIMITS, "--deflection", 1), "deflection: 1.0: must be at most a tenth of the stroke (0.05)"),
+        ((*LIMITS, "--simulate"), "--simulate: needs --out DIR, where the synthetic log goes"),
+        ((*LIMITS, "--set", "F_c=1"), "--simulate: the programme depends on the rig's limits only"),
+        ((*LIMITS, "--simulate", "--set", "F_c=x", "--out", "NEW"), "--set F_c: 'x': must be a number"),
+        ((*LIMITS, "--simulate", "--set", "F_c=99", "--out", "NEW"), "must be at least F_c"),
+        ((*LIMITS, "--simulate", "--seed", -1, "--out", "NEW"), "--seed: -1: must be a whole number >= 0"),
+        ((*LIMITS, "--simulate", "--law", "nope", "--out", "NEW"), "'nope': no such law"),
+    ],
+)
+def test_bad_input_is_one_line_and_writes_nothing(stribeck, tmp_path, words, line):
+    new = tmp_path / "new"
+    outcome = stribeck("rig", *(new if word == "NEW" else word for word in words))
+    assert outcome.status == 2
+    assert outcome.out == ""
+    assert line in outcome.err
+    assert outcome.err.count("\n") == 1
+    assert not new.exists()

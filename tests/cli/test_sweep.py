@@ -1,0 +1,198 @@
+"""stribeck sweep: what it writes, and that it goes on where it was stopped."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pyarrow.parquet as parquet
+import pytest
+
+from stribeck import InputError, Scenario, simulate
+from stribeck.report import sweep as module
+from stribeck.report.sweep import Range, lanes_of
+from tests.simulation.rig import needs_compiler
+
+GRID = ("--vary", "law.k_v=1e6:1e8:3:log", "--vary", "law.parameters.F_s=0.9:1.8:4")
+
+
+def files(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.fixture
+def small_parts(monkeypatch):
+    """Five lanes a part, so that some sweeps have several."""
+    monkeypatch.setattr(module, "_PART_BYTES", 5 * 8.0 * 7 * 1001)
+
+
+@needs_compiler
+def test_a_row_a_lane(stribeck, scenario, tmp_path, small_parts):
+    result = stribeck("sweep", scenario, *GRID, "--summary", "--out", tmp_path / "out")
+    assert result.status == 0
+    assert "rig: 12 lanes in 3 parts" in result.out
+    assert result.err == "stribeck: 3 of 12 lanes failed; the column 'reason' says why\n"
+    table = parquet.read_table(tmp_path / "out").to_pandas()
+    assert table["lane"].tolist() == list(range(12))
+    assert table["law.k_v"].tolist() == [1e6] * 4 + [1e7] * 4 + [1e8] * 4
+    assert table["law.parameters.F_s"][:4].tolist() == pytest.approx([0.9, 1.2, 1.5, 1.8])
+    assert table["status"].tolist() == ["failed", "done", "done", "done"] * 3
+    assert table["reason"][0] == "law.parameters.F_s: 0.9: must be at least F_c (F_c = 1.0)"
+    assert table["peak_y"].isna().tolist() == [True, False, False, False] * 3
+    alone = simulate(Scenario.load(scenario, {"law.k_v": 1e7, "law.parameters.F_s": 1.8}))
+    assert table["peak_F"][7] == pytest.approx(alone.peaks["F"], rel=1e-6)
+    assert table["final_y"][7] == pytest.approx(alone.final["y"], rel=1e-6)
+    assert table["slips"][7] == len(alone.events["slip"])
+    unit = parquet.read_schema(tmp_path / "out" / "part-000000.parquet").field("peak_F").metadata[b"unit"]
+    assert unit == b"N"
+
+
+@needs_compiler
+def test_trajectories(stribeck, scenario, tmp_path):
+    data = json.loads(stribeck("sweep", scenario, *GRID, "--out", tmp_path / "out", "--json").out)
+    assert (data["status"], data["lanes"], data["failed"], data["parts"]) == ("done", 12, 3, 1)
+    assert all((tmp_path / "out" / file).exists() for file in data["files"])
+    table = parquet.read_table(tmp_path / "out").to_pandas()
+    assert len(table) == 9 * 1001 + 3
+    assert table[table["lane"] == 0]["t"].isna().tolist() == [True]
+    one = table[table["lane"] == 6]
+    alone = simulate(Scenario.load(scenario, {"law.k_v": 1e7, "law.parameters.F_s": 1.5}))
+    assert one["t"].tolist() == alone.t.tolist()
+    for name in ("y", "v", "z", "F", "u"):
+        np.testing.assert_allclose(one[name], alone[name], rtol=0, atol=1e-4 * alone.peaks[name])
+
+
+@needs_compiler
+def test_amplitude_and_period_of_a_limit_cycle(stribeck, tmp_path):
+    stribeck("new", "limit_cycle", "--out", tmp_path / "cycle.toml")
+    words = ("--vary", "law.k_v=1e6:1e6:1", "--summary", "--set", "law.name=lugre_sobczyk")
+    assert stribeck("sweep", tmp_path / "cycle.toml", *words, "--out", tmp_path / "out").status == 0
+    (row,) = parquet.read_table(tmp_path / "out").to_pylist()
+    assert row["amplitude"] == pytest.approx(0.063093, abs=2e-5)  # theory.md, section 4
+    assert row["period"] == pytest.approx(24.64, abs=0.02)
+
+
+@needs_compiler
+def test_drawn_points(stribeck, scenario, tmp_path):
+    words = ("--vary", "law.k_v=1e6:1e8:log", "--vary", "plant.mass=1:2", "--samples", "6", "--summary")
+    for seed, name in ((3, "a"), (3, "b"), (4, "c")):
+        assert stribeck("sweep", scenario, *words, "--seed", seed, "--out", tmp_path / name).status == 0
+    a, b, c = (files(tmp_path / name) for name in "abc")
+    assert a == b
+    assert a != c
+    k_v = parquet.read_table(tmp_path / "a")["law.k_v"].to_numpy()
+    assert len(set(k_v)) == 6
+    assert np.all((k_v >= 1e6) & (k_v <= 1e8))
+
+
+@needs_compiler
+def test_goes_on_where_it_was(stribeck, scenario, tmp_path, small_parts):
+    out = tmp_path / "out"
+    stribeck("sweep", scenario, *GRID, "--summary", "--out", out)
+    whole = files(out)
+    (out / "part-000001.parquet").unlink()
+    (out / "part-000002.parquet").write_bytes(whole["part-000002.parquet"][:-20])
+    (out / ".part-000001.parquet.1.tmp").write_bytes(b"half")
+    kept = (out / "part-000000.parquet").stat().st_mtime_ns
+    data = json.loads(stribeck("sweep", scenario, *GRID, "--summary", "--out", out, "--json").out)
+    assert (data["parts_found"], data["failed"]) == (1, 3)
+    assert files(out) == whole
+    assert (out / "part-000000.parquet").stat().st_mtime_ns == kept
+
+
+@needs_compiler
+@pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
+def test_killed_at_any_moment_it_ends_with_the_same_bytes(stribeck, scenario, tmp_path):
+    code = (
+        "import sys; from stribeck.report import sweep; sweep._PART_BYTES = 40 * 8.0 * 7 * 1001; "
+        "from stribeck.cli import main; main(sys.argv[1:])"
+    )
+    words = [scenario, "--vary", "law.k_v=1e6:1e8:2000:log", "--summary", "--out"]
+    command = [sys.executable, "-c", code, "sweep", *map(str, words)]
+    killed, whole = tmp_path / "killed", tmp_path / "whole"
+    for parts in (1, 7):
+        process = subprocess.Popen([*command, str(killed)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while len(list(killed.glob("part-*"))) < parts and process.poll() is None:
+            time.sleep(0.005)
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait()
+        assert len(list(killed.glob("part-*"))) < 50
+    for folder in (killed, whole):
+        assert subprocess.run([*command, str(folder)], check=False, capture_output=True).returncode == 0
+    assert files(killed) == files(whole)
+    assert len(files(whole)) == 51
+
+
+@needs_compiler
+def test_another_sweep_is_not_overwritten(stribeck, scenario, tmp_path):
+    out = tmp_path / "out"
+    stribeck("sweep", scenario, *GRID, "--summary", "--out", out)
+    before = files(out)
+    for words in (GRID[:2], (*GRID, "--set", "plant.mass=2.0"), (*GRID, "--set", "solve.rtol=1e-7")):
+        result = stribeck("sweep", scenario, *words, "--summary", "--out", out)
+        assert result.status == 2
+        assert result.err.startswith(f"--out: {str(out)!r}: holds another sweep")
+    assert files(out) == before
+    (out / "_manifest.json").unlink()
+    assert "unknown sweep" in stribeck("sweep", scenario, *GRID, "--summary", "--out", out).err
+
+
+@needs_compiler
+def test_one_process_at_a_time(stribeck, scenario, tmp_path):
+    pytest.importorskip("fcntl")
+    out = tmp_path / "out"
+    out.mkdir()
+    with module._alone(out):
+        result = stribeck("sweep", scenario, *GRID, "--out", out)
+    assert (result.status, list(out.iterdir())) == (2, [])
+    assert "another process is at work there" in result.err
+
+
+def test_every_lane_failed(stribeck, scenario, tmp_path):
+    result = stribeck("sweep", scenario, "--vary", "plant.mass=-2:-1:3", "--summary", "--out", tmp_path / "out")
+    assert result.status == 1
+    table = parquet.read_table(tmp_path / "out")
+    assert table["reason"].to_pylist()[0] == "plant.mass: -2.0: must be a finite number > 0"
+
+
+@pytest.mark.parametrize(
+    ("words", "lines"),
+    [
+        ((), ["--vary: missing: must be given at least once, such as law.k_v=1e6:1e8:5:log"]),
+        (("--vary", "law.k_v"), ["--vary 'law.k_v': must be PATH=FIRST:LAST:COUNT[:log], such as law.k_v=1e6:1e8:5:log"]),
+        (
+            ("--vary", "law.k_v=1:2", "--vary", "plant.mass=a:2:3"),
+            [
+                "--vary 'law.k_v=1:2': must be PATH=FIRST:LAST:COUNT[:log], such as law.k_v=1e6:1e8:5:log",
+                "--vary 'plant.mass=a:2:3': must be PATH=FIRST:LAST:COUNT[:log], such as law.k_v=1e6:1e8:5:log",
+            ],
+        ),
+        (("--vary", "law.k_v=0:1:3:log"), ["--vary 'law.k_v=0:1:3:log': FIRST and LAST must be > 0 for log"]),
+        (("--vary", "law.k_v=1:inf:3"), ["--vary 'law.k_v=1:inf:3': FIRST and LAST must be finite numbers"]),
+        (("--vary", "law.k_v=1:2:0"), ["--vary 'law.k_v=1:2:0': COUNT must be a whole number from 1 to 100000000"]),
+        (("--vary", "law.k_v=1:2:2", "--vary", "law.k_v=1:2:3"), ["--vary law.k_v: given 2 times; must be given once"]),
+        (("--vary", "law.kv=1:2:2"), ["law.kv: cannot be varied (did you mean 'law.k_v'?)"]),
+        (("--vary", "law.k_v=1:2:2", "--seed", "3"), ["--seed 3: goes with --samples, which is not given"]),
+        (("--vary", "law.k_v=1:2", "--samples", "0"), ["--samples 0 lanes: must be from 1 to 100000000"]),
+        (
+            ("--vary", "law.k_v=1:2:100000", "--vary", "plant.mass=1:2:100000"),
+            ["the grid has 10000000000 lanes: must be from 1 to 100000000"],
+        ),
+    ],
+)  # fmt: skip
+def test_bad_words(stribeck, scenario, tmp_path, words, lines):
+    result = stribeck("sweep", scenario, *words, "--out", tmp_path / "out", "--json")
+    assert (result.status, result.out, result.err.splitlines()) == (2, "", lines)
+    assert not (tmp_path / "out").exists()
+
+
+def test_ranges():
+    assert Range.parse("law.k_v=1e6:1e8:3:log").values.tolist() == pytest.approx([1e6, 1e7, 1e8])
+    assert Range.parse("law.k_v=1e6:1e8:3:log").values[[0, -1]].tolist() == [1e6, 1e8]
+    assert Range.parse("x=5:-5:3").values.tolist() == [5.0, 0.0, -5.0]
+    assert Range.parse("x=7:9:1").values.tolist() == [7.0]
+    with pytest.raises(InputError):
+        lanes_of([])

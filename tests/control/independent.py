@@ -1,0 +1,111 @@
+"""A pneumatic servo written anew from theory.md, section 5, in plain NumPy, and solved with SciPy.
+
+dp_d/dt is a difference quotient along the motion, not a symbolic derivative; nothing of stribeck is used.
+"""
+
+from math import atan, exp, pi, tan
+
+import numpy as np
+from scipy.integrate import solve_ivp
+
+PLANT = {
+    "M": 2.9, "A": 4.19e-4, "L": 1.0, "V1": 1.96e-6, "V2": 4.91e-6, "r": 1.4, "R": 286.9, "T": 293.15, "ps": 7e5,
+    "p0": 1e5, "bf": 4.897e-9, "be": 5.173e-9, "sigma_0": 4500.0, "sigma_1": 93.13, "sigma_2": 89.86, "F_c": 32.9,
+    "F_s": 38.5, "v_s": 0.02,
+}  # fmt: skip
+GAINS = {"K_D": 60.0, "K_p": 60.0, "lam": 20.0, "K": 1e-5, "rho": 4e-10, "u_max": 10.0}
+
+
+def functions(law, p, k_v):
+    """S_1 v and w of a law."""
+
+    def g(v):
+        return (p["F_c"] + (p["F_s"] - p["F_c"]) * exp(-min((v / p["v_s"]) ** 2, 700.0))) / p["sigma_0"]
+
+    def S_0(v):
+        return 2 / pi * atan(k_v * v)
+
+    return {
+        "lugre": (lambda v: v, lambda v: abs(v) / g(v)),
+        "lugre_arctan": (lambda v: v, lambda v: v * S_0(v) / g(v)),
+        "lugre_sobczyk": (lambda v: S_0(v) ** 2 * v, lambda v: v * S_0(v) / g(v)),
+        "lugre_majorant": (lambda v: v, lambda v: (v * S_0(v) + 2 / (pi * k_v)) / g(v)),
+    }[law]
+
+
+def sine(offset, amplitude, frequency):
+    """The path and three derivatives."""
+    w = 2 * pi * frequency
+    return lambda t: (
+        offset + amplitude * np.sin(w * t), amplitude * w * np.cos(w * t), -amplitude * w**2 * np.sin(w * t),
+        -amplitude * w**3 * np.cos(w * t),
+    )  # fmt: skip
+
+
+def move(start, end, begin, length):
+    """The seventh-order path of theory.md, from its factors."""
+    base = np.polynomial.Polynomial([0, 0, 0, 0, 35, -84, 70, -20]) * (end - start)
+
+    def path(t):
+        x = min(max((t - begin) / length, 0.0), 1.0)
+        first = (start + base(x),)
+        return first + tuple(base.deriv(n)(x) / length**n for n in (1, 2, 3))
+
+    return path
+
+
+def solve(law, observer, path, t_end, gains=None, k_v=1e6, observer_k_v=1e6, start=(0.51, 0.0, 4e5, 4e5), rows=401):
+    """Columns of the trajectory on an even grid, without the friction term for ``observer`` None."""
+    P, G = PLANT, {**GAINS, **(gains or {})}
+    s1, w = functions(law, P, k_v)
+    s1o, wo = functions(observer or "lugre_sobczyk", P, observer_k_v)
+
+    def estimate(t, y, v, zh):
+        yd, dyd, _, _ = path(t)
+        s = v - dyd + G["lam"] * (y - yd)
+        dzh = s1o(v) - wo(v) * zh - G["K"] * P["sigma_0"] * s
+        F_hat = P["sigma_0"] * zh + P["sigma_1"] * dzh + P["sigma_2"] * v if observer else 0.0
+        return s, dzh, F_hat
+
+    def desired(t, y, v, zh):
+        s, _, F_hat = estimate(t, y, v, zh)
+        _, dyd, d2yd, _ = path(t)
+        return (-G["K_D"] * s + P["M"] * (d2yd - G["lam"] * (v - dyd)) + F_hat) / P["A"]
+
+    def evaluate(t, x):
+        y, v, p1, p2, z, zh = x
+        dz = s1(v) - w(v) * z
+        F = P["sigma_0"] * z + P["sigma_1"] * dz + P["sigma_2"] * v
+        a = (P["A"] * (p1 - p2) - F) / P["M"]
+        s, dzh, F_hat = estimate(t, y, v, zh)
+        pd, h = desired(t, y, v, zh), 1e-6
+        # along the tangent of the motion: central, fourth order
+        at = [desired(t + n * h, y + n * h * v, v + n * h * a, zh + n * h * dzh) for n in (-2, -1, 1, 2)]
+        dpd = (at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * h)
+        v1, v2 = P["A"] * y + P["V1"], P["A"] * (P["L"] - y) + P["V2"]
+        gas = P["r"] * P["R"] * P["T"]
+        h_hat = -P["r"] * P["A"] * v * (p1 / v1 + p2 / v2)
+        u_hat = -h_hat - P["A"] / G["rho"] * s - G["K_p"] * (p1 - p2 - pd) + dpd
+        if u_hat >= 0:
+            g1, g2 = P["bf"] * (P["ps"] - p1), P["be"] * (p2 - P["p0"])
+        else:
+            g1, g2 = P["be"] * (p1 - P["p0"]), P["bf"] * (P["ps"] - p2)
+        angle = u_hat / (gas * (g1 / v1 + g2 / v2))
+        top = atan(2 * G["u_max"])
+        angle = min(max(angle, -top), top)
+        dp1 = (gas * g1 * angle - P["r"] * P["A"] * v * p1) / v1
+        dp2 = (-gas * g2 * angle + P["r"] * P["A"] * v * p2) / v2
+        err = p1 - p2 - pd
+        V = (P["M"] * s**2 + G["rho"] * err**2 + (zh - z) ** 2 / G["K"]) / 2
+        out = {"e": y - path(t)[0], "s": s, "p_err": err, "u": tan(angle) / 2, "F": F, "F_hat": F_hat, "V": V}
+        return (v, a, dp1, dp2, dz, dzh), out
+
+    t = np.linspace(0, t_end, rows)
+    found = solve_ivp(
+        lambda t, x: evaluate(t, x)[0], (0, t_end), (*start, 0.0, 0.0), method="LSODA", t_eval=t, rtol=1e-9,
+        atol=[1e-11, 1e-10, 1e-4, 1e-4, 1e-12, 1e-12], max_step=0.02,
+    )  # fmt: skip
+    assert found.success, found.message
+    table = dict(zip(("y", "v", "p_1", "p_2", "z", "z_hat"), found.y, strict=True))
+    extra = [evaluate(*each)[1] for each in zip(t, found.y.T, strict=True)]
+    return {"t": t, **table, **{n: np.array([row[n] for row in extra]) for n in extra[0]}}

@@ -1,0 +1,200 @@
+"""Servos in real conditions, adapted parameters, paths, and what is refused."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from stribeck import InputError, Scenario, simulate
+from stribeck.control.sampled import Filter
+from stribeck.paths import PointToPoint, Spline
+from tests.control.servos import data, last, servo, solved
+from tests.simulation.rig import needs_compiler
+
+MOVES = {"kind": "point_to_point", "t": [0.0, 1.0, 2.0, 3.0], "value": [0.5, 0.6, 0.6, 0.5]}
+
+
+# -- paths -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("cls", [PointToPoint, Spline])
+def test_curves_pass_their_points_with_three_derivatives(cls):
+    t, value = np.array([0.5, 1.0, 2.5, 3.0]), np.array([0.1, 0.4, 0.2, 0.3])
+    curve = cls(t, value)
+    assert curve.at(t) == pytest.approx(value, abs=1e-12)
+    assert curve.at([0.0, 0.5, 3.0, 9.0]) == pytest.approx([0.1, 0.1, 0.3, 0.3], abs=1e-12)
+    pieces = [(start, np.polynomial.Polynomial([values[f"c{n}"] for n in range(8)])) for start, values in curve.pieces]
+    for (begin, before), (end, after) in itertools.pairwise(pieces):
+        for order in range(4):
+            left = before.deriv(order)(end - begin) if order else before(end - begin)
+            right = after.deriv(order)(0.0) if order else after(0.0)
+            assert left == pytest.approx(right, abs=1e-9), (end, order)
+    if cls is PointToPoint:
+        assert curve.at(0.75) == pytest.approx(0.25)
+
+
+def test_a_spline_through_two_points_is_the_move():
+    t, value = np.array([0.0, 2.0]), np.array([0.1, 0.4])
+    x = np.linspace(-1, 3, 50)
+    assert Spline(t, value).at(x) == pytest.approx(PointToPoint(t, value).at(x), abs=1e-12)
+
+
+@needs_compiler
+def test_a_curve_moves_a_spring_too():
+    """Any drive takes it; the velocity drive finds its slips and sticks."""
+    law = {"name": "lugre", "parameters": "canudas1995"}
+    signal = {"kind": "point_to_point", "t": [0.0, 1.0, 2.0], "value": [0.0, 0.01, 0.0]}
+    base = {"schema": 1, "law": law, "solve": {"t_end": 3.0}, "output": {"step": 0.001}}
+    solution = simulate(Scenario({**base, "drive": {"kind": "velocity", "signal": signal}}))
+    assert solution["y"][-1] == pytest.approx(0.01, rel=1e-6)  # half of 0.01 in each move
+    (slip,), (stick,) = solution.events["slip"], solution.events["stick"]
+    assert solution.scenario.signal.at([slip, stick]) == pytest.approx([1e-3, 1e-3])
+
+
+# -- real conditions -------------------------------------------------------------------------------------------------
+
+
+@needs_compiler
+def test_a_fast_sampled_controller_is_the_continuous_one():
+    exact = solved(solve__t_end=2.0)
+    off = []
+    for T in (2e-3, 1e-3, 5e-4):
+        sampled = solved(solve__t_end=2.0, drive__sample_time=T)
+        off.append(np.max(np.abs(sampled["y"] - exact["y"])))
+        assert sampled["z_hat"][-1] == pytest.approx(exact["z_hat"][-1], rel=2e-3)
+    assert off[2] < 0.6 * off[1] < 0.4 * off[0]  # in proportion to T
+    assert off[2] < 5e-5
+
+
+@needs_compiler
+def test_the_voltage_is_held_and_delayed():
+    solution = solved(drive__sample_time=0.01, drive__delay=0.025, solve__t_end=1.0, output__step=1e-3)
+    u = solution["u"].round(12)
+    assert (u[:25] == 0).all()  # nothing acts before the first delay has passed
+    assert u[25] == -10 or u[25] == 10
+    changes = np.flatnonzero(np.diff(u)) + 1
+    assert len(changes) > 50
+    assert (changes % 10 == 5).all()
+
+
+@needs_compiler
+def test_noise_is_reproducible_and_quantisation_shows():
+    noisy = {"drive__sample_time": 1e-3, "drive__noise": 1e-5, "drive__bandwidth": 150.0, "solve__t_end": 3.0}
+    one, two, other = solved(**noisy), solved(**noisy), solved(**noisy, drive__seed=1)
+    np.testing.assert_array_equal(one["y"], two["y"])
+    assert not np.array_equal(one["y"], other["y"])
+    coarse = {n: x for n, x in noisy.items() if n != "drive__noise"}
+    errors = [last(solved(**coarse, drive__quantisation=step)) for step in (1e-6, 2.44e-4)]
+    assert errors[0] < errors[1] < 5e-3
+
+
+def test_the_filter_follows_a_parabola():
+    tracker, T = Filter(100.0, 1e-3, 0.0, 0.2), 1e-3
+    for k in range(1000):
+        t = k * T
+        y, v, a = tracker.update(0.2 * t + 1.5 * t * t)
+    assert (y, v, a) == pytest.approx((0.2 * t + 1.5 * t * t, 0.2 + 3 * t, 3.0), rel=1e-6)
+
+
+@needs_compiler
+def test_wrong_knowledge_costs():
+    exact = last(solved())
+    for changes in ({"drive__supply_droop": 2e7}, {"drive__model": {"mass": 3.5}},
+                    {"drive__observer__parameters": {"F_c": 40.0, "F_s": 46.0}}):  # fmt: skip
+        assert last(solved(**changes)) > 1e4 * exact
+
+
+# -- adaptation ------------------------------------------------------------------------------------------------------
+
+
+def half(factor, **more):
+    known = data()["law"]["parameters"]
+    wrong = {n: factor * x for n, x in known.items() if n != "v_s"}
+    return {"drive__observer__parameters": wrong, "drive__adaptive": True, **more}
+
+
+@needs_compiler
+def test_V_never_rises_where_the_argument_is_exact():
+    """All parameters wrong by one factor leave g right: with a_g held, V of the adaptive loop decreases."""
+    gains = {"gamma_0": 0.1, "gamma_1": 0.1, "gamma_2": 0.1, "gamma_g": 0.0}
+    start = {"y": 0.5, "v": 0.2513274122871834, "p_1": 4e5, "p_2": 4e5}
+    solution = solved(**half(0.5, drive__adaptation=gains, plant__initial=start, solve__t_end=60.0))
+    V, free = solution["V"], abs(solution["u"]) < 10 * (1 - 1e-9)
+    assert (np.diff(V)[free[:-1] & free[1:]] < 1e-10 * V[0]).all()
+    assert V[-1] < 0.7 * V[0]
+
+
+@needs_compiler
+@pytest.mark.parametrize("factor", [0.5, 1.5])
+def test_adaptation_recovers(factor):
+    wrong = half(factor, solve__t_end=200.0, output__step=0.05)
+    fixed = last(solved(**{**wrong, "drive__adaptive": False, "solve__t_end": 20.0}))
+    solution = solved(**wrong)
+    assert last(solution) < fixed / 50
+    true = solution.scenario.law.values
+    for name, off in (("sigma_0", 0.2), ("sigma_2", 0.25), ("F_c", 0.2)):
+        assert solution.final[f"{name}_hat"] == pytest.approx(true[name], rel=off)
+    scale = solution["sigma_1_hat"] / (factor * true["sigma_1"])
+    assert scale.min() > 0.25
+    assert scale.max() < 4.0
+
+
+# -- what is refused, and what fails ----------------------------------------------------------------------------------
+
+BAD = {
+    "plant.stroke": ({"drive__signal__amplitude": 0.6}, "drive.signal: the path reaches y = "),
+    "supply": ({"plant__supply_pressure": 1.5e5}, "plant.supply_pressure: 150000.0: the path needs a pressure"),
+    "vacuum": ({"plant__supply_pressure": 9e4}, "must be above plant.atmospheric_pressure"),
+    "ramp": ({"drive__signal": {"kind": "ramp", "rate": 0.1}}, "must be one of sine, point_to_point, spline"),
+    "observer": ({"drive__observer": {"name": "lugre"}}, "cannot be an observer, which needs dF/dt"),
+    "elasto": ({"drive__observer": {"name": "elastoplastic", "z_ba": 1e-3}}, "cannot be an observer"),
+    "k_v": ({"drive__observer": {"name": "lugre_sobczyk"}}, "drive.observer.k_v: missing"),
+    "observer F_c": ({"drive__observer__parameters": {"F_c": -1.0}}, "drive.observer.parameters.F_c: -1.0: must be"),
+    "observer key": ({"drive__observer__F_c": 1.0}, "belongs in drive.observer.parameters"),
+    "no observer": ({"drive__observer": 3}, "drive.observer: 3: must be a table"),
+    "delay": ({"drive__delay": 0.1}, "drive.delay: 0.1: needs drive.sample_time"),
+    "noise": ({"drive__noise": 1e-5, "drive__sample_time": 1e-3}, "drive.bandwidth: missing"),
+    "adapt none": ({"drive__adaptive": True, "drive__observer": {"name": "none"}}, "no observer to adapt"),
+    "adapt": ({"drive__adaptive": True, "drive__observer": {"name": "coulomb_viscous"}}, "cannot be adapted"),
+    "K_D": ({"drive__K_D": -1.0}, "drive.K_D: -1.0: must be a finite number > 0"),
+    "model": ({"drive__model": {"mas": 1.0}}, "did you mean 'mass'"),
+    "start": ({"plant__initial__y": 1.5}, "must be within the stroke, 0 to 1 m"),
+    "start p": ({"plant__initial__p_1": -1.0}, "an absolute pressure >= 0 Pa"),
+    "kind": ({"plant__kind": "mass"}, "plant.kind: 'mass': must be 'pneumatic'"),
+    "energy": ({"output__energy": True}, "output.energy: true: must be false"),
+    "times": ({"drive__signal": {**MOVES, "t": [0.0, 1.0, 1.0, 3.0]}}, "drive.signal.t[2]: 1.0: times must increase"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_refused(name):
+    changes, text = BAD[name]
+    with pytest.raises(InputError) as caught:
+        servo(**changes)
+    assert text in str(caught.value)
+    assert len(caught.value.problems) == 1, caught.value.problems
+
+
+def test_a_pneumatic_plant_needs_its_controller():
+    new = data()
+    new["drive"] = {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}}
+    with pytest.raises(InputError, match="pneumatic"):
+        Scenario(new)
+
+
+@needs_compiler
+@pytest.mark.parametrize(("start", "cover"), [({"y": 0.99, "v": 3.5}, "y = 1 m"), ({"y": 0.01, "v": -3.5}, "y = 0 m")])
+def test_the_end_of_the_stroke(start, cover):
+    initial = {"p_1": 4e5, "p_2": 4e5, **start}
+    solution = simulate(servo(plant__initial=initial, output__step=1e-4))
+    assert solution.status == "failed"
+    assert "reached the end of its stroke" in solution.reason
+    assert cover in solution.reason
+    assert 0 < len(solution.t) < 200
+
+
+@needs_compiler
+def test_a_valve_that_is_always_at_its_limit():
+    with pytest.warns(UserWarning, match="limit of 0.01 V from t = "):
+        solution = simulate(servo(drive__u_max=0.01))
+    assert solution.status == "done"

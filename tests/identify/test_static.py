@@ -1,0 +1,214 @@
+"""Static and presliding fits against known truth and published numbers."""
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck import InputError
+from stribeck.identify.experiment import Sensors, experiment
+from stribeck.identify.log import Log
+from stribeck.identify.presliding import fit_presliding, loops, turning_points
+from stribeck.identify.segments import constant_speed, distinct_speeds
+from tests.shared import SHARED
+
+EMPS = SHARED / "data" / "emps" / "DATA_EMPS.mat"
+SEAL = SHARED / "data" / "pneumatic-seal"
+emps = pytest.mark.skipif(not EMPS.is_file(), reason="needs shared/data/emps, which is not part of the project")
+seal = pytest.mark.skipif(
+    not SEAL.is_dir(), reason="needs shared/data/pneumatic-seal, which is not part of the project"
+)
+COLUMNS = {"time": "t", "position": "qm", "force": "vir"}
+
+
+def _log(velocity, force, step=1e-3, **more):
+    t = np.arange(len(velocity)) * step
+    position = np.concatenate([[0.0], np.cumsum((velocity[1:] + velocity[:-1]) / 2) * step])
+    acceleration = np.gradient(velocity, step)
+    return Log(
+        t,
+        position,
+        velocity,
+        acceleration,
+        force(t, position, velocity, acceleration),
+        np.zeros(len(t), np.int32),
+        step=step,
+        **more,
+    )
+
+
+def _sweep(n=20000):
+    t = np.arange(n) * 1e-3
+    return 0.1 * np.sin(2 * np.pi * 0.37 * t) + 0.05 * np.sin(2 * np.pi * 0.91 * t + 1)
+
+
+@emps
+def test_the_published_model_of_emps_to_its_published_digits():
+    fit = stribeck.fit(EMPS, "coulomb_viscous", **COLUMNS, force_gain="gtau")
+    assert fit.body["mass"].value == pytest.approx(95.109, abs=1e-3)
+    assert fit.estimates["sigma_2"].value == pytest.approx(203.50, abs=1e-2)
+    assert fit.estimates["F_c"].value == pytest.approx(20.394, abs=1e-3)
+    assert fit.body["offset"].value == pytest.approx(-3.165, abs=1e-3)
+    assert fit.relative_force_error == pytest.approx(0.04083, abs=1e-5)
+
+
+@emps
+def test_the_published_model_of_emps_with_friction_by_direction():
+    fit = stribeck.fit(EMPS, "coulomb_viscous", **COLUMNS, force_gain="gtau", terms=["sigma_2_by_direction"])
+    published = {"mass": 95.154, "sigma_2_forwards": 166.71, "F_c_forwards": 20.144, "sigma_2_backwards": 240.42}
+    for name, value in published.items():
+        assert fit.body[name].value == pytest.approx(value, abs=1e-2 if "sigma" in name else 1e-3), name
+    assert fit.body["F_c_backwards"].value == pytest.approx(20.628, abs=1e-3)
+    assert fit.relative_force_error == pytest.approx(0.03112, abs=1e-5)
+
+
+@emps
+def test_a_better_model_of_emps_predicts_blocks_left_out():
+    terms = ["sigma_2_by_direction", "delay", "stiffness", "F_c_by_position"]
+    from stribeck.identify.fitting import read_log
+    from stribeck.identify.static import Setting, fit_static
+
+    log = read_log(EMPS, COLUMNS, force_gain="gtau")
+    setting = Setting({}, free=("F_c", "sigma_2", "k_v"), body=("offset", *terms))
+    fit = fit_static(log, "coulomb_viscous", setting, profiles=False)
+    assert fit.cross_validated_error < 0.024
+    assert 1e-3 < fit.body["delay"].value < 1.2e-3
+
+
+@seal
+def test_the_seals_friction_grows_with_pressure_and_predicts_a_pressure_left_out():
+    fit = stribeck.fit(
+        [SEAL / f"O-ring257_{p}bar.csv" for p in (1, 3, 5, 7)],
+        "coulomb_viscous", time="1", position="5", pressure="6", force="7",
+        units={"1": "ms", "5": "mm", "6": "bar"}, mass=0, terms=["area", "F_c_by_pressure"],
+        constants={"sigma_2": 0}, robust=True,
+    )  # fmt: skip
+    by_hand = (4.7, 5.8, 7.1, 7.9)  # half of the hysteresis, N
+    assert fit.body["area"].value == pytest.approx(np.pi / 4 * 25.7e-3**2, rel=0.01)  # the seal is 25.7 mm wide
+    assert fit.body["F_c_by_pressure"].low > 0
+    for row, level in zip(fit.details["levels"], by_hand, strict=True):
+        assert row["level"] == pytest.approx(level, abs=0.15)
+        assert row["low"] < row["level"] < row["high"]
+        assert row["predicted"] == pytest.approx(row["level"], rel=0.06)
+
+
+def test_the_truth_is_found_with_load_spring_and_a_delay():
+    rng = np.random.default_rng(0)
+    n = 20000
+    v = _sweep(n)
+    load = 50 + 20 * np.sin(2 * np.pi * 0.11 * np.arange(n) * 1e-3)
+
+    def force(t, y, v, a):
+        late = lambda x: np.interp(t + 3e-3, t, x)  # noqa: E731
+        friction = (4 + 0.05 * late(load)) * (2 / np.pi) * np.arctan(300 * late(v)) + 15 * late(v)
+        return 2 * late(a) + friction + 30 * late(y) - 1.5 + 0.05 * rng.standard_normal(n)
+
+    log = _log(v, force, load=load)
+    fit = stribeck.fit(log, "coulomb_viscous", terms=["stiffness", "F_c_by_load", "delay"], constants={"k_v": 300})
+    truth = {"F_c": 4, "sigma_2": 15, "mass": 2, "offset": -1.5, "stiffness": 30, "F_c_by_load": 0.05, "delay": 3e-3}
+    for name, value in truth.items():
+        e = {**fit.estimates, **fit.body}[name]
+        assert e.identifiable, name
+        assert e.value == pytest.approx(value, rel=0.03), name
+
+
+def test_a_robust_loss_is_not_moved_by_outliers():
+    rng = np.random.default_rng(1)
+    v = _sweep()
+
+    def force(t, y, v, a):
+        f = 2 * a + 5 * np.sign(v) + 20 * v + 0.05 * rng.standard_normal(len(v))
+        f[rng.integers(0, len(v), 300)] += 60
+        return f
+
+    log = _log(v, force)
+    plain, robust = (stribeck.fit(log, "coulomb_viscous", robust=r, decimate=1) for r in (False, True))
+    assert abs(robust.body["offset"].value) < 0.05 < abs(plain.body["offset"].value)
+
+
+def _speeds(speeds, seconds=1.0):
+    v = np.concatenate([np.full(int(1000 * seconds), s) for s in speeds])
+    return np.convolve(v, np.ones(50) / 50, mode="same")
+
+
+def test_the_stribeck_curve_comes_from_stretches_of_constant_speed():
+    rng = np.random.default_rng(2)
+    steps = np.geomspace(1e-3, 0.1, 9)
+    v = _speeds([s * d for s in steps for d in (1, -1)])
+    law = stribeck.law("stribeck", {"F_c": 5, "F_s": 8, "v_s": 0.01, "sigma_2": 20})
+    log = _log(v, lambda t, y, v, a: 1.5 * a + law.steady_force(v) + 0.1 * rng.standard_normal(len(t)))
+    segments = constant_speed(log)
+    assert len(segments) == 18
+    assert distinct_speeds(log, segments) == 9
+    fit = stribeck.fit(log, "lugre", method="static")
+    for name, value in {"F_c": 5, "F_s": 8, "v_s": 0.01, "sigma_2": 20}.items():
+        assert fit.estimates[name].value == pytest.approx(value, rel=0.05), name
+    assert fit.body["mass"].value == pytest.approx(1.5, rel=0.2)
+    assert set(fit.unidentified) == {"sigma_0", "sigma_1"}
+    assert fit.estimates["sigma_0"].value is None
+    assert "small reversals" in fit.estimates["sigma_0"].experiment
+    with pytest.raises(InputError, match="sigma_0: not determined by the data"):
+        fit.as_law()
+
+
+def test_no_stribeck_effect_in_the_data_is_said_and_not_made_up():
+    rng = np.random.default_rng(3)
+    log = _log(_sweep(), lambda t, y, v, a: 2 * a + 5 * np.sign(v) + 20 * v + 0.05 * rng.standard_normal(len(t)))
+    choice = stribeck.fit(log, ["stribeck", "coulomb_viscous"], method="static")
+    assert choice.picked == "coulomb_viscous"
+    assert {"F_s", "v_s"} <= set(choice.fits["stribeck"].unidentified) | {
+        n for n, e in choice.fits["stribeck"].estimates.items() if e.value is not None and abs(e.value - 5) < 0.1
+    }
+
+
+@pytest.mark.parametrize(
+    ("velocity", "force", "said"),
+    [
+        (np.full(2000, 0.1), lambda t, y, v, a: 5 + 0 * t, "--velocity: constant"),
+        (np.zeros(2000), lambda t, y, v, a: 5 + 0 * t, "--velocity: 0 throughout"),
+        (_sweep(4000), lambda t, y, v, a: -5 * np.sign(v) - 20 * v, "the sign is wrong"),
+    ],
+)
+def test_data_that_cannot_be_used_are_refused_in_a_line(velocity, force, said):
+    with pytest.raises(InputError, match=said) as caught:
+        stribeck.fit(_log(velocity, force), "coulomb_viscous")
+    assert len(caught.value.problems) == 1
+
+
+def test_turning_points_ignore_noise():
+    t = np.arange(2000) * 1e-3
+    y = np.sin(2 * np.pi * t) + 1e-3 * np.random.default_rng(0).standard_normal(len(t))
+    turns = turning_points(y, 0.01)
+    np.testing.assert_allclose(t[turns][1:-1], [0.25, 0.75, 1.25, 1.75], atol=0.03)
+
+
+@pytest.fixture(scope="module")
+def small_reversals():
+    t = np.arange(0, 8, 1e-3)
+    y = 5e-6 * (1 + np.floor(t)) * np.sin(2 * np.pi * t)
+    law = stribeck.law("lugre", parameters="canudas1995")
+    return experiment(law, (t, np.gradient(y, t)), Sensors(force_noise=0.015), seed=1).log  # 1 % of F_s
+
+
+def test_presliding_gives_the_stiffness_within_five_per_cent(small_reversals):
+    fit = fit_presliding(small_reversals, "lugre", starts=2, profiles=False)
+    assert fit.estimates["sigma_0"].value == pytest.approx(1e5, rel=0.05)
+    assert fit.estimates["sigma_1"].value == pytest.approx(316.2, rel=0.2)
+    assert fit.estimates["F_s"].value == pytest.approx(1.5, rel=0.05)
+    assert set(fit.unidentified) == {"F_c", "v_s", "sigma_2"}
+    assert len(fit.details["loops"]) == len(loops(small_reversals, _sizes(small_reversals)))
+
+
+def _sizes(log):
+    from stribeck.identify.guess import scales
+
+    return scales(log)
+
+
+def test_without_presliding_the_stiffness_is_declared_unknown():
+    law = stribeck.law("lugre", parameters="canudas1995")
+    t = np.arange(0, 8, 1e-3)
+    v = np.interp(t, [0, 2, 2.2, 4, 4.2, 6, 6.2, 8], [0.01, 0.01, -0.01, -0.01, 0.03, 0.03, -0.03, -0.03])
+    log = experiment(law, (t, v), Sensors(force_noise=0.015), seed=1).log
+    fit = stribeck.fit(log, "lugre", method="presliding")
+    assert not fit.estimates["sigma_0"].identifiable
+    assert fit.to_json()["parameters"]["sigma_0"]["value"] is None

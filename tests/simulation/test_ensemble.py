@@ -1,0 +1,195 @@
+"""Ensembles: each lane is what a single run is, whatever runs beside it."""
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import stribeck
+from stribeck import InputError, Scenario, simulate, simulate_ensemble
+from stribeck.simulation import ensemble as module
+from stribeck.simulation.variations import Variations
+from tests.simulation.rig import LAWS, needs_compiler, pid, rig, spring
+
+PULLED = rig("lugre_majorant", spring("canudas1995"), {"kind": "ramp", "rate": 0.3}, 6.0)
+STEPPED = rig("lugre", pid("canudas1995"), {"kind": "step", "value": 1.0, "time": 0.25}, 4.0)
+SHAKEN = rig("lugre_sobczyk", "force", {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}, 2.0)
+RUBBED = rig("lugre", "velocity", {"kind": "sine", "amplitude": 2e-3, "frequency": 0.5}, 4.0)
+
+
+def assert_as_alone(data, values, folder=None, share=1e-6):
+    """Every lane of the ensemble against the run of its own scenario."""
+    scenario = Scenario(data, folder=folder)
+    found = simulate_ensemble(scenario, values)
+    for lane in range(len(found)):
+        alone = simulate(scenario.with_changes({path: float(x[lane]) for path, x in values.items()}))
+        assert found.status[lane] == alone.status
+        for name in (c.name for c in scenario.system.columns):
+            off = np.abs(found[name][lane] - alone[name]).max()
+            assert off <= (100 * share if name == "F" else share) * alone.peaks[name], (lane, name)
+        assert (found.slips[lane], found.sticks[lane]) == tuple(len(alone.events[kind]) for kind in ("slip", "stick"))
+    return found
+
+
+@needs_compiler
+@pytest.mark.parametrize("law", LAWS)
+def test_every_law(law):
+    data = rig(law, spring("canudas1995"), {"kind": "ramp", "rate": 0.3}, 6.0)
+    names = Scenario(data).law.uses
+    values = {"plant.mass": np.linspace(0.5, 2.0, 5), "drive.stiffness": np.geomspace(2, 5, 5)}
+    values |= {f"law.parameters.{n}": np.linspace(1.0, 1.2, 5) * Scenario(data).law.values[n] for n in names[:1]}
+    assert_as_alone(data, values)
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    ("data", "values"),
+    [
+        (PULLED, {"drive.signal.rate": [0.1, 0.2, -0.3], "plant.initial.y": [0.0, -0.1, 0.2]}),
+        (PULLED, {"law.k_v": [1e5, 1e6, 1e7], "plant.initial.z": [0.0, 1e-6, -1e-6]}),
+        (STEPPED, {"drive.signal.time": [0.0, 0.5, 5.0], "drive.signal.value": [1.0, -2.0, 0.5]}),
+        (STEPPED, {"drive.K_i": [0.0, 0.5, 1.0], "law.parameters.v_s": [1e-3, 2e-3, 3e-3]}),
+        (SHAKEN, {"drive.signal.frequency": [0.7, 1.3, 3.0], "drive.signal.offset": [0.0, 0.2, -0.1]}),
+        (RUBBED, {"drive.signal.amplitude": [2e-3, 0.5e-3, 5e-3], "law.parameters.v_s": [1e-3, 1e-3, 2e-3]}),
+    ],
+    ids=["ramp", "law", "step", "pid", "sine", "velocity"],
+)  # fmt: skip
+def test_everything_that_can_vary(data, values):
+    found = assert_as_alone(data, {path: np.array(x) for path, x in values.items()})
+    assert found["y"].shape == (3, Scenario(data).rows)
+    assert found.t[-1] == pytest.approx(Scenario(data).solve.t_end)
+
+
+@needs_compiler
+@settings(max_examples=8, deadline=None)
+@given(st.lists(st.floats(6.0, 8.0), min_size=1, max_size=20), st.integers(1, 3), st.data())
+def test_a_lane_is_the_same_whatever_runs_beside_it(exponents, threads, data):
+    """To the last bit: with other threads, and alone."""
+    values, scenario = {"law.k_v": 10.0 ** np.array(exponents)}, Scenario(PULLED)
+    found = simulate_ensemble(scenario, values, threads=threads)
+    lane = data.draw(st.integers(0, len(exponents) - 1))
+    alone = simulate_ensemble(scenario, {"law.k_v": values["law.k_v"][lane]}, threads=1)
+    assert np.array_equal(found["v"][lane], alone["v"][0])
+    assert found.accepted[lane] == alone.accepted[0]
+
+
+@needs_compiler
+def test_lanes_that_fail_leave_the_others_alone(tmp_path):
+    values = {"drive.K_d": np.array([6.0, -1e4, 6.0, 5.0]), "law.parameters.F_c": np.array([1.0, 1.0, 3.0, 1.0])}
+    found = simulate_ensemble(Scenario(STEPPED), values)
+    assert found.status == ["done", "failed", "failed", "done"]
+    assert "no longer finite" in found.reason[1]
+    assert found.reason[2] == "law.parameters.F_s: 1.5: must be at least F_c (F_c = 3.0)"
+    reached = np.isfinite(found["y"])
+    assert 0 < reached[1].sum() < found["y"].shape[1]
+    assert not reached[2].any()
+    for name in ("y", "v", "z", "F"):
+        assert np.array_equal(np.isfinite(found[name]), reached)
+    good = simulate_ensemble(Scenario(STEPPED), {path: x[[0, 3]] for path, x in values.items()})
+    assert np.array_equal(found["y"][[0, 3]], good["y"])
+
+
+@needs_compiler
+def test_steps_that_run_out():
+    few = {**PULLED, "solve": {**PULLED["solve"], "max_steps": 50}}
+    found = simulate_ensemble(Scenario(few), {"law.k_v": [1e6, 1e7]})
+    assert all("solve.max_steps = 50" in reason for reason in found.reason)
+    assert np.isfinite(found["y"][:, 0]).all()
+
+
+def test_every_lane_impossible():
+    found = simulate_ensemble(Scenario(PULLED), {"plant.mass": [0.0, -1.0, float("nan")]})
+    assert found.reason[0] == "plant.mass: 0.0: must be a finite number > 0"
+    assert found.status == ["failed"] * 3
+    assert np.isnan(found["F"]).all()
+
+
+def test_reasons_are_those_of_the_validation():
+    values = {"law.parameters.F_s": [0.5], "plant.mass": [1.0]}
+    (reason,) = simulate_ensemble(Scenario(PULLED), values).reason
+    with pytest.raises(InputError) as error:
+        Scenario(PULLED).with_changes({path: x[0] for path, x in values.items()})
+    assert error.value.problems == [reason]
+
+
+def test_without_a_compiler(monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", "none")
+    short = {**SHAKEN, "solve": {"t_end": 0.3}, "output": {"step": 0.01}}
+    values = {"law.k_v": [1e6, -1.0, 1e7]}
+    with pytest.warns(stribeck.StribeckNote):
+        found = simulate_ensemble(Scenario(short), values)
+    with pytest.warns(stribeck.StribeckNote):
+        alone = simulate(Scenario(short).with_changes({"law.k_v": 1e7}))
+    assert found.status == ["done", "failed", "done"]
+    assert np.array_equal(found["v"][2], alone["v"])
+
+
+@needs_compiler
+def test_optional_constants_are_switched_on():
+    data = rig("stribeck", "velocity", {"kind": "ramp", "rate": 1e-3}, 1.0)
+    del data["law"]["k_v"]
+    found = simulate_ensemble(Scenario(data), {"law.k_v": [1e3, 1e4]})
+    alone = simulate(Scenario(data).with_changes({"law.k_v": 1e4}))
+    np.testing.assert_allclose(found["F"][1], alone["F"], rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [
+        ({}, "nothing is varied"),
+        ({"law.kv": [1.0]}, "law.kv: cannot be varied (did you mean 'law.k_v'?)"),
+        ({"solve.t_end": [1.0]}, "solve.t_end: cannot be varied"),
+        ({"law.k_v": "1e6"}, "law.k_v: must be a list of numbers with one for each lane, not text"),
+        ({"law.k_v": []}, "law.k_v: must be a list of numbers"),
+        ({"law.k_v": [[1.0, 2.0]]}, "law.k_v: must be a list of numbers"),
+        ({"law.k_v": [True]}, "law.k_v: must be a list of numbers"),
+        ({"law.k_v": [1e6, 1e7], "plant.mass": [1, 2, 3]}, "law.k_v: 2 values: must be as many as the others have (3)"),
+        ({"plant.initial.u": [1.0]}, "plant.initial.u: cannot be varied"),
+    ],
+)
+def test_values_that_cannot_be(values, text):
+    with pytest.raises(InputError) as error:
+        simulate_ensemble(Scenario(PULLED), values)
+    assert text in error.value.problems[0]
+    assert len(error.value.problems) == 1
+
+
+@pytest.mark.parametrize("threads", [0, 1.5, True])
+def test_threads_are_a_whole_number(threads):
+    with pytest.raises(InputError, match="threads: "):
+        simulate_ensemble(Scenario(PULLED), {"plant.mass": [1.0]}, threads=threads)
+
+
+def test_more_than_memory_holds(monkeypatch):
+    monkeypatch.setattr(module.memory, "available", lambda: 1e6)
+    with pytest.raises(InputError, match=r"1000 lanes of 201 rows would take .* 'stribeck sweep'"):
+        simulate_ensemble(Scenario(PULLED), {"plant.mass": np.ones(1000)})
+
+
+@needs_compiler
+def test_an_interrupt_stops_the_threads():
+    scenario = Scenario({**PULLED, "solve": {"t_end": 6.0, "rtol": 1e-11}})
+
+    def interrupt(_):
+        raise KeyboardInterrupt
+
+    started = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        simulate_ensemble(scenario, {"plant.mass": np.linspace(1, 2, 20000)}, progress=interrupt)
+    assert time.monotonic() - started < 20  # 20000 lanes take minutes
+
+
+def test_a_column_that_is_not_there():
+    found = simulate_ensemble(Scenario(PULLED), {"plant.mass": [-1.0]})
+    with pytest.raises(KeyError, match="no such column"):
+        found["speed"]
+
+
+def test_scales_written_for_numbers_serve_lanes(tmp_path):
+    for law in ("dahl", "stribeck", "makkar"):
+        data = rig(law, "force", {"kind": "ramp", "rate": 3.0}, 0.5)
+        lanes = Variations(Scenario(data), {"plant.mass": [1.0, 2.0]})
+        assert lanes.atol().shape == (2, len(Scenario(data).system.states))
+        assert lanes.atol()[1].tolist() == list(Scenario(data).atol().values())

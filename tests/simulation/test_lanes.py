@@ -1,0 +1,84 @@
+"""Trajectories in the lanes of vectors: the functions written for them, and every width of the vectors."""
+
+import ctypes
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario, simulate
+from stribeck.codegen import source
+from stribeck.errors import BuildError
+from stribeck.simulation import cache, compiler, lanes
+from stribeck.simulation.variations import Variations
+from tests.simulation.rig import needs_compiler, rig, spring
+
+pytestmark = needs_compiler
+
+DATA = rig("lugre_sobczyk", spring("canudas1995"), {"kind": "ramp", "rate": 0.3}, 6.0)
+VALUES = {"law.k_v": np.geomspace(1e6, 1e8, 11), "law.parameters.F_s": np.linspace(1.1, 1.9, 11)}
+
+
+def library(*options):
+    chosen = compiler.find().for_lanes()
+    found, _ = cache.library(
+        source(Scenario(DATA).system, lanes=True), replace(chosen, options=(*chosen.options, *options))
+    )
+    lanes.check(found)
+    return found
+
+
+def evaluated(name, x):
+    """The values of a function of runtime/vector.c, a vector after the other."""
+    loaded = library()
+    width = loaded.stribeck_lanes()
+    padded = np.concatenate([x, np.zeros(-len(x) % width)])
+    for part in padded.reshape(-1, width):
+        getattr(loaded, name)(part.ctypes.data_as(ctypes.POINTER(ctypes.c_double)))
+    return padded[: len(x)]
+
+
+def ulps(found, exact):
+    """How many units in the last place the values are off."""
+    return np.abs((found - exact) / np.spacing(np.abs(exact.astype(float))))
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="needs a longer number to compare with")
+@pytest.mark.parametrize(("name", "exact"), [("stribeck_exp", np.exp), ("stribeck_atan", np.arctan)])
+def test_functions_are_within_two_units_in_the_last_place(name, exact):
+    random = np.random.default_rng(2)
+    signs = random.choice([-1.0, 1.0], 20000)
+    small = signs * 10 ** random.uniform(-300, 2.8, 20000)
+    x = np.concatenate([random.uniform(-700, 700, 20000), random.uniform(-3, 3, 20000), small])
+    if name == "stribeck_atan":
+        x = np.concatenate([x, signs * 10 ** random.uniform(2, 300, 20000)])
+    assert ulps(evaluated(name, x), exact(x.astype(np.longdouble))).max() <= 2.0
+
+
+def test_functions_at_the_ends():
+    ends = np.array([0.0, -0.0, -701.0, -1e300, -np.inf, 0.66, 2.4142135623730951])
+    assert np.array_equal(evaluated("stribeck_exp", ends)[:5], [1, 1, 0, 0, 0])
+    np.testing.assert_allclose(evaluated("stribeck_atan", ends), np.arctan(ends), rtol=4e-16)
+    assert np.all(np.isnan(evaluated("stribeck_atan", np.array([np.nan]))))
+
+
+@pytest.mark.parametrize("width", [2, 4, 8])
+def test_every_width_agrees_with_single_runs(width):
+    """Eleven lanes: the queue is refilled, and ends with lanes that have nothing to do."""
+    variations = Variations(Scenario(DATA), VALUES)
+    loaded = library(f"-DLANES={width}")
+    assert loaded.stribeck_lanes() == width
+    found = lanes.solve(loaded, variations, threads=1)
+    for lane in range(len(variations)):
+        alone = simulate(Scenario(DATA).with_changes(variations.changes(lane)))
+        peaks = np.abs(alone.states).max(axis=0)
+        assert np.all(np.abs(found.states[lane] - alone.states) <= 1e-7 * peaks)
+        assert found.counts["slips"][lane] == len(alone.events["slip"])
+        steps = alone.stats["accepted"] + alone.stats["rejected"]
+        assert abs(found.counts["accepted"][lane] + found.counts["rejected"][lane] - steps) < 0.05 * steps
+
+
+def test_a_library_of_another_kind_is_refused():
+    other, _ = cache.library(source(Scenario(DATA).system), compiler.find())
+    with pytest.raises(BuildError, match="not a compiled system for lanes"):
+        lanes.check(other)

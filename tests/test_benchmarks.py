@@ -1,0 +1,51 @@
+"""The benchmarks' peers solve the same equations, and what is kept of the results is complete."""
+
+import importlib.util
+import json
+import math
+import sys
+from pathlib import Path
+
+import pytest
+
+import stribeck
+
+FOLDER = Path(__file__).parent.parent / "benchmarks"
+
+
+@pytest.fixture(scope="module")
+def problems():
+    spec = importlib.util.spec_from_file_location("benchmark_problems", FOLDER / "problems.py")
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+@pytest.mark.parametrize("v", [-0.3, -1e-3, -2e-8, 3e-7, 4e-4, 0.05])
+def test_friction_of_the_peers_is_the_law(problems, v):
+    p = problems
+    law = stribeck.law("lugre_sobczyk", parameters="canudas1995", k_v=p.K_V)
+    z = 0.7e-5
+    dw_dt, force = p.friction_by(math)(v, p.SIGMA_0 * z, p.K_V, p.F_S)
+    assert dw_dt == pytest.approx(p.SIGMA_0 * law.rate(v, z), rel=1e-12)
+    assert force == pytest.approx(law.force(v, z), rel=1e-12)
+
+
+@pytest.mark.parametrize("name", ["limit_cycle", "stick_slip"])
+def test_peers_arrive_where_the_simulation_does(problems, name):
+    from scipy.integrate import odeint
+
+    problem = getattr(problems, name)(20.0, 0.5)
+    y = stribeck.simulate(problem.scenario)["y"][problem.first_row :]
+    rows = odeint(problem.rates(), problem.rest, problem.times, rtol=1e-9, atol=1e-12, tfirst=True, mxstep=10**5)
+    assert abs(rows[:, 0] - y).max() < 1e-5 * abs(y).max()
+    assert abs(y).max() > 0.5
+
+
+@pytest.mark.parametrize("name", ["single", "ensemble", "precision", "scaling", "mujoco", "startup"])
+def test_results_say_when_and_where(name):
+    results = json.loads((FOLDER / "results" / f"{name}.json").read_text())
+    assert {"date", "processor", "cores", "load", "compiler", "versions"} <= results["machine"].keys()
+    assert name == "startup" or (FOLDER / "results" / f"{name}.svg").read_text().endswith("</svg>\n")
