@@ -19,7 +19,7 @@ def blocks(language):
 def test_commands(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     commands = [line for line in blocks("sh")[1].splitlines() if line]
-    assert len(commands) == 10
+    assert len(commands) == 16
     for command in commands:
         words = shlex.split(command, comments=True)
         assert words[0] == "stribeck"
@@ -28,6 +28,8 @@ def test_commands(tmp_path, monkeypatch, capsys):
         "plot.svg", "summary.json", "trajectory.csv", "trajectory.parquet",
     ]  # fmt: skip
     assert (tmp_path / "laws" / "compare.svg").exists()
+    for file in ("found/passive.toml", "servo/trajectory.csv", "fit/parameters.toml", "firmware/lugre_majorant_test.c"):
+        assert (tmp_path / file).exists(), file
     assert (tmp_path / "grid" / "part-000000.parquet").exists()
     assert "self-test  passed" in capsys.readouterr().out
 
