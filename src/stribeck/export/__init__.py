@@ -108,7 +108,8 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
     """The law given, or the scenario's: for the cascade that of its observer, where it has one."""
     if scenario is None:
         if law is None:
-            raise InputError("LAW: missing: must be given, unless --scenario names it")
+            what = "--scenario: missing: part 'cascade' needs one with drive.kind = 'cascade'"
+            raise InputError(what if part == "cascade" else "LAW: missing: must be given, unless --scenario names it")
         return law
     servo = scenario.servo if part == "cascade" else None
     own = servo.observer if servo is not None and servo.observer is not None else scenario.law

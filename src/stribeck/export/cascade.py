@@ -16,6 +16,8 @@ from stribeck.export.request import Request, ascii_only, made_by, valued
 from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
+from stribeck.scenario import Scenario
+from stribeck.scenario.servo import Servo
 
 PATH = (
     Column("y", "m", "desired position"),
@@ -59,17 +61,29 @@ class Cascade:
     request: Request
 
     @cached_property
-    def system(self) -> ServoSystem:
-        """The servo; its controller's constants are parameters, sampled or not.
+    def scenario(self) -> Scenario:
+        """The servo.
 
         Raises:
             InputError: there is no scenario, or it is not of a servo.
         """
         scenario = self.request.scenario
-        if scenario is None or not isinstance(scenario.system, ServoSystem):
+        if scenario is None or scenario.servo is None:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"--scenario: {given}part 'cascade' needs one with drive.kind = 'cascade'")
-        return replace(scenario.system, sampled=False)
+        return scenario
+
+    @cached_property
+    def servo(self) -> Servo:
+        """What the controller is made of."""
+        assert self.scenario.servo is not None
+        return self.scenario.servo
+
+    @cached_property
+    def system(self) -> ServoSystem:
+        """The equations, with the controller's constants as parameters whether the scenario is sampled or not."""
+        assert isinstance(self.scenario.system, ServoSystem)
+        return replace(self.scenario.system, sampled=False)
 
     @property
     def name(self) -> str:
@@ -104,8 +118,7 @@ class Cascade:
     @cached_property
     def constants(self) -> dict[str, dict[str, tuple[Constant, float]]]:
         """Declaration and value of each constant that the controller uses, by group and name."""
-        assert self.request.scenario is not None
-        values, groups = self.request.scenario.values(), dict(self.system.groups)
+        values, groups = self.scenario.values(), dict(self.system.groups)
         used = symbols(self.expressions.values())
         groups["signal"] = {n: replace(c, unit=c.unit.replace("signal", "m")) for n, c in groups["signal"].items()}
         if self.pieces:
@@ -119,15 +132,13 @@ class Cascade:
     @property
     def pieces(self) -> list[dict[str, float]]:
         """The constants of the path's pieces, in order of time; none where it is one equation of tunable constants."""
-        assert self.request.scenario is not None
-        pieces = self.request.scenario.signal.pieces
+        pieces = self.scenario.signal.pieces
         return [values for _, values in pieces] if len(pieces) > 1 else []
 
     @property
     def relations(self) -> list[tuple[str, str, str]]:
         """(the constant to blame, what is allowed, the condition in C) between constants of the friction law."""
-        assert self.request.scenario is not None and self.request.scenario.servo is not None
-        law, has = self.request.scenario.servo.observer, self.constants.get("observer", {})
+        law, has = self.servo.observer, self.constants.get("observer", {})
         found = dict.fromkeys((*(law.relations if law else ()), *STATIC_ABOVE_COULOMB))
         return [
             (f"observer_{r.key}", r.allowed, condition(r.holds, law, "p->observer."))
@@ -153,8 +164,7 @@ class Cascade:
 
     def about(self) -> list[str]:
         """Lines for the header."""
-        assert self.request.scenario is not None
-        scenario, system = self.request.scenario, self.system
+        scenario, system = self.scenario, self.system
         observer = f"friction observer {system.observer.name}" if system.observer else "no friction compensation"
         adaptive = ", adaptive" if system.adaptive else ""
         lines = [f"{self.name}: cascade controller of a pneumatic servo, {observer}{adaptive}.", ""]
@@ -162,27 +172,28 @@ class Cascade:
         if system.observer:
             lines += ["", *(f"  {each.text}" for each in equations(system.observer, system.observer_options))]
         lines += ["", "Source: Sobczyk, Perondi, Cunha, section 5, its printing errors put right (docs/servo.md)."]
-        lines.append(f"Parameters: {self.request.origin or 'scenario ' + scenario.name}; desired path: {scenario.signal.kind}.")
+        lines.append(
+            f"Parameters: {self.request.origin or 'scenario ' + scenario.name}; desired path: {scenario.signal.kind}."
+        )
         for group, constants in self.constants.items():
             lines += [valued(f"{group}.{n}", x, c) for n, (c, x) in constants.items()]
         return [ascii_only(line) for line in (*lines, made_by())]
 
     def context(self) -> dict[str, Any]:
         """What the templates need."""
-        name = self.name  # checks the scenario
+        name = self.name
         bad = [n for constants in self.constants.values() for n in constants if n in WORDS or not n.isascii()]
         if bad:
             raise InputError([f"{n}: a constant of this name cannot be exported to C: rename it" for n in bad])
         return {
             "P": name, "cascade": self, "about": self.about(), "groups": _ABOUT, "path": PATH, "inputs": INPUTS,
-            "outputs": OUTPUTS, "states": self.states, "unused": Z_HAT, "period": self.period,
+            "outputs": OUTPUTS, "kept": self.states, "unused": Z_HAT, "period": self.period,
         }  # fmt: skip
 
     @property
     def period(self) -> float | None:
         """The sample time of the scenario, s."""
-        servo = self.request.scenario.servo if self.request.scenario is not None else None
-        return servo.sampling.time if servo is not None and servo.sampling is not None else None
+        return self.servo.sampling.time if self.servo.sampling is not None else None
 
 
 def files(request: Request) -> dict[str, str | bytes]:
@@ -204,8 +215,7 @@ def files(request: Request) -> dict[str, str | bytes]:
 def notes(request: Request) -> list[str]:
     """What differs from the scenario at the time step that was given."""
     cascade = Cascade(request)
-    assert request.scenario is not None and request.scenario.servo is not None
-    found, step, sampling = [], request.step, request.scenario.servo.sampling
+    found, step, sampling = [], request.step, cascade.servo.sampling
     if cascade.period is None:
         found.append(
             "the scenario's controller is continuous, and its proof covers no sampling: "

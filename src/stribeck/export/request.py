@@ -6,8 +6,8 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
-from stribeck.errors import InputError
 from stribeck.constants import Constant
+from stribeck.errors import InputError
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.render import equations
 from stribeck.parameter_sets import parameters
@@ -70,7 +70,9 @@ class Request:
 
 def valued(name: str, value: float, constant: Constant) -> str:
     """A line of a header that gives a constant's value."""
-    return f"  {name} = {value!r}{f' {constant.unit}' if constant.unit != '1' else ''}".rstrip() + f": {constant.meaning}"
+    return (
+        f"  {name} = {value!r}{f' {constant.unit}' if constant.unit != '1' else ''}".rstrip() + f": {constant.meaning}"
+    )
 
 
 def made_by() -> str:

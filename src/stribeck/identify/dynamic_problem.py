@@ -123,7 +123,11 @@ class VelocityProblem(Problem):
 
 def _structure(law: type[Law], given: Given) -> tuple[str, ...]:
     """The form of the law's equations: optional constants that are given, and words."""
-    words = {n: f"{n}={given[n]}" for n, c in law.constants().items() if c.choices and given.get(n, c.choices[0]) != c.choices[0]}
+    words = {
+        n: f"{n}={given[n]}"
+        for n, c in law.constants().items()
+        if c.choices and given.get(n, c.choices[0]) != c.choices[0]
+    }
     return tuple(words.get(n, n) for n, c in law.constants().items() if n in words or (c.optional and n in given))
 
 

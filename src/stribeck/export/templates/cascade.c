@@ -13,7 +13,7 @@
 
 static real sign_of(real x) { return R((x > 0) - (x < 0)); }
 {% endif %}
-{% if states %}
+{% if kept %}
 
 {% include "phi_1.c" %}
 {% endif %}
@@ -22,9 +22,9 @@ static real sign_of(real x) { return R((x > 0) - (x < 0)); }
 
 /* The output, and the rates of the states with their slopes d rate/d state. */
 static void control(const parameters *p, const {{ P }}_state *x, const {{ P }}_path *d,
-    const {{ P }}_measured *m, {{ P }}_output *o{% if states %}, real *rate, real *slope{% endif %})
+    const {{ P }}_measured *m, {{ P }}_output *o{% if kept %}, real *rate, real *slope{% endif %})
 {
-{% if not states %}
+{% if not kept %}
     (void)x;
 {% endif %}
 {{ cascade.lines("sample") }}
@@ -80,7 +80,7 @@ int {{ P }}_check(const parameters *p)
 
 void {{ P }}_reset({{ P }}_state *s)
 {
-{% for column, start in states %}
+{% for column, start in kept %}
     s->{{ column.name }} = {{ "%g" | format(start) }};
 {% else %}
     s->{{ unused.name }} = 0;
@@ -94,7 +94,7 @@ static int finite_path(const {{ P }}_path *d)
 
 static int finite_state(const {{ P }}_state *x)
 {
-    return {% for c, start in states or [(unused, 0)] %}isfinite(x->{{ c.name }}){{ " && " if not loop.last }}{% endfor %};
+    return {% for c, start in kept or [(unused, 0)] %}isfinite(x->{{ c.name }}){{ " && " if not loop.last }}{% endfor %};
 }
 
 int {{ P }}_path_at(const parameters *p, real t, {{ P }}_path *path)
@@ -112,14 +112,14 @@ int {{ P }}_track(const parameters *p, {{ P }}_state *s, const {{ P }}_path *pat
 {
     {{ P }}_output o;
     {{ P }}_state next = *s;
-{% if states %}
-    real rate[{{ states | length }}], slope[{{ states | length }}];
+{% if kept %}
+    real rate[{{ kept | length }}], slope[{{ kept | length }}];
 {% endif %}
     if (!(dt > 0) || !isfinite(dt)) return {{ P }}_BAD_STEP;
     if (!finite_path(path) || !finite_state(s)) return {{ P }}_NOT_FINITE;
     if ({% for c in inputs %}!isfinite(m->{{ c.name }}){{ " || " if not loop.last }}{% endfor %}) return {{ P }}_NOT_FINITE;
-    control(p, s, path, m, &o{% if states %}, rate, slope{% endif %});
-{% for c, start in states %}
+    control(p, s, path, m, &o{% if kept %}, rate, slope{% endif %});
+{% for c, start in kept %}
     next.{{ c.name }} += dt * phi_1(slope[{{ loop.index0 }}] * dt) * rate[{{ loop.index0 }}];
 {% endfor %}
     if ({% for c in outputs %}!isfinite(o.{{ c.name }}) || {% endfor %}!finite_state(&next)) return {{ P }}_NOT_FINITE;

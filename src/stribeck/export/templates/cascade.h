@@ -5,7 +5,7 @@
  *
  * Once a sample, call the function ..._step with what is measured at time t, put u out at once, and hold it until
  * the next sample{% if period %} (the scenario samples every {{ repr(period) }} s){% endif %}. To give the desired path yourself, call ..._track instead.
-{% if states %}
+{% if kept %}
  * The states go on by dt with what was measured held: x + dt phi_1(J dt) dx/dt, J = d(dx/dt)/dx, phi_1(a) = (e^a - 1)/a,
  * exact where dx/dt is linear in x (zero-order hold). Stribeck's simulation with drive.sample_time does the same.
 {% endif %}
@@ -42,7 +42,7 @@ typedef struct {
 
 /* What is kept from sample to sample. */
 typedef struct {
-{% for column, start in states %}
+{% for column, start in kept %}
     {{ P }}_real {{ column.name }}; /* {{ column.unit }}: {{ column.meaning }} */
 {% else %}
     {{ P }}_real {{ unused.name }}; /* without an observer there is none: stays 0 */
@@ -90,7 +90,7 @@ int {{ P }}_check(const {{ P }}_parameters *p);
 /* The state before the first sample. */
 void {{ P }}_reset({{ P }}_state *s);
 
-/* The scenario's path ({{ cascade.request.scenario.signal.kind }}) at the time t (s). */
+/* The scenario's path ({{ cascade.scenario.signal.kind }}) at the time t (s). */
 int {{ P }}_path_at(const {{ P }}_parameters *p, {{ P }}_real t, {{ P }}_path *path);
 
 /* One sample on the scenario's path: measured at the time t (s), the next one follows dt (s) later. */

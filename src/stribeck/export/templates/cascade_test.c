@@ -14,7 +14,7 @@ typedef {{ P }}_real real;
 #endif
 
 /* The path ({{ path | map(attribute="name") | join(", ") }}), what is measured ({{ inputs | map(attribute="name") | join(", ") }}),
- * the state{% if states %} ({% for c, x in states %}{{ c.name }}{{ ", " if not loop.last }}{% endfor %}){% else %} (none){% endif %} and dt;
+ * the state{% if kept %} ({% for c, x in kept %}{{ c.name }}{{ ", " if not loop.last }}{% endfor %}){% else %} (none){% endif %} and dt;
  * then each output ({{ outputs | map(attribute="name") | join(", ") }}) and each state afterwards, followed by what its rounding is
  * measured by. */
 static const double rows[][{{ rows[0] | length }}] = {
@@ -57,15 +57,15 @@ int main(void)
 {% for c in inputs %}
         m.{{ c.name }} = R(x[{{ loop.index0 + 4 }}]);
 {% endfor %}
-{% for c, start in states %}
+{% for c, start in kept %}
         s.{{ c.name }} = R(x[{{ loop.index0 + 9 }}]);
 {% endfor %}
-{% set n = 9 + states | length %}
+{% set n = 9 + kept | length %}
         must("track", {{ P }}_track(&p, &s, &path, &m, R(x[{{ n }}]), &o), {{ P }}_OK);
 {% for c in outputs %}
         check("{{ c.name }}", (double)o.{{ c.name }}, x[{{ n + 1 + 2 * loop.index0 }}], x[{{ n + 2 + 2 * loop.index0 }}]);
 {% endfor %}
-{% for c, start in states %}
+{% for c, start in kept %}
         check("{{ c.name }}", (double)s.{{ c.name }}, x[{{ n + 11 + 2 * loop.index0 }}], x[{{ n + 12 + 2 * loop.index0 }}]);
 {% endfor %}
     }
