@@ -181,3 +181,18 @@ def test_the_filters_in_pieces_are_the_filters():
 def test_a_shift_moves_samples(shift):
     t = np.arange(300)
     np.testing.assert_allclose(shifted(np.sin(0.1 * t), shift)[10:-10], np.sin(0.1 * (t + shift))[10:-10], atol=1e-5)
+
+
+def test_decimal_commas_go_with_semicolons(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text("t;y;F\n0,0;1,5;-2,25\n0,5;2,5;3\n")
+    found = read(path, Columns({"time": "t", "position": "y", "force": "F"}))
+    assert found["time"].tolist() == [0.0, 0.5]
+    assert found["force"].tolist() == [-2.25, 3.0]
+
+
+def test_a_file_in_another_encoding_is_refused(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_bytes("t,y,F\n0,1,2\n".encode("utf-16"))
+    with pytest.raises(InputError, match="is not text in UTF-8"):
+        read(path, Columns({"time": "t", "position": "y", "force": "F"}))

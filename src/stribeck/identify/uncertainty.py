@@ -235,7 +235,8 @@ def _hangs(c: Coordinate, spare: float) -> str:
     """Why the filter of the motion leaves a coordinate open, or nothing."""
     if not c.log or spare <= _MOST_LEEWAY:
         return ""
-    return f"it hangs on the filter of the motion, which may shift it by {spare:.0%}: the position is too coarse or noisy, or sampled too slowly"
+    why = "the position is too coarse or noisy, or sampled too slowly"
+    return f"it hangs on the filter of the motion, which may shift it by {spare:.0%}: {why}"
 
 
 def _widened(problem: Problem, estimates: Mapping[str, Estimate], spare: Array, inner: Array) -> list[str]:
