@@ -118,12 +118,20 @@ def draw(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
 
 
 def logarithmic(axis: Axes, x: bool = True, y: bool = True) -> None:
-    """Make the scales logarithmic, without the small ticks: laying them out would take most of a figure's time."""
+    """Make the scales logarithmic, with plain labels and without the small ticks: setting those as formulas and laying
+    these out would take most of a figure's time."""
     if x:
         axis.set_xscale("log")
+        axis.xaxis.set_major_formatter(_power_of_ten)
     if y:
         axis.set_yscale("log")
+        axis.yaxis.set_major_formatter(_power_of_ten)
     axis.minorticks_off()
+
+
+def _power_of_ten(x: float, position: int | None) -> str:
+    power = round(np.log10(x))
+    return f"1e{power}" if abs(power) > 2 else f"{x:g}"
 
 
 def legend(made: Figure, axis: Axes) -> None:
