@@ -33,7 +33,7 @@ def test_numbers(name):
     assert found.motion == ("rotary" if name in ("olsson1998", "direct_drive2016") else "linear")
     assert len(found.title) > 5
     assert len(found.source) > 10
-    assert law("lugre", name).values == found.values
+    assert {n: x for n, x in law("lugre", name).values.items() if x is not None} == found.values
 
 
 def test_changing_a_set_changes_no_other():

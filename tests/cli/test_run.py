@@ -114,7 +114,7 @@ def test_a_failed_computation_keeps_its_partial_result_marked(stribeck, scenario
 def test_keep_c_leaves_the_generated_source(stribeck, scenario, tmp_path):
     stribeck("run", scenario, "--keep-c", tmp_path / "system.c")
     text = (tmp_path / "system.c").read_text()
-    assert "const double S_0 =" in text
+    assert "const real S_0 =" in text
     assert "stribeck_advance" in text
 
 

@@ -12,11 +12,7 @@ from stribeck.analysis.lyapunov import along
 from stribeck.cli import _status
 from stribeck.control import observer
 from stribeck.control.gains import at_speed, decay, judge, prove
-from stribeck.control.intervals import enclose
 from stribeck.control.proof import derive
-from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import symbol
-from stribeck.expressions.ops import atan, exp, sqrt, tanh
 from stribeck.laws import BristleLaw
 from tests.control.servos import servo, solved
 from tests.simulation.rig import needs_compiler
@@ -146,22 +142,6 @@ def test_the_proof_agrees_with_eigenvalues():
         seen.add(proven)
         assert proven == (smallest >= -1e-9 * K_D)
     assert seen == {True, False}
-
-
-def test_intervals_enclose():
-    random, x, y = np.random.default_rng(2), symbol("x"), symbol("y")
-    expr = atan(3 * x) * exp(-((x - y) ** 2)) / (1 + x * x) - abs(y) * tanh(x) + sqrt(2 + x * y)
-    of = python_function(["x", "y"], [expr])
-    for _ in range(200):
-        low, width = random.uniform(-1, 1, 2), random.uniform(0, 0.3, 2)
-        box = enclose(expr, {"x": (low[0], low[0] + width[0]), "y": (low[1], low[1] + width[1])})
-        inside = low[:, None] + width[:, None] * random.random((2, 100))
-        values = of(*inside)[0]
-        assert (values >= box[0]).all()
-        assert (values <= box[1]).all()
-    law = stribeck.law("lugre_sobczyk", **TABLE_1)
-    constants = {n: (v, v) for n, v in law.values.items()}
-    assert enclose(decay(law), {**constants, "v": (0.0, 1e-9)})[0] >= 0
 
 
 @needs_compiler

@@ -161,6 +161,7 @@ BAD = {
     "noise": ({"drive__noise": 1e-5, "drive__sample_time": 1e-3}, "drive.bandwidth: missing"),
     "adapt none": ({"drive__adaptive": True, "drive__observer": {"name": "none"}}, "there is no observer"),
     "adapt": ({"drive__adaptive": True, "drive__observer": {"name": "coulomb_viscous"}}, "dz/dt must be linear in z"),
+    "adapt zero": ({"drive__adaptive": True, "law__parameters__sigma_2": 0.0}, "sigma_2 = 0: its scale is adapted"),
     "adapt v_d": ({"drive__adaptive": True, "drive__observer__v_d": 0.1}, "sigma_1 must be constant"),
     "K_D": ({"drive__K_D": -1.0}, "drive.K_D: -1.0: must be a finite number > 0"),
     "model": ({"drive__model": {"mas": 1.0}}, "did you mean 'mass'"),

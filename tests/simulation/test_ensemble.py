@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import stribeck
-from stribeck import InputError, Scenario, simulate, simulate_ensemble
+from stribeck import InputError, Scenario, examples, simulate, simulate_ensemble
 from stribeck.simulation import ensemble as module
 from stribeck.simulation.variations import Variations
 from tests.simulation.rig import LAWS, needs_compiler, pid, rig, spring
@@ -193,3 +193,22 @@ def test_scales_written_for_numbers_serve_lanes(tmp_path):
         lanes = Variations(Scenario(data), {"plant.mass": [1.0, 2.0]})
         assert lanes.atol().shape == (2, len(Scenario(data).system.states))
         assert lanes.atol()[1].tolist() == list(Scenario(data).atol().values())
+
+
+@needs_compiler
+def test_servos_and_moves_along_paths_are_lanes_too():
+    """Each lane is then a scenario of its own: whatever is a number in it can vary."""
+    servo = Scenario.load(examples.path("servo")).with_changes({"solve.t_end": 2.0})
+    found = simulate_ensemble(servo, {"drive.K_D": [40.0, 60.0, -1.0], "drive.observer.k_v": [1e6, 1e5, 1e6]})
+    assert found.status == ["done", "done", "failed"]
+    assert "drive.K_D" in found.reason[2]
+    alone = simulate(servo.with_changes({"drive.K_D": 60.0, "drive.observer.k_v": 1e5}))
+    for name in ("y", "u", "F_hat", "V"):
+        assert np.array_equal(found[name][1], alone[name])
+    assert np.isnan(found["V"][2]).all()
+    with pytest.raises(InputError, match="unknown key"):
+        simulate_ensemble(servo, {"drive.K_Q": [1.0]})
+    moved = rig("lugre", spring("canudas1995"), {"kind": "point_to_point", "t": [0, 2, 4], "value": [0, 1, 0]}, 4.0)
+    lanes = simulate_ensemble(Scenario(moved), {"plant.mass": [1.0, 2.0]})
+    assert lanes.status == ["done", "done"]
+    assert lanes["y"].shape == (2, 201)

@@ -16,7 +16,7 @@ def amplitude_and_period(t: Array, y: Array) -> tuple[Array, Array]:
     """
     highest, lowest = y.max(axis=-1), y.min(axis=-1)
     if len(t) < 2:
-        return np.asarray(0.5 * (highest - lowest)), np.full(y.shape[:-1], np.nan)
+        return 0.5 * (highest - lowest), np.full(y.shape[:-1], np.nan)[()]
     over = np.atleast_2d(y - (0.5 * (highest + lowest))[..., np.newaxis])
     up = (over[:, :-1] < 0) & (over[:, 1:] >= 0)
     count, lanes = up.sum(axis=1), np.arange(len(over))
@@ -28,7 +28,7 @@ def amplitude_and_period(t: Array, y: Array) -> tuple[Array, Array]:
 
     first, last = crossing(up.argmax(axis=1)), crossing(up.shape[1] - 1 - up[:, ::-1].argmax(axis=1))
     period = np.where(count > 1, (last - first) / np.maximum(count - 1, 1), np.nan)
-    return np.asarray(0.5 * (highest - lowest)), period.reshape(y.shape[:-1])
+    return 0.5 * (highest - lowest), period.reshape(y.shape[:-1])[()]
 
 
 def first_maximum(y: Array) -> int:

@@ -325,26 +325,30 @@ def paper(
 
 @app.command()
 def export(
-    law: Annotated[
-        str, typer.Argument(metavar="LAW", help="The law; 'stribeck laws' lists them. FILE.py:NAME is one too.")
-    ],
     target: Annotated[
         str, typer.Option("--target", metavar="NAME", help="The tool: c, fmu, modelica, mujoco, st or table.")
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="PATH", help="Where to: a folder for c and mujoco, else a file.")
     ],
+    law: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[LAW]",
+            help="The law, the scenario's unless given; 'stribeck laws' lists them. FILE.py:NAME is one too.",
+        ),
+    ] = None,
     parameters: Annotated[
         str | None, typer.Option("--parameters", metavar="SET", help="A built-in set of parameters, or a TOML file.")
     ] = None,
     set_: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="A constant of the law, such as k_v=1e7; may be repeated."),
+        typer.Option("--set", metavar="KEY=VALUE", help="A constant, such as k_v=1e7 (cascade: drive.K_D=80)."),
     ] = None,
     part: Annotated[str, typer.Option("--part", metavar="PART", help="law, body, observer or cascade.")] = "law",
     scenario: Annotated[
         Path | None,
-        typer.Option("--scenario", metavar="FILE", help="A scenario: the mass, and the parameters unless given."),
+        typer.Option("--scenario", metavar="FILE", help="A scenario: mass, controller, and law unless given."),
     ] = None,
     step: Annotated[
         float | None,

@@ -61,7 +61,7 @@ def _print(comparison: Comparison, files: list[str]) -> None:
     width = max(map(len, comparison.solutions))
     print(f"  {'law':{width}}" + "".join(f"{name:>24}" for name in ("y", "v", "F")))
     for label, deviations in comparison.deviations.items():
-        cells = "".join(f"{d['max']:14.4g}{_percent(d['max_relative']):>10}" for d in deviations.values())
+        cells = "".join(f"{d['max']:13.4g} {_percent(d['max_relative']):>10}" for d in deviations.values())
         print(f"  {label:{width}}{cells}")
     for file in files:
         print(f"  wrote {file}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import stribeck.export as exports
 from stribeck import laws
@@ -13,7 +14,7 @@ from stribeck.scenario import Scenario, parse_assignment
 
 
 def export(
-    law: str,
+    law: str | None,
     target: str,
     out: Path,
     parameters: str | None,
@@ -27,7 +28,11 @@ def export(
 ) -> int:
     """Write the files, and say which."""
     rig = Scenario.load(scenario) if scenario is not None else None
-    chosen = _law(law, parameters, assignments, rig)
+    chosen: Law | None
+    if part == "cascade":
+        chosen, rig = None, _controlled(law, parameters, assignments, rig)
+    else:
+        chosen = _law(law, parameters, assignments, rig)
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
@@ -35,18 +40,47 @@ def export(
         chosen, target, out, part=part, scenario=rig, step=step, self_test=self_test, origin=origin, fmi=fmi
     )
     if json:
-        print_json({
-            "law": chosen.name, "target": target, "part": part, "parameters": chosen.values,
-            "guarantees": chosen.guarantees(), "files": [str(file) for file in files],
-        })  # fmt: skip
+        print_json(_summary(chosen, rig) | {"target": target, "part": part, "files": [str(file) for file in files]})
     else:
         for file in files:
             print(f"wrote {file}")
     return 0
 
 
-def _law(name: str, parameters: str | None, assignments: list[str], rig: Scenario | None) -> Law:
+def _summary(law: Law | None, rig: Scenario | None) -> dict[str, Any]:
+    """What was exported: the law, or the controller's constants by group."""
+    if law is not None:
+        return {"law": law.name, "parameters": law.values, "guarantees": law.guarantees()}
+    assert rig is not None
+    assert rig.servo is not None
+    values = {key: x for key, x in rig.values().items() if key[0] not in ("law", "plant")}
+    return {
+        "law": rig.servo.observer.name if rig.servo.observer else None,
+        "parameters": {group: {n: x for (g, n), x in values.items() if g == group} for group, _ in values},
+    }
+
+
+def _controlled(
+    law: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None
+) -> Scenario | None:
+    """The scenario of a controller with the changes of --set; everything is taken from it."""
+    problems = []
+    if parameters is not None:
+        problems.append(f"--parameters: {parameters!r}: must be left out: part 'cascade' has the scenario's constants")
+    observer = rig.servo.observer if rig is not None and rig.servo is not None else None
+    if rig is not None and law is not None and law != (name := observer.name if observer else "none"):
+        problems.append(f"LAW: {law!r}: must be left out, or that of the scenario's [drive.observer], {name!r}")
+    if problems:
+        raise InputError(problems)
+    return rig.with_changes(dict(parse_assignment(text) for text in assignments)) if rig is not None else None
+
+
+def _law(name: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None) -> Law:
     """The law with the constants of the set, else of the scenario's law, and what --set adds."""
+    if name is None:
+        if rig is None:
+            raise InputError("LAW: missing: must be given, unless --scenario names it")
+        name = rig.law.name
     found = laws.find(name)
     given = dict(parse_assignment(text) for text in assignments)
     values = {}
@@ -54,7 +88,7 @@ def _law(name: str, parameters: str | None, assignments: list[str], rig: Scenari
         values = laws.parameters_for(found, parameters)
     elif rig is not None:
         own = found.own_constants()
-        values = rig.law.machine | {n: x for n, x in rig.law.values.items() if n in own and x is not None}
+        values = rig.law.machine | {n: x for n, x in vars(rig.law.p).items() if n in own and x is not None}
     if problems := found.problems({**values, **given}):
         raise InputError([f"{key}: {text}" for key, text in problems])
     law = found({**values, **given})

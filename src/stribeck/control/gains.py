@@ -3,19 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from stribeck.control.intervals import Interval, enclose
+import numpy as np
+
 from stribeck.control.proof import derive
+from stribeck.expressions.boxes import grid, not_negative
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
+from stribeck.expressions.intervals import Evaluator, Interval, point
 from stribeck.laws.base import Law
 
 FASTEST = 1e6  # m/s; what holds up to here is taken to hold at any speed
-_BOXES = 100_000  # given up after so many
 
 
 @dataclass(frozen=True)
@@ -126,32 +127,29 @@ class Proof:
     reason: str
 
 
-def prove(law: Law, gains: Mapping[str, float], v: Interval) -> Proof:
+def prove(law: Law, gains: Mapping[str, float], v: tuple[float, float]) -> Proof:
     """Show with interval arithmetic that dV/dt <= 0 for every error and every speed in ``v``.
 
     The quadratic form is non-negative where its diagonal and 4 ss zz - sz^2 are; w is divided out, so that it may be 0.
     """
-    form, constants = derive(), {name: (x, x) for name, x in law.values.items() if x is not None}
-    constants |= {name: (gains[name], gains[name]) for name in ("K_D", "K")}
+    form = derive()
     tests = [decay(law), *(_in_graph(test, w=decay(law), sigma_1=damping(law)) for test in (form.exact, form.ss))]
-    # the widest first: a violation is then found before its edges, where no sign settles
-    left, boxes = deque([(v[0], 0.0), (0.0, v[1])] if v[0] < 0 < v[1] else [v]), 0
-    while left and boxes < _BOXES:
-        low, high = left.popleft()
-        boxes += 1
-        try:
-            signs = [_above_zero(enclose(test, {**constants, "v": (low, high)})) for test in tests]
-        except NotImplementedError as error:
-            return Proof(None, boxes, f"{error}: this law has no proof by intervals")
-        if all(signs):
-            continue
-        middle = 0.5 * (low + high)
-        if any(sign is False for sign in signs):
-            return Proof(False, boxes, f"dV/dt can be positive at v = {middle:.6g} m/s")
-        if not low < middle < high or high - low < 1e-12 * (v[1] - v[0]):
-            return Proof(None, boxes, f"the sign is not settled at v = {middle:.6g} m/s")
-        left.extend([(low, middle), (middle, high)])
-    return Proof(None, boxes, "too many boxes") if left else Proof(True, boxes, "")
+    evaluate = Evaluator(tests)
+    values = {**law.values, "K_D": gains["K_D"], "K": gains["K"]}
+    constants = {name: point(x) for name, x in values.items() if x is not None}
+
+    def least(box: Sequence[Interval]) -> Interval:
+        found = evaluate({**constants, "v": box[0]})
+        ends = [np.broadcast_arrays(*x) for x in ([f.low for f in found], [f.high for f in found])]
+        return Interval(*(np.min(x, axis=0) for x in ends))
+
+    cover = not_negative(least, *grid([[v[0], 0.0, v[1]] if v[0] < 0 < v[1] else v]))
+    if cover.where is None:
+        return Proof(True, cover.boxes, "")
+    at = f"near v = {sum(cover.where[0]) / 2:.6g} m/s"
+    if cover.negative:
+        return Proof(False, cover.boxes, f"dV/dt can be positive {at}")
+    return Proof(None, cover.boxes, f"the sign is not settled {at}: {cover.reason}")
 
 
 def _in_graph(expr: Any, **replaced: Expr) -> Expr:
@@ -161,7 +159,3 @@ def _in_graph(expr: Any, **replaced: Expr) -> Expr:
     inputs = sorted(expr.free_symbols, key=str)
     function = sympy.lambdify(inputs, expr, modules=[{}])
     return wrap(function(*(replaced.get(str(each), symbol(str(each))) for each in inputs)))
-
-
-def _above_zero(x: Interval) -> bool | None:
-    return True if x[0] >= 0 else False if x[1] < 0 else None

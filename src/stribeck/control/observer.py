@@ -22,6 +22,7 @@ SCALES = (
     Column("a_g", "1", "adapted scale of 1/g"),
 )
 ETA = Column("eta", "m", "how much z_hat grows by a_g")
+START = {Z_HAT.name: 0.0, ETA.name: 0.0, **{scale.name: 1.0 for scale in SCALES}}  # where the states begin
 
 
 class Adaptation:
@@ -47,6 +48,11 @@ class Estimate:
     rates: dict[str, Value]
 
 
+def correction(p: Any, K: Value, s: Value) -> Value:
+    """What the tracking error s adds to the rate of z_hat, m/s (the last term of eq. 15)."""
+    return -K * p.sigma_0 * s
+
+
 def observe(law: type[Law] | None, p: Any, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Estimate:
     """Eqs 14 and 15: the law driven by the measured velocity and by the tracking error s; without a law, no friction."""
     if law is None:
@@ -54,7 +60,7 @@ def observe(law: type[Law] | None, p: Any, K: Value, v: Value, s: Value, x: dict
     if not law.has_z:
         return Estimate(law.friction(p, v, 0.0 * v, 0.0 * v), 0.0 * v, {})
     z = x["z_hat"]
-    rate = law.dz_dt(p, v, z) - K * p.sigma_0 * s
+    rate = law.dz_dt(p, v, z) + correction(p, K, s)
     return Estimate(law.friction(p, v, z, rate), z, {"z_hat": rate})
 
 
@@ -71,7 +77,7 @@ def adapt(law: type[Law], p: Any, a: Any, K: Value, v: Value, s: Value, x: dict[
     def decay(z: Value) -> Value:  # -w z
         return law.dz_dt(p, v, z) - law.dz_dt(p, v, 0.0 * z)
 
-    rate = law.dz_dt(p, v, 0.0 * z) + scale * decay(z) - K * p.sigma_0 * s
+    rate = law.dz_dt(p, v, 0.0 * z) + scale * decay(z) + correction(p, K, s)
     eta_rate = scale * decay(eta) + decay(z)
     forces = {  # the friction force of each scale: dF_hat/da
         "a_0": p.sigma_0 * z, "a_1": p.sigma_1 * rate, "a_2": p.sigma_2 * v,

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.control.observer import START
 from stribeck.control.servo import MEASURED, ServoSystem
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol
@@ -75,6 +76,11 @@ class Filter:
         return self.state
 
 
+def phi_1(x: float) -> float:
+    """(e^x - 1)/x."""
+    return expm1(x) / x if x else 1.0
+
+
 class Controller:
     """The controller's equations at an instant, and its states from one sample to the next."""
 
@@ -89,19 +95,18 @@ class Controller:
         names = [*(f"{o}.{n}" for o, n in (*fixed, *signal)), *MEASURED, *self.states]
         self._function: Callable[..., Any] = python_function(names, [*outputs, *rates, *slopes])
         self._fixed = [values[key] for key in fixed]
-        self.x = [1.0 if name.startswith("a_") else 0.0 for name in self.states]
+        self.x = [START[name] for name in self.states]
 
     def sample(self, period: float, path: list[float], measured: tuple[float, ...]) -> tuple[float, ...]:
         """u, F_hat, p_d and z_hat now; the states then go one period on with what was measured held.
 
-        x + T phi(J T) f with phi(a) = (e^a - 1)/a is exact for what is linear in x, as eq. 15 is for the LuGre laws.
+        x + T phi_1(J T) f is exact for what is linear in x, as eq. 15 is for the LuGre laws.
         """
         found = [float(value) for value in self._function(*self._fixed, *path, *measured, *self.x)]
         n, last = len(self.states), len(found)
         rates, slopes = found[last - 2 * n : last - n], found[last - n :]
         for i, (rate, slope) in enumerate(zip(rates, slopes, strict=True)):
-            a = slope * period
-            self.x[i] += period * rate * (expm1(a) / a if abs(a) > 1e-12 else 1.0)
+            self.x[i] += period * rate * phi_1(slope * period)
         return tuple(found[:4])
 
 

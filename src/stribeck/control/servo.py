@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -128,19 +129,21 @@ class ServoSystem:
         assert self.observer is not None
         return self.observer.symbolic(lambda n: symbol(f"observer.{n}"), self.observer_options)
 
-    def controller(self) -> dict[str, Expr]:
+    def controller(self, path: tuple[Expr, Expr, Expr, Expr] | None = None) -> dict[str, Expr]:
         """Eqs 12 to 15 as expressions of what is measured (t, y, v, p_1, p_2, acceleration) and of the controller's states.
 
         dp_d/dt is the total derivative of p_d along the rates: of time, of the motion, and of the states themselves.
+        ``path``: symbols for the desired position and its derivatives; the signal's at time t unless given.
         """
         c, m = self._symbols("drive", Cascade.constants), self._symbols("model", Cylinder.constants)
         t, y, v, p_1, p_2, acceleration = (symbol(n) for n in MEASURED)
-        path = self.path(t)
+        moving = {t: ONE} if path is None else dict(pairwise(path))
+        path = path or self.path(t)
         e, s = Cascade.errors(c, path, y, v)
         found = self._observe(c, v, s)
         p_d = Cascade.desired_pressure(c, m, path, v, s, found.F)
         rates = {n: wrap(rate) for n, rate in found.rates.items()}
-        along = {t: ONE, y: v, v: acceleration, **{symbol(n): rate for n, rate in rates.items()}}
+        along = {**moving, y: v, v: acceleration, **{symbol(n): rate for n, rate in rates.items()}}
         p_err = p_1 - p_2 - p_d
         dp_d = total_derivative(wrap(p_d), along)
         u_hat = Cascade.pressure_demand(c, m, y, v, p_1, p_2, s, p_err, dp_d)

@@ -24,7 +24,7 @@ PARTS = {
     "law": "the friction law",
     "body": "a body with this friction",
     "observer": "the friction observer",
-    "cascade": "the cascade controller",
+    "cascade": "the cascade controller of a pneumatic servo",
 }
 
 
@@ -41,8 +41,8 @@ class Target:
 
 
 TARGETS: dict[str, Target] = {
-    "c": Target("c99", "C99 for a drive's firmware", ("law", "body", "observer"), self_test=True),
-    "fmu": Target("fmu", "an FMU for FMI 2.0 and 3.0", ("law", "body"), folder=False),
+    "c": Target("c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade"), self_test=True),
+    "fmu": Target("fmu", "an FMU for FMI 2.0 and 3.0", ("law", "body", "cascade"), folder=False),
     "modelica": Target("modelica", "a Modelica package", folder=False),
     "mujoco": Target("mujoco", "a MuJoCo model, and a callback", ("law", "body")),
     "st": Target("st", "an IEC 61131-3 function block in Structured Text", folder=False),
@@ -51,7 +51,7 @@ TARGETS: dict[str, Target] = {
 
 
 def export(
-    law: Law,
+    law: Law | None,
     target: str,
     out: str | Path,
     *,
@@ -68,11 +68,12 @@ def export(
     :class:`stribeck.StribeckNote`, before anything is written.
 
     Args:
-        law: the law with its constants.
+        law: the law with its constants; None for the scenario's own. Part ``cascade`` has the law of the scenario's
+            observer, and takes no other.
         target: one of :data:`TARGETS`.
         out: the folder of the files (``c``, ``mujoco``), or the file itself.
         part: one of :data:`PARTS`; not every target has every part.
-        scenario: where the body's mass and what else is not the law's is taken from.
+        scenario: where the body's mass, the controller and what else is not the law's is taken from.
         step: the time step in s that the tool will take.
         self_test: also write a program that checks the rest (target ``c``).
         fmi: 2 or 3, the version of FMI (target ``fmu``).
@@ -90,7 +91,7 @@ def export(
         raise InputError(problems)
     chosen = TARGETS[target]
     module = importlib.import_module(f"stribeck.export.{chosen.module}")
-    request = Request(law, part, scenario, step, self_test, origin, fmi)
+    request = Request(_law(law, part, scenario), part, scenario, step, self_test, origin, fmi)
     content: dict[str, str | bytes] = module.files(request)
     _check_place(out, chosen.folder)
     for text in module.notes(request) if hasattr(module, "notes") else ():
@@ -101,6 +102,21 @@ def export(
         write_with(out, lambda beside: beside.write_bytes(_encode(data)))
         return [out]
     return _write_folder(out, content)
+
+
+def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
+    """The law given, or the scenario's: for the cascade that of its observer, where it has one."""
+    if scenario is None:
+        if law is None:
+            what = "--scenario: missing: part 'cascade' needs one with drive.kind = 'cascade'"
+            raise InputError(what if part == "cascade" else "LAW: missing: must be given, unless --scenario names it")
+        return law
+    servo = scenario.servo if part == "cascade" else None
+    own = servo.observer if servo is not None and servo.observer is not None else scenario.law
+    if servo is not None and law is not None and (law.name, law.values) != (own.name, own.values):
+        text = "must be left out: part 'cascade' has the law of the scenario's [drive.observer]"
+        raise InputError(f"LAW: {law.name!r}: {text}, {own.name!r}")
+    return law or own
 
 
 def _write_folder(out: Path, content: dict[str, str | bytes]) -> list[Path]:
@@ -134,8 +150,7 @@ def _problems(target: str, part: str, self_test: bool, step: float | None, fmi: 
     if part not in PARTS:
         found.append(f"--part: {part!r}: must be one of {', '.join(PARTS)}")
     elif part not in chosen.parts:
-        yet = "is not exported yet" if part == "cascade" else f"is nothing that target '{target}' has"
-        found.append(f"--part: {part!r}: {yet}; must be one of {', '.join(chosen.parts)}")
+        found.append(f"--part: {part!r}: target '{target}' has none; must be one of {', '.join(chosen.parts)}")
     if self_test and not chosen.self_test:
         found.append(
             f"--self-test: target '{target}' has none; only {', '.join(n for n in TARGETS if TARGETS[n].self_test)}"

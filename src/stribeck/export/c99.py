@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stribeck.errors import InputError, NotDifferentiable
+from stribeck.export import cascade
 from stribeck.export.ccode import WORDS, Equations, condition, render
 from stribeck.export.request import Request
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
@@ -12,6 +13,8 @@ from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
 
 def files(request: Request) -> dict[str, str | bytes]:
     """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
+    if request.part == "cascade":
+        return cascade.files(request)
     values = context(request)
     name = request.name
     content: dict[str, str | bytes] = {
@@ -28,8 +31,9 @@ def files(request: Request) -> dict[str, str | bytes]:
 def context(request: Request) -> dict[str, Any]:
     """What the templates need."""
     law, equations = request.law, Equations(request.law)
-    if request.part == "observer" and not law.has_z:
-        raise InputError(f"--part: 'observer': law '{law.name}' has no internal state to observe")
+    if request.part == "observer" and not equations.observable:
+        what = "no sigma_0 to weigh the tracking error by" if law.has_z else "no internal state to observe"
+        raise InputError(f"--part: 'observer': law '{law.name}' has {what}")
     if bad := [name for name in request.constants if name in WORDS or not name.isascii()]:
         raise InputError([f"{name}: a constant of this name cannot be exported to C: rename it" for name in bad])
     declared = law.constants()
@@ -42,8 +46,8 @@ def context(request: Request) -> dict[str, Any]:
         "eq": equations,
         "smooth": is_smooth(law),
         "with_body": request.part in ("law", "body"),
-        "with_observer": law.has_z and request.part in ("law", "observer"),
-        "proven_observer": law.has_z and equations.linear,
+        "with_observer": equations.observable and request.part in ("law", "observer"),
+        "proven_observer": equations.observable and equations.linear,
     }
 
 
@@ -66,6 +70,8 @@ def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, st
 
 def notes(request: Request) -> list[str]:
     """What is lost at the time step that was given."""
+    if request.part == "cascade":
+        return cascade.notes(request)
     from stribeck.export.sampling import unstable
 
     return unstable(request)

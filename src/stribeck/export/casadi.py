@@ -32,7 +32,6 @@ ops.register("casadi", _Backend())
 def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
     """See :meth:`stribeck.laws.Law.to_casadi`."""
     ca: Any = package("casadi", "tools")
-    declared = law.constants()
     known = [name for name, value in law.values.items() if value is not None]
     problems = [
         f"free: {show(n)}: law '{law.name}' has no such constant{nearest(n, known)}" for n in free if n not in known
@@ -43,7 +42,7 @@ def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
         raise InputError(problems)
     v, z = ca.MX.sym("v"), ca.MX.sym("z")
     inputs = {name: ca.MX.sym(name) for name in dict.fromkeys(free)}
-    p = SimpleNamespace(**{name: inputs.get(name, law.values[name]) for name in declared})
+    p = SimpleNamespace(**{**vars(law.p), **inputs})
     rate = law.dz_dt(p, v, z)
     outputs = {"dz_dt": rate, "F": law.friction(p, v, z, rate)}
     states = {"v": v, "z": z}

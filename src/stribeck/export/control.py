@@ -28,7 +28,7 @@ def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem
     plant = SimpleNamespace(mass=mass)
 
     def quantities(x: Any, u: Any, params: dict[str, Any]) -> tuple[Any, ...]:
-        p = SimpleNamespace(**{**law.values, **{n: a for n, a in params.items() if n in law.values}})
+        p = SimpleNamespace(**{**vars(law.p), **{n: a for n, a in params.items() if n in law.values}})
         v = u[0] if mass is None else x[1]
         z = x[-1] if law.has_z else 0.0
         rate = law.dz_dt(p, v, z)

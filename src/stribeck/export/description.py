@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import uuid
 from collections import Counter
+from dataclasses import dataclass
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -15,16 +17,45 @@ _BASE = {
     "m": {"m": 1},
     "s": {"s": 1},
     "kg": {"kg": 1},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
+    "K": {"K": 1},
+    "Hz": {"s": -1},
     "rad": {"rad": 1},
 }
+
+
+@dataclass(frozen=True)
+class Variable:
+    """A variable of the FMU: its reference, what it is, and the C expression that reads and writes it."""
+
+    reference: int
+    name: str
+    unit: str
+    meaning: str
+    causality: str
+    variability: str
+    c: str
+    start: float | None = None
+    minimum: float | None = None
+    nominal: float | None = None
+    derivative_of: int | None = None
+    settable: bool = True
+    calculated_from: tuple[int, ...] = ()
+
+
+def token(model: str, fmi: int, about: list[str], variables: list[Variable]) -> str:
+    """What an importer must show when it instantiates the FMU: the same for the same model only."""
+    found = uuid.uuid5(uuid.NAMESPACE_URL, "\n".join([model, str(fmi), *about, *(v.name for v in variables)]))
+    return f"{{{found}}}" if fmi == 2 else str(found)
 
 
 def model_description(values: dict[str, Any]) -> str:
     """modelDescription.xml."""
     fmi, model, variables = values["fmi"], values["model"], values["variables"]
-    token = "instantiationToken" if fmi == 3 else "guid"
+    key = "instantiationToken" if fmi == 3 else "guid"
     root = ET.Element("fmiModelDescription", {
-        "fmiVersion": f"{fmi}.0", "modelName": model, token: values["token"],
+        "fmiVersion": f"{fmi}.0", "modelName": model, key: values["token"],
         "description": values["about"][0], "version": __version__, "license": "Apache-2.0",
         "generationTool": f"stribeck {__version__}", "variableNamingConvention": "structured",
         **({"numberOfEventIndicators": "0"} if fmi == 2 else {}),
@@ -35,18 +66,22 @@ def model_description(values: dict[str, Any]) -> str:
         "modelIdentifier": model,
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
-        directional: "true",
     }
-    if fmi == 3:
-        common["providesAdjointDerivatives"] = "true"
+    if values["exchange"]:
+        common[directional] = "true"
+        if fmi == 3:
+            common["providesAdjointDerivatives"] = "true"
     for kind, more in (("ModelExchange", {}), ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"})):
+        if kind == "ModelExchange" and not values["exchange"]:
+            continue
         element = ET.SubElement(root, kind, common | more)
         if fmi == 2:
             ET.SubElement(ET.SubElement(element, "SourceFiles"), "File", {"name": "fmu.c"})
     _units(root, {v.unit for v in variables})
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", {"name": "logStatusError", "description": "errors"})
-    ET.SubElement(root, "DefaultExperiment", {"startTime": "0", "stopTime": "1", "tolerance": "1e-6"})
+    steps = {} if values["period"] is None else {"stepSize": repr(values["period"])}
+    ET.SubElement(root, "DefaultExperiment", {"startTime": "0", "stopTime": "1", "tolerance": "1e-6", **steps})
     element = ET.SubElement(root, "ModelVariables")
     for variable in variables:
         (_variable_3 if fmi == 3 else _variable_2)(element, variable, values)
@@ -93,13 +128,13 @@ def dimensions(unit: str) -> dict[str, int] | None:
     return dict(powers)
 
 
-def _initial(variable: Any) -> str | None:
+def _initial(variable: Variable) -> str | None:
     if variable.causality in ("input", "independent"):
         return None
     return "exact" if variable.start is not None else "calculated"
 
 
-def _real(variable: Any, values: dict[str, Any]) -> dict[str, str]:
+def _real(variable: Variable, values: dict[str, Any]) -> dict[str, str]:
     found = {"unit": variable.unit} if variable.unit else {}
     if variable.nominal is not None:
         found["nominal"] = repr(variable.nominal)
@@ -110,7 +145,7 @@ def _real(variable: Any, values: dict[str, Any]) -> dict[str, str]:
     return found
 
 
-def _about(variable: Any) -> dict[str, str]:
+def _about(variable: Variable) -> dict[str, str]:
     found = {"name": variable.name, "valueReference": str(variable.reference), "description": variable.meaning}
     found |= {"causality": variable.causality, "variability": variable.variability}
     if initial := _initial(variable):
@@ -118,14 +153,14 @@ def _about(variable: Any) -> dict[str, str]:
     return found
 
 
-def _variable_3(root: ET.Element, variable: Any, values: dict[str, Any]) -> None:
+def _variable_3(root: ET.Element, variable: Variable, values: dict[str, Any]) -> None:
     attributes = _about(variable) | _real(variable, values)
     if variable.derivative_of is not None:
         attributes["derivative"] = str(variable.derivative_of)
     ET.SubElement(root, "Float64", attributes)
 
 
-def _variable_2(root: ET.Element, variable: Any, values: dict[str, Any]) -> None:
+def _variable_2(root: ET.Element, variable: Variable, values: dict[str, Any]) -> None:
     real = _real(variable, values)
     if variable.derivative_of is not None:
         real["derivative"] = str(variable.derivative_of + 1)
@@ -145,7 +180,7 @@ def _structure_3(root: ET.Element, values: dict[str, Any]) -> None:
         for variable in rows:
             attributes = {"valueReference": str(variable.reference)}
             if tag != "InitialUnknown":
-                own = (variable.reference,) if variable.start is not None else variable.calculated_from
+                own = variable.calculated_from or (variable.reference,)
                 attributes["dependencies"] = " ".join(map(str, own))
             ET.SubElement(root, tag, attributes)
 
@@ -159,6 +194,6 @@ def _structure_2(root: ET.Element, values: dict[str, Any]) -> None:
         for variable in rows:
             attributes = {"index": str(variable.reference + 1)}
             if tag != "InitialUnknowns":
-                own = (variable.reference,) if variable.start is not None else variable.calculated_from
+                own = variable.calculated_from or (variable.reference,)
                 attributes["dependencies"] = " ".join(str(r + 1) for r in own)
             ET.SubElement(element, "Unknown", attributes)

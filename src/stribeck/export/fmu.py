@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import io
-import uuid
 import zipfile
-from dataclasses import dataclass
 from importlib.resources import files as resources
 from types import SimpleNamespace
 from typing import Any
 
-from stribeck.export import c99
+from stribeck.export import c99, cascade, cascade_fmu
 from stribeck.export.binaries import binaries
 from stribeck.export.ccode import expression, render
-from stribeck.export.description import build_description, model_description
+from stribeck.export.description import Variable, build_description, model_description, token
 from stribeck.export.request import Request
 from stribeck.export.sampling import resolution
 from stribeck.expressions.graph import derivative, symbol, wrap
@@ -22,33 +20,15 @@ from stribeck.plants.mass import Mass
 _HEADERS = {2: ("Functions", "FunctionTypes", "TypesPlatform"), 3: ("Functions", "FunctionTypes", "PlatformTypes")}
 
 
-@dataclass(frozen=True)
-class Variable:
-    """A variable of the FMU: its reference, what it is, and the C expression that reads and writes it."""
-
-    reference: int
-    name: str
-    unit: str
-    meaning: str
-    causality: str
-    variability: str
-    c: str
-    start: float | None = None
-    minimum: float | None = None
-    nominal: float | None = None
-    derivative_of: int | None = None
-    settable: bool = True
-    calculated_from: tuple[int, ...] = ()
-
-
 def files(request: Request) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
     values = context(request)
     name, fmi = values["P"], values["fmi"]
+    part, model = ("cascade", "fmu_cascade") if request.part == "cascade" else ("law", "fmu_model")
     sources = {
-        f"{name}.h": render("law.h", **values),
-        f"{name}.c": render("law.c", **values),
-        "fmu.c": render("fmu_model.c", **values) + render(f"fmi{fmi}.c", **values),
+        f"{name}.h": render(f"{part}.h", **values),
+        f"{name}.c": render(f"{part}.c", **values),
+        "fmu.c": render(f"{model}.c", **values) + render(f"fmi{fmi}.c", **values),
     }
     for header in _HEADERS[fmi]:
         path = resources("stribeck.export").joinpath("fmi", f"fmi{fmi}{header}.h")
@@ -65,6 +45,8 @@ def files(request: Request) -> dict[str, str | bytes]:
 
 def context(request: Request) -> dict[str, Any]:
     """What the templates of the C and of the description need."""
+    if request.part == "cascade":
+        return cascade_fmu.context(request)
     law, body = request.law, request.part == "body"
     values = c99.context(Request(law, "law", request.scenario, request.step, False, request.origin))
     scales = law.scales(law.p)
@@ -75,14 +57,13 @@ def context(request: Request) -> dict[str, Any]:
     states = [v for v in variables if v.start is not None and v.name in ("y", "v", "z") and v.nominal is not None]
     model = f"{request.name}_{request.part}"
     about = [*request.about(), *([f"mass = {mass!r} kg"] if body else [])]
-    token = uuid.uuid5(uuid.NAMESPACE_URL, "\n".join([model, str(request.fmi), *about, *(v.name for v in variables)]))
     return values | {
         "fmi": request.fmi, "body": body, "mass": mass, "model": model, "about": about, "variables": variables,
-        "states": states, "token": f"{{{token}}}" if request.fmi == 2 else str(token), "acceleration": _acceleration(),
+        "states": states, "token": token(model, request.fmi, about, variables), "acceleration": _acceleration(),
         "partials": _partials(by_name, body, law.has_z), "length": float(scales.length), "speed": float(scales.speed),
         "unknowns": [v.reference for v in variables if v.calculated_from or v.derivative_of is not None],
         "knowns": [v.reference for v in variables if v.causality == "input" or v in states],
-        "derivatives": [v for v in variables if v.derivative_of is not None],
+        "derivatives": [v for v in variables if v.derivative_of is not None], "exchange": True, "period": None,
     }  # fmt: skip
 
 
@@ -173,4 +154,6 @@ def _zipped(content: dict[str, str | bytes]) -> bytes:
 
 def notes(request: Request) -> list[str]:
     """What co-simulation loses at the communication step that was given."""
+    if request.part == "cascade":
+        return cascade.notes(request)
     return resolution(request) if request.part == "law" else []

@@ -41,7 +41,7 @@ class JaxLaw:
             raise InputError(
                 [f"{n} = {show(given[n])}: law '{self.law.name}' has no such constant{nearest(n, known)}" for n in odd]
             )
-        return SimpleNamespace(**{**self.law.values, **given})
+        return SimpleNamespace(**{**vars(self.law.p), **given})
 
     def rate(self, v: Any, z: Any, **constants: Any) -> Any:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""

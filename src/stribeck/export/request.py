@@ -6,6 +6,7 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
+from stribeck.constants import Constant
 from stribeck.errors import InputError
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.render import equations
@@ -57,14 +58,26 @@ class Request:
         lines += [f"  {each.text}" for each in equations(type(law), law.structure)]
         lines += ["", f"Source: {law.source}", f"Parameters: {self.origin or _origin(law)}"]
         declared = law.constants()
-        lines += [f"  {n} = {x!r} {declared[n].unit or '1'}: {declared[n].meaning}" for n, x in self.constants.items()]
+        lines += [valued(n, x, declared[n]) for n, x in self.constants.items()]
         lines.append("  (linear motion; a rotary machine has N m for N and rad for m)")
         if kept or lost:
             lines.append(
                 f"The law is {', '.join(kept) or 'none of the five properties'}{'; not ' if lost else ''}{', '.join(lost)}."
             )
-        lines.append(f"Made by stribeck {__version__} (Apache-2.0).")
+        lines.append(made_by())
         return [ascii_only(line) for line in lines]
+
+
+def valued(name: str, value: float, constant: Constant) -> str:
+    """A line of a header that gives a constant's value."""
+    return (
+        f"  {name} = {value!r}{f' {constant.unit}' if constant.unit != '1' else ''}".rstrip() + f": {constant.meaning}"
+    )
+
+
+def made_by() -> str:
+    """The last line of every header."""
+    return f"Made by stribeck {__version__} (Apache-2.0)."
 
 
 def ascii_only(text: str) -> str:

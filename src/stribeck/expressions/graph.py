@@ -294,6 +294,13 @@ _PARTIALS: dict[str, Callable[..., tuple[Any, ...]]] = {
 }
 
 
+def partials(node: Expr) -> list[Expr]:
+    """The partial derivatives of a node by its arguments; none where it has no derivative."""
+    if node.op == "where":
+        return [ZERO, _Graph.where(node.args[0], ONE, ZERO), _Graph.where(node.args[0], ZERO, ONE)]
+    return [wrap(x) for x in _PARTIALS[node.op](node, *node.args)] if node.op in _PARTIALS else []
+
+
 def derivative(of: Expr, by: Expr, known: dict[Expr, Expr] | None = None) -> Expr:
     """The derivative of a node by a symbol; ``known`` keeps results between calls with the same ``by``."""
     known = {} if known is None else known
@@ -306,8 +313,8 @@ def derivative(of: Expr, by: Expr, known: dict[Expr, Expr] | None = None) -> Exp
             known[node] = _Graph.where(node.args[0], known[node.args[1]], known[node.args[2]])
         elif node.op in _PARTIALS and not all(is_zero(known[a]) for a in node.args):
             total = ZERO
-            for partial, arg in zip(_PARTIALS[node.op](node, *node.args), node.args, strict=True):
-                total = total + wrap(partial) * known[arg]
+            for partial, arg in zip(partials(node), node.args, strict=True):
+                total = total + partial * known[arg]
             known[node] = total
         else:
             known[node] = ZERO

@@ -63,7 +63,8 @@ def cross_validate(problem: VelocityProblem, point: Array, log: Log, folds: int 
     for number in range(int(part.max()) + 1):
         out = part == number
         training = problem.with_rows(~out)
-        found = training.nearest(descend(training, training.without_unseen_starts(point), 1e-6, 30).point)
+        found = descend(training, training.without_unseen_starts(point), 1e-6, 30).point
+        found = training.nearest(training.without_unseen_starts(found))  # nothing has kept them in place
         force = training.force(found[None, :])
         squares.append(np.inf if force is None else float(np.sum((force[0] - log.force)[out] ** 2)))
         size.append(float(np.sum(log.force[out] ** 2)))

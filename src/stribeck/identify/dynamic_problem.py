@@ -55,8 +55,7 @@ class VelocityProblem(Problem):
         self.rows = np.ones(len(log), bool) if rows is None else rows
         size = float(np.sqrt(np.mean(log.force**2)))
         super().__init__(law, coordinates, fixed, tied, log.force[self.rows], size)
-        structure = tuple(n for n, c in law.constants().items() if c.optional and n in fixed)
-        self.response = Response(law, structure)
+        self.response = Response(law, _structure(law, fixed))
         self.runs = list(log.runs())
         self.levels = [name for name in body if TERMS[name].level]
         self.body = [name for name in body if not TERMS[name].level]
@@ -66,12 +65,20 @@ class VelocityProblem(Problem):
 
     def with_rows(self, rows: NDArray[np.bool_]) -> VelocityProblem:
         """The same problem where other rows count."""
-        body, before = (*self.body, *self.levels), np.concatenate([[0], np.cumsum(rows)]).tolist()
+        before = np.concatenate([[0], np.cumsum(rows)]).tolist()
         coordinates = [
             c if c.rows is None else replace(c, rows=slice(before[run.start], before[run.stop]))
             for c, run in zip(self.coordinates, self._runs_of_coordinates(), strict=True)
         ]
-        other = VelocityProblem(self.log, self.law, coordinates, self.fixed, self.tied, body, rows)
+        return self._with(self.log, coordinates, rows)
+
+    def moving(self, velocity: Array) -> VelocityProblem:
+        """The same problem for another velocity."""
+        return self._with(self.log.with_columns(velocity=velocity), self.coordinates, self.rows)
+
+    def _with(self, log: Log, coordinates: Sequence[Coordinate], rows: NDArray[np.bool_]) -> VelocityProblem:
+        body = (*self.body, *self.levels)
+        other = VelocityProblem(log, self.law, coordinates, self.fixed, self.tied, body, rows)
         other.home = self.home
         return other
 
@@ -120,6 +127,16 @@ class VelocityProblem(Problem):
                 return None
             out[:, rows] = part
         return out
+
+
+def _structure(law: type[Law], given: Given) -> tuple[str, ...]:
+    """The form of the law's equations: optional constants that are given, and words."""
+    words = {
+        n: f"{n}={given[n]}"
+        for n, c in law.constants().items()
+        if c.choices and given.get(n, c.choices[0]) != c.choices[0]
+    }
+    return tuple(words.get(n, n) for n, c in law.constants().items() if n in words or (c.optional and n in given))
 
 
 def _columns(log: Log, names: Sequence[str]) -> Array:

@@ -139,7 +139,9 @@ class Problem(ABC):
 
     def length(self, values: Mapping[str, float]) -> float:
         """The law's natural length for given constants, m."""
-        off = dict.fromkeys((name for name, c in self.law.constants().items() if c.optional))
+        off = {
+            n: c.choices[0] if c.choices else None for n, c in self.law.constants().items() if c.optional or c.choices
+        }
         return self.law.scales(SimpleNamespace(**{**off, **values})).length
 
     # -- residuals ---------------------------------------------------------------------------------------------------

@@ -52,12 +52,20 @@ class Chapter:
     data: dict[str, Any] = field(default_factory=dict)
 
 
+def _whole(text: str) -> str:
+    """The text as HTML; options of commands are not broken behind their dashes."""
+    from markupsafe import Markup, escape
+
+    return Markup(re.sub(r"--[\w-]+", r'<span class="whole">\g<0></span>', str(escape(text))))
+
+
 def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence[Chapter]) -> str:
     """The page: nothing in it is fetched from elsewhere."""
     import jinja2
 
     template = files("stribeck.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
+    environment.filters["whole"] = _whole
     return environment.from_string(template).render(
         title=title, about=about, introduction=introduction, chapters=chapters
     )

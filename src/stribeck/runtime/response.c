@@ -7,12 +7,6 @@
    Every lane has parameters of its own. All lanes take the steps that lane 0 needs for its tolerance: the differences
    between lanes are then those of one smooth function, and finite differences between them are free of noise.        */
 
-#if defined(_WIN32)
-#define EXPORT __declspec(dllexport)
-#else
-#define EXPORT __attribute__((visibility("default")))
-#endif
-
 enum { DONE = 0, TOO_MANY_STEPS = -1, NOT_FINITE = -2 };
 
 EXPORT int64_t stribeck_parameters(void) { return PARAMETERS; }

@@ -126,8 +126,12 @@ def not_linear(law: Law | None) -> str | None:
 
 def not_adaptable(law: Law | None) -> str | None:
     """Why an observer cannot be adapted, or None."""
-    if (reason := not_linear(law)) is None and law is not None and law.values.get("v_d") is not None:
-        reason = f"v_d = {law.values['v_d']:g}: sigma_1 must be constant"
+    reason = not_linear(law)
+    if reason is None and law is not None:
+        if law.values.get("v_d") is not None:
+            reason = f"v_d = {law.values['v_d']:g}: sigma_1 must be constant"
+        elif zero := [name for name in ("sigma_0", "sigma_1", "sigma_2") if not law.values[name]]:
+            reason = f"{zero[0]} = 0: its scale is adapted, so it must be > 0"
     return f"cannot adapt the observer: {reason}" if reason else None
 
 

@@ -211,15 +211,8 @@ class LaneByLane:
 
     def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
         self.scenario, self.values = scenario, _arrays(values)
-        self._problems: list[str | None] = []
-        for lane in range(len(self)):
-            try:
-                scenario.with_changes(self.changes(lane))
-                self._problems.append(None)
-            except InputError as error:
-                if unknown := [text for text in error.problems if "unknown key" in text]:
-                    raise InputError(unknown) from None
-                self._problems.append(error.problems[0])
+        if unknown := [text for text in self._wrong(0) if "unknown key" in text]:
+            raise InputError(unknown)
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
@@ -234,7 +227,14 @@ class LaneByLane:
 
     def problems(self) -> list[str | None]:
         """What is wrong with each lane's values; None where nothing is."""
-        return list(self._problems)
+        return [next(iter(self._wrong(lane)), None) for lane in range(len(self))]
+
+    def _wrong(self, lane: int) -> list[str]:
+        try:
+            self.scenario.with_changes(self.changes(lane))
+        except InputError as error:
+            return list(error.problems)
+        return []
 
 
 def _arrays(values: Mapping[str, ArrayLike]) -> dict[str, Array]:

@@ -36,7 +36,16 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
     const fmi2CallbackFunctions *callbacks, fmi2Boolean visible, fmi2Boolean logging)
 {
     Instance *i;
-    UNUSED(type); UNUSED(path); UNUSED(visible); UNUSED(logging);
+    UNUSED(path); UNUSED(visible); UNUSED(logging);
+{% if exchange %}
+    UNUSED(type);
+{% else %}
+    if (type != fmi2CoSimulation) {
+        if (callbacks && callbacks->logger)
+            callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError", "this FMU is for co-simulation only");
+        return NULL;
+    }
+{% endif %}
     if (!guid || strcmp(guid, "{{ token }}") != 0) {
         if (callbacks && callbacks->logger)
             callbacks->logger(callbacks->componentEnvironment, name, fmi2Error, "logStatusError", "the GUID is not that of this FMU");
@@ -246,6 +255,7 @@ fmi2Status fmi2DoStep(fmi2Component i, fmi2Real point, fmi2Real step, fmi2Boolea
     UNUSED(noSet);
     if (!MODEL(i)->initialised) return fail(i, "the instance is not initialised");
     if (checked(i) != fmi2OK) return fmi2Error;
+    MODEL(i)->time = point;
     problem = advance_model(MODEL(i), step);
     if (problem) return fail(i, problem);
     MODEL(i)->time = point + step;

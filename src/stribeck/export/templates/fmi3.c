@@ -49,7 +49,13 @@ fmi3Instance fmi3InstantiateModelExchange(fmi3String name, fmi3String token, fmi
     fmi3Boolean logging, fmi3InstanceEnvironment environment, fmi3LogMessageCallback log)
 {
     UNUSED(name); UNUSED(path); UNUSED(visible); UNUSED(logging);
+{% if exchange %}
     return instantiate(token, environment, log);
+{% else %}
+    UNUSED(token);
+    if (log) log(environment, fmi3Error, "logStatusError", "this FMU is for co-simulation only");
+    return NULL;
+{% endif %}
 }
 
 fmi3Instance fmi3InstantiateCoSimulation(fmi3String name, fmi3String token, fmi3String path, fmi3Boolean visible,
@@ -364,6 +370,7 @@ fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 point, fmi3Float64 step, fmi3B
     *last = point;
     if (!MODEL(i)->initialised) return fail(i, "the instance is not initialised");
     if (checked(i) != fmi3OK) return fmi3Error;
+    MODEL(i)->time = point;
     problem = advance_model(MODEL(i), step);
     if (problem) return fail(i, problem);
     MODEL(i)->time = *last = point + step;

@@ -8,17 +8,10 @@
 #error "-ffast-math takes nan and inf for impossible: the checks of this file need them"
 #endif
 
-typedef {{ P }}_real real;
-typedef {{ P }}_parameters parameters;
-
-#define R(x) ((real)(x))
+{% include "real.c" %}
 #ifdef {{ P | upper }}_FLOAT
-#define FN(name) name##f
-#define EPSILON 1.1920929e-7F
 #define SLOWEST 1e-15F
 #else
-#define FN(name) name
-#define EPSILON 2.220446049250313e-16
 #define SLOWEST 1e-100
 #endif
 {% if eq.uses("sign") %}
@@ -70,8 +63,7 @@ static void slopes(const parameters *p, real v, real z, Slopes *l)
 /* ---- the bristle over a step ---- */
 {% if law.has_z %}
 
-/* (e^x - 1)/x */
-static real phi_1(real x) { return FN(fabs)(x) < EPSILON ? R(1) : FN(expm1)(x) / x; }
+{% include "phi_1.c" %}
 {% if eq.linear %}
 
 /* z after dt with v held; pull is added to dz/dt. */
@@ -284,14 +276,10 @@ int {{ P }}_compensation(const parameters *p, {{ P }}_state *s, real v, real gai
 
 int {{ P }}_observer_step(const parameters *p, {{ P }}_state *s, real v, real error, real K, real dt, real *force)
 {
-    real stiffness;
+    real pull;
     if (!(K >= 0) || !isfinite(K)) return {{ P }}_BAD_GAIN;
-    if (!isfinite(v) || !isfinite(s->z)) return {{ P }}_NOT_FINITE;
-    {
-        const real z = s->z, rate = 0;
-{{ eq.body([("stiffness", "stiffness")], ["p", "v", "z", "rate"]) }}
-    }
-    return step(p, s, v, dt, -K * stiffness * error, force);
+{{ eq.body([("pull", "pull")], ["p", "K", "error"]) }}
+    return step(p, s, v, dt, pull, force);
 }
 {% endif %}
 {% if with_body %}
