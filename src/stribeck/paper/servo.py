@@ -281,7 +281,7 @@ def _adapted() -> dict[str, Solution]:
     moves = {"kind": "point_to_point", "t": [t for t, _ in period], "value": [y for _, y in period]}
     paths: dict[str, Changes] = {"sine": {"solve.t_end": 400.0}, "moves": {"drive.signal": moves}}
     law = _observer("lugre_sobczyk")
-    shared = {"solve.t_end": 200.0, "output.step": 0.1, "drive.adaptive": True}
+    shared = {"solve.t_end": 200.0, "solve.rtol": 1e-6, "output.step": 0.05, "drive.adaptive": True}
     return {
         f"{path}, all {word}": solve(scenario(law, law, wrong=factor, **{**shared, **changes}), path)
         for path, changes in paths.items() for word, factor in (("- 50 %", 0.5), ("+ 50 %", 1.5))
@@ -316,7 +316,7 @@ def _adapting(adapted: dict[str, Solution]) -> FigureSvg:
             plots.line(axes["e"], i, *_largest(s, "e", 5.0), label)
             for name in ("sigma_0", "sigma_1", "sigma_2", "F_c"):
                 plots.line(
-                    axes[name], i, s.t[::20], s[f"{name}_hat"][::20] / (s.scenario.law.values[name] or 1.0), label
+                    axes[name], i, s.t[::40], s[f"{name}_hat"][::40] / (s.scenario.law.values[name] or 1.0), label
                 )
         axes["e"].set(xlabel="t (s)", ylabel="|e| (m)", title="(a) largest error of 5 s")
         plots.logarithmic(axes["e"], x=False)
