@@ -129,3 +129,10 @@ def test_the_report_says_whether_the_fitted_law_is_passive(stribeck, tmp_path):
     row = page[page.index("Properties of the result</h2>") :]
     row = row[row.index("passive") :][:60]
     assert ">no<" in row
+
+
+def test_a_constant_goes_to_those_laws_that_have_it(stribeck, log):
+    laws = ("--law", "stribeck", "--law", "coulomb_viscous", "--method", "static")
+    found = stribeck("fit", log, *laws, *OPTIONS, "--set", "v_s=0.01", "--json")
+    assert found.status == 0, found.err
+    assert json.loads(found.out)["failed"] == {}

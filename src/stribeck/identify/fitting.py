@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+import copy
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -100,7 +101,8 @@ def fit(
     if method is None and any(laws.find(name).has_z for name in names):
         ask.method = "dynamic"  # errors compare within one method only
     ask.cross = folds
-    return compare(log, names, ask.fit)
+    known = {constant for name in names for constant in laws.find(name).constants()}
+    return compare(log, names, lambda log, name: ask.of_law(name, known).fit(log, name))
 
 
 def is_simulated(names: Sequence[str], method: str | None) -> bool:
@@ -156,6 +158,14 @@ class _Request:
         self.folds, self.starts, self.seed = folds, starts, seed
         self.output, self.drive = output, drive
         self.cross = 0  # folds of a simulation-error fit: costly, and wanted for comparison only
+
+    def of_law(self, law: str, known: Collection[str]) -> _Request:
+        """The request without the constants that only other laws have."""
+        foreign = set(known) - set(laws.find(law).constants())
+        other = copy.copy(self)
+        other.constants = {n: v for n, v in self.constants.items() if n not in foreign}
+        other.free = tuple(n for n in self.free if n not in foreign)
+        return other
 
     def fit(self, log: Log, law: str) -> Fit:
         """The fit of one law."""
