@@ -87,8 +87,8 @@ class VelocityProblem(Problem):
         return [numbers.get(c.name, slice(0, 0)) for c in self.coordinates]
 
     def without_unseen_starts(self, u: Array) -> Array:
-        """The point with no deflection at the start of the runs of which no row counts."""
-        unseen = [c.rows is not None and c.rows.stop == c.rows.start for c in self.coordinates]
+        """The point with no deflection at the start of the runs whose first row does not count: it is soon forgotten."""
+        unseen = [run.stop > run.start and not self.rows[run.start] for run in self._runs_of_coordinates()]
         return np.where(unseen, 0.0, u)
 
     def outputs(self, points: Array) -> Array | None:
