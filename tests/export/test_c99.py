@@ -24,6 +24,11 @@ from tests.export.harness import (
 )  # fmt: skip
 
 EPS, EPS_FLOAT = 2.0**-52, 2.0**-23
+# a form of equations each, under sanitizers: every law with every compiler takes minutes and finds no more
+SANITIZED = (
+    ("lugre_majorant", "gcc", False), ("lugre_majorant", "clang", True), ("elastoplastic_majorant", "gcc", True),
+    ("elastoplastic", "clang", False), ("dahl", "gcc", True), ("makkar", "clang", False), ("stribeck", "gcc", False),
+)  # fmt: skip
 ARM = ("qemu-arm", "-L", "/usr/arm-linux-gnueabihf")
 
 
@@ -71,17 +76,23 @@ def test_agrees_on_32_bit_arm(name, single, folder):
 
 @pytest.mark.parametrize("cc", ["gcc", "clang"])
 @pytest.mark.parametrize("name", LAWS)
-def test_self_test_under_sanitizers(name, cc, folder):
+def test_no_warnings(name, cc, folder):
     need(cc)
     source = _exported(name, folder)
     for define in ("-DDOUBLE", f"-D{name.upper()}_FLOAT"):
-        target = source / f"self-{cc}{define}"
-        files = [str(source / f"{name}.c"), str(source / f"{name}_test.c")]
-        command = [cc, *STRICT, *SANITIZE, define, *files, "-o", str(target), "-lm"]
-        built = subprocess.run(command, capture_output=True, text=True, check=False)
-        assert built.returncode == 0, built.stderr
-        done = subprocess.run([str(target)], capture_output=True, text=True, check=False)
-        assert (done.returncode, done.stdout, done.stderr) == (0, "all checks passed\n", "")
+        words = [cc, *STRICT, "-fsyntax-only", define, f"{name}.c", f"{name}_test.c"]
+        done = subprocess.run(words, cwd=source, capture_output=True, text=True, check=False)
+        assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize(("name", "cc", "single"), SANITIZED)
+def test_self_test_under_sanitizers(name, cc, single, folder):
+    need(cc)
+    source, define = _exported(name, folder), f"-D{name.upper()}_FLOAT" if single else "-DDOUBLE"
+    words = [cc, "-std=c99", *SANITIZE, define, f"{name}.c", f"{name}_test.c", "-o", "self", "-lm"]
+    subprocess.run(words, cwd=source, check=True)
+    done = subprocess.run(["./self"], cwd=source, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "all checks passed\n", "")
 
 
 def test_self_test_can_fail(folder):
@@ -94,7 +105,7 @@ def test_self_test_can_fail(folder):
     assert subprocess.run([str(source / "wrong")], capture_output=True, check=False).returncode == 1
 
 
-@pytest.mark.parametrize("name", LAWS)
+@pytest.mark.parametrize("name", ["lugre_majorant", "elastoplastic", "dahl", "makkar"])
 def test_nothing_traps(name, folder):
     """Every function with inf, nan and huge arguments everywhere, under the sanitizers: an error code, no crash."""
     run = program(name, folder, flags=SANITIZE)
@@ -129,7 +140,7 @@ def test_check_names_the_bad_constant(name, folder):
 def exact_hold(name, z, v, dt):
     """z after dt with v held, to 40 digits, from the equations of theory.md written anew."""
     with mpmath.workdps(40):
-        q = {n: mpmath.mpf(x) for n, x in law(name).values.items()}
+        q = {n: mpmath.mpf(x) for n, x in law(name).values.items() if x is not None}
         v, z, dt = mpmath.mpf(v), mpmath.mpf(z), mpmath.mpf(dt)
         if name == "dahl":
             a, b = -q["sigma_0"] / q["F_c"] * abs(v), v
