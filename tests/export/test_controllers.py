@@ -31,7 +31,7 @@ def test_structured_text_runs(name, structured_text, tmp_path):
     assert len(set(names)) == len(names)  # the language knows no case
     z, rng = 0.0, np.random.default_rng(8)
     for v, dt in zip(
-        10 ** rng.uniform(-6, -1, 40) * rng.choice([-1, 1], 40), 10 ** rng.uniform(-5, -2.5, 40), strict=True
+        10 ** rng.uniform(-6, -1, 20) * rng.choice([-1, 1], 20), 10 ** rng.uniform(-5, -2.5, 20), strict=True
     ):
         x["v"], x["dt"] = v, dt
         structured_text.run(name, blocks, x)
