@@ -11,13 +11,14 @@ from scipy.integrate import solve_ivp
 
 import stribeck
 from stribeck import Scenario
-from stribeck.analysis.properties import NAMES, check, passive
+from stribeck.analysis.properties import NAMES, bounded, check, drift, passive, smooth
 from stribeck.analysis.properties.algebra import sign_over_all
 from stribeck.analysis.properties.cells import prove as prove_cells
 from stribeck.analysis.properties.elastic import prove as prove_elastic
 from stribeck.analysis.properties.margins import margins
 from stribeck.analysis.properties.matrix import check_all, passive_with
 from stribeck.analysis.properties.model import Model
+from stribeck.analysis.properties.seams import Quadrants
 from stribeck.analysis.properties.storage import Storage, largest_speed, storage_interval
 from stribeck.errors import InputError
 from stribeck.expressions.graph import symbol
@@ -43,6 +44,10 @@ def law_with(name, values=TABLE_1, **changes):
     own = {n: own[n] for n in NEEDS.get(name, ()) if n not in changes}
     names = {"dahl": ("sigma_0", "F_c")}.get(name, tuple(PARAMETERS))
     return stribeck.law(name, {n: x for n, x in values.items() if n in names or n not in PARAMETERS}, **own)
+
+
+def drift_of(law):
+    return drift.decide(Quadrants(Model(law)), LATE)
 
 
 def word(holds):
@@ -193,7 +198,7 @@ def test_the_known_cycle_of_sobczyk():
 
 
 def test_z_of_arctan_passes_every_level():
-    found = check(law_with("lugre_arctan"), seconds=PATIENT)["bounded"]
+    found = bounded.decide(Model(law_with("lugre_arctan")), LATE)
     assert found.evidence["passes_any_level"]
     for level in found.evidence["levels"]:
         steady = 1.5e-5 * np.pi / (2 * np.arctan(1e7 * level["v"]))  # g is F_s/sigma_0 at these speeds
@@ -207,7 +212,7 @@ def test_z_of_arctan_passes_every_level():
     "name", ["lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant", "elastoplastic_sobczyk", "dahl"]
 )
 def test_a_load_below_break_away_moves_what_drifts(name):
-    found = check(law_with(name), seconds=PATIENT)["drift_free"]
+    found = drift_of(law_with(name))
     assert found.holds is False
     assert found.evidence["largest_load"] < found.evidence["F_s"]
     solution = stribeck.simulate(Scenario(found.scenario))
@@ -217,7 +222,7 @@ def test_a_load_below_break_away_moves_what_drifts(name):
 
 
 def test_one_sided_derivatives_of_lugre():
-    found = check(law_with("lugre"), seconds=PATIENT)["smooth"].evidence
+    found = smooth.decide(Quadrants(Model(law_with("lugre")))).evidence
     share = found["z"] / 1.5e-5
     assert (found["v"], found["from_below"], found["from_above"]) == (
         0.0,
@@ -228,7 +233,7 @@ def test_one_sided_derivatives_of_lugre():
 
 def test_the_elastic_load_is_reported():
     for name in ("elastoplastic", "elastoplastic_majorant"):
-        evidence = check(law_with(name), seconds=PATIENT)["drift_free"].evidence
+        evidence = drift_of(law_with(name)).evidence
         assert (evidence["z_0"], evidence["F_0"]) == (pytest.approx(7e-6), pytest.approx(0.7))
 
 
@@ -257,7 +262,7 @@ def test_laws_that_are_wrong_are_caught(name):
 
 def test_a_larger_bound_than_the_claimed_one_is_found():
     law = stribeck.law(f"{broken_laws.__file__}:BelowByAShare", parameters=TABLE_1)
-    evidence = check(law, seconds=PATIENT)["bounded"].evidence
+    evidence = bounded.decide(Model(law), LATE).evidence
     assert not evidence["passes_any_level"]
     assert evidence["levels"][-1]["z"] == pytest.approx(1.5e-5 / 0.9, rel=1e-3)
 
@@ -265,7 +270,7 @@ def test_a_larger_bound_than_the_claimed_one_is_found():
 def test_a_law_that_no_file_holds_is_judged_all_the_same():
     law = type("Anonymous", (broken_laws.Root,), {"__module__": "nowhere"})({**TABLE_1, "k_v": 1e7, "sigma_2": 200.0})
     assert "nowhere" not in sys.modules
-    assert check(law, seconds=PATIENT)["passive"].holds is True
+    assert passive.decide(Model(law), None, True, LATE).holds is True
 
 
 # -- the rest -----------------------------------------------------------------------------------------------------------

@@ -2,14 +2,34 @@
 
 import json
 import re
+from functools import partial
 from pathlib import Path
 
 import pytest
 
-from stribeck.analysis.properties import NAMES
+from stribeck.analysis.properties import NAMES, check
 
 ROOT = Path(__file__).parents[2]
+CONFIRMED = "confirmed by a second run of all"
+MY_SET = {"sigma_0": 2e4, "sigma_1": 30.0, "sigma_2": 12.0, "F_c": 2.0, "F_s": 2.7, "v_s": 4e-3}
+MY_LAW = """
+from stribeck.expressions.ops import sqrt
+from stribeck.laws import BristleLaw
+from stribeck.laws.terms import g
+
+
+class MyLaw(BristleLaw):
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - sqrt(v**2 + 1e-14) / g(p, v) * z
+"""
 SOBCZYK = ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7")
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """A loaded machine must not turn a verdict into null."""
+    monkeypatch.setattr("stribeck.cli.check.decide", partial(check, seconds=120.0))
 
 
 def test_a_counterexample_is_replayed_by_run(stribeck, tmp_path):
@@ -31,25 +51,6 @@ def test_a_counterexample_is_replayed_by_run(stribeck, tmp_path):
     assert evidence["energy_drawn"] > 0
     assert drift["final"]["y"] == pytest.approx(verdicts["drift_free"]["evidence"]["distance"], rel=1e-6)
     assert drift["peaks"]["u"] < 1.5
-
-
-def test_the_text_names_verdicts_methods_and_margins(stribeck):
-    result = stribeck("check", "lugre", "--parameters", "canudas1995", "--set", "sigma_2=200", "--margins")
-    assert result.status == 0
-    assert re.search(r"passive +yes +interval arithmetic over all v", result.out)
-    assert re.search(r"smooth +no +one-sided derivatives", result.out)
-    low = re.search(r"margin +sigma_2 = 200: passivity stays as it is from (\S+) to any", result.out)
-    assert float(low[1]) == pytest.approx(1e5**0.5 / 2, rel=1e-6)
-
-
-def test_every_law_with_a_set(stribeck):
-    result = stribeck("check", "--all", "--parameters", "liu2015")
-    assert result.status == 0
-    rows = {line.split()[0]: line.split()[1:] for line in result.out.splitlines()[2:]}
-    assert rows["lugre_majorant"] == ["yes", "yes", "yes", "yes", "no"]
-    assert rows["elastoplastic_majorant"] == ["yes"] * 5
-    assert rows["lugre_sobczyk"] == ["yes", "yes", "yes", "no", "no"]
-    assert rows["lugre_arctan"][1] == "no"
 
 
 def test_a_law_of_the_users_own_is_replayed_from_anywhere(stribeck, tmp_path):
@@ -95,18 +96,43 @@ def test_bad_input_is_one_line_and_nothing_else(stribeck, words, text):
     assert text in result.err.splitlines()[-1]
 
 
+def test_the_commands_of_the_page(stribeck, tmp_path, monkeypatch):
+    """Each as it stands, in the order of the page, and what it shows."""
+    monkeypatch.chdir(tmp_path)
+    Path("mylaw.py").write_text(MY_LAW)
+    Path("my_set.toml").write_text("[parameters]\n" + "\n".join(f"{n} = {x}" for n, x in MY_SET.items()))
+    page = (ROOT / "docs" / "check.md").read_text()
+    lines = [line.partition("#")[0].split()[1:] for line in page.split("```sh\n")[1].split("```")[0].splitlines()]
+    assert len(lines) == 8
+    results = [stribeck(*words) for words in lines]
+    assert [r.status for r in results] == [0] * 8
+    found, run, slow, margins, proved, own, every, sets = (r.out for r in results)
+    assert re.search(r"passive +no +a cycle", found)
+    assert "E_in" in run
+    assert re.search(r"passive +yes .*fitted", slow)
+    assert re.search(r"passive +yes +interval arithmetic over all v", margins)
+    assert re.search(r"smooth +no +one-sided derivatives", margins)
+    low = re.search(r"margin +sigma_2 = 200: passive from (\S+)$", margins, re.M)
+    assert float(low[1]) == pytest.approx(1e5**0.5 / 2, rel=1e-6)
+    assert proved.count(", verified") == 5
+    assert re.search(r"smooth +yes", own)
+    rows = {line.split()[0]: line.split()[1:] for line in every.splitlines()[2:]}
+    assert rows["lugre_majorant"] == ["yes", "yes", "yes", "yes", "no"]
+    assert rows["elastoplastic_majorant"] == ["yes"] * 5
+    assert rows["lugre_sobczyk"] == ["yes", "yes", "yes", "no", "no"]
+    assert rows["lugre_arctan"][1] == "no"
+    assert "passive with dahl" in sets
+
+
 def test_the_sets_are_listed_with_what_is_passive(stribeck):
     sets = json.loads(stribeck("laws", "--sets", "--json").out)["parameter_sets"]
     assert sets["liu2015"]["passive"]["elastoplastic_majorant"] is True
     assert sets["canudas1995"]["passive"] == {**dict.fromkeys(sets["canudas1995"]["passive"], False), "dahl": True}
-    assert "passive with dahl" in stribeck("laws", "--sets").out
 
 
-def test_the_commands_of_the_page_are_accepted(stribeck, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    page = (ROOT / "docs" / "check.md").read_text()
-    lines = [line.partition("#")[0].split() for line in page.split("```sh\n")[1].split("```")[0].splitlines()]
-    quick = [words[1:] for words in lines if "lugre_sobczyk" in words or "run" in words or "--v-max" in words]
-    assert len(quick) == 3
-    for words in quick:
-        assert stribeck(*words).status == 0
+def test_a_matrix_that_is_verified_says_so(stribeck):
+    result = stribeck("check", "--all", "--set", "sigma_0=2e4", "--set", "F_c=3", "--verify")
+    assert result.out.splitlines()[2:] == [
+        "dahl  yes         yes         no          yes         no          ",
+        CONFIRMED,
+    ]

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.control.gains import w_of
+from stribeck.control.gains import at_speed, damping, decay
 from stribeck.control.proof import ERRORS, derive
 from stribeck.control.servo import ServoSystem
 from stribeck.errors import StribeckError
@@ -88,10 +88,10 @@ def _bound(solution: Solution, gains: Mapping[str, float]) -> Array:
 
     observer = solution.scenario.servo.observer  # type: ignore[union-attr]
     assert observer is not None
-    w = np.array([w_of(observer)(v) for v in solution["v"].tolist()])
+    w, sigma_1 = (at_speed(observer, of)(solution["v"]) for of in (decay(observer), damping(observer)))
     expr = derive().derivative
     names = sorted(map(str, expr.free_symbols - set(sympy.symbols((*ERRORS, "w"), real=True))))
-    known = {**gains, **{n: x for n, x in observer.values.items() if x is not None}}
+    known = {**gains, **{n: x for n, x in observer.values.items() if x is not None}, "sigma_1": sigma_1}
     symbols = [*sympy.symbols((*ERRORS, "w"), real=True), *(sympy.Symbol(n, positive=True) for n in names)]
     function = sympy.lambdify(symbols, expr, "numpy")
     errors = (solution["s"], solution["p_err"], solution["z_hat"] - solution["z"])

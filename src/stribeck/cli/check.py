@@ -67,8 +67,8 @@ def _all(parameters: str | None, given: Mapping[str, Any], v_max: float | None, 
 
     values = dict(parameter_sets.load(parameters).values) if parameters else {}
     known = {n for cls in laws.builtin().values() for n in cls.constants()}
-    if odd := [n for n in given if n not in known]:
-        raise InputError([f"--set: {n}: no law has such a constant" for n in odd])
+    if unknown := [n for n in given if n not in known]:
+        raise InputError([f"--set: {n}: no law has such a constant" for n in unknown])
     found = every_law({**values, **given})
     if not found:
         raise InputError("--all: no law has all that it needs; give --parameters, or all of sigma_0 ... v_s with --set")
@@ -84,6 +84,9 @@ def _all(parameters: str | None, given: Mapping[str, Any], v_max: float | None, 
         show.print_json({"parameters": parameters, "v_max": v_max, "laws": [v.to_json() for v in checked]})
     else:
         _print_matrix(checked, parameters)
+        if verify:
+            odd = [f"{v.law.name}: {n}" for v in checked for n, p in v.properties.items() if p.verified is False]
+            print(f"NOT CONFIRMED by a second run: {', '.join(odd)}" if odd else "confirmed by a second run of all")
     return 0
 
 
@@ -132,8 +135,11 @@ def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
         for line in _lines(verdict.evidence):
             print(f"  {'':21}{line}")
     for name, margin in data.get("margins", {}).get("constants", {}).items():
-        ends = ["any" if margin[end] is None else f"{margin[end]:.9g}" for end in ("low", "high")]
-        print(f"  margin     {name} = {margin['value']:g}: passivity stays as it is from {ends[0]} to {ends[1]}")
+        ends = [
+            f"{word} {margin[end]:.9g}" for word, end in (("from", "low"), ("up to", "high")) if margin[end] is not None
+        ]
+        word = "passive" if data["margins"]["passive"] else "not passive"
+        print(f"  margin     {name} = {margin['value']:g}: {word} {' '.join(ends) or 'whatever it is'}")
     if largest := data.get("margins", {}).get("largest_v_d"):
         print(f"  remedy     passive with v_d up to {largest:.6g} m/s (as sampled)")
     for file in data.get("files", ()):

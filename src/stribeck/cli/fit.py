@@ -78,14 +78,14 @@ def drive(text: str) -> dict[str, Any]:
     return found
 
 
-def _constants(assignments: list[str]) -> dict[str, float]:
-    found = {}
+def _constants(assignments: list[str]) -> dict[str, float | str]:
+    found: dict[str, float | str] = {}
     for text in assignments:
         name, value = parse_assignment(text)
         name = name.removeprefix("law.").removeprefix("parameters.")
-        if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(f"--set {name}: {shown(value)}: must be a number")
-        found[name] = float(value)
+        if isinstance(value, bool) or not isinstance(value, int | float | str):
+            raise InputError(f"--set {name}: {shown(value)}: must be a number or a word")
+        found[name] = value if isinstance(value, str) else float(value)
     return found
 
 
@@ -117,7 +117,7 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
             print(f"  {name:{width}}  {_digits(e.value):>12}  {_interval(e):>27}  {e.unit}")
     for name, e in rows.items():
         if not e.identifiable:
-            print(f"  {name}: not determined by the data: {e.why}")
+            print(f"  {name}: not determined by the data: {e.doubt}")
             print(f"  {'':{width}}  to determine it: {e.experiment}")
     for r in best.details.get("levels", ()):
         at = "".join(f" at {n.removeprefix('F_c_by_')} {x:.4g}" for n, x in r["at"].items())

@@ -13,7 +13,7 @@ from stribeck.control.gains import Condition, Proof, Verdict, judge, prove
 from stribeck.control.proof import derive
 from stribeck.errors import InputError
 from stribeck.scenario import Scenario
-from stribeck.scenario.servo import not_adaptable
+from stribeck.scenario.servo import not_linear
 from stribeck.simulation import simulate
 
 
@@ -25,9 +25,8 @@ def gains(path: Path, v_max: float | None, assignments: list[str], json: bool) -
     if scenario.servo is None:
         raise InputError(f"drive.kind: {scenario.drive.kind!r}: 'stribeck gains' needs a servo, drive.kind = 'cascade'")
     observer = scenario.servo.observer
-    if text := not_adaptable(observer):
-        text = text.replace("cannot be adapted", "has no such proof").replace("to adapt", "to judge")
-        raise InputError(f"drive.observer.name: {text}")
+    if text := not_linear(observer):
+        raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
     assert observer is not None
     solution = simulate(scenario)
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from stribeck.control.intervals import Interval, enclose
+import numpy as np
+
 from stribeck.control.proof import derive
+from stribeck.expressions.boxes import grid, not_negative
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
+from stribeck.expressions.intervals import Evaluator, Interval, point
 from stribeck.laws.base import Law
 
 FASTEST = 1e6  # m/s; what holds up to here is taken to hold at any speed
-_BOXES = 100_000  # given up after so many
 
 
 @dataclass(frozen=True)
@@ -50,16 +52,24 @@ def decay(law: Law) -> Expr:
     return -derivative(wrap(law.dz_dt(p, v, z)), z)
 
 
-def w_of(law: Law) -> Any:
-    """w as a function of the speed."""
+def damping(law: Law) -> Expr:
+    """sigma_1 of a law F = sigma_0 z + sigma_1 dz/dt + sigma_2 v: with v_d a function of v, largest at rest."""
+    p, rate = law.symbolic(symbol, law.structure), symbol("dz_dt")
+    return derivative(wrap(law.friction(p, symbol("v"), symbol("z"), rate)), rate)
+
+
+def at_speed(law: Law, expr: Expr) -> Callable[[Any], Any]:
+    """An expression of the law's constants and v as a function of the speed."""
     names = [name for name, value in law.values.items() if value is not None]
-    function = python_function([*names, "v"], [decay(law)])
+    function = python_function([*names, "v"], [expr])
     values = [law.values[name] for name in names]
-    return lambda v: float(function(*values, v)[0])
+    return lambda v: function(*values, v)[0]
 
 
 def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
     """The conditions for gains K_D, K and a law that is linear in z, in plant and observer alike.
+
+    With v_d they hold for sigma_1 at rest, its largest value: sufficient then, as both ask less of a smaller one.
 
     Raises:
         StribeckError: SymPy is not installed.
@@ -69,9 +79,9 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
     form, w = derive(), sympy.Symbol("w", real=True)
     K_D, K = (sympy.Symbol(n, positive=True) for n in ("K_D", "K"))
     p = {sympy.Symbol(n, positive=True): law.values[n] for n in ("sigma_0", "sigma_1")}
-    of_speed = w_of(law)
+    of_speed = at_speed(law, decay(law))
     # w grows with |v| in every law here; the interval proof does not rely on it
-    w_max = of_speed(v_max)
+    w_max = float(of_speed(v_max))
     exact = form.exact.subs(p)
     error, deflection = (each.subs(p) for each in form.sufficient)
 
@@ -115,55 +125,35 @@ class Proof:
     reason: str
 
 
-def prove(law: Law, gains: Mapping[str, float], v: Interval) -> Proof:
+def prove(law: Law, gains: Mapping[str, float], v: tuple[float, float]) -> Proof:
     """Show with interval arithmetic that dV/dt <= 0 for every error and every speed in ``v``.
 
     The quadratic form is non-negative where its diagonal and 4 ss zz - sz^2 are; w is divided out, so that it may be 0.
     """
+    form = derive()
+    tests = [decay(law), *(_in_graph(test, w=decay(law), sigma_1=damping(law)) for test in (form.exact, form.ss))]
+    evaluate = Evaluator(tests)
+    values = {**law.values, "K_D": gains["K_D"], "K": gains["K"]}
+    constants = {name: point(x) for name, x in values.items() if x is not None}
+
+    def least(box: Sequence[Interval]) -> Interval:
+        found = evaluate({**constants, "v": box[0]})
+        ends = [np.broadcast_arrays(*x) for x in ([f.low for f in found], [f.high for f in found])]
+        return Interval(*(np.min(x, axis=0) for x in ends))
+
+    cover = not_negative(least, *grid([[v[0], 0.0, v[1]] if v[0] < 0 < v[1] else v]))
+    if cover.where is None:
+        return Proof(True, cover.boxes, "")
+    at = f"near v = {sum(cover.where[0]) / 2:.6g} m/s"
+    if cover.negative:
+        return Proof(False, cover.boxes, f"dV/dt can be positive {at}")
+    return Proof(None, cover.boxes, f"the sign is not settled {at}: {cover.reason}")
+
+
+def _in_graph(expr: Any, **replaced: Expr) -> Expr:
+    """A SymPy expression of gains, constants and w as a graph, with some of them replaced."""
     import sympy
 
-    w_expr, form, w = decay(law), derive(), sympy.Symbol("w", real=True)
-    constants = {name: (x, x) for name, x in law.values.items() if x is not None}
-    known = {"K_D": gains["K_D"], "K": gains["K"], **{n: law.values[n] for n in ("sigma_0", "sigma_1")}}
-    tests = [form.exact, form.ss]
-    # each is linear in w: offset + slope w
-    lines = [
-        (_enclosed(sympy.expand(test).coeff(w, 0), known), _enclosed(sympy.expand(test).coeff(w, 1), known))
-        for test in tests
-    ]
-    left, boxes = [(v[0], 0.0), (0.0, v[1])] if v[0] < 0 < v[1] else [v], 0
-    while left and boxes < _BOXES:
-        low, high = left.pop()
-        boxes += 1
-        try:
-            speed = enclose(w_expr, {**constants, "v": (low, high)})
-        except NotImplementedError as error:
-            return Proof(None, boxes, f"{error}: this law has no proof by intervals")
-        signs = [_above_zero(speed), *(_above_zero(_line(offset, slope, speed)) for offset, slope in lines)]
-        if all(signs):
-            continue
-        middle = 0.5 * (low + high)
-        if any(sign is False for sign in signs):
-            return Proof(False, boxes, f"dV/dt can be positive at v = {middle:.6g} m/s")
-        if not low < middle < high or high - low < 1e-12 * (v[1] - v[0]):
-            return Proof(None, boxes, f"the sign is not settled at v = {middle:.6g} m/s")
-        left += [(low, middle), (middle, high)]
-    return Proof(None, boxes, "too many boxes") if left else Proof(True, boxes, "")
-
-
-def _enclosed(expr: Any, known: Mapping[str, Any]) -> Interval:
-    """A SymPy expression without w as an interval, evaluated exactly as a fraction and rounded outward."""
-    import sympy
-
-    exact = expr.subs({sympy.Symbol(n, positive=True): sympy.Rational(x) for n, x in known.items()})
-    value = float(exact)
-    return math.nextafter(value, -math.inf), math.nextafter(value, math.inf)
-
-
-def _line(offset: Interval, slope: Interval, w: Interval) -> Interval:
-    names = {"offset": offset, "slope": slope, "w": w}
-    return enclose(symbol("offset") + symbol("slope") * symbol("w"), names)
-
-
-def _above_zero(x: Interval) -> bool | None:
-    return True if x[0] >= 0 else False if x[1] < 0 else None
+    inputs = sorted(expr.free_symbols, key=str)
+    function = sympy.lambdify(inputs, expr, modules=[{}])
+    return wrap(function(*(replaced.get(str(each), symbol(str(each))) for each in inputs)))

@@ -62,7 +62,8 @@ class Form:
 def derive() -> Form:
     """The form for any law dz/dt = S_1(v) v - w(v) z with F = sigma_0 z + sigma_1 dz/dt + sigma_2 v, in plant and observer.
 
-    The valve is not at its limit, and the controller knows the plant.
+    The valve is not at its limit, and the controller knows the plant. A sigma_1 that falls with speed enters by its value,
+    as its rate is part of dp_d/dt and cancels.
 
     Raises:
         StribeckError: SymPy is not installed, or the derivative is not such a form.
@@ -80,7 +81,8 @@ def derive() -> Form:
         def dz_dt(p: Any, v: Value, z: Value) -> Value:
             return sympy.Function("S_1")(v) * v - sympy.Function("w")(v) * z
 
-    c, m, p = named(Cascade.constants), named(Cylinder.constants), named(Linear.uses)
+    c, m = named(Cascade.constants), named(Cylinder.constants)
+    p = Linear.symbolic(lambda name: sympy.Symbol(name, positive=True))
     y, v, p_1, p_2, z, z_hat = sympy.symbols("y v p_1 p_2 z z_hat", real=True)
     path: Any = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)
     e, s = Cascade.errors(c, path, y, v)

@@ -65,12 +65,20 @@ class VelocityProblem(Problem):
 
     def with_rows(self, rows: NDArray[np.bool_]) -> VelocityProblem:
         """The same problem where other rows count."""
-        body, before = (*self.body, *self.levels), np.concatenate([[0], np.cumsum(rows)]).tolist()
+        before = np.concatenate([[0], np.cumsum(rows)]).tolist()
         coordinates = [
             c if c.rows is None else replace(c, rows=slice(before[run.start], before[run.stop]))
             for c, run in zip(self.coordinates, self._runs_of_coordinates(), strict=True)
         ]
-        other = VelocityProblem(self.log, self.law, coordinates, self.fixed, self.tied, body, rows)
+        return self._with(self.log, coordinates, rows)
+
+    def moving(self, velocity: Array) -> VelocityProblem:
+        """The same problem for another velocity."""
+        return self._with(self.log.with_columns(velocity=velocity), self.coordinates, self.rows)
+
+    def _with(self, log: Log, coordinates: Sequence[Coordinate], rows: NDArray[np.bool_]) -> VelocityProblem:
+        body = (*self.body, *self.levels)
+        other = VelocityProblem(log, self.law, coordinates, self.fixed, self.tied, body, rows)
         other.home = self.home
         return other
 

@@ -32,6 +32,14 @@ class Estimate:
     why: str = ""
     experiment: str = ""
 
+    @property
+    def doubt(self) -> str:
+        """Why the data do not determine it, and the range that they leave."""
+        ends = [
+            f"{word} {x:.3g} {self.unit}" for word, x in (("above", self.low), ("below", self.high)) if x is not None
+        ]
+        return self.why + (f" (95 %: {' and '.join(ends)})" if ends else "")
+
     def to_json(self) -> dict[str, Any]:
         """As the contract has it, with why and experiment where there is something to say."""
         words = {key: getattr(self, key) for key in ("why", "experiment") if getattr(self, key)}

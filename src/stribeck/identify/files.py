@@ -46,7 +46,7 @@ def toml(fit: Fit, command: str, data: str) -> str:
     known = {n: e for n, e in fit.estimates.items() if e.identifiable}
     lines += ["", "[parameters]"]
     lines += [f"{name} = {_estimate(e)}" for name, e in known.items()]
-    lines += [f"{name} = {_number(value)}" for name, value in fit.fixed.items() if name in stribeck_constants(fit.law)]
+    lines += [f"{name} = {_given(value)}" for name, value in fit.fixed.items() if name in stribeck_constants(fit.law)]
     if body := {n: e for n, e in fit.body.items() if e.identifiable}:
         lines += ["", "# The rig, not the law", "[body]", *(f"{name} = {_estimate(e)}" for name, e in body.items())]
     unknown = {n: e for n, e in {**fit.estimates, **fit.body}.items() if not e.identifiable}
@@ -73,6 +73,10 @@ def stribeck_constants(law: str) -> Mapping[str, Any]:
 def _estimate(e: Estimate) -> str:
     ends = "".join(f", {side} = {_number(x)}" for side, x in (("low", e.low), ("high", e.high)) if x is not None)
     return f"{{ value = {_number(e.value)}{ends}, unit = {_text(e.unit)} }}"
+
+
+def _given(value: float | str) -> str:
+    return _text(value) if isinstance(value, str) else _number(value)
 
 
 def _number(x: float | None) -> str:

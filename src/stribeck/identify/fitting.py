@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,8 @@ from stribeck.identify.static import Setting, check_motion, fit_static
 from stribeck.identify.terms import TERMS
 from stribeck.identify.units import ROLES
 
+_POOR = 0.25  # of the force, left by the fit
+
 Data = str | Path | Log | Sequence[str | Path]
 
 
@@ -36,7 +39,7 @@ def fit(
     force_gain: float | str | None = None,
     mass: float | None = None,
     method: str | None = None,
-    constants: Mapping[str, float] | None = None,
+    constants: Mapping[str, float | str] | None = None,
     free: Sequence[str] = (),
     terms: Sequence[str] = (),
     select: bool = False,
@@ -142,7 +145,7 @@ class _Request:
     """What is asked of every law."""
 
     def __init__(
-        self, mass: float | None, method: str | None, constants: dict[str, float], free: Sequence[str],
+        self, mass: float | None, method: str | None, constants: dict[str, Any], free: Sequence[str],
         terms: Sequence[str], select: bool, decimate: int | None, robust: bool, folds: int, starts: int, seed: int,
         output: str, drive: Mapping[str, Any] | None,
     ) -> None:  # fmt: skip
@@ -168,6 +171,16 @@ class _Request:
             for name, value in self.constants.items()
             if name in found.constants() and (text := found.constants()[name].problem(value))
         ]
+        problems += [
+            f"--set {name}: {show(value)}: must be a finite number"
+            for name, value in self.constants.items()
+            if name in TERMS and (isinstance(value, str) or not np.isfinite(value))
+        ]
+        problems += [
+            f"--free: {name}: is a word, not a number; must be given with --set"
+            for name in self.free
+            if name in found.constants() and found.constants()[name].choices
+        ]
         if self.mass is not None and not (np.isfinite(self.mass) and self.mass >= 0):
             problems.append(f"--mass: {show(self.mass)}: must be a finite number >= 0")
         if problems:
@@ -180,7 +193,7 @@ class _Request:
         if self.drive and self.output == "force":
             raise InputError("--drive: needs --output velocity or position")
         check_motion(log)
-        return METHODS[method](self, log, law)
+        return _with_warning(METHODS[method](self, log, law))
 
     def _only_static(self) -> list[str]:
         given = {"--select": self.select, "--decimate": self.decimate, "--robust": self.robust}
@@ -218,6 +231,18 @@ class _Request:
             log, law, fixed=self.constants, free=self.free_of(law), mass=self.mass,
             body=tuple(dict.fromkeys(("offset", *self.terms))), starts=self.starts, seed=self.seed, folds=self.cross,
         )  # fmt: skip
+
+
+def _with_warning(fit: Fit) -> Fit:
+    """The fit, with a note where the law explains little of the force."""
+    share = fit.relative_force_error
+    if not share > _POOR:
+        return fit
+    text = (
+        f"the fit misses {share:.0%} of the force: the law or the terms lack something that the data hold (the residuals "
+        "show what), and its numbers, intervals too, say little about the machine"
+    )
+    return replace(fit, notes=(text, *fit.notes))
 
 
 METHODS: dict[str, Callable[[Any, Log, str], Fit]] = {

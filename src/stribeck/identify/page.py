@@ -8,15 +8,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.analysis.properties import check
 from stribeck.errors import StribeckError
 from stribeck.identify import pictures
 from stribeck.identify.choose import Choice
-from stribeck.identify.estimate import Estimate, Fit
+from stribeck.identify.estimate import Fit
 from stribeck.identify.log import Log
 from stribeck.report.page import Chapter, Table, html
 from stribeck.version import __version__
 
 Array = NDArray[np.float64]
+_VERDICTS = {True: "yes", False: "no", None: "undecided"}
 _SAME = 0.05  # of a speed: closer ones share a line
 
 
@@ -45,27 +47,28 @@ def _result(fit: Fit) -> Chapter:
     known = [
         [n, _digits(e.value), _digits(e.low), _digits(e.high), e.unit or "1"] for n, e in rows.items() if e.identifiable
     ]
-    known += [[n, _digits(v), "given", "given", _unit(fit, n)] for n, v in fit.fixed.items() if n not in rows]
+    known += [
+        [n, v if isinstance(v, str) else _digits(v), "given", "given", _unit(fit, n)]
+        for n, v in fit.fixed.items()
+        if n not in rows
+    ]
     tables = [Table(["parameter", "value", "95 % from", "to", "unit"], known)]
     if unknown := {n: e for n, e in rows.items() if not e.identifiable}:
         tables.append(
             Table(
                 ["not determined", "why", "what to measure"],
-                [[n, _why(e), e.experiment] for n, e in unknown.items()],
+                [[n, e.doubt, e.experiment] for n, e in unknown.items()],
                 prose=True,
             )
         )
     if len(fit.names) > 1:
         relation = [
-            [n, *(f"{x:.2f}" for x in row)] for n, row in zip(fit.names, fit.correlations.tolist(), strict=True)
+            [n, *(f"{x:.2f}" if np.isfinite(x) else "-" for x in row)]
+            for n, row in zip(fit.names, fit.correlations.tolist(), strict=True)
+            for n, row in zip(fit.names, fit.correlations.tolist(), strict=True)
         ]
         tables.append(Table(["correlation", *fit.names], relation))
     return Chapter("result", "Parameters", list(fit.notes), tables)
-
-
-def _why(e: Estimate) -> str:
-    ends = [f"{word} {x:.3g} {e.unit}" for word, x in (("above", e.low), ("below", e.high)) if x is not None]
-    return e.why + (f" (95 %: {' and '.join(ends)})" if ends else "")
 
 
 def _unit(fit: Fit, name: str) -> str:
@@ -186,15 +189,21 @@ def _profiles(fit: Fit) -> list[Chapter]:
 def _properties(fit: Fit) -> list[Chapter]:
     try:
         law = fit.as_law()
-        found = law.guarantees()
     except StribeckError:
-        return []
+        open_ones = ", ".join(n for n in fit.unidentified if n in fit.estimates)
+        text = [f"Not decided: they hang on {open_ones or 'constants'}, which the data do not determine."]
+        return [Chapter("properties", "Properties of the result", text)]
     if not law.has_z:
         return []
-    words = {True: "holds", False: "does not hold", None: "does not apply"}
-    rows = [[name, words[value]] for name, value in found.items()]
-    text = ["What the law guarantees with the fitted values, by the conditions it states ('stribeck laws')."]
-    return [Chapter("properties", "Properties of the result", text, [Table(["property", "verdict"], rows)])]
+    rows = [
+        [name, _VERDICTS[v.holds], v.evidence.get("reason", v.method) if v.holds is None else v.method]
+        for name, v in check(law).properties.items()
+    ]
+    text = [
+        "What 'stribeck check' proves or refutes for the law with the fitted values (docs/check.md): yes is proved, for no "
+        "there is a counterexample. The values are taken as exact: their intervals do not count here."
+    ]
+    return [Chapter("properties", "Properties of the result", text, [Table(["property", "holds", "how"], rows, True)])]
 
 
 def _digits(value: float | None) -> str:

@@ -125,6 +125,11 @@ def fit_presliding(
         f"{len(travel)} small reversals in {len(small)} stretches, {travel.min():.3g} m to {travel.max():.3g} m long, "
         f"{len(cut)} rows"
     )
+    notes = [note]
+    if {"sigma_1", "sigma_2"} <= set(found.uses) and "sigma_2" not in (fixed or {}):
+        notes.append(
+            "sigma_1 stands for sigma_1 + sigma_2, which are one in presliding; --set sigma_2=VALUE takes it off"
+        )
     told = [i for i, n in enumerate(fit.names) if n not in unseen]
     return replace(
         fit,
@@ -135,7 +140,7 @@ def fit_presliding(
         estimates={n: estimates[n] for n in found.constants() if n in estimates},
         fixed=dict(fixed or {}),
         data_hash=log.hash,
-        notes=(note, *fit.notes),
+        notes=(*notes, *fit.notes),
         details={**fit.details, "loops": _shown(fit, cut)},
     )
 

@@ -54,6 +54,8 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
             f"--time: {number}: time goes backwards in row {row + 1} ({time[row - 1]:.9g} s, then {time[row]:.9g} s); "
             "must rise within a run (name the runs' column with --run)"
         )
+    if not steps.any():
+        raise InputError(f"--time: {number}: {time[0]:.9g} s in every row; must rise")
     repeated = np.append(False, (steps == 0) & ~new_run)
     if count := int(repeated.sum()):
         notes.append(f"{number}: {count} rows repeat the time of the row before; the first of each was kept")

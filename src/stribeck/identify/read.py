@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
+from zipfile import is_zipfile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -200,6 +201,8 @@ class _CsvSource(_Source):
             second = file.readline()
         if not first.strip():
             raise InputError(f"DATA: '{path}': is empty")
+        if "\0" in first:
+            raise InputError(f"DATA: '{path}': is not text in UTF-8")
         self.separator = max("\t;,", key=first.count)
         cells = [cell.strip().strip('"') for cell in first.rstrip("\r\n").split(self.separator)]
         self.head = not all(_is_number(cell) for cell in cells)
@@ -207,6 +210,7 @@ class _CsvSource(_Source):
             raise InputError(f"DATA: '{path}': has a head but no rows")
         self.names = cells if self.head else [str(i + 1) for i in range(len(cells))]
         self.constants = {}
+        self.decimal = "," if self.separator != "," and "," in second and "." not in second else "."
 
     def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
         import pyarrow
@@ -217,7 +221,11 @@ class _CsvSource(_Source):
             raise InputError([f"DATA: '{self.path}': has column {name!r} more than once" for name in twice])
         include = list(dict.fromkeys(wanted.values()))
         # a column that is text in one block is read as text throughout, so that the first bad cell can be named
-        options = csv.ConvertOptions(include_columns=include, column_types=dict.fromkeys(include, pyarrow.float64()))
+        options = csv.ConvertOptions(
+            include_columns=include,
+            column_types=dict.fromkeys(include, pyarrow.float64()),
+            decimal_point=self.decimal,
+        )
         try:
             reader = csv.open_csv(
                 self.path,
@@ -256,7 +264,7 @@ class _CsvSource(_Source):
 
 def _is_number(text: str) -> bool:
     try:
-        float(text)
+        float(text.replace(",", "."))
     except ValueError:
         return False
     return True
@@ -313,6 +321,8 @@ def _hdf5(path: Path) -> dict[str, Any]:
 
 
 def _npz(path: Path) -> _Source:
+    if not is_zipfile(path):
+        raise InputError(f"DATA: '{path}': is no NPZ file")
     with np.load(path, allow_pickle=False) as data:
         return _Source(path, dict(data))
 

@@ -26,7 +26,7 @@ from stribeck.identify.log import Log, thinned
 from stribeck.identify.optimise import descend
 from stribeck.identify.segments import constant_speed, distinct_speeds
 from stribeck.identify.static_problem import StaticProblem, averaging, decimation, kept_rows, thinning
-from stribeck.identify.static_start import Start, solve
+from stribeck.identify.static_start import Start, solve, unit_of
 from stribeck.identify.terms import TERMS
 
 Array = NDArray[np.float64]
@@ -115,12 +115,14 @@ def check_motion(log: Log) -> None:
     """Refuse what no fit can use.
 
     Raises:
-        InputError: nothing moves, the speed is constant, the force has the wrong sign.
+        InputError: nothing moves, the speed or the force is constant, the force has the wrong sign.
     """
     v = log.velocity
     fastest = float(np.max(abs(v)))
     if fastest <= 0:
         raise InputError("--velocity: 0 throughout: nothing moves, so there is no friction to fit")
+    if not np.ptp(log.force) > 0:
+        raise InputError(f"--force: {log.force[0]:.6g} N throughout: there is no friction to fit")
     low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
         raise InputError(
@@ -155,9 +157,10 @@ def _judged(begun: Start, problem: StaticProblem, u: Array, log: Log, profiles: 
     """The fit of one problem, without what is told of all rows."""
     judged = uncertainty.judge(problem, u, thinned(log), profiles)
     values = problem.values(judged.point)
-    estimates = {n: e for n, e in judged.estimates.items() if n not in TERMS} | _unseen(begun, log, values)
+    judgements = {**judged.estimates, **_unseen(begun, log, values)}
+    estimates = {n: e for n, e in judgements.items() if n not in TERMS}
     order = [n for n in problem.law.constants() if n in estimates]
-    body = {n: e for n, e in judged.estimates.items() if n in TERMS}
+    body = {n: e for n, e in judgements.items() if n in TERMS}
     body |= _by_direction(estimates, body, judged.names, judged.covariance)
     return Fit(
         law=problem.law.name,
@@ -184,7 +187,7 @@ def _unseen(begun: Start, log: Log, values: Mapping[str, float]) -> dict[str, Es
         advice = experiment_for(name, values, scales(thinned(log)))
         found[name] = Estimate(None, None, None, unit, False, why, advice)
     for name, high in begun.at_bound.items():
-        unit = begun.problem.law.constants()[name].unit
+        unit = unit_of(begun.problem.law, name)
         found[name] = Estimate(0.0, 0.0, high, unit, True, "at its lower bound, 0")
     return found
 

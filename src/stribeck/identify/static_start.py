@@ -208,15 +208,27 @@ def _start(
         value = values[name]
         low, high = span.get(name, (value / _REACH, value * _REACH))
         coordinates.append(Coordinate(name, law.constants()[name].unit, low / 3, high * 3))
-    coordinates += [_term(name, values.get(name, 0.0), draft, force) for name in terms]
+    for name in terms:
+        term = TERMS[name]
+        if term.positive and term.column is not None and name in linear:
+            size = float(np.max(abs(draft.columns_at(values)[name])))
+            if linear[name] * size < _NOTHING * force:
+                at_bound[name], values[name] = _upper(draft, name, {**values, name: 0.0}), 0.0
+                continue
+        coordinates.append(_term(name, values.get(name, 0.0), draft, force))
     free = {c.name for c in coordinates} | set(tied)
     fixed = {n: v for n, v in values.items() if n not in free}
     columns = [n for n in draft.terms if n in free or n in fixed]
     problem = StaticProblem(draft.log, draft.sliding, coordinates, fixed, tied, columns, draft.reduce)
     point = np.clip([c.inner(values[c.name]) if values.get(c.name) else 0.0 for c in coordinates], *problem.bounds)
     problem.home = point
-    notes = [f"{n}: comes out as 0, at most {high:.3g} {law.constants()[n].unit}" for n, high in at_bound.items()]
+    notes = [f"{n}: comes out as 0, at most {high:.3g} {unit_of(law, n)}" for n, high in at_bound.items()]
     return Start(problem, np.asarray(point), tuple(wanted), unseen, at_bound, tuple(notes), {})
+
+
+def unit_of(law: type[Law], name: str) -> str:
+    """The unit of a constant of the law or of a term of the body."""
+    return TERMS[name].unit if name in TERMS else law.constants()[name].unit
 
 
 def _term(name: str, value: float, draft: StaticProblem, force: float) -> Coordinate:

@@ -19,10 +19,11 @@ from scipy.stats import chi2
 
 from stribeck.identify.advice import experiment_for
 from stribeck.identify.estimate import Estimate, Profile
+from stribeck.identify.filtering import leeway
 from stribeck.identify.guess import reversals, scales
 from stribeck.identify.log import Log
 from stribeck.identify.optimise import descend
-from stribeck.identify.problem import Problem
+from stribeck.identify.problem import Coordinate, Problem
 
 Array = NDArray[np.float64]
 _THRESHOLD = float(chi2.ppf(0.95, 1))
@@ -32,6 +33,7 @@ _BOUND = 0.95  # correlation with one that is inflated so
 _FEWEST = 12.0  # samples that an estimate must rest on
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
+_MOST_LEEWAY = 0.2  # of the logarithm, for the motion's filter
 _LONGEST_MEMORY = 50  # samples, of the noise model
 _FRESH_STARTS = 4
 _NOTICEABLE = 0.05  # of twice the log-likelihood
@@ -86,6 +88,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool) -> Judgement:
     alike = _alike(plain, slopes, variance)
     sizes, values = scales(log), problem.values(u)
     unseen = _presliding_unseen(problem, values, log)
+    spare = leeway(problem, u, slopes)
     estimates, found = {}, {}
     for k, c in enumerate(problem.coordinates):
         if c.nuisance:
@@ -97,8 +100,8 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool) -> Judgement:
         doubt = unseen if c.name in _BRISTLES and unseen else _doubt(problem, k, u, inner, support[k], alike[k])
         if profiles and not doubt:
             low, high, found[c.name] = profile(problem, u, k, deviation, variance * inflation, inner)
-            doubt = _open(low, high, c.log)
-            low, high = (None if x is None else c.outer(x) for x in (low, high))
+            doubt = _hangs(c, spare[k]) or _open(low, high, c.log)
+            low, high = (None if x is None else c.outer(x + side * spare[k]) for x, side in ((low, -1), (high, 1)))
         else:
             ends = [u[k] + side * np.sqrt(_THRESHOLD) * deviation for side in (-1, 1)]
             low, high = (c.outer(x) if c.inner(c.low) < x < c.inner(c.high) else None for x in ends)
@@ -110,9 +113,10 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool) -> Judgement:
     own = [k for k, c in enumerate(problem.coordinates) if not c.nuisance]
     stretch = np.array([c.outer(u[k]) if c.log else c.scale for k, c in enumerate(problem.coordinates)])
     outer = (inner * np.outer(stretch, stretch))[np.ix_(own, own)]
-    notes = () if free > 10 * len(u) else (f"only {len(misfit)} samples for {len(u)} numbers",)
+    notes = [] if free > 10 * len(u) else [f"only {len(misfit)} samples for {len(u)} numbers"]
+    notes += _widened(problem, estimates, spare, inner)
     noise = {"standard_deviation": float(np.sqrt(variance)), "memory": len(memory)}
-    return Judgement(u, estimates, tuple(problem.coordinates[k].name for k in own), outer, found, notes, noise)
+    return Judgement(u, estimates, tuple(problem.coordinates[k].name for k in own), outer, found, tuple(notes), noise)
 
 
 # -- noise -----------------------------------------------------------------------------------------------------------
@@ -224,6 +228,26 @@ def _presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) 
     if not longest:
         return "there is no reversal and no start from rest in the log, so no presliding"
     return f"no reversal passes through presliding in {needed} samples or more (at best {longest})"
+
+
+def _hangs(c: Coordinate, spare: float) -> str:
+    """Why the filter of the motion leaves a coordinate open, or nothing."""
+    if not c.log or spare <= _MOST_LEEWAY:
+        return ""
+    return (
+        f"it hangs on the filter of the motion, which may shift it by {spare:.0%}: the position is too coarse or noisy"
+    )
+
+
+def _widened(problem: Problem, estimates: Mapping[str, Estimate], spare: Array, inner: Array) -> list[str]:
+    """What to say of intervals that the motion's filter has made wider."""
+    wider = [
+        f"{c.name} by {100 * spare[k]:.2g} %"
+        for k, c in enumerate(problem.coordinates)
+        if c.log and not c.nuisance and estimates[c.name].identifiable and spare[k] > 2 * np.sqrt(inner[k, k])
+    ]
+    why = "intervals are wider to each side for what the filter of the motion may do: "
+    return [why + ", ".join(wider)] if wider else []
 
 
 def _open(low: float | None, high: float | None, log: bool) -> str:

@@ -25,6 +25,8 @@ def first_root(f: Callable[[Any], Any], direction: Any, start: float) -> NDArray
         high = np.where(short, 2 * high, high)
     for _ in range(120):
         middle = 0.5 * (low + high)
+        if not ((low < middle) & (middle < high)).any():
+            break
         positive = f(direction * middle) > 0
         low, high = np.where(positive, middle, low), np.where(positive, high, middle)
     return np.asarray(direction * high)

@@ -55,6 +55,7 @@ _STYLE: dict[str, Any] = {
 _BODY = [["y", "v"], ["F", "F"], ["Fv", "Fy"]]
 _AXES = [("y", "t", "y"), ("v", "t", "v"), ("F", "t", "F"), ("Fv", "v", "F"), ("Fy", "y", "F")]
 _SERVO = [["y", "e"], ["p_1", "p_2"], ["u", "V"], ["F", "F_hat"]]
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
 
 
@@ -118,12 +119,19 @@ def draw(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
 
 
 def logarithmic(axis: Axes, x: bool = True, y: bool = True) -> None:
-    """Make the scales logarithmic, without the small ticks: laying them out would take most of a figure's time."""
-    if x:
-        axis.set_xscale("log")
-    if y:
-        axis.set_yscale("log")
+    """Make the scales logarithmic, without the small ticks and with labels of plain text: laying these out would take
+    most of a figure's time."""
+    for wanted, scaled in ((x, axis.xaxis), (y, axis.yaxis)):
+        if wanted:
+            axis.set(**{f"{scaled.axis_name}scale": "log"})
+            scaled.set_major_formatter(_power)
     axis.minorticks_off()
+
+
+def _power(x: float, _: float = 0.0) -> str:
+    """A tick's label, such as 10 to some power."""
+    exponent = round(np.log10(x))
+    return "10" + str(exponent).translate(_RAISED) if np.isclose(x, 10.0**exponent, atol=0) else f"{x:g}"
 
 
 def legend(made: Figure, axis: Axes) -> None:

@@ -113,16 +113,21 @@ def _useless(law: Law) -> str | None:
     return None
 
 
-def not_adaptable(law: Law | None) -> str | None:
-    """Why an observer cannot be adapted, or None."""
+def not_linear(law: Law | None) -> str | None:
+    """Why an observer is not of the kind that the Lyapunov function is for, or None."""
     if law is None:
-        return "there is no observer to adapt"
+        return "there is no observer"
     linear = law.has_z and law._graph().linear
     if not (linear and type(law).friction is BristleLaw.friction):
-        return (
-            f"law '{law.name}' cannot be adapted: dz/dt must be linear in z, F = sigma_0 z + sigma_1 dz/dt + sigma_2 v"
-        )
+        return f"of law '{law.name}' dz/dt must be linear in z, and F = sigma_0 z + sigma_1 dz/dt + sigma_2 v"
     return None
+
+
+def not_adaptable(law: Law | None) -> str | None:
+    """Why an observer cannot be adapted, or None."""
+    if (reason := not_linear(law)) is None and law is not None and law.values.get("v_d") is not None:
+        reason = f"v_d = {law.values['v_d']:g}: sigma_1 must be constant"
+    return f"cannot adapt the observer: {reason}" if reason else None
 
 
 def judge(servo: Servo, law: Law, signal: Signal, t_end: float, initial: Mapping[str, float]) -> list[Problem]:

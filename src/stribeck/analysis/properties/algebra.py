@@ -17,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from stribeck.analysis.properties.intervals import Evaluator, point
 from stribeck.expressions.graph import Expr
+from stribeck.expressions.intervals import Evaluator, point
 from stribeck.expressions.pretty import multiple_of_pi
 
 _SHARES = 10

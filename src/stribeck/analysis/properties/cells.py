@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.analysis.properties import elastic
-from stribeck.analysis.properties.boxes import Cover, not_negative
-from stribeck.analysis.properties.intervals import Evaluator, Interval
 from stribeck.analysis.properties.model import RATE, Model, V, over_u, reciprocal
 from stribeck.analysis.properties.storage import Storage
+from stribeck.expressions.boxes import Cover, not_negative
 from stribeck.expressions.graph import substitute, symbol
+from stribeck.expressions.intervals import Evaluator, Interval
 
 Array = NDArray[np.float64]
 

@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.analysis.properties.algebra import sign_over_all
-from stribeck.analysis.properties.boxes import Cover, grid, not_negative
-from stribeck.analysis.properties.intervals import Evaluator, Interval, interval, point
 from stribeck.analysis.properties.model import RATE, Model, Relaxation, V, Z, over_u, reciprocal
 from stribeck.analysis.properties.storage import own_speeds
+from stribeck.expressions.boxes import Cover, grid, not_negative
 from stribeck.expressions.graph import derivative, substitute, symbol, symbols, wrap
+from stribeck.expressions.intervals import Evaluator, Interval, interval, point
 
 METHOD = (
     "interval arithmetic over all v, with the stored energy sigma_0 z^2/2, its minimum over z in closed form and v^2 "

@@ -13,6 +13,7 @@ from stribeck.analysis.properties.storage import Storage, reach_of
 from stribeck.analysis.properties.verdicts import Verdicts
 from stribeck.laws.base import Law
 
+_SECONDS = 5.0  # for a proof in a listing; most take a hundredth of one
 _STEEP = 1e4  # k_v v_s where k_v is not given
 _ELASTIC = 0.7  # sigma_0 z_ba / F_c where z_ba is not given
 
@@ -51,5 +52,5 @@ def passive_with(values: Mapping[str, float | str]) -> dict[str, bool | None]:
         if not Storage(law, None, reach).exists:
             found[law.name] = False
         else:
-            found[law.name] = True if prove(Model(law), None, reach, monotonic() + 1).holds else None
+            found[law.name] = True if prove(Model(law), None, reach, monotonic() + _SECONDS).holds else None
     return found

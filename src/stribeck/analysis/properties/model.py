@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from stribeck.analysis.properties.intervals import Evaluator, Interval, point
 from stribeck.expressions.graph import (
     ONE,
     ZERO,
@@ -22,6 +21,7 @@ from stribeck.expressions.graph import (
     symbols,
     wrap,
 )
+from stribeck.expressions.intervals import Evaluator, Interval, point
 from stribeck.expressions.ops import sqrt
 from stribeck.laws.base import Law
 

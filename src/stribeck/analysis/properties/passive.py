@@ -6,17 +6,16 @@ from time import monotonic
 from typing import Any
 
 from stribeck.analysis.properties import cells, cycles, elastic, replay
-from stribeck.analysis.properties.boxes import Cover
 from stribeck.analysis.properties.model import Model
 from stribeck.analysis.properties.storage import Storage, largest_speed, reach_of
-from stribeck.analysis.properties.verdicts import Verdict, undecided
+from stribeck.analysis.properties.verdicts import Verdict, later, undecided
+from stribeck.expressions.boxes import Cover
 
 _CYCLE = "a cycle of held speeds that returns z to its start and draws energy, replayed by simulation"
 _ENDLESS = (
     "unwinding from |z| = Z draws energy in proportion to the speed, without limit: more than any storage function holds; "
     "one such run, replayed by simulation"
 )
-_VERIFY_SECONDS = 30.0
 
 
 def decide(model: Model, v_max: float | None, bounded: bool | None, deadline: float) -> Verdict:
@@ -42,7 +41,7 @@ def _proved(model: Model, storage: Storage, deadline: float) -> Verdict:
             "boxes": cover.boxes,
             **bounds,
         }
-        return Verdict(True, elastic.METHOD, evidence, again=lambda: elastic.prove(model, v_max, reach, _later()).holds)
+        return Verdict(True, elastic.METHOD, evidence, again=lambda: elastic.prove(model, v_max, reach, later()).holds)
     own = cover
     cover, fitted = cells.prove(model, storage, deadline)
     if not cover.holds or fitted is None:
@@ -52,11 +51,7 @@ def _proved(model: Model, storage: Storage, deadline: float) -> Verdict:
         "own_up_to": fitted.own, "boxes": cover.boxes, **bounds,
         "slopes": [[float(x) for x in row] for row in zip(fitted.low, fitted.high, fitted.slope, strict=True)],
     }  # fmt: skip
-    return Verdict(True, cells.METHOD, evidence, again=lambda: cells.prove(model, storage, _later())[0].holds)
-
-
-def _later() -> float:
-    return monotonic() + _VERIFY_SECONDS
+    return Verdict(True, cells.METHOD, evidence, again=lambda: cells.prove(model, storage, later())[0].holds)
 
 
 def _why(own: Cover, fitted: Cover) -> str:

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 
-from stribeck.analysis.properties.intervals import Evaluator, Interval, interval
 from stribeck.analysis.properties.model import Model, U, V, Z, divided
 from stribeck.expressions.graph import (
     ZERO,
@@ -25,6 +24,7 @@ from stribeck.expressions.graph import (
     symbol,
     symbols,
 )  # fmt: skip
+from stribeck.expressions.intervals import Evaluator, Interval, interval
 from stribeck.expressions.pretty import multiple_of_pi
 
 W = symbol("w")  # |z|

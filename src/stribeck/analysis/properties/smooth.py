@@ -6,11 +6,11 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from stribeck.analysis.properties.intervals import Evaluator, point
 from stribeck.analysis.properties.model import U
 from stribeck.analysis.properties.seams import Quadrants, Seam, W, solved
 from stribeck.analysis.properties.verdicts import Verdict, undecided
 from stribeck.expressions.graph import Expr
+from stribeck.expressions.intervals import Evaluator, point
 
 _METHOD = (
     "exact algebra: dz/dt is built of analytic functions, and where its cases meet, values and first derivatives agree"

@@ -23,6 +23,7 @@ _PER_DECADE, _ZOOMS, _ZOOM_POINTS = 5, 7, 7
 _CANCELS = 1e-10  # dz/dt this small beside its terms is noise
 _NEGATIVE = 1e-9  # share of |L| + |U| by which U may fall short of L by rounding
 _ENDLESS = 500.0  # energy in proportion to a speed a thousand times larger
+_SIDES = np.array([-1.0, 1.0])[:, None, None]  # dz/dt < 0, for L, and > 0, for U
 _FAR = 1e4  # where z has no bound: how many natural lengths to look
 
 
@@ -83,15 +84,23 @@ class Storage:
                 [near, np.linspace(0.5, 0.98, 24)[1:-1], 1 - np.logspace(-9, np.log10(0.02), 24)[::-1]]
             )
         z = self.largest * share
-        return np.concatenate([-z[::-1], z])
+        return z if self._odd else np.concatenate([-z[::-1], z])
+
+    @property
+    def _odd(self) -> bool:
+        """Whether one sign of z tells of the other; a law that says so is not believed without a look."""
+        v, z = self.v[::7, None], self.largest * np.array([0.03, 0.5, 0.97])
+        rates, forces = (of(np.stack([v, -v]), np.stack([z, -z])[:, None]) for of in (self.law.rate, self.law.force))
+        return self.law.symmetric and np.array_equal(rates[0], -rates[1]) and np.array_equal(forces[0], -forces[1])
 
     def slopes(self, v: Array, z: Array) -> tuple[Array, Array]:
         """dz/dt (0 where it is noise) and F v / (dz/dt), J/m, with v along the first axis."""
+        law = self.law
+        signs = np.array([1.0, -1.0, 0.0]).reshape(3, *(1,) * max(np.ndim(v), np.ndim(z)))
         with np.errstate(all="ignore"):
-            f = self.law.rate(v, z)
-            size = np.maximum(abs(self.law.rate(v, -z)), abs(self.law.rate(v, 0 * z)))
-            f = np.where(abs(f) > _CANCELS * size, f, 0.0)
-            energy = self.law.force(v, z) * v / f
+            f, *others = law.rate(v, signs * z)
+            f = np.where(abs(f) > _CANCELS * np.maximum(*np.abs(others)), f, 0.0)
+            energy = law.friction(law.p, v, z, f) * v / f
         return f, np.where(np.isfinite(energy), energy, 0.0)
 
     def interval(self, z: ArrayLike) -> tuple[Array, Array]:
@@ -100,30 +109,26 @@ class Storage:
         return low, high
 
     def extremes(self, z: ArrayLike) -> tuple[Array, Array, Array, Array]:
-        """L and U, and the speeds that give them."""
-        z = np.atleast_1d(np.asarray(z, float))
-        f, energy = self.slopes(self.v[:, None], z)
-        low, v_low = self._refined(z, np.where(f < 0, energy, -np.inf), side=-1)
-        high, v_high = self._refined(z, np.where(f > 0, -energy, -np.inf), side=1)
-        return low, -high, v_low, v_high
+        """L and U, and the speeds that give them: the sampled ones, refined between their neighbours."""
+        z, top, lanes = np.atleast_1d(np.asarray(z, float)), abs(self.v[-1]), np.arange(2)[:, None]
+        columns = np.arange(len(z))
 
-    def _refined(self, z: Array, table: Array, side: int) -> tuple[Array, Array]:
-        """The largest entries, refined between the sampled speeds, and where they are."""
-        at = table.argmax(axis=0)
-        best, v = table[at, np.arange(len(z))], self.v[at]
-        step = np.log(abs(self.v[-1] / self.v[-2]))
-        share = np.linspace(-1, 1, _ZOOM_POINTS)[:, None]
-        top = abs(self.v[-1])
+        def largest(v: Array) -> tuple[Array, NDArray[np.int64]]:
+            """Of L and of -U (along the first axis) the largest value over v (along the second), and its index."""
+            f, energy = self.slopes(v, z)
+            value = np.where(_SIDES * f > 0, -_SIDES * energy, -np.inf)
+            at = value.argmax(axis=1)
+            return value[lanes, at, columns], at
+
+        best, at = largest(self.v[:, None])
+        v, step = self.v[at], np.log(abs(self.v[-1] / self.v[-2]))
         for _ in range(_ZOOMS):
-            around = np.clip(v * np.exp(step * share), -top, top)
-            f, energy = self.slopes(around, z)
-            value = np.where(side * f > 0, -side * energy, -np.inf)
-            at = value.argmax(axis=0)
-            better = value[at, np.arange(len(z))] > best
-            best = np.where(better, value[at, np.arange(len(z))], best)
-            v = np.where(better, around[at, np.arange(len(z))], v)
+            around = np.clip(v[:, None] * np.exp(step * np.linspace(-1, 1, _ZOOM_POINTS))[:, None], -top, top)
+            value, at = largest(around)
+            v = np.where(value > best, around[lanes, at, columns], v)
+            best = np.maximum(best, value)
             step *= 2.5 / (_ZOOM_POINTS - 1)
-        return best, v
+        return best[0], -best[1], v[0], v[1]
 
     def shortfall(self, z: Array) -> Array:
         """(U - L)/(|U| + |L|), from -1 to 1; 1 where one of them is infinite."""
@@ -139,10 +144,13 @@ class Storage:
         value = self.shortfall(z)
         i = int(value.argmin())
         worst, at = float(value[i]), float(z[i])
-        if worst < -_NEGATIVE:
+        lower = np.minimum(value[:-2], value[2:]) - value[1:-1]  # than the neighbours
+        deep = 4 * np.maximum(
+            abs(np.diff(value))[:-1], abs(np.diff(value))[1:]
+        )  # what a dip could fall further, and more
+        dips = 1 + np.flatnonzero((lower >= 0) & (value[1:-1] <= deep))
+        if worst < -_NEGATIVE or not len(dips):
             return worst, at
-        inner = np.arange(1, len(z) - 1)
-        dips = inner[(value[1:-1] <= value[:-2]) & (value[1:-1] <= value[2:])]
         left, right, lanes = z[dips - 1], z[dips + 1], np.arange(len(dips))
         for _ in range(7):
             points = left + (right - left) * np.linspace(0, 1, 7)[:, None]

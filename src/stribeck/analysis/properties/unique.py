@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from stribeck.analysis.properties import replay
-from stribeck.analysis.properties.boxes import grid
 from stribeck.analysis.properties.elastic import speed_edges
-from stribeck.analysis.properties.intervals import Evaluator, Interval
 from stribeck.analysis.properties.model import over_u, reciprocal
 from stribeck.analysis.properties.seams import Quadrants, W
 from stribeck.analysis.properties.storage import own_speeds
-from stribeck.analysis.properties.verdicts import Verdict, undecided
+from stribeck.analysis.properties.verdicts import Verdict, later, undecided
+from stribeck.expressions.boxes import grid
 from stribeck.expressions.graph import derivative
+from stribeck.expressions.intervals import Evaluator, Interval
 
 _METHOD = (
     "dz/dt is continuous (exact algebra where its cases meet) and Lipschitz in z, uniformly over bounded v: "
@@ -47,7 +47,7 @@ def decide(quadrants: Quadrants, reach: float | None, deadline: float) -> Verdic
 
 def _again(quadrants: Quadrants, edges: list[float]) -> bool:
     whole = all(quadrants.meet(seam, 0) for seam in quadrants.seams())
-    return whole and _lipschitz(quadrants, edges, monotonic() + 30) is not None
+    return whole and _lipschitz(quadrants, edges, later()) is not None
 
 
 def _lipschitz(quadrants: Quadrants, w_edges: list[float], deadline: float) -> tuple[float, float] | None:

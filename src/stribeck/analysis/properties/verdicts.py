@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from time import monotonic
 from typing import Any
 
 from stribeck.laws.base import Law
 
+_AGAIN = 60.0  # s: a second run of a proof that was found in a few may take as long
 NAMES = ("unique", "bounded", "smooth", "passive", "drift_free")
 
 
@@ -34,6 +36,11 @@ class Verdict:
         """The verdict as JSON."""
         data: dict[str, Any] = {"holds": self.holds, "method": self.method, "evidence": self.evidence}
         return data if self.verified is None else {**data, "verified": self.verified}
+
+
+def later() -> float:
+    """The deadline of a proof's second run."""
+    return monotonic() + _AGAIN
 
 
 def undecided(reason: str, **evidence: Any) -> Verdict:

@@ -9,7 +9,7 @@ from time import monotonic
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.analysis.properties.intervals import Interval
+from stribeck.expressions.intervals import Interval
 
 Array = NDArray[np.float64]
 Bound = Callable[[Sequence[Interval]], Interval]
@@ -22,15 +22,17 @@ _NARROW = 1e-13
 
 @dataclass(frozen=True)
 class Cover:
-    """What came of a proof: whether the bound holds, with how many boxes; else a box where it was not shown."""
+    """What came of a proof: whether the bound holds, with how many boxes; else a box where it was not shown, why, and
+    whether it is known to be negative there."""
 
     holds: bool
     boxes: int
     where: tuple[tuple[float, float], ...] | None = None
     reason: str = ""
+    negative: bool = False
 
 
-def not_negative(bound: Bound, low: Array, high: Array, deadline: float) -> Cover:
+def not_negative(bound: Bound, low: Array, high: Array, deadline: float = np.inf) -> Cover:
     """Show that ``bound``, given one interval a dimension, is nowhere negative; low and high have a row a dimension.
 
     Boxes may reach to infinity. A point where ``bound`` is negative ends the search.
@@ -50,7 +52,7 @@ def not_negative(bound: Bound, low: Array, high: Array, deadline: float) -> Cove
             i = int(stuck.argmax()) if stuck.any() else int(open_.argmax())
             box = tuple((float(a), float(b)) for a, b in zip(low[:, i], high[:, i], strict=True))
             text = "it is negative" if below[i] else "boxes became too small" if stuck[i] else "time ran out"
-            return Cover(False, count, box, text)
+            return Cover(False, count, box, text, bool(below[i]))
         low, high, width, cut = (x[:, open_] for x in (low, high, width, cut))
         axis, lanes = width.argmax(axis=0), np.arange(low.shape[1])
         left, right = high.copy(), low.copy()
