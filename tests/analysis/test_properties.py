@@ -136,6 +136,14 @@ def test_a_set_at_its_very_limit_is_passive(name):
     assert prove_elastic(Model(law), None, 1e-5, LATE).holds
 
 
+def test_arctan_with_damping_that_falls_is_passive_though_z_has_no_bound():
+    """docs/theory.md: sigma_1 v_d/sqrt(2 e) <= 4 F_c suffices. Speeds without bound are covered, z too."""
+    values = {"sigma_0": 2e8, "sigma_1": 0.35, "sigma_2": 0.0, "F_c": 35.0, "F_s": 93.0, "v_s": 0.24}
+    v_d = 4 * np.sqrt(2 * np.e) * 35.0 / 0.35
+    assert prove_elastic(Model(law_with("lugre_arctan", values, v_d=0.99 * v_d)), None, None, LATE).holds
+    assert passive.decide(Model(law_with("lugre_arctan", values, v_d=4 * v_d)), None, False, LATE).holds is not True
+
+
 def test_the_storage_interval_holds_the_elastic_energy_where_lugre_is_passive():
     z = np.linspace(-1.4e-5, 1.4e-5, 29)
     low, high = storage_interval(law_with("lugre", sigma_2=200.0), z)

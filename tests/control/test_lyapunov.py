@@ -199,6 +199,15 @@ def test_command(tmp_path, capsys, monkeypatch):
         assert capsys.readouterr().out == ""
 
 
+def test_without_bristle_damping_any_gains_hold():
+    table_1 = stribeck.law("lugre_sobczyk", **TABLE_1)
+    law = type(table_1)({**table_1.values, "sigma_1": 0.0})
+    verdict = judge(law, {"K_D": 1.0, "K": 1.0}, 10.0)
+    assert verdict.exact.holds
+    assert verdict.sufficient.holds
+    assert verdict.exact.largest_speed is None
+
+
 @needs_compiler
 def test_damping_that_falls_with_speed():
     """With v_d the derivative (19) holds with sigma_1(v), and K_D that suffices for sigma_1(0) is more than enough."""
@@ -218,3 +227,16 @@ def test_damping_that_falls_with_speed():
     least = np.max(1e-6 * sigma_1 * (sigma_1 * w(speeds) / 4 - p.sigma_0))
     for factor, proven in ((1.01, True), (0.99, False)):
         assert prove(law, {"K_D": factor * least, "K": 1e-6}, (-0.1, 0.1)).proven is proven
+
+
+def test_small_errors_decide():
+    """Why the box has only a speed: where the form fails it fails for errors as small as you like."""
+    law = stribeck.law("lugre_sobczyk", **TABLE_1)
+    gains = {"K_D": 200.0, "K": 1e-6}
+    assert prove(law, gains, (-0.1, 0.1)).proven is False
+    values = {**{n: law.values[n] for n in ("sigma_0", "sigma_1")}, **gains, "K_p": 60.0, "rho": 4e-10}
+    expr = derive().derivative.subs({sympy.Symbol(n, positive=True): x for n, x in values.items()})
+    w = at_speed(law, decay(law))(0.1)
+    for size in (1.0, 1e-6, 1e-12):
+        worst = {"s": size, "p_err": 0.0, "z_err": -values["sigma_1"] * values["K"] / 2 * size, "w": w}
+        assert expr.subs({sympy.Symbol(n, real=True): x for n, x in worst.items()}) > 0

@@ -125,18 +125,22 @@ def test_V_never_rises_where_the_argument_is_exact():
 
 
 @needs_compiler
-@pytest.mark.parametrize("factor", [0.5, 1.5])
-def test_adaptation_recovers(factor):
-    wrong = half(factor, solve__t_end=200.0, output__step=0.05)
+@pytest.mark.parametrize(("factor", "middle", "late"), [(0.5, 1e-6, 1e-8), (1.5, 5e-6, 3e-7)])
+def test_adaptation_recovers(factor, middle, late):
+    """On the sine every parameter is found, and the error goes on falling exponentially: docs/servo.md has its figures."""
+    wrong = half(factor, solve__t_end=2000.0, output__step=0.1)
     fixed = last(solved(**{**wrong, "drive__adaptive": False, "solve__t_end": 20.0}))
+    assert 0.016 < fixed < 0.021
     solution = solved(**wrong)
-    assert last(solution) < fixed / 50
+    e = abs(solution["e"])
+    assert e[9950:10000].max() < middle
+    assert e[-50:].max() < late
     true = solution.scenario.law.values
-    for name, off in (("sigma_0", 0.2), ("sigma_2", 0.25), ("F_c", 0.2)):
-        assert solution.final[f"{name}_hat"] == pytest.approx(true[name], rel=off)
-    scale = solution["sigma_1_hat"] / (factor * true["sigma_1"])
-    assert scale.min() > 0.25
-    assert scale.max() < 4.0
+    for name in ("sigma_0", "sigma_1", "sigma_2", "F_c"):
+        assert solution.final[f"{name}_hat"] == pytest.approx(true[name], rel=1e-3), name
+        scale = solution[f"{name}_hat"] / (factor * true[name])
+        assert scale.min() > 0.2
+        assert scale.max() < 5.0
 
 
 # -- what is refused, and what fails ----------------------------------------------------------------------------------
@@ -152,10 +156,12 @@ BAD = {
     "observer F_c": ({"drive__observer__parameters": {"F_c": -1.0}}, "drive.observer.parameters.F_c: -1.0: must be"),
     "observer key": ({"drive__observer__F_c": 1.0}, "belongs in drive.observer.parameters"),
     "no observer": ({"drive__observer": 3}, "drive.observer: 3: must be a table"),
+    "instants": ({"drive__sample_time": 1e-9}, "drive.sample_time: 1e-09: must be at least solve.t_end/1e+07"),
     "delay": ({"drive__delay": 0.1}, "drive.delay: 0.1: needs drive.sample_time"),
     "noise": ({"drive__noise": 1e-5, "drive__sample_time": 1e-3}, "drive.bandwidth: missing"),
     "adapt none": ({"drive__adaptive": True, "drive__observer": {"name": "none"}}, "there is no observer"),
     "adapt": ({"drive__adaptive": True, "drive__observer": {"name": "coulomb_viscous"}}, "dz/dt must be linear in z"),
+    "adapt zero": ({"drive__adaptive": True, "law__parameters__sigma_2": 0.0}, "sigma_2 = 0: its scale is adapted"),
     "adapt v_d": ({"drive__adaptive": True, "drive__observer__v_d": 0.1}, "sigma_1 must be constant"),
     "K_D": ({"drive__K_D": -1.0}, "drive.K_D: -1.0: must be a finite number > 0"),
     "model": ({"drive__model": {"mas": 1.0}}, "did you mean 'mass'"),
@@ -199,3 +205,12 @@ def test_a_valve_that_is_always_at_its_limit():
     with pytest.warns(UserWarning, match="limit of 0.01 V from t = "):
         solution = simulate(servo(drive__u_max=0.01))
     assert solution.status == "done"
+
+
+@needs_compiler
+def test_the_report_finds_stick_slip_only_where_the_seal_sticks():
+    from stribeck.paper import servo as chapter
+
+    without, compensated, example = (chapter._stick_slips(s) for s in chapter._slow().values())
+    assert without >= 10
+    assert compensated == example == 0

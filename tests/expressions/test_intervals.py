@@ -94,3 +94,11 @@ def test_the_quintic_smoothstep_stays_within_0_and_1():
     found = Evaluator([s**3 * (10 - 15 * s + 6 * s**2)])({"x": interval([-3.0, 0.25], [5.0, 0.5])})[0]
     assert (found.low[0], found.high[0]) == (0.0, 1.0)
     assert 0.0 < found.low[1] < found.high[1] < 1.0
+
+
+def test_a_product_that_underflows_keeps_its_sign():
+    tiny = interval([0.0], [5e-324])
+    with np.errstate(all="ignore"):
+        assert (tiny * point(np.array([0.3]))).low[0] == 0.0
+        assert (tiny * point(np.array([-0.3]))).high[0] == 0.0
+        assert (tiny * point(np.array([0.3]))).high[0] > 0.0

@@ -86,7 +86,9 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
     error, deflection = (each.subs(p) for each in form.sufficient)
 
     def condition(expr: Any, also: bool) -> Condition:
-        least = float(sympy.solve(expr, K_D)[0].subs({K: gains["K"], w: w_max}))
+        # without bristle damping any K_D > 0 will do, and no root is left
+        found = sympy.solve(expr, K_D)
+        least = float(found[0].subs({K: gains["K"], w: w_max})) if found else 0.0
         roots = sympy.solve(expr.subs({K: gains["K"], K_D: gains["K_D"]}), w)
         speed = _speed(of_speed, float(roots[0])) if roots else None
         margin = gains["K_D"] - least

@@ -30,9 +30,9 @@ class Adaptation:
 
     constants: ClassVar[dict[str, Constant]] = {
         "gamma_0": Constant("1/J", "adaptation gain of sigma_0", at_least=0, default=2.0),
-        "gamma_1": Constant("1/J", "adaptation gain of sigma_1", at_least=0, default=2.0),
+        "gamma_1": Constant("1/J", "adaptation gain of sigma_1", at_least=0, default=500.0),
         "gamma_2": Constant("1/J", "adaptation gain of sigma_2", at_least=0, default=2.0),
-        "gamma_g": Constant("1/J", "adaptation gain of the level F_c, through 1/g", at_least=0, default=2.0),
+        "gamma_g": Constant("1/J", "adaptation gain of the level F_c, through 1/g", at_least=0, default=0.5),
         "range": Constant(
             "", "each parameter stays within its known value divided and multiplied by this", above=1, default=4.0
         ),

@@ -66,12 +66,9 @@ def derive() -> Form:
     as its rate is part of dp_d/dt and cancels.
 
     Raises:
-        StribeckError: SymPy is not installed, or the derivative is not such a form.
+        StribeckError: the derivative is not such a form.
     """
-    try:
-        import sympy
-    except ImportError:
-        raise StribeckError("the derivation needs SymPy: pip install 'stribeck[proof]'") from None
+    import sympy
 
     def named(*groups: Any) -> SimpleNamespace:
         return SimpleNamespace(**{n: sympy.Symbol(n, positive=True) for group in groups for n in group})

@@ -59,7 +59,9 @@ def _ends_of(x: Array, error: Array) -> tuple[Array, Array]:
 
 def _products(a: Array, b: Array) -> tuple[Array, Array]:
     p = np.where((a == 0) | (b == 0), 0.0, a * b)
-    return _ends_of(p, _product_error(a, b, p))
+    low, high = _ends_of(p, _product_error(a, b, p))
+    same = (a < 0) == (b < 0)  # rounding does not change a sign
+    return np.where(same & (low < 0), 0.0, low), np.where(~same & (high > 0), 0.0, high)
 
 
 def _quotients(a: Array, b: Array) -> tuple[Array, Array]:

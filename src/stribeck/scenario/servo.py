@@ -25,6 +25,7 @@ Array = NDArray[np.float64]
 Problem = tuple[str, str]
 
 NONE = "none"  # the observer's name where friction is not compensated
+_MOST_INSTANTS = 1e7  # of a sampled controller: some minutes
 _SAMPLES = 4001  # of the path, where it is judged
 
 
@@ -125,8 +126,12 @@ def not_linear(law: Law | None) -> str | None:
 
 def not_adaptable(law: Law | None) -> str | None:
     """Why an observer cannot be adapted, or None."""
-    if (reason := not_linear(law)) is None and law is not None and law.values.get("v_d") is not None:
-        reason = f"v_d = {law.values['v_d']:g}: sigma_1 must be constant"
+    reason = not_linear(law)
+    if reason is None and law is not None:
+        if law.values.get("v_d") is not None:
+            reason = f"v_d = {law.values['v_d']:g}: sigma_1 must be constant"
+        elif zero := [name for name in ("sigma_0", "sigma_1", "sigma_2") if not law.values[name]]:
+            reason = f"{zero[0]} = 0: its scale is adapted, so it must be > 0"
     return f"cannot adapt the observer: {reason}" if reason else None
 
 
@@ -138,6 +143,9 @@ def judge(servo: Servo, law: Law, signal: Signal, t_end: float, initial: Mapping
         if not 0 <= initial[name] <= highest:
             allowed = f"within the stroke, 0 to {p.stroke:g} m" if name == "y" else "an absolute pressure >= 0 Pa"
             found.append((f"plant.initial.{name}", f"{show(initial[name])}: must be {allowed}"))
+    if servo.sampling is not None and servo.sampling.time < t_end / _MOST_INSTANTS:
+        text = f"must be at least solve.t_end/{_MOST_INSTANTS:g} ({t_end / _MOST_INSTANTS:g} s)"
+        found.append(("drive.sample_time", f"{show(servo.sampling.time)}: {text}"))
     room = p.supply_pressure - p.atmospheric_pressure
     if room <= 0:
         text = f"{show(p.supply_pressure)}: must be above plant.atmospheric_pressure ({p.atmospheric_pressure:g} Pa)"

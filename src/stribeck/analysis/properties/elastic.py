@@ -11,13 +11,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stribeck.analysis.properties.algebra import sign_over_all
-from stribeck.analysis.properties.model import RATE, Model, Relaxation, V, Z, over_u, reciprocal
+from stribeck.analysis.properties.model import RATE, Model, Relaxation, U, V, Z, divided, over_u, reciprocal
 from stribeck.analysis.properties.storage import own_speeds
 from stribeck.expressions.boxes import Cover, grid, not_negative
-from stribeck.expressions.graph import derivative, substitute, symbol, symbols, wrap
+from stribeck.expressions.graph import ONE, Expr, derivative, ordered, substitute, symbol, symbols, wrap
 from stribeck.expressions.intervals import Evaluator, Interval, interval, point
+
+Array = NDArray[np.float64]
 
 METHOD = (
     "interval arithmetic over all v, with the stored energy sigma_0 z^2/2, its minimum over z in closed form and v^2 "
@@ -42,7 +45,8 @@ def prove(model: Model, v_max: float | None, reach: float | None, deadline: floa
     boxes = 0
     for side in (1, -1):
         rho, b, c = (model.sided(x, side) for x in (law.rho, law.b, law.c))
-        bound = _Bound(Evaluator([rho, over_u(rho), b, c]), model, law.e, np.inf if reach is None else reach)
+        evaluate = Evaluator([rho, over_u(rho), b, c, _rise(b)])
+        bound = _Bound(evaluate, model, law.e, np.inf if reach is None else reach)
         edges = speed_edges(model, v_max)
         if v_max is None and (far := _far(model, law, side, reach)) is not None:
             edges = [*(u for u in edges if u < far), far]
@@ -51,6 +55,15 @@ def prove(model: Model, v_max: float | None, reach: float | None, deadline: floa
         if not cover.holds:
             return Cover(False, boxes, cover.where, cover.reason)
     return Cover(True, boxes)
+
+
+def _rise(b: Expr) -> Expr:
+    """An expression whose sign is that of the derivative of u b(u), for a damping that is a factor times exp(...); else 1."""
+    for factor in (node for node in ordered([b]) if node.op == "exp"):
+        parts = [divided(x, factor) for x in (b, derivative(b, U))]
+        if parts[0] is not None and parts[1] is not None:
+            return parts[0] + U * parts[1]
+    return ONE
 
 
 def _far(model: Model, law: Relaxation, side: int, reach: float | None) -> float | None:
@@ -84,14 +97,27 @@ class _Bound:
         u = box[0]
         t = reciprocal(u)
         z = interval(np.full_like(u.low, -self.reach), np.full_like(u.low, self.reach))
-        rho, rho_t, b, c = self.evaluate({**self.model.constants, "u": u, "t": t, "z": z})
-        return _loss(rho, rho_t, b, c, point(self.e), point(self.reach), u, t)
+        rho, rho_t, b, c, rise = self.evaluate({**self.model.constants, "u": u, "t": t, "z": z})
+        # where u b falls it is at most that at the box's lower end, also on an unbounded box
+        falls = (rise.high <= 0) & (b.low >= 0)
+        highest = point(b.high)
+        with np.errstate(all="ignore"):
+            tail = (rho_t * point(u.low) * highest * highest / point(4 * self.e)).high
+        return _loss(rho, rho_t, b, c, point(self.e), point(self.reach), u, t, np.where(falls, tail, np.inf))
 
 
 def _loss(
-    rho: Interval, rho_t: Interval, b: Interval, c: Interval, e: Interval, depth: Interval, u: Interval, t: Interval
+    rho: Interval,
+    rho_t: Interval,
+    b: Interval,
+    c: Interval,
+    e: Interval,
+    depth: Interval,
+    u: Interval,
+    t: Interval,
+    tail: Array,
 ) -> Interval:
-    """A lower bound of D/v^2 (as the low end); below zero also where rho might be negative."""
+    """A lower bound of D/v^2 (as the low end); below zero also where rho might be negative. ``tail`` bounds rho b^2/(4 e)."""
     with np.errstate(all="ignore"):
         size = abs(b)
         high, low = point(size.high), point(size.low)
@@ -103,7 +129,7 @@ def _loss(
         near = (rho * x_high * (high - e * point(x_high.low))).high
         y = _least(depth, high * point(u.high) / two_e)
         far = (rho_t * y * point(lever)).high
-        spent = np.fmin(near, far)
+        spent = np.fmin(np.fmin(near, far), tail)
         value = (b + c) - point(np.maximum(spent, 0.0))
     negative = ~((rho.low >= 0) & np.isfinite(spent))
     return Interval(
