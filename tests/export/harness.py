@@ -106,6 +106,7 @@ def _exported(name, folder):
     return folder / name
 
 
+@lru_cache(maxsize=256)
 def program(name, folder, cc="gcc", flags=("-O2",), single=False, run=()):
     """The law's export with the driver, compiled into ``folder``."""
     need(cc, *run[:1])

@@ -45,7 +45,6 @@ def test_parts_of_c(tmp_path):
     ("words", "said"),
     [
         ((*BASE, "--target", "see"), "'see': no such target"),
-        ((*BASE, "--target", "c", "--part", "cascade"), "not exported yet"),
         ((*BASE, "--target", "c", "--part", "all"), "must be one of law, body"),
         ((*BASE, "--target", "st", "--part", "body"), "target 'st'"),
         ((*BASE, "--target", "st", "--self-test"), "--self-test"),

@@ -47,7 +47,7 @@ def test_numbers_and_gradients(name):
 def test_gradients_by_constants():
     law = make(builtin()["elastoplastic_majorant"])
     tool = law.to_jax()
-    v, z, names = 2e-3, 9e-6, [n for n in law.values if n != "v_s"]
+    v, z, names = 2e-3, 9e-6, [n for n, x in law.values.items() if n != "v_s" and x is not None]
     slopes = jax.jit(jax.grad(lambda p: tool.force(v, z, **p)))({n: law.values[n] for n in names})
     for name in names:
         h = 1e-5 * law.values[name]

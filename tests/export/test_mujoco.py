@@ -53,7 +53,7 @@ def run(model, data, push, t_end):
 
 
 def simulated(law, drive, t_end, step):
-    own = {n: law.values[n] for n in law.own_constants()}
+    own = {n: x for n, x in law.values.items() if n in law.own_constants() and x is not None}
     return stribeck.simulate(
         stribeck.Scenario(
             law={"name": law.name, **own, "parameters": CANUDAS},

@@ -270,7 +270,7 @@ def rig(
 
 @app.command()
 def check(
-    law: Annotated[str | None, typer.Argument(metavar="[LAW]", help="A law; FILE.py:NAME is one too.")] = None,
+    law: Annotated[str | None, typer.Argument(metavar="LAW", help="A law; FILE.py:NAME is one too.")] = None,
     parameters: Annotated[
         str | None, typer.Option("--parameters", metavar="NAME or FILE", help="The machine's parameters.")
     ] = None,
@@ -334,7 +334,7 @@ def export(
     law: Annotated[
         str | None,
         typer.Argument(
-            metavar="[LAW]",
+            metavar="LAW",
             help="The law, the scenario's unless given; 'stribeck laws' lists them. FILE.py:NAME is one too.",
         ),
     ] = None,

@@ -64,15 +64,15 @@ def _controlled(
     law: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None
 ) -> Scenario | None:
     """The scenario of a controller with the changes of --set; everything is taken from it."""
-    problems = []
     if parameters is not None:
-        problems.append(f"--parameters: {parameters!r}: must be left out: part 'cascade' has the scenario's constants")
-    observer = rig.servo.observer if rig is not None and rig.servo is not None else None
-    if rig is not None and law is not None and law != (name := observer.name if observer else "none"):
-        problems.append(f"LAW: {law!r}: must be left out, or that of the scenario's [drive.observer], {name!r}")
-    if problems:
-        raise InputError(problems)
-    return rig.with_changes(dict(parse_assignment(text) for text in assignments)) if rig is not None else None
+        raise InputError(f"--parameters: {parameters!r}: must be left out: part 'cascade' has the scenario's constants")
+    if rig is None:
+        return None
+    rig = rig.with_changes(dict(parse_assignment(text) for text in assignments))
+    observer = rig.servo.observer if rig.servo is not None else None
+    if law is not None and rig.servo is not None and law != (name := observer.name if observer else "none"):
+        raise InputError(f"LAW: {law!r}: must be left out, or that of the scenario's [drive.observer], {name!r}")
+    return rig
 
 
 def _law(name: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None) -> Law:

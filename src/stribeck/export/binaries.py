@@ -13,7 +13,7 @@ from stribeck.errors import BuildError, note
 from stribeck.simulation import compiler
 
 _FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden")
-_TIME_LIMIT = 300  # s; the first cross-compilation builds the platform's own libraries
+_TIME_LIMIT = 600  # s; the first cross-compilation builds the platform's own libraries
 
 # platform in FMI 3.0, in FMI 2.0, target of zig
 _PLATFORMS = {
@@ -36,7 +36,7 @@ def binaries(sources: dict[str, str], fmi: int) -> dict[str, bytes]:
     """The libraries by the folder that FMI wants them in.
 
     Raises:
-        BuildError: a compiler is there and does not compile the sources.
+        BuildError: this platform's compiler is there and does not compile the sources.
     """
     found: dict[str, bytes] = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -45,11 +45,15 @@ def binaries(sources: dict[str, str], fmi: int) -> dict[str, bytes]:
         native, across = compiler.find(), importlib.util.find_spec("ziglang") is not None
         if native is not None:
             found[here()] = _compiled([*native.command, "-fPIC"], Path(folder))
-        if across:
-            for name in _ACROSS:
-                if name not in found:
-                    zig = [sys.executable, "-m", "ziglang", "cc", "-target", _PLATFORMS[name][1]]
-                    found[name] = _compiled(zig, Path(folder))
+        others = [name for name in _ACROSS if across and name not in found]
+        if others:
+            note(f"compiling for {', '.join(others)} as well; the first time takes minutes")
+        for name in others:
+            zig = [sys.executable, "-m", "ziglang", "cc", "-target", _PLATFORMS[name][1]]
+            try:
+                found[name] = _compiled(zig, Path(folder))
+            except BuildError as error:
+                note(f"no binary for {name}: {error}")
     if not found:
         note("no C compiler found: the FMU holds its sources only (pip install 'stribeck[export]')")
     elif not across:

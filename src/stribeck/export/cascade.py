@@ -33,7 +33,7 @@ INPUTS = (
     Column("acceleration", "m/s^2", "acceleration"),
 )
 OUTPUTS = (
-    Column("u", "V", "valve voltage, within +-u_max"),
+    Column("u", "V", "valve voltage, within +-u_max; a positive one fills chamber 1"),
     Column("F_hat", "N", "friction force that the controller assumes"),
     Column("p_d", "Pa", "desired pressure difference p_1 - p_2"),
     Column("e", "m", "position error y - y_d"),
