@@ -100,10 +100,10 @@ class _Bound:
         rho, rho_t, b, c, rise = self.evaluate({**self.model.constants, "u": u, "t": t, "z": z})
         # where u b falls it is at most that at the box's lower end, also on an unbounded box
         falls = (rise.high <= 0) & (b.low >= 0)
-        highest = point(b.high)
         with np.errstate(all="ignore"):
-            tail = (rho_t * point(u.low) * highest * highest / point(4 * self.e)).high
-        return _loss(rho, rho_t, b, c, point(self.e), point(self.reach), u, t, np.where(falls, tail, np.inf))
+            most = point(abs(b).high) / point(4 * self.e)
+            share = np.fmin((rho * most).high, np.where(falls, (rho_t * point(u.low) * most).high, np.inf))
+        return _loss(rho, rho_t, b, c, point(self.e), point(self.reach), u, t, share)
 
 
 def _loss(
@@ -115,9 +115,10 @@ def _loss(
     depth: Interval,
     u: Interval,
     t: Interval,
-    tail: Array,
+    share: Array,
 ) -> Interval:
-    """A lower bound of D/v^2 (as the low end); below zero also where rho might be negative. ``tail`` bounds rho b^2/(4 e)."""
+    """A lower bound of D/v^2 (as the low end); below zero also where rho might be negative. ``share`` bounds
+    rho |b|/(4 e): the share of b that the bristles can give back at most."""
     with np.errstate(all="ignore"):
         size = abs(b)
         high, low = point(size.high), point(size.low)
@@ -129,11 +130,12 @@ def _loss(
         near = (rho * x_high * (high - e * point(x_high.low))).high
         y = _least(depth, high * point(u.high) / two_e)
         far = (rho_t * y * point(lever)).high
-        spent = np.fmin(np.fmin(near, far), tail)
+        spent = np.fmin(np.fmin(near, far), (point(share) * high).high)
         value = (b + c) - point(np.maximum(spent, 0.0))
+        kept = np.where((b.low >= 0) & (share <= 1), c.low, -np.inf)  # b (1 - share) + c, also where b vanishes
     negative = ~((rho.low >= 0) & np.isfinite(spent))
     return Interval(
-        np.where(negative, -np.inf, value.low), np.where(np.isfinite(spent), value.high, np.inf)
+        np.where(negative, -np.inf, np.fmax(value.low, kept)), np.where(np.isfinite(spent), value.high, np.inf)
     )  # high: of a point
 
 
