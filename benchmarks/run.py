@@ -20,7 +20,7 @@ BENCHMARKS = {  # and their files
     "discretisation": "discretisation.py",
     "instructions": "instructions.py",
     "fit_speed": "fit_speed.py",
-    "coverage": "coverage.py",
+    "coverage": "interval_coverage.py",
     "majorants": "majorants.py",
     "startup": "startup.py",
 }

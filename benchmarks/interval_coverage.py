@@ -4,7 +4,7 @@ Synthetic experiments with known truth, each with constants and noise of its own
 reversals and strokes of several speeds, an encoder of 5 nm, a force sensor with noise of 1 % of the Coulomb friction.
 Every fourth one lacks the small reversals, the slow strokes or all strokes.
 
-    python benchmarks/coverage.py [--experiments 200] [--workers 2]     writes benchmarks/results/coverage.json
+    python benchmarks/interval_coverage.py [--experiments 200] [--workers 2]     writes benchmarks/results/coverage.json
 """
 
 from __future__ import annotations
@@ -107,7 +107,7 @@ def main() -> None:
     given = parser.parse_args()
     result: dict[str, Any] = {
         "what": "share of 95 % profile-likelihood intervals that cover the truth; synthetic experiments",
-        "command": f"python benchmarks/coverage.py --experiments {given.experiments}",
+        "command": f"python benchmarks/interval_coverage.py --experiments {given.experiments}",
         "experiments": given.experiments, "samples": len(case("lugre", 0).log), "laws": {},
     }  # fmt: skip
     for name in LAWS:
