@@ -87,7 +87,7 @@ def test_noise_with_memory_widens_the_intervals():
 
 
 def study():
-    spec = importlib.util.spec_from_file_location("coverage_study", BENCHMARKS / "coverage.py")
+    spec = importlib.util.spec_from_file_location("coverage_study", BENCHMARKS / "interval_coverage.py")
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
