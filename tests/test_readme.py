@@ -104,10 +104,13 @@ NAMES = {
     "Stribeck with the peers' kind of atol": "stribeck, peers' atol",
     "a hand-written C solver of the same method, `-ffast-math`": "C prototype",
     "numbalsoda (LSODA, compiled equations)": "numbalsoda",
+    "CasADi (SUNDIALS CVODES)": "CasADi CVODES",
     "SciPy odeint, Python equations tuned": "SciPy odeint, tuned",
     "SciPy odeint, Python equations": "SciPy odeint",
     "SciPy solve_ivp LSODA": "solve_ivp LSODA",
     "SUNDIALS CVODE through scikit-sundae": "scikit-sundae CVODE",
+    "diffrax Kvaerno3 (compiled)": "diffrax Kvaerno3",
+    "diffrax Kvaerno5 (compiled)": "diffrax Kvaerno5",
     "SciPy solve_ivp Radau": "solve_ivp Radau",
 }
 
@@ -116,12 +119,20 @@ def test_speed_is_what_the_benchmark_measured():
     folder = Path(__file__).parent.parent / "benchmarks" / "results"
     single, startup = (json.loads((folder / f"{name}.json").read_text()) for name in ("single", "startup"))
     measured = {row["solver"]: row for row in single["solvers"] if row.get("milliseconds")}
-    rows = re.findall(r"^\| ([^|]+) \| ([\d.]+) \| ([\d.e+]+) \|$", README, re.M)
+    rows = re.findall(r"^\| ([^|]+) \| ([\d.e+]+) \| ([\d.e+]+) \|$", README, re.M)
     assert [row[0] for row in rows] == list(NAMES)
     for name, milliseconds, ratio in rows:
         row = measured[NAMES[name]]
         assert (milliseconds, ratio) == (f"{row['milliseconds']['median']:.3g}", f"{row['ratio']['median']:.3g}")
     assert single["machine"]["date"][:10] in README
+    lanes = json.loads((folder / "ensemble.json").read_text())
+    cost = {row["solver"]: row["cpu_milliseconds"] for row in lanes["solvers"]}
+    cost = {name: x["median"] if isinstance(x, dict) else x for name, x in cost.items()}
+    own = cost["stribeck, 1 thread"]
+    assert f"takes {own:.3g} ms of processor time a lane" in README
+    for other, words in (("stribeck, scalar loop", "{:.1g} times the same lanes"), ("numbalsoda", "{:.0f} times numbalsoda"),
+                         ("diffrax vmap", "{:.0f} times diffrax vmap")):  # fmt: skip
+        assert words.format(cost[other] / own) in README
     seconds = {case["case"]: case["seconds"]["median"] for case in startup["cases"]}
     for case in ("stribeck --help", "run --json, cached", "run --json, new"):
         assert f"{seconds[case]:.3g} s" in README

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 
 import numpy as np
@@ -165,6 +164,8 @@ def _one_by_one(
     progress: Callable[[float], None] | None,
 ) -> dict[str, Array]:
     """The lanes as single runs, where vectors do not serve; their columns."""
+    from concurrent.futures import ThreadPoolExecutor
+
     scenario = variations.scenario
     columns = {c.name: np.full(states.shape[:2], np.nan) for c in scenario.system.columns}
 
