@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.analysis.oscillation import amplitude_and_period
+from stribeck.codegen import source
 from stribeck.errors import InputError
 from stribeck.report.files import write_json, write_with
 from stribeck.scenario import Scenario
-from stribeck.simulation import Ensemble, c_source, simulate_ensemble
+from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.simulation.variations import vary
 from stribeck.version import __version__
 
@@ -150,7 +151,7 @@ class Sweep:
         pieces = [signal.start, signal.value, signal.slope] if signal else []
         numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.threshold, s.end]
         settings = [s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values), s.data["drive"]]
-        text = json.dumps([c_source(s), numbers, settings])
+        text = json.dumps([source(s.system, lanes=True), numbers, settings])
         arrays = b"".join(np.ascontiguousarray(x).tobytes() for x in [*pieces, *lanes.values.values()])
         return sha256(text.encode() + arrays).hexdigest()
 
