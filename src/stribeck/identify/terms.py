@@ -50,7 +50,6 @@ TERMS: dict[str, Term] = {
     "F_c_by_pressure": Term("m^2", "growth of the level with pressure", lambda log: _get(log.pressure), True, "pressure"),
     "delay": Term("s", "time by which the measured motion lags the force", None),
 }  # fmt: skip
-USUAL = ("mass", "offset")
 
 
 def _get(column: Array | None) -> Array:

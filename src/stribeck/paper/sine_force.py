@@ -24,7 +24,7 @@ def chapter(done: Done) -> Chapter:
         axes["F"].set_title("(a) friction force")
         plots.draw(axes["v"], solutions, "t", "v")
         axes["v"].plot(viscous.t, viscous["v"], color=plots.GREY, linewidth=1.0)
-        axes["v"].annotate("viscous friction alone", (2.1, 1.7), color=plots.GREY, fontsize=8)
+        axes["v"].annotate("viscous friction alone", (2.6, 1.25), color=plots.GREY, fontsize=8)
         axes["v"].set_title("(b) velocity")
         plots.legend(made, axes["F"])
         figure = plots.finish(

@@ -86,7 +86,7 @@ def svg(made: Figure) -> str:
     buffer = io.StringIO()
     FigureCanvasSVG(made)
     if (layout := made.get_layout_engine()) is not None:
-        layout.execute(made)  # once, and not for every format: a third of the time of a figure
+        layout.execute(made)  # once, and not for every format
         made.set_layout_engine("none")
     made.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
     return buffer.getvalue()

@@ -179,8 +179,8 @@ class Sweep:
                     if progress is not None:
                         progress((done + share * size) / len(self.lanes), done - before + share * size)
 
-                lanes = self.lanes.part(slice(first, end))
-                found = simulate_ensemble(lanes.scenario, lanes.values, threads=threads, progress=tell)
+                values = {path: x[first:end] for path, x in self.lanes.values.items()}
+                found = simulate_ensemble(self.lanes.scenario, values, threads=threads, progress=tell)
                 _write(self.path(part), _summary(found, first) if self.summary else _trajectories(found, first))
                 done += end - first
             return sum(_failed_lanes(self.path(i)) for i in range(self.parts))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Mapping
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,19 +12,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck import laws
-from stribeck.constants import kind_of, show
 from stribeck.control.cascade import Cascade
-from stribeck.control.observer import SCALES
 from stribeck.control.servo import ServoSystem
 from stribeck.drives import Drive
-from stribeck.errors import InputError, nearest
-from stribeck.laws.base import PARAMETERS, Law
+from stribeck.errors import InputError
+from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
-from stribeck.scenario import memory, servo, tables
+from stribeck.scenario import servo, tables
 from stribeck.scenario.changes import changed, parse_assignment, plain
+from stribeck.scenario.memory import ROWS_LARGEST
+from stribeck.scenario.reader import Reader
 from stribeck.scenario.servo import Servo
-from stribeck.scenario.signal import read_signal
 from stribeck.signals import Signal
 from stribeck.system import Groups, System
 
@@ -32,10 +30,8 @@ __all__ = ["Scenario", "parse_assignment"]
 
 Array = NDArray[np.float64]
 
-_TABLES = ("law", "plant", "drive", "solve", "output")
 # In presliding all of the motion is a few natural scales: a tenth keeps y and v within 1e-6 of their peaks there too.
 _ATOL_SHARE = 0.1
-_ROWS_LARGEST = 10**15  # more than any machine holds, and still exact in a float
 
 
 class Scenario:
@@ -58,7 +54,7 @@ class Scenario:
         self.law: Law
         self.drive: type[Drive] | type[Cascade]
         self.signal: Signal
-        problems = _Reader(self).read()
+        problems = Reader(self).read()
         if problems:
             raise InputError([f"{path}: {text}" for path, text in problems])
 
@@ -80,7 +76,7 @@ class Scenario:
         """This scenario with the values at some paths replaced: ``{"law.name": "lugre", "drive.signal.rate": 0.1}``."""
         return Scenario(changed(self.data, changes, self.folder), folder=self.folder)
 
-    # -- filled in by _Reader --------------------------------------------------------------------------------------
+    # -- filled in by Reader ---------------------------------------------------------------------------------------
 
     mass: float | None = None
     servo: Servo | None = None  # what a servo has beside law, drive constants and signal
@@ -162,245 +158,4 @@ class Scenario:
 
 def _row_count(t_end: float, step: float) -> int:
     ratio = t_end / step + 1e-9
-    return math.floor(ratio) + 1 if ratio < _ROWS_LARGEST else _ROWS_LARGEST
-
-
-class _Reader:
-    """Reads a scenario's data, collecting every problem."""
-
-    def __init__(self, scenario: Scenario) -> None:
-        self.scenario, self.data, self.folder = scenario, scenario.data, scenario.folder
-        self.problems: list[tables.Problem] = []
-
-    def read(self) -> list[tables.Problem]:
-        """Fill in the scenario; the problems found."""
-        self._top()
-        self._law()
-        self._drive()
-        self._plant()
-        s = self.scenario
-        s.solve = self._table(tables.Solve, "solve")
-        s.output = self._table(tables.Output, "output")
-        self._together()
-        return self.problems
-
-    def _table(self, model: type[tables.Table], name: str) -> Any:
-        if name not in self.data:
-            keys = ", ".join(k for k, f in model.model_fields.items() if f.is_required())
-            self.problems.append((name, f"missing: the table [{name}] must be given (with {keys})"))
-            return None
-        table, found = tables.validate(model, self.data[name], name)
-        self.problems += found
-        return table
-
-    def _unknown(self, table: dict[str, Any], path: str, known: Iterable[str]) -> None:
-        """Name the keys that are not known."""
-        known = dict.fromkeys(known)
-        for key in [key for key in table if key not in known]:
-            guess = nearest(key, known) or f" (known here: {', '.join(known)})"
-            self.problems.append((f"{path}.{key}" if path else key or "''", f"{show(table[key])}: unknown key{guess}"))
-
-    def _top(self) -> None:
-        self._unknown(self.data, "", ("schema", "name", *_TABLES))
-        schema, name = self.data.get("schema"), self.data.get("name", "")
-        if "schema" not in self.data:
-            self.problems.append(("schema", "missing: must be given (schema = 1, the version of the file format)"))
-        elif schema != 1 or isinstance(schema, bool | float):
-            self.problems.append(("schema", f"{show(schema)}: must be 1"))
-        if not isinstance(name, str):
-            self.problems.append(("name", f"{show(name)}: must be text, not {kind_of(name)}"))
-
-    def _law(self) -> None:
-        table = self.data.get("law")
-        if not isinstance(table, dict):
-            text = "missing: the table [law] must be given (with name and parameters)"
-            self.problems.append(("law", text if table is None else _no_table(table)))
-            return
-        law = self._named_law(table)
-        given = self._parameters(table, law)
-        parameters = given or {}
-        own = {name: value for name, value in table.items() if name not in ("name", "parameters")}
-        paths = {name: f"law.parameters.{name}" for name in (*PARAMETERS, *parameters)} | {n: f"law.{n}" for n in own}
-        for name in [name for name in own if name in PARAMETERS or name in parameters]:
-            text = "belongs in law.parameters" if name in PARAMETERS else "stands in law.parameters too"
-            self.problems.append((f"law.{name}", f"{show(own.pop(name))}: {text}"))
-        has = law.constants() if law is not None else {}
-        misspelt = {n: own.pop(n) for n in list(own) if n not in has and nearest(n, ("name", "parameters"))}
-        self._unknown(misspelt, "law", ("name", "parameters"))
-        if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
-            found = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
-            if ".py:" not in str(table.get("name")):
-                every = (name for each in laws.builtin().values() for name in each.constants())
-                self._unknown(own, "law", ("name", "parameters", *every, *PARAMETERS))
-        else:
-            found = law.problems({**parameters, **own})
-        if given is None:  # said already
-            found = [(name, text) for name, text in found if name not in PARAMETERS]
-        self.problems += [(paths.get(name, f"law.{name}"), text) for name, text in found]
-        if law is not None and given is not None and not found:
-            self._evaluate(law({**parameters, **own}))
-
-    def _evaluate(self, law: Law) -> None:
-        if ".py:" in self.data["law"]["name"] and (trouble := laws.trouble(law)):
-            self.problems.append(("law.name", f"{show(self.data['law']['name'])}: {trouble}"))
-        else:
-            self.scenario.law = law
-
-    def _named_law(self, table: dict[str, Any]) -> type[Law] | None:
-        if "name" not in table:
-            self.problems.append(("law.name", "missing: must be given (the name of a law, or FILE.py:NAME)"))
-            return None
-        try:
-            return laws.find(table["name"], self.folder)
-        except InputError as error:
-            self.problems += [("law.name", text) for text in error.problems]
-            return None
-
-    def _parameters(self, table: dict[str, Any], law: type[Law] | None) -> dict[str, Any] | None:
-        """The machine's parameters; None where they are missing or cannot be read, which is then said."""
-        given = table.get("parameters")
-        if given is None:
-            if law is not None and any(law.constants()[name].required for name in law.uses):
-                needs = f"law '{law.name}' needs {', '.join(law.uses)}"
-                text = f"missing: must be a table of numbers or the name of a set; {needs}"
-                self.problems.append(("law.parameters", text))
-                return None
-            return {}
-        if isinstance(given, dict):
-            return dict(given)
-        if not isinstance(given, str):
-            text = f"must be a table of numbers or the name of a set, not {kind_of(given)}"
-            self.problems.append(("law.parameters", f"{show(given)}: {text}"))
-            return None
-        try:
-            return laws.parameters_for(law, given, self.folder)
-        except InputError as error:
-            self.problems += [("law.parameters", text) for text in error.problems]
-            return None
-
-    def _drive(self) -> None:
-        table = self.data.get("drive")
-        if not isinstance(table, dict):
-            kinds = ", ".join(tables.DRIVES)
-            text = f"missing: the table [drive] must be given (with kind, one of {kinds}, and signal)"
-            self.problems.append(("drive", text if table is None else _no_table(table)))
-            return
-        kind = self._kind(table, "drive", tables.DRIVES, tables.drive_table)
-        if kind is not None:
-            values, found = tables.validate(tables.drive_table(kind), table, "drive")
-            self.problems += [p for p in found if p[0] != "drive.signal" or "signal" not in table]
-            self.scenario.drive = tables.DRIVES[kind]
-            if values is not None:
-                given = {n: getattr(values, n) for n in tables.DRIVES[kind].constants}
-                self.scenario.drive_values = {n: x for n, x in given.items() if x is not None}
-                self.drive_table = values
-        if "signal" in table:
-            self._signal(table["signal"])
-
-    def _kind(
-        self, table: dict[str, Any], path: str, kinds: Mapping[str, Any], model: Callable[[str], type[tables.Table]]
-    ) -> str | None:
-        kind = table.get("kind")
-        if isinstance(kind, str) and kind in kinds:
-            return kind
-        self._unknown(table, path, (name for each in kinds for name in model(each).model_fields))
-        allowed = f"one of {', '.join(kinds)}"
-        if "kind" not in table:
-            self.problems.append((f"{path}.kind", f"missing: must be given ({allowed})"))
-        else:
-            guess = nearest(kind, kinds) if isinstance(kind, str) else ""
-            self.problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
-        return None
-
-    def _signal(self, table: Any) -> None:
-        path = "drive.signal"
-        if not isinstance(table, dict):
-            self.problems.append((path, _no_table(table)))
-            return
-        kind = self._kind(table, path, tables.SIGNALS, tables.signal_table)
-        if kind is None:
-            return
-        values, found = tables.validate(tables.signal_table(kind), table, path)
-        self.problems += found
-        if values is None:
-            return
-        signal, found = read_signal(kind, values, self.folder)
-        self.problems += [(f"{path}.{key}", text) for key, text in found]
-        if signal is not None:
-            self.scenario.signal = signal
-
-    def _plant(self) -> None:
-        drive = getattr(self.scenario, "drive", None)
-        moved = drive is not None and drive.sets_velocity
-        if moved and "plant" not in self.data:
-            self.data["plant"] = {}
-        if drive is None:  # whether a mass must be given depends on the drive
-            if "plant" in self.data:
-                found = tables.validate(tables.plant_table(True), self.data["plant"], "plant")[1]
-                self.problems += [p for p in found if not p[1].startswith("missing")]
-            return
-        if drive is Cascade:
-            self._servo()
-            return
-        table = self._table(tables.plant_table(not moved), "plant")
-        if table is not None:
-            self.scenario.mass = None if moved else table.mass
-            self.scenario.initial = {"v": 0.0, **dict(table.initial)}
-
-    def _servo(self) -> None:
-        """The plant and the controller of a servo."""
-        values, table = getattr(self, "drive_table", None), self.data["drive"].get("observer")
-        plant = self._table(tables.cylinder_table(), "plant")
-        law = getattr(self.scenario, "law", None)
-        observer, found = servo.read_observer(table, law, self.folder) if isinstance(table, dict) else (None, [])
-        found += servo.misplaced(values, ... if found else observer) if values is not None else []
-        self.problems += found
-        if plant is not None and values is not None and not found:
-            self.scenario.initial = {**dict(plant.initial), **{scale.name: 1.0 for scale in SCALES}}
-            self.scenario.servo = servo.assembled(observer, plant, values)
-
-    def _together(self) -> None:
-        """What can only be judged with several tables in hand, as far as they are valid."""
-        s = self.scenario
-        law, drive = getattr(s, "law", None), getattr(s, "drive", None)
-        initial: dict[str, float] = getattr(s, "initial", {})
-        if law is not None and not law.has_z and initial.get("z"):
-            self.problems.append(("plant.initial.z", f"{initial['z']}: law '{law.name}' has no z; leave it out"))
-        if law is None or drive is None:
-            return
-        if drive is Cascade:
-            if s.output is not None and s.output.energy:
-                self.problems.append(("output.energy", "true: must be false for a servo, whose energy is the column V"))
-            if s.servo is None or not hasattr(s, "signal") or self.problems:
-                return
-            system: System | ServoSystem = s.system
-            if s.solve:
-                self.problems += servo.judge(s.servo, law, s.signal, s.solve.t_end, s.initial)
-        else:
-            system = System(type(law), law.structure, drive, None, s.output is not None and s.output.energy)
-        states = [state.name for state in system.states]
-        for name in s.solve.atol if s.solve else ():
-            if name not in states:
-                guess = nearest(name, states) or f" (the states are {', '.join(states)})"
-                self.problems.append((f"solve.atol.{name}", f"{s.solve.atol[name]}: there is no such state{guess}"))
-        if law.jumps_at_rest and not drive.sets_velocity:
-            smooth = "k_v" in law.constants()
-            text = f"the force of law '{law.name}' jumps at v = 0, and a body under it cannot come to rest"
-            text = f"missing: {text}; give k_v > 0 in s/m for a smooth sign" if smooth else f"{show(law.name)}: {text}"
-            self.problems.append(("law.k_v" if smooth else "law.name", f"{text}, or use drive.kind = 'velocity'"))
-        if s.solve and s.output:
-            self._rows(len(system.columns))
-
-    def _rows(self, columns: int) -> None:
-        """Refuse an output that memory cannot hold: the states are kept beside the columns."""
-        rows, step = self.scenario.rows, self.scenario.output.step
-        needed = float(rows) * 8 * 2 * (1 + columns)
-        if needed > (room := memory.available()):
-            more = "more than " if rows >= _ROWS_LARGEST else ""
-            text = f"{more}{rows:.3g} rows would take {more}{memory.size(needed)} of memory"
-            free = f"{memory.size(room)} are free; must be larger"
-            self.problems.append(("output.step", f"{show(step)}: {text}, and {free}"))
-
-
-def _no_table(value: Any) -> str:
-    return f"{show(value)}: must be a table, not {kind_of(value)}"
+    return math.floor(ratio) + 1 if ratio < ROWS_LARGEST else ROWS_LARGEST

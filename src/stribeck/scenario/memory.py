@@ -6,6 +6,8 @@ import contextlib
 import os
 from pathlib import Path
 
+ROWS_LARGEST = 10**15  # more than any machine holds, and still exact in a float
+
 
 def available() -> float:
     """Bytes of memory that a process may still use; infinite where the system does not say."""

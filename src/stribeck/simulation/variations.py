@@ -69,7 +69,7 @@ class Variations:
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
 
-    def part(self, lanes: slice | NDArray[np.int64]) -> Variations:
+    def part(self, lanes: NDArray[np.int64]) -> Variations:
         """Some of the lanes."""
         return Variations(self.scenario, {path: x[lanes] for path, x in self.values.items()})
 
@@ -216,10 +216,6 @@ class LaneByLane:
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
-
-    def part(self, lanes: slice | NDArray[np.int64]) -> LaneByLane:
-        """Some of the lanes."""
-        return LaneByLane(self.scenario, {path: x[lanes] for path, x in self.values.items()})
 
     def changes(self, lane: int) -> dict[str, float]:
         """What makes the scenario that of one lane."""

@@ -23,21 +23,7 @@ static const double rows[][{{ rows[0] | length }}] = {
 {% endfor %}
 };
 
-static int failures;
-
-static void check(const char *what, double found, double expected, double size)
-{
-    if (fabs(found - expected) <= 4 * EPSILON * size) return;
-    printf("%s: %.17g, expected %.17g within %.3g\n", what, found, expected, 4 * EPSILON * size);
-    ++failures;
-}
-
-static void must(const char *what, int status, int expected)
-{
-    if (status == expected) return;
-    printf("%s: status %d, expected %d\n", what, status, expected);
-    ++failures;
-}
+{% include "checks.c" %}
 
 int main(void)
 {
@@ -63,10 +49,10 @@ int main(void)
 {% set n = 9 + kept | length %}
         must("track", {{ P }}_track(&p, &s, &path, &m, R(x[{{ n }}]), &o), {{ P }}_OK);
 {% for c in outputs %}
-        check("{{ c.name }}", (double)o.{{ c.name }}, x[{{ n + 1 + 2 * loop.index0 }}], x[{{ n + 2 + 2 * loop.index0 }}]);
+        check("{{ c.name }}", (double)o.{{ c.name }}, x[{{ n + 1 + 2 * loop.index0 }}], 4 * EPSILON * x[{{ n + 2 + 2 * loop.index0 }}]);
 {% endfor %}
 {% for c, start in kept %}
-        check("{{ c.name }}", (double)s.{{ c.name }}, x[{{ n + 11 + 2 * loop.index0 }}], x[{{ n + 12 + 2 * loop.index0 }}]);
+        check("{{ c.name }}", (double)s.{{ c.name }}, x[{{ n + 11 + 2 * loop.index0 }}], 4 * EPSILON * x[{{ n + 12 + 2 * loop.index0 }}]);
 {% endfor %}
     }
     {{ P }}_reset(&s);

@@ -182,58 +182,7 @@ fmi2Status fmi2NewDiscreteStates(fmi2Component i, fmi2EventInfo *info)
     return checked(i);
 }
 
-fmi2Status fmi2CompletedIntegratorStep(fmi2Component i, fmi2Boolean noSet, fmi2Boolean *event, fmi2Boolean *terminate)
-{
-    UNUSED(i); UNUSED(noSet);
-    *event = *terminate = fmi2False;
-    return fmi2OK;
-}
-
-fmi2Status fmi2SetTime(fmi2Component i, fmi2Real time)
-{
-    MODEL(i)->time = time;
-    return fmi2OK;
-}
-
-fmi2Status fmi2SetContinuousStates(fmi2Component i, const fmi2Real x[], size_t n)
-{
-    if (n != STATES) return fail(i, "this is not the number of states");
-    for (size_t k = 0; k < n; ++k) MODEL(i)->x[k] = x[k];
-    return fmi2OK;
-}
-
-fmi2Status fmi2GetContinuousStates(fmi2Component i, fmi2Real x[], size_t n)
-{
-    if (n != STATES) return fail(i, "this is not the number of states");
-    for (size_t k = 0; k < n; ++k) x[k] = MODEL(i)->x[k];
-    return fmi2OK;
-}
-
-fmi2Status fmi2GetDerivatives(fmi2Component i, fmi2Real rates[], size_t n)
-{
-    Evaluation e;
-    if (n != STATES) return fail(i, "this is not the number of states");
-    evaluate(MODEL(i), &e);
-    for (size_t k = 0; k < n; ++k) {
-        if (!isfinite(e.rate[k])) return fail(i, "the derivative of a state is not finite");
-        rates[k] = e.rate[k];
-    }
-    return fmi2OK;
-}
-
-fmi2Status fmi2GetNominalsOfContinuousStates(fmi2Component i, fmi2Real nominals[], size_t n)
-{
-    static const double nominal[STATES + 1] = { {% for state in states %}{{ repr(state.nominal) }}, {% endfor %}0 };
-    if (n != STATES) return fail(i, "this is not the number of states");
-    for (size_t k = 0; k < n; ++k) nominals[k] = nominal[k];
-    return fmi2OK;
-}
-
-fmi2Status fmi2GetEventIndicators(fmi2Component i, fmi2Real values[], size_t n)
-{
-    UNUSED(values);
-    return n ? fail(i, "there are no event indicators") : fmi2OK;
-}
+{% include "fmi_exchange.c" %}
 
 fmi2Status fmi2SetRealInputDerivatives(fmi2Component i, const fmi2ValueReference r[], size_t n, const fmi2Integer orders[],
     const fmi2Real values[])

@@ -287,58 +287,7 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance i, fmi3Boolean *again, fmi3Bool
     return checked(i);
 }
 
-fmi3Status fmi3CompletedIntegratorStep(fmi3Instance i, fmi3Boolean noSet, fmi3Boolean *event, fmi3Boolean *terminate)
-{
-    UNUSED(i); UNUSED(noSet);
-    *event = *terminate = fmi3False;
-    return fmi3OK;
-}
-
-fmi3Status fmi3SetTime(fmi3Instance i, fmi3Float64 time)
-{
-    MODEL(i)->time = time;
-    return fmi3OK;
-}
-
-fmi3Status fmi3SetContinuousStates(fmi3Instance i, const fmi3Float64 x[], size_t n)
-{
-    if (n != STATES) return fail(i, "this is not the number of states");
-    for (size_t k = 0; k < n; ++k) MODEL(i)->x[k] = x[k];
-    return fmi3OK;
-}
-
-fmi3Status fmi3GetContinuousStates(fmi3Instance i, fmi3Float64 x[], size_t n)
-{
-    if (n != STATES) return fail(i, "this is not the number of states");
-    for (size_t k = 0; k < n; ++k) x[k] = MODEL(i)->x[k];
-    return fmi3OK;
-}
-
-fmi3Status fmi3GetContinuousStateDerivatives(fmi3Instance i, fmi3Float64 rates[], size_t n)
-{
-    Evaluation e;
-    if (n != STATES) return fail(i, "this is not the number of states");
-    evaluate(MODEL(i), &e);
-    for (size_t k = 0; k < n; ++k) {
-        if (!isfinite(e.rate[k])) return fail(i, "the derivative of a state is not finite");
-        rates[k] = e.rate[k];
-    }
-    return fmi3OK;
-}
-
-fmi3Status fmi3GetNominalsOfContinuousStates(fmi3Instance i, fmi3Float64 nominals[], size_t n)
-{
-    static const double nominal[STATES + 1] = { {% for state in states %}{{ repr(state.nominal) }}, {% endfor %}0 };
-    if (n != STATES) return fail(i, "this is not the number of states");
-    for (size_t k = 0; k < n; ++k) nominals[k] = nominal[k];
-    return fmi3OK;
-}
-
-fmi3Status fmi3GetEventIndicators(fmi3Instance i, fmi3Float64 values[], size_t n)
-{
-    UNUSED(values);
-    return n ? fail(i, "there are no event indicators") : fmi3OK;
-}
+{% include "fmi_exchange.c" %}
 
 fmi3Status fmi3GetNumberOfEventIndicators(fmi3Instance i, size_t *n)
 {

@@ -59,15 +59,7 @@ static int get(const Model *m, unsigned reference, double *value)
     }
 }
 
-static int set(Model *m, unsigned reference, double value)
-{
-    switch (reference) {
-{% for variable in variables if variable.settable %}
-    case {{ variable.reference }}: {{ variable.c }} = value; return 1; /* {{ variable.name }} */
-{% endfor %}
-    default: return 0;
-    }
-}
+{% include "fmu_set.c" %}
 
 /* What is wrong with the constants, or NULL. */
 static const char *wrong(const Model *m)

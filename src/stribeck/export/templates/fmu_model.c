@@ -69,15 +69,7 @@ static int get(const Model *m, unsigned reference, double *value)
     }
 }
 
-static int set(Model *m, unsigned reference, double value)
-{
-    switch (reference) {
-{% for variable in variables if variable.settable %}
-    case {{ variable.reference }}: {{ variable.c }} = value; return 1; /* {{ variable.name }} */
-{% endfor %}
-    default: return 0;
-    }
-}
+{% include "fmu_set.c" %}
 
 /* d unknown / d known for outputs and derivatives of states by inputs and states; 0 where there is none. */
 static int partial(const Model *m, unsigned unknown, unsigned known, double *value)

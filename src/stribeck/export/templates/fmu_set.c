@@ -1,0 +1,9 @@
+static int set(Model *m, unsigned reference, double value)
+{
+    switch (reference) {
+{% for variable in variables if variable.settable %}
+    case {{ variable.reference }}: {{ variable.c }} = value; return 1; /* {{ variable.name }} */
+{% endfor %}
+    default: return 0;
+    }
+}
