@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stribeck import laws
-from stribeck.errors import InputError, note
+from stribeck.errors import InputError, arg, note
 from stribeck.laws.base import PARAMETERS
 
 _DEEPEST = 8
@@ -25,7 +25,7 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     path, sign, value = text.partition("=")
     path = path.strip()
     if not sign or not all(path.split(".")):
-        raise InputError(f"--set {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
+        raise InputError(f"{arg('changes')} {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
     try:
         read = tomllib.loads(f"x = {value}")
     except (ValueError, RecursionError):
