@@ -87,7 +87,7 @@ class CsvSource(Source):
         self.path, self.file = path, path
         with path.open("r", encoding="utf-8-sig", errors="replace") as file:
             first = file.readline()
-            second = file.readline()
+            second = file.read(1 << 16)  # whole numbers may come first: a decimal comma shows later
         if not first.strip():
             raise InputError(f"{arg('data')}: '{path}': is empty")
         if "\0" in first:
@@ -127,7 +127,7 @@ class CsvSource(Source):
                 for name, i in at.items():
                     cell = cells[i].strip()
                     try:
-                        found[name].append(float(cell.replace(",", ".") if self.decimal == "," else cell or "nan"))
+                        found[name].append(float((cell.replace(",", ".") if self.decimal == "," else cell) or "nan"))
                     except ValueError:
                         raise InputError(self._text(name, f"'{cell}'", wanted)) from None
         return {name: np.array(values) for name, values in found.items()}

@@ -112,7 +112,7 @@ def test_bad_files_are_one_clear_line(rows, said, tmp_path):
 def test_files_that_are_none_are_refused(name, tmp_path):
     if name != "none.csv":
         (tmp_path / name).write_bytes(b"" if "empty" in name else b"no such thing" * 50)
-    with pytest.raises(InputError, match="^data: "):
+    with pytest.raises(InputError, match=r"^data: "):
         read(tmp_path / name, Columns(NAMES))
 
 
