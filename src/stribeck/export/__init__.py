@@ -117,7 +117,7 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
         return law
     servo = scenario.servo if part == "cascade" else None
     own = servo.observer if servo is not None and servo.observer is not None else scenario.law
-    if servo is not None and law is not None and (law.name, law.values) != (own.name, own.values):
+    if servo is not None and law is not None and not law.same_as(own):
         text = "must be left out: part 'cascade' has the law of the scenario's [drive.observer]"
         raise InputError(f"{arg('law')}: {law.name!r}: {text}, {own.name!r}")
     return law or own

@@ -34,13 +34,15 @@ def parse_assignment(text: str) -> tuple[str, Any]:
 
 
 def plain(value: Any, path: str = "", depth: int = 0) -> Any:
-    """A copy made of plain Python values, as a file gives them: NumPy's become numbers and lists.
+    """A copy made of plain Python values, as a file gives them: NumPy's become numbers and lists, a law its table.
 
     Raises:
         InputError: the value is nested deeper than any scenario.
     """
     if depth > _DEEPEST:
         raise InputError(f"{path}: nested too deeply: must be at most {_DEEPEST} tables or lists deep")
+    if isinstance(value, laws.Law):
+        return laws.table(value)
     if isinstance(value, Mapping):
         return {str(key): plain(inner, path or str(key), depth + 1) for key, inner in value.items()}
     if isinstance(value, np.ndarray | np.generic):
