@@ -57,7 +57,7 @@ def _doubts(scenario: Scenario) -> list[str]:
     assert servo is not None
     assert observer is not None
     found = []
-    if type(observer) is not type(scenario.law) or observer.values != scenario.law.values:
+    if not observer.same_as(scenario.law):
         found.append(
             "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
         )

@@ -75,6 +75,7 @@ def _describe(law: type[Law]) -> dict[str, Any]:
         "equations": _equations(law),
         "parameters": constants,
         "source": law.source,
+        "has_z": law.has_z,
         "guarantees": _guarantees(law),
         "with": {form[0]: _changed(law, form) for form in law.structures() if len(form) == 1},
     }
@@ -104,7 +105,9 @@ def _print(law: dict[str, Any]) -> None:
     for equation in law["equations"]:
         print(f"    {equation['text']}")
     words = _words(law["guarantees"])
-    print(f"  claims     {words or 'no internal state, so none of the five properties'}")
+    print(
+        f"  claims     {words or ('none stated' if law['has_z'] else 'no internal state, so none of the five properties')}"
+    )
     for form, changed in law["with"].items():
         parts = [*(e["text"] for e in changed["equations"]), _words(changed["guarantees"])]
         print(f"  with {form}: {'; '.join(part for part in parts if part)}")

@@ -242,6 +242,10 @@ class Law(Evaluation, ToTools):
                 made[name] = None if constant.optional and name not in structure else make(name)
         return SimpleNamespace(**made)
 
+    def same_as(self, other: Law | None) -> bool:
+        """Whether another law has the same equations, in the same form, and the same numbers."""
+        return type(self) is type(other) and (self.values, self.choices) == (other.values, other.choices)
+
     def guarantees(self) -> dict[str, bool | None]:
         """The claims evaluated for these values: True, False, or None where a property does not apply."""
         result: dict[str, bool | None] = {}

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.constants import kind_of
 from stribeck.control.cascade import Cascade
 from stribeck.control.servo import ServoSystem
 from stribeck.drives import Drive
@@ -71,6 +72,21 @@ class Scenario:
             raise InputError(f"{path}: is empty; 'stribeck new' writes a scenario to start from")
         data.setdefault("name", path.stem)
         return cls(changed(data, changes or {}, path.parent), folder=path.parent)
+
+    @classmethod
+    def of(cls, given: Scenario | str | Path | Mapping[str, Any]) -> Scenario:
+        """A scenario as it is, from the path of its file or from its tables.
+
+        Raises:
+            InputError: it is something else, or no valid scenario.
+        """
+        if isinstance(given, Scenario):
+            return given
+        if isinstance(given, str | Path):
+            return cls.load(given)
+        if isinstance(given, Mapping):
+            return cls(given if "schema" in given else {"schema": 1, **given})
+        raise InputError(f"scenario: must be a Scenario, the path of its file or its tables, not {kind_of(given)}")
 
     def with_changes(self, changes: Mapping[str, Any]) -> Scenario:
         """This scenario with the values at some paths replaced: ``{"law.name": "lugre", "drive.signal.rate": 0.1}``."""
