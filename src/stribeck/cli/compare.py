@@ -15,9 +15,9 @@ from stribeck.scenario import parse_assignment
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
 
 
-def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool) -> int:
+def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool, trust: bool) -> int:
     """Simulate the scenario under each law, print the deviations from the first, write an overlay."""
-    scenario = show.load(path, assignments)
+    scenario = show.load(path, assignments, trust)
     variants = {text: scenario.with_changes(_changes(text)) for text in laws}
     if len(variants) < len(laws):
         raise InputError(f"--law: {max(laws, key=laws.count)!r}: given twice; must differ from the others")
