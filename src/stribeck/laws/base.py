@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from itertools import product
 from types import SimpleNamespace
 from typing import Any, ClassVar
@@ -84,6 +85,19 @@ class Scales:
 STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c, ("F_c", "F_s")),)
 
 
+_TAKEN = {  # what the equations and the files call so; a constant of that name would be taken for it
+    "v": "the velocity", "z": "the bristle deflection", "t": "the time", "y": "the position", "F": "the friction force",
+    "u": "the driving force", "dz_dt": "the bristles' rate", "parameters": "the machine's parameters",
+}  # fmt: skip
+
+
+@cache
+def _taken_names() -> dict[str, str]:
+    """Names that a constant cannot have, and what they are: variables, and what every law is made of."""
+    own = {n: "it is a part of every law" for n in dir(Law) if not isinstance(getattr(Law, n), Constant)}
+    return own | dict.fromkeys(("values", "choices", "machine", "p"), "it is a part of every law") | _TAKEN
+
+
 def _may_be_none(constant: Constant) -> bool:
     return constant.optional or bool(constant.choices)
 
@@ -128,6 +142,9 @@ class Law(Evaluation, ToTools):
         super().__init_subclass__()
         if "name" not in cls.__dict__:
             cls.name = cls.__name__
+        if taken := [n for n, value in vars(cls).items() if isinstance(value, Constant) and n in _taken_names()]:
+            text = "this name is taken: a constant must have another"
+            raise InputError([f"{cls.__name__}.{n}: {text} ({_taken_names()[n]})" for n in taken])
 
     # -- equations: the part that a law writes ---------------------------------------------------------------------
 
