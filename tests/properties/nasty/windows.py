@@ -1,6 +1,6 @@
 """Forces and rates that are piecewise constant in z, dz/dt or v: windows some percent, some ppm wide, far out, far in."""
 
-from stribeck.expressions.ops import both, either, sign, where
+from stribeck.expressions.ops import both, either, sign, sin, where
 from stribeck.laws import BristleLaw, Claims
 from stribeck.laws.terms import g
 
@@ -350,3 +350,141 @@ class ElasticWindowOfV(BristleLaw):
     @staticmethod
     def dz_dt(p, v, z):
         return v - where(both(abs(v) > 1e-3, abs(v) < 1.001e-3), 0.0, abs(v)) / g(p, v) * z
+
+
+class OddPushInAWindowOfZ(_Added):
+    """h = -10 sgn z where 0.40 Z < |z| < 0.43 Z, odd: B4, not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        u = abs(z) * p.sigma_0 / p.F_s
+        return where(both(u > 0.40, u < 0.43), -10.0 * sign(z), 0.0)
+
+
+class OddPushNearTheOrigin(_Added):
+    """h = -1e-3 sgn z where |z| < 1e-4 Z: sigma_0 z < 1.5e-4 N there: B4, not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        return where(abs(z) * p.sigma_0 < 1e-4 * p.F_s, -1e-3 * sign(z), 0.0)
+
+
+class OddPushAtTheEdge(_Added):
+    """h = -3 sgn z where |z| > 0.999 Z: sigma_0 z = 1.5 N: B4, not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        return where(abs(z) * p.sigma_0 > 0.999 * p.F_s, -3.0 * sign(z), 0.0)
+
+
+class OddBrakeInAWindowOfZ(_Added):
+    """h = 0.2 sgn z where 0.40 Z < |z| < 0.43 Z: z h >= 0: B4, passive. B0."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        u = abs(z) * p.sigma_0 / p.F_s
+        return where(both(u > 0.40, u < 0.43), 0.2 * sign(z), 0.0)
+
+
+class OddPushInAWindowOfRate(_Added):
+    """h = -20 sgn f where 3e-4 < |f| < 3.1e-4 m/s: from 0 to 1e-6 m and back at such f draws over 2e-5 J (|v/f|
+    about 1, 20 N, 2e-6 m, at z <= g/10) and costs 200 v^2 t = 200 * 3.5e-4 * 2.2e-6 = 1.5e-7 J, g_N r^2 |v| t <
+    1e-8 J: not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        return where(both(abs(dz_dt) > 3e-4, abs(dz_dt) < 3.1e-4), -20.0 * sign(dz_dt), 0.0)
+
+
+class OddPushAtFastRates(_Added):
+    """h = -1e6 sgn f where |f| > 100 m/s: at v = 150, z from 0 to 1e-6 m and back: draws 1e6 * 2e-6 = 2 J, costs
+    200 v^2 t = 200 * 150 * 2.2e-6 = 0.07 J: not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        return where(abs(dz_dt) > 100, -1e6 * sign(dz_dt), 0.0)
+
+
+class DampingInAWindowOfRate(_Added):
+    """h = 2 sgn v where |f| is in 1e-4 ... 1.03e-4, written with sgn f for |z| < g/2 only: sgn f = sgn v there (r
+    < 1): h v >= 0: passive. B0."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        within = both(abs(z) < 0.5 * p.F_c / p.sigma_0, both(abs(dz_dt) > 1e-4, abs(dz_dt) < 1.03e-4))
+        return where(within, 2.0 * sign(dz_dt), 0.0)
+
+
+class PushOnAGridOfZ(_Added):
+    """h = -2 sgn z where sin(62.8 u) > 0.9999 and u > 0.05, u = |z|/Z, windows of some 5e-4 Z: B4 (sigma_0 z <
+    1.5 < 2), not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        u = abs(z) * p.sigma_0 / p.F_s
+        return where(both(u > 0.05, sin(62.8 * u) > 0.9999), -2.0 * sign(z), 0.0)
+
+
+class RateWindowOfZ(BristleLaw):
+    """f = v - c |v| z/g with c = -1 for 0.90 Z < |z| < 0.92 Z, else 1: in the window f = v (1 + r). Winding
+    slowly there costs sigma_0 z/(1 + u), and unwinding slowly, f = v (1 - u), gives sigma_0 z/(1 - u), each
+    metre, more: not passive. At Z inward: bounded if unique, and where f jumps it keeps no sign: unique not
+    derived."""
+
+    truth = "?unique ?bounded -smooth -passive -drift_free"
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        u = abs(z) * p.sigma_0 / p.F_s
+        return v - where(both(u > 0.90, u < 0.92), -1.0, 1.0) * abs(v) / g(p, v) * z
+
+
+class StepOfViscosity(_Added):
+    """sigma_2 falls to 10 for |v| > 50 m/s: there 100 (1 - 1.5) + 10 < 0: a pulse at large v from Z draws without
+    limit: not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        return where(abs(v) > 50, -90.0 * v, 0.0)
+
+
+class StepOfDamping(_Added):
+    """sigma_1 is 10 times larger for 1 < |v| < 1.001 m/s: 1000 (1 - 1.5) + 100 = -400: at v = 1 from Z: F v = 1.5
+    - 400 < 0, f = -0.5: down to r = 1.2 draws at least (100 * 1 - 1.5)/0.5 J for each metre, 3e-6 m: 6e-4 J.
+    Winding up again slowly costs W's rise (below W(Z) = 1.1e-5 J) and 1.5 Z log-like (from 0.8 Z to 0.95 Z below
+    1.5 * 0.9 * ln 4 Z = 2.8e-5 J): so from 0.95 Z (r = 1.425) to r = 1.2: draws 1e-4 J and more: not passive.
+    B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    symmetric = True
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        return where(both(abs(v) > 1, abs(v) < 1.001), 9 * p.sigma_1 * dz_dt, 0.0)
