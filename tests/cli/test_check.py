@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from stribeck.analysis.properties import NAMES, check
+from stribeck.properties import NAMES, check
 
 ROOT = Path(__file__).parents[2]
 CONFIRMED = "confirmed by a second run of all"
@@ -54,7 +54,7 @@ def test_a_counterexample_is_replayed_by_run(stribeck, tmp_path):
 
 
 def test_a_law_of_the_users_own_is_replayed_from_anywhere(stribeck, tmp_path):
-    name = f"{ROOT / 'tests' / 'analysis' / 'broken_laws.py'}:NegativeDamping"
+    name = f"{ROOT / 'tests' / 'properties' / 'broken_laws.py'}:NegativeDamping"
     data = json.loads(stribeck("check", name, "--parameters", "canudas1995", "--out", tmp_path, "--json").out)
     assert data["properties"]["passive"]["holds"] is False
     replayed = json.loads(stribeck("run", tmp_path / "passive.toml", "--json").out)

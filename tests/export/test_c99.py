@@ -8,8 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stribeck
-from stribeck.export.ccode import Equations
-from stribeck.export.selftest import terms
+from stribeck.export.c.ccode import Equations
+from stribeck.export.c.selftest import terms
 from tests.export.harness import (
     ELASTOPLASTIC,
     LAWS,

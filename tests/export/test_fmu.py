@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.export import binaries
+from stribeck.export.fmu import binaries
 from tests.export.harness import law, need
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")

@@ -5,11 +5,11 @@ import pytest
 
 import stribeck
 from stribeck.errors import InputError
-from stribeck.identify.dynamic import fit_dynamic
-from stribeck.identify.dynamic_problem import velocity_problem
-from stribeck.identify.experiment import Body
 from stribeck.identify.log import Log
-from stribeck.identify.problem import Tie
+from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.models.dynamic_problem import velocity_problem
+from stribeck.identify.models.problem import Tie
+from stribeck.rig.synthetic import Body
 from tests.identify import rig
 
 RIG = {"mass": 0.0, "starts": 3}
@@ -140,7 +140,7 @@ def test_what_cannot_be_fitted_is_refused(full, options, message):
 
 
 def test_a_log_too_long_for_a_simulation_is_refused(full, monkeypatch):
-    monkeypatch.setattr("stribeck.identify.dynamic_problem._MOST_ROWS", 1000)
+    monkeypatch.setattr("stribeck.identify.models.dynamic_problem._MOST_ROWS", 1000)
     with pytest.raises(InputError, match=r"rows: a simulation takes at most 1000; .*--method static"):
         fit_dynamic(full, "lugre", mass=0.0)
 

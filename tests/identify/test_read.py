@@ -9,10 +9,10 @@ from scipy import signal
 from scipy.io import savemat
 
 from stribeck import InputError
-from stribeck.identify.filters import decimate, shifted, zero_phase
-from stribeck.identify.prepare import Preparation, load
-from stribeck.identify.quality import clean
-from stribeck.identify.read import Columns, read
+from stribeck.identify.data.filters import decimate, shifted, zero_phase
+from stribeck.identify.data.prepare import Preparation, load
+from stribeck.identify.data.quality import clean
+from stribeck.identify.data.read import Columns, read
 
 T = np.arange(400) * 1e-3
 X, F = np.sin(8 * T), np.cos(8 * T) + 3
@@ -161,7 +161,7 @@ def test_the_cutoff_lies_between_the_motion_and_its_noise():
             {"time": t, "position": np.sin(2 * np.pi * 3 * t) + 1e-4 * rng.standard_normal(len(t)), "force": t}, "log"
         )
     ]
-    from stribeck.identify.prepare import prepare
+    from stribeck.identify.data.prepare import prepare
 
     log = prepare(parts, Preparation())
     assert 3 < log.bandwidth < 100

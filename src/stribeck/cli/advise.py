@@ -6,11 +6,11 @@ from math import ceil, floor, log10
 from pathlib import Path
 from typing import Any
 
-from stribeck.analysis.advise import Advice
-from stribeck.analysis.advise import advise as find
 from stribeck.cli import show
 from stribeck.errors import InputError
 from stribeck.scenario import parse_assignment
+from stribeck.steepness import Advice
+from stribeck.steepness import advise as find
 
 
 def advise(

@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 from stribeck import laws, parameter_sets
-from stribeck.analysis.properties import NAMES, Verdict, Verdicts
-from stribeck.analysis.properties import check as decide
 from stribeck.cli import show
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, note
 from stribeck.laws.base import PARAMETERS, Law
+from stribeck.properties import NAMES, Verdict, Verdicts
+from stribeck.properties import check as decide
 from stribeck.scenario import parse_assignment
 
 _DEFAULT_SET = "canudas1995"
@@ -63,7 +63,7 @@ def _needs_parameters(name: str | None) -> bool:
 
 
 def _all(parameters: str | None, given: Mapping[str, Any], v_max: float | None, json: bool, verify: bool) -> int:
-    from stribeck.analysis.properties.matrix import every_law
+    from stribeck.properties.matrix import every_law
 
     values = dict(parameter_sets.load(parameters).values) if parameters else {}
     known = {n for cls in laws.builtin().values() for n in cls.constants()}
@@ -93,7 +93,7 @@ def _all(parameters: str | None, given: Mapping[str, Any], v_max: float | None, 
 def _margins(verdicts: Verdicts) -> dict[str, Any]:
     from dataclasses import asdict
 
-    from stribeck.analysis.properties.margins import margins
+    from stribeck.properties.margins import margins
 
     return asdict(margins(verdicts.law, verdicts.v_max, verdicts["bounded"].holds is not False))
 
@@ -102,7 +102,7 @@ def _write(verdicts: Verdicts, out: Path) -> list[str]:
     """A scenario for each counterexample that one can show."""
     from tomli_w import dumps
 
-    from stribeck.report.files import write_text
+    from stribeck.files import write_text
 
     files = []
     for name, verdict in verdicts.properties.items():

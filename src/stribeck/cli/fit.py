@@ -11,10 +11,10 @@ from typing import Any
 from stribeck.cli import show
 from stribeck.constants import show as shown
 from stribeck.errors import InputError
-from stribeck.identify import fitting
-from stribeck.identify.choose import Choice
-from stribeck.identify.estimate import Estimate, Fit
+from stribeck.identify import api as fitting
 from stribeck.identify.log import Log
+from stribeck.identify.result import Estimate, Fit
+from stribeck.identify.statistics.choose import Choice
 from stribeck.scenario import parse_assignment
 
 
@@ -51,7 +51,7 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
     }  # fmt: skip
     summary["files"] = []
     if out is not None:
-        from stribeck.identify.files import write
+        from stribeck.identify.report.files import write
 
         command = "stribeck " + shlex.join(sys.argv[1:])
         summary["files"] = write(result, log, out, command, ", ".join(p.name for p in data))

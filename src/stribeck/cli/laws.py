@@ -34,7 +34,7 @@ def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
 
 def _sets(names: list[str], json: bool) -> int:
     """The built-in parameter sets and the laws that are passive with each."""
-    from stribeck.analysis.properties.matrix import every_law, passive_with
+    from stribeck.properties.matrix import every_law, passive_with
 
     if names:
         raise InputError(f"--sets: lists every set with every law; leave out {', '.join(names)}")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from stribeck import examples
 from stribeck.errors import InputError
-from stribeck.report.files import write_text
+from stribeck.files import write_text
 
 _START = "stick_slip"  # the example that a new name starts from
 

@@ -22,7 +22,7 @@ def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c
     summary = solution.summary()
     summary["files"] = []
     if keep_c is not None:
-        from stribeck.report.files import write_text
+        from stribeck.files import write_text
 
         write_text(keep_c, c_source(scenario))
         summary["files"].append(str(keep_c))

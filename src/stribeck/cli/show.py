@@ -20,7 +20,7 @@ def load(path: Path, assignments: list[str]) -> Scenario:
 
 def print_json(data: Any) -> None:
     """One JSON object; what is not finite becomes null, which JSON knows."""
-    from stribeck.report.files import finite
+    from stribeck.files import finite
 
     print(json.dumps(finite(data), allow_nan=False))
 

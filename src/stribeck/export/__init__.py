@@ -14,8 +14,8 @@ from types import ModuleType
 
 from stribeck.errors import InputError, nearest, note
 from stribeck.export.request import Request
+from stribeck.files import write_with
 from stribeck.laws.base import Law
-from stribeck.report.files import write_with
 from stribeck.scenario import Scenario
 
 __all__ = ["PARTS", "TARGETS", "Target", "export"]
@@ -41,12 +41,12 @@ class Target:
 
 
 TARGETS: dict[str, Target] = {
-    "c": Target("c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade"), self_test=True),
-    "fmu": Target("fmu", "an FMU for FMI 2.0 and 3.0", ("law", "body", "cascade"), folder=False),
-    "modelica": Target("modelica", "a Modelica package", folder=False),
-    "mujoco": Target("mujoco", "a MuJoCo model, and a callback", ("law", "body")),
-    "st": Target("st", "an IEC 61131-3 function block in Structured Text", folder=False),
-    "table": Target("table", "a table of velocity and force, at most 20 points", folder=False),
+    "c": Target("c.c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade"), self_test=True),
+    "fmu": Target("fmu.archive", "an FMU for FMI 2.0 and 3.0", ("law", "body", "cascade"), folder=False),
+    "modelica": Target("text.modelica", "a Modelica package", folder=False),
+    "mujoco": Target("text.mujoco", "a MuJoCo model, and a callback", ("law", "body")),
+    "st": Target("text.st", "an IEC 61131-3 function block in Structured Text", folder=False),
+    "table": Target("text.table", "a table of velocity and force, at most 20 points", folder=False),
 }
 
 

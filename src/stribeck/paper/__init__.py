@@ -8,7 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from stribeck.report.files import write_columns, write_json, write_text, write_with
+from stribeck.files import write_columns, write_json, write_text, write_with
 from stribeck.report.page import Chapter, html
 from stribeck.version import __version__
 

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from stribeck import laws
-from stribeck.analysis.properties import NAMES, Verdicts, check, storage_interval
 from stribeck.laws.base import Law
 from stribeck.paper.common import BRISTLES, Done
 from stribeck.paper.statements import passivity_cycle
+from stribeck.properties import NAMES, Verdicts, check, storage_interval
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table
 

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.analysis.comparison import Comparison
+from stribeck.files import write_json, write_text
 from stribeck.report import plots
-from stribeck.report.files import write_json, write_table, write_text
+from stribeck.report.files import write_table
 
 
 def write(comparison: Comparison, folder: Path, summary: dict[str, Any]) -> list[str]:

@@ -1,44 +1,11 @@
-"""Files written beside and renamed, so that none is ever left half-written."""
+"""A solution as files."""
 
 from __future__ import annotations
 
-import json
-import math
-import os
-from collections.abc import Callable, Mapping
-from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
+from stribeck.files import arrow_array, write_with
 from stribeck.simulation import Solution
-
-
-def write_with(path: Path, write: Callable[[Path], Any]) -> None:
-    """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
-    try:
-        write(beside)
-        beside.replace(path)
-    except BaseException:
-        with suppress(OSError):
-            beside.unlink()
-        raise
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a text file in UTF-8."""
-    write_with(path, lambda beside: beside.write_text(text, encoding="utf-8"))
-
-
-def _array(values: Any) -> Any:
-    """Values as an Arrow array; numbers without Arrow's way through pandas, whose import costs 0.2 s and 40 MB."""
-    import numpy as np
-    import pyarrow
-
-    if not isinstance(values, np.ndarray) or values.dtype != np.float64:
-        return pyarrow.array(list(values))
-    buffer = pyarrow.py_buffer(np.ascontiguousarray(values))
-    return pyarrow.Array.from_buffers(pyarrow.float64(), len(values), [None, buffer])
 
 
 def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
@@ -57,7 +24,7 @@ def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
         "status": solution.status,
         "reason": solution.reason or "",
     }
-    columns = [_array(solution[field.name]) for field in fields]
+    columns = [arrow_array(solution[field.name]) for field in fields]
     table = pyarrow.Table.from_arrays(columns, schema=pyarrow.schema(fields, metadata=about))
     paths = [folder / f"{stem}.csv", folder / f"{stem}.parquet"]
 
@@ -69,27 +36,3 @@ def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
     write_with(paths[0], write_csv)
     write_with(paths[1], lambda beside: parquet.write_table(table, beside))
     return paths
-
-
-def write_columns(path: Path, columns: Mapping[str, Any]) -> None:
-    """Columns of equal length as a Parquet file."""
-    import pyarrow
-    from pyarrow import parquet
-
-    arrays = [_array(values) for values in columns.values()]
-    table = pyarrow.Table.from_arrays(arrays, names=list(columns))
-    write_with(path, lambda beside: parquet.write_table(table, beside))
-
-
-def finite(data: Any) -> Any:
-    """The data with every number that is not finite replaced by None: JSON knows none of them."""
-    if isinstance(data, dict):
-        return {key: finite(value) for key, value in data.items()}
-    if isinstance(data, list | tuple):
-        return [finite(value) for value in data]
-    return None if isinstance(data, float) and not math.isfinite(data) else data
-
-
-def write_json(path: Path, data: Any) -> None:
-    """Write data as JSON for people and programs."""
-    write_text(path, json.dumps(finite(data), indent=2, allow_nan=False) + "\n")

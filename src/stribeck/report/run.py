@@ -5,8 +5,9 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from stribeck.files import write_json, write_text
 from stribeck.report import plots
-from stribeck.report.files import write_json, write_table, write_text
+from stribeck.report.files import write_table
 from stribeck.simulation import Solution
 
 

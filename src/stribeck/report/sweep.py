@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.codegen import source
 from stribeck.errors import InputError
-from stribeck.report.files import write_json, write_with
+from stribeck.files import write_json, write_with
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.simulation.variations import vary

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from stribeck import paths, signals
+from stribeck import signals
 from stribeck.errors import InputError
 from stribeck.scenario.tables import SIGNALS, Problem
 
@@ -21,7 +21,7 @@ def read_signal(kind: str, values: Any, folder: Path) -> tuple[signals.Signal | 
         except InputError as error:
             keyed = (text.partition(": ") for text in error.problems)
             return None, [(key, text) for key, _, text in keyed]
-    if issubclass(cls, signals.Points | paths.Curve):
+    if issubclass(cls, signals.Points | signals.Curve):
         t, value = np.array(values.t, float), np.array(values.value, float)
         wrong = cls.problems(t, value)
         return (None, wrong) if wrong else (cls(t, value), [])

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
-from stribeck import drives, paths, signals
+from stribeck import drives, signals
 from stribeck.constants import Constant, kind_of, show
 from stribeck.control.cascade import Cascade
 from stribeck.control.observer import Adaptation
@@ -18,7 +18,7 @@ from stribeck.plants.mass import Mass
 Problem = tuple[str, str]  # path, message
 
 DRIVES: dict[str, type[drives.Drive] | type[Cascade]] = {**drives.KINDS, Cascade.kind: Cascade}
-SIGNALS: dict[str, type[signals.Signal]] = {**signals.KINDS, **paths.KINDS}
+SIGNALS: dict[str, type[signals.Signal]] = signals.KINDS
 
 RTOL_SMALLEST, RTOL_LARGEST = 1e-13, 0.1
 
@@ -160,7 +160,7 @@ def signal_table(kind: str) -> type[Table]:
     """The model of [drive.signal] for a kind of signal."""
     signal = SIGNALS[kind]
     fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=signal.meaning))}
-    if issubclass(signal, paths.Curve):
+    if issubclass(signal, signals.Curve):
         fields["t"] = (list[float], Field(description="times of the points, s; must increase"))
         fields["value"] = (list[float], Field(description="the signal at these times"))
     else:
