@@ -137,6 +137,11 @@ Proof.
     + intros s Hs. apply Hlow. apply Hok. lra.
 Qed.
 
+(* The bound B is kept by every motion whose inputs are ok. *)
+Definition keeps (ok : U -> Prop) (B : R) : Prop :=
+  forall u z a b, motion u z a b -> (forall t, a <= t <= b -> ok (u t)) -> Rabs (z a) <= B ->
+  forall t, a <= t <= b -> Rabs (z t) <= B.
+
 (* --- what is stored rises by no more than what is put in ------------------------------------------------------ *)
 
 Definition continuous_2 (h : U -> R -> R) : Prop :=
@@ -189,22 +194,22 @@ Proof.
 Qed.
 
 (* S is a storage function: whatever the input, S rises by no more than the integral of the power. *)
-Definition storage (ok : U -> Prop) (p : U -> R -> R) (within : R -> Prop) (S : R -> R) : Prop :=
-  (forall x, within x -> 0 <= S x) /\
-  forall u z a b, motion u z a b -> (forall t, a <= t <= b -> ok (u t)) -> within (z a) ->
+Definition storage (ok : U -> Prop) (p : U -> R -> R) (dom : R -> Prop) (S : R -> R) : Prop :=
+  (forall x, dom x -> 0 <= S x) /\
+  forall u z a b, motion u z a b -> (forall t, a <= t <= b -> ok (u t)) -> dom (z a) ->
     ex_RInt (fun t => p (u t) (z t)) a b /\ S (z b) - S (z a) <= RInt (fun t => p (u t) (z t)) a b.
 
-Theorem storage_by (ok : U -> Prop) (p : U -> R -> R) (within : R -> Prop) (S S' : R -> R) :
-  (forall u z a b, motion u z a b -> (forall t, a <= t <= b -> ok (u t)) -> within (z a) ->
-     forall t, a <= t <= b -> within (z t)) ->
-  continuous_2 p -> (forall x, is_derive S x (S' x)) -> (forall x, within x -> 0 <= S x) ->
-  (forall w x, ok w -> within x -> S' x * f w x <= p w x) -> storage ok p within S.
+Theorem storage_by (ok : U -> Prop) (p : U -> R -> R) (dom : R -> Prop) (S S' : R -> R) :
+  (forall u z a b, motion u z a b -> (forall t, a <= t <= b -> ok (u t)) -> dom (z a) ->
+     forall t, a <= t <= b -> dom (z t)) ->
+  continuous_2 p -> (forall x, is_derive S x (S' x)) -> (forall x, dom x -> 0 <= S x) ->
+  (forall w x, ok w -> dom x -> S' x * f w x <= p w x) -> storage ok p dom S.
 Proof.
   intros Hin Hp HS H0 HD. split; [exact H0|]. intros u z a b M. induction M as [a | a b c M IH P]; intros Hok Hz.
   - split; [apply ex_RInt_point|]. rewrite RInt_point. unfold zero; simpl. lra.
   - assert (L := motion_le _ _ _ _ M). assert (Hbc : b < c) by apply P.
     destruct IH as [X1 I1]; auto; [intros t Ht; apply Hok; lra|].
-    assert (W : forall t, a <= t <= c -> within (z t)).
+    assert (W : forall t, a <= t <= c -> dom (z t)).
     { apply (Hin u z a c); auto. apply onward with b; auto. }
     destruct (piece_stores p S S' u z b c) as [X2 I2]; auto.
     { intros t Ht. apply HD; [apply Hok|apply W]; lra. }
@@ -213,8 +218,14 @@ Proof.
 Qed.
 End Motion.
 
-(* A law of friction, from the velocity v to the force F: passive if some storage function exists. *)
 Definition any {A : Type} (_ : A) : Prop := True.
+Definition within (B z : R) : Prop := Rabs z <= B.
+
+Lemma storage_within {U : UniformSpace} (f p : U -> R -> R) ok (dom dom' : R -> Prop) S :
+  (forall x, dom' x -> dom x) -> storage f ok p dom S -> storage f ok p dom' S.
+Proof. intros L [H0 H]. split; [intros x Hx; apply H0, L, Hx|]. intros u z a b M Hok Hz. apply H; auto. Qed.
+
+(* A law of friction, from the velocity v to the force F: passive if some storage function exists. *)
 Definition power_of (F : R -> R -> R) (v z : R) : R := F v z * v.
-Definition passive (rate F : R -> R -> R) (within : R -> Prop) : Prop :=
-  exists S, storage (U := R_UniformSpace) rate any (power_of F) within S.
+Definition passive (rate F : R -> R -> R) (dom : R -> Prop) : Prop :=
+  exists S, storage (U := R_UniformSpace) rate any (power_of F) dom S.
