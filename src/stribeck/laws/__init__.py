@@ -65,7 +65,12 @@ def find(name: str, folder: Path | None = None) -> type[Law]:
     return builtin()[name]
 
 
-def _from_file(name: str, folder: Path | None) -> type[Law]:
+def load_module(name: str, folder: Path | None) -> tuple[ModuleType, Path, str]:
+    """The module, the path and the name behind ``FILE.py:NAME``.
+
+    Raises:
+        InputError: the file cannot be read or does not load.
+    """
     file, _, wanted = name.rpartition(":")
     path = (folder or Path()) / file
     try:
@@ -86,7 +91,11 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
             except (Exception, SystemExit) as error:
                 del sys.modules[module_name]
                 raise InputError(f"{name!r}: {path} does not load: {type(error).__name__}: {error}") from error
-    module = sys.modules[module_name]
+    return sys.modules[module_name], path, wanted
+
+
+def _from_file(name: str, folder: Path | None) -> type[Law]:
+    module, path, wanted = load_module(name, folder)
     laws = _laws_of(module)
     by_class = {cls.__name__: cls for cls in laws.values()}
     if wanted in laws or wanted in by_class:

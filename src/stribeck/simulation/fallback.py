@@ -12,7 +12,7 @@ from stribeck.control.sampled import Log
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol
 from stribeck.scenario import Scenario
-from stribeck.simulation.result import Result, ended, legs, piecewise
+from stribeck.simulation.result import Result, ended, legs
 
 Array = NDArray[np.float64]
 

@@ -17,7 +17,7 @@ from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB
 from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
 from stribeck.signals import Signal
-from stribeck.simulation.result import piecewise
+from stribeck.signals.pieces import pieces as pieces_of
 from stribeck.system import Groups, System
 
 Array = NDArray[np.float64]
