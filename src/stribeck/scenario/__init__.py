@@ -199,8 +199,7 @@ class Scenario:
         """
         rtol = self.solve.rtol
         if self.rig is not None:
-            natural = self.rig.natural()
-            return {n: self.solve.atol.get(n, _ATOL_SHARE * rtol * x) for n, x in natural.items()}
+            return self.atol_of(self.rig)
         q = self.groups() if constants is None else constants
         scales = self.law.scales(q.law)
         natural = {"y": scales.length, "v": scales.speed, "z": scales.length}
@@ -211,6 +210,11 @@ class Scenario:
             own = self.drive.state_scales(q.drive, scales.length, scales.force)
             natural |= dict(zip((s.name for s in self.drive.states), own, strict=True))
         return {s.name: self.solve.atol.get(s.name, _ATOL_SHARE * rtol * natural[s.name]) for s in self.system.states}
+
+    def atol_of(self, rig: Rig) -> dict[str, float]:
+        """The absolute tolerance of each state of a machine with other values."""
+        share = _ATOL_SHARE * self.solve.rtol
+        return {n: self.solve.atol.get(n, share * x) for n, x in rig.natural().items()}
 
 
 def _row_count(t_end: float, step: float) -> int:

@@ -73,7 +73,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     """Integrate the scenario with its compiled and checked system; ``progress`` is told the share of time done."""
     system, values, atol = scenario.system, scenario.values(), scenario.atol()
     share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
-    room, noise = held_back(scenario)
+    room, noise = held_back(scenario.end, [scenario.sampling()])
     x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
     out = np.empty((scenario.rows, len(system.states) + held))
     event_time, event_what = np.empty(_EVENT_ROOM), np.empty(_EVENT_ROOM, np.int32)

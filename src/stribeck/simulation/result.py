@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
@@ -27,14 +27,15 @@ class Result:
     log: Log | None = None  # of a sampled controller
 
 
-def held_back(scenario: Scenario) -> tuple[int, NDArray[np.float64]]:
-    """How many outputs of a sampled controller wait at most, and the standard normal numbers of their noise."""
-    found = scenario.sampling()
-    if not found:
+def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tuple[int, NDArray[np.float64]]:
+    """How many outputs of a sampled controller wait at most, and the standard normal numbers of the controllers' noise,
+    from the sampling of each controller in each lane."""
+    every = [each for lane in lanes for each in lane]
+    if not every:
         return 1, np.zeros((0, 0))
-    room = max(ceil(each["delay"] / each["period"]) for each in found) + 2
-    count = max((floor(scenario.end / each["period"]) + 2 for each in found if each["noise"]), default=0)
-    noise = [np.random.default_rng(int(each["seed"])).standard_normal(count) for each in found]
+    room = max(ceil(each["delay"] / each["period"]) for each in every) + 2
+    count = max((floor(end / each["period"]) + 2 for each in every if each["noise"]), default=0)
+    noise = [np.random.default_rng(int(each["seed"])).standard_normal(count) for each in lanes[0]]
     return room, np.array(noise)
 
 

@@ -44,6 +44,9 @@ class Solution:
         self.states, self._log = result.states[:, :count], result.log
         self._held = dict(zip(scenario.system.held, result.states[:, count:].T, strict=True))
         self.events = _events(scenario, result.events)
+        self.counts = np.zeros((max(1, len(scenario.system.watches())), 4), np.int64)  # of each event
+        for _, what in result.events:
+            self.counts[what >> 2, what & 3] += 1
 
     @cached_property
     def t(self) -> Array:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -44,7 +45,7 @@ class Rig:
 
     def pieces(self, t_end: float) -> Pieces:
         """All signals as one table."""
-        parts = [pieces(signal, use.turns, t_end) for use, signal in self.signals.items()]
+        parts = [self.pieces_of(use, t_end) for use in self.signals]
         if not parts:
             return Pieces(np.zeros(1), np.zeros((1, 0)), np.ones(1, np.int8))
         return merged(parts)
@@ -63,6 +64,12 @@ class Rig:
                 found.append(self.values[each.path, "limit"])
         return found
 
+    def pieces_of(self, use: SignalUse, t_end: float, values: Mapping[str, float] | None = None) -> Pieces:
+        """One signal as a table, with other constants if given."""
+        signal = self.signals[use]
+        changed = type(signal)({**signal.values, **values}) if values else signal
+        return pieces(changed, use.turns, t_end)
+
     def sampling(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed of each sampled controller."""
         found = []
@@ -78,23 +85,24 @@ class Rig:
 
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], t_end: float) -> dict[str, Any]:
         """Every column of the output by name, from the states and what controllers held at the times t."""
-        machine = self.machine
         rows = self.pieces(t_end).at(t)
-        inputs: dict[str, Any] = {f"{path}.{name}": self.values[path, name] for path, name in machine.parameters}
-        inputs |= {f"segment.{name}": rows[:, i] for i, name in enumerate(machine.piece_fields)}
-        inputs |= {f"segment.{name}": x for name, x in held.items()} | {"t": t} | states
-        function = output_function(machine, tuple(inputs))
-        return dict(zip((c.name for c in machine.columns), function(*inputs.values()), strict=True))
+        segment = {name: rows[:, i] for i, name in enumerate(self.machine.piece_fields)} | held
+        return evaluate(self.machine, self.values, segment, t, states)
 
     # -- tolerances ------------------------------------------------------------------------------------------------
+
+    def law_scales(self, path: str) -> Scales:
+        """The natural magnitudes of the law in a table, by the present values."""
+        law = self.laws[path]
+        present = {n: self.values[path, n] for n, x in law.values.items() if x is not None}
+        return law.scales(SimpleNamespace(**{**vars(law.p), **present}))
 
     @cached_property
     def scales(self) -> dict[str, Scales]:
         """Natural magnitudes of each body: those of its contacts, else of what it is linked to."""
         found: dict[str, Scales] = {}
         for contact in self.machine.contacts:
-            law = self.laws[contact.law_path]
-            own = law.scales(law.p)
+            own = self.law_scales(contact.law_path)
             ratio = abs(self.values.get((contact.path, "ratio"), 1.0))
             if isinstance(contact.span.start, str):
                 _smallest(found, contact.span.start, Scales(own.length / ratio, own.speed / ratio, own.force * ratio))
@@ -127,8 +135,7 @@ class Rig:
         for body in machine.bodies:
             found |= {f"{body.name}.y": scales[body.name].length, f"{body.name}.v": scales[body.name].speed}
         for contact in machine.contacts:
-            law = self.laws[contact.law_path]
-            found[f"{contact.name}.z"] = law.scales(law.p).length
+            found[f"{contact.name}.z"] = self.law_scales(contact.law_path).length
         for motor in machine.motors:
             found[f"{motor.name}.i"] = scales[motor.on].force / self.values[motor.path, "K"]
         for each in machine.controllers:
@@ -138,8 +145,7 @@ class Rig:
             sizes = each.kind.state_scales(p, own.length, own.force) or (own.length,) * len(names)
             found |= {f"{each.name}.{n}": x for n, x in zip(names, sizes, strict=True)}
             if each.compensation is not None:
-                law = self.laws[each.compensation.path]
-                found[f"{each.name}.z_hat"] = law.scales(law.p).length
+                found[f"{each.name}.z_hat"] = self.law_scales(each.compensation.path).length
         energy = min(s.force * s.length for s in scales.values())
         found |= {"E_in": energy, "E_dissipated": energy}
         return {state.name: found.get(state.name, _LENGTH) for state in machine.states}
@@ -149,6 +155,19 @@ def _smallest(found: dict[str, Scales], name: str, scales: Scales) -> None:
     old = found.get(name)
     pick: Callable[[str], float] = lambda n: min(getattr(old, n), getattr(scales, n))  # noqa: E731
     found[name] = scales if old is None else Scales(pick("length"), pick("speed"), pick("force"))
+
+
+def evaluate(
+    machine: Machine, values: Mapping[tuple[str, str], Any], segment: Mapping[str, Any], t: Array,
+    states: Mapping[str, Array],
+) -> dict[str, Any]:  # fmt: skip
+    """Every column by name, from constants, numbers of the signals' pieces and held outputs, times and states; whatever
+    shapes go together."""
+    inputs: dict[str, Any] = {f"{path}.{name}": values[path, name] for path, name in machine.parameters}
+    inputs |= {f"segment.{name}": x for name, x in segment.items()} | {"t": t} | states
+    function = output_function(machine, tuple(inputs))
+    with np.errstate(all="ignore"):
+        return dict(zip((c.name for c in machine.columns), function(*inputs.values()), strict=True))
 
 
 @lru_cache(maxsize=32)
