@@ -16,7 +16,7 @@ from stribeck.laws.base import PARAMETERS, Law
 from stribeck.machine.parts import SignalUse
 from stribeck.scenario import Scenario
 from stribeck.scenario.machine import Rig
-from stribeck.scenario.machine.rig import evaluate
+from stribeck.scenario.machine.rig import AT_LIMIT, evaluate
 from stribeck.signals.pieces import Pieces, merged
 from stribeck.simulation.variations import LaneByLane, Place, Tables, Variations, arrays
 
@@ -127,7 +127,7 @@ class MachineVariations(Variations):
                 j += 1
         for each in rig.machine.controllers:
             if each.sampling is None and "limit" in each.form:
-                found[j] = self.constant(each.path, "limit")
+                found[j] = self.constant(each.path, "limit") * AT_LIMIT
                 j += 1
         return self._table(found) if found else np.zeros((len(self), 0))
 

@@ -21,6 +21,7 @@ from stribeck.signals.pieces import Pieces, merged, pieces
 Array = NDArray[np.float64]
 
 # Natural magnitudes where no contact says any: a millimetre (milliradian) and its tenfold in a second.
+AT_LIMIT = 1 - 1e-6  # what counts as at a limit: along it an integral slides, which rounding would else make many events
 _LENGTH, _SPEED, _FORCE = 1e-3, 1e-2, 1.0
 
 
@@ -61,7 +62,7 @@ class Rig:
         found += [self.values[x.path, "gap"] / 2 for x in self.machine.links if "gap" in x.form]
         for each in self.machine.controllers:
             if each.sampling is None and "limit" in each.form:
-                found.append(self.values[each.path, "limit"])
+                found.append(self.values[each.path, "limit"] * AT_LIMIT)
         return found
 
     def pieces_of(self, use: SignalUse, t_end: float, values: Mapping[str, float] | None = None) -> Pieces:
