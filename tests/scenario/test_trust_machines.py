@@ -17,12 +17,12 @@ mass = 0.1
 kind = "{element}"
 from = "motor"
 to = "table"
-stiffness = {stiffness}
+stiffness = 1e4
 [contacts.guide]
 from = "table"
 law = {{ name = "{law}", parameters = "canudas1995" }}
 [solve]
-t_end = 0.01
+t_end = {t_end}
 [output]
 step = 0.001
 """
@@ -46,11 +46,11 @@ def test_files_are_executed_last_and_from_the_own_folder(tmp_path, law, element,
     up = "../" if outside else ""
     names = {"law": law.replace("own.py", f"{up}own.py"), "element": element.replace("own.py", f"{up}own.py")}
     file = home / "machine.toml"
-    file.write_text(MACHINE.format(stiffness=1e4 if valid else -1, **names))
+    file.write_text(MACHINE.format(t_end=0.01 if valid else -1.0, **names))
     if valid and not outside:
         assert Scenario.load(file).rig is not None
     else:
-        with pytest.raises(stribeck.InputError, match="folder" if valid else "stiffness"):
+        with pytest.raises(stribeck.InputError, match="folder" if valid else "t_end"):
             Scenario.load(file)
     assert mark.exists() is (valid and not outside)
     if valid:
