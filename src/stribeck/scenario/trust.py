@@ -14,7 +14,6 @@ from typing import Any
 
 from stribeck.constants import show
 
-
 _DEEPEST = 16  # tables within tables; no valid file has as many
 
 
