@@ -97,4 +97,6 @@ def drift_free() -> dict[str, Any]:
 
 def law(name: str) -> Any:
     """LuGre or one of the nasty laws with MILD."""
-    return stribeck.law(name if "." not in name else f"{FOLDER / name.partition('.')[0]}.py:{name.partition('.')[2]}", MILD)
+    return stribeck.law(
+        name if "." not in name else f"{FOLDER / name.partition('.')[0]}.py:{name.partition('.')[2]}", MILD
+    )

@@ -158,8 +158,16 @@ def meets(
             continue
         own = linear(c, normal)
         candidates = [*([own] if own is not None else []), *places]
-        if not any(_agree(form, c, place, not_zero, normal) for place in candidates):
+        if not _same(form, c, normal) and not any(_agree(form, c, place, not_zero, normal) for place in candidates):
             raise Refused("the cases of an expression could not be shown to meet")
+
+
+def _same(form: Form, c: Node, normal: Normal) -> bool:
+    """Whether a comparison decides nothing: both cases are the same expression."""
+    try:
+        return normal(put(form.value, {c: TRUE})) == normal(put(form.value, {c: FALSE}))
+    except Refused:
+        return False
 
 
 def _agree(form: Form, c: Node, place: Place, not_zero: Sequence[Node], normal: Normal) -> bool:
