@@ -231,10 +231,7 @@ class Evaluation:
         if x.op == "name":
             return self.box[x.value]
         if x.op == "where":
-            try:
-                chosen = self.condition(x.args[0])
-            except Refused:
-                chosen = None
+            chosen = self.condition(x.args[0])
             return hull(self(x.args[1]), self(x.args[2])) if chosen is None else self(x.args[1 if chosen else 2])
         a = self(x.args[0])
         if len(x.args) == 2:

@@ -197,8 +197,20 @@ class Leaf:
         share = self._share_of(c)
         if share is None:
             raise Refused("a condition that is not decided has no atom")
+        self._has_value(c)
         ring, first, second = self.ring, self(a), self(b)
         return ring.add(second, ring.mul(share, ring.add(first, second, -1)))
+
+    def _has_value(self, c: Node) -> None:
+        """The sides of comparisons must have values, even where it does not matter which is larger."""
+        for x in c.args:
+            if x.op in CONDITIONS:
+                self._has_value(x)
+                continue
+            try:
+                self.inside(x)
+            except Refused:
+                self(x)
 
     def _weak(self, c: Node, a: Node, b: Node) -> Quotient | None:
         """The value of a minimum or maximum, where l <= r or r <= l is known."""

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import product
 from math import comb
 from typing import Any
 
-import numpy as np
 from flint import arb, ctx, fmpq, fmpq_mpoly_ctx, fmpq_poly
 
 from stribeck.properties.verify_certificate.expressions import Refused
@@ -162,17 +162,24 @@ class Ring:
     @staticmethod
     def _coefficient_signs(terms: dict[tuple[int, ...], dict[int, fmpq]], degrees: list[int]) -> set[int] | None:
         plain = all(set(powers) == {0} for powers in terms.values())
-        zero: Any = fmpq(0) if plain else fmpq_poly([])
-        array = np.full([n + 1 for n in degrees], zero, dtype=object)
-        for exponents, powers in terms.items():
+        values = []
+        for index in product(*(range(n + 1) for n in degrees)):
+            powers = terms.get(index, {})
             if plain:
-                array[exponents] = powers[0]
+                values.append(powers.get(0, fmpq(0)))
             else:
-                array[exponents] = fmpq_poly([powers.get(k, fmpq(0)) for k in range(max(powers) + 1)])
-        for axis, n in enumerate(degrees):
-            array = np.moveaxis(np.tensordot(_to_bernstein(n), array, axes=(1, axis)), 0, axis)
+                values.append(fmpq_poly([powers.get(k, fmpq(0)) for k in range(max(powers, default=0) + 1)]))
+        stride = 1
+        for n in reversed(degrees):
+            matrix, done = _to_bernstein(n), list(values)
+            for start in range(len(values)):
+                if start // stride % (n + 1) == 0:
+                    old = [values[start + i * stride] for i in range(n + 1)]
+                    for j, row in enumerate(matrix):
+                        done[start + j * stride] = sum((c * x for c, x in zip(row, old, strict=True) if c), 0 * old[0])
+            values, stride = done, stride * (n + 1)
         found = set()
-        for x in array.reshape(-1):
+        for x in values:
             sign = (x > 0) - (x < 0) if plain else _pi_sign(x)
             if sign is None:
                 return None
@@ -181,9 +188,9 @@ class Ring:
 
 
 @lru_cache(maxsize=64)
-def _to_bernstein(n: int) -> Any:
+def _to_bernstein(n: int) -> list[list[fmpq]]:
     """The matrix from the coefficients of powers to those of Bernstein's polynomials."""
-    return np.array([[fmpq(comb(j, i), comb(n, i)) for i in range(n + 1)] for j in range(n + 1)], dtype=object)
+    return [[fmpq(comb(j, i), comb(n, i)) for i in range(n + 1)] for j in range(n + 1)]
 
 
 def _pi_sign(p: fmpq_poly) -> int | None:
