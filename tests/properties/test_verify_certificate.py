@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import copy
+import json
 import random
 from itertools import product
 from typing import Any
 
 import pytest
 
-from stribeck.properties.verify_certificate import refusal
+from stribeck.properties.verify_certificate import verify
+from stribeck.properties.verify_certificate.__main__ import main
 from tests.properties import hand_made as by_hand
 from tests.properties.hand_made import ALL, SIGNS, certificate, claim
 
@@ -20,6 +22,11 @@ RIGHT = {
     "smooth": (by_hand.smooth, "literature.RootMajorant"),
     "drift_free": (by_hand.drift_free, None),
 }
+
+
+def refusal(*args: Any) -> str | None:
+    problems = verify(*args)
+    return problems[0] if problems else None
 
 
 @pytest.mark.parametrize("name", RIGHT)
@@ -249,3 +256,18 @@ def test_splits_and_polar_coordinates():
     small = ["diagonal", ["split", "q", "1/2", leaf, leaf], ["split", "p", "1/2", leaf, leaf]]
     assert proved(small, ["0", "1"], ["0", "1"])
     assert not proved(small)  # only for finite rectangles
+
+
+def test_a_file_can_be_checked_by_others(tmp_path, capsys):
+    file = tmp_path / "lugre.json"
+    data = {"format": 1, "law": "lugre", "certificates": {"bounded": by_hand.bounded(), "passive": by_hand.passive()}}
+    file.write_text(json.dumps(data))
+    assert main([str(file)]) == 0
+    assert "passive: confirmed" in capsys.readouterr().out
+    data["certificates"]["passive"]["claims"].pop()
+    file.write_text(json.dumps(data))
+    assert main([str(file)]) == 1
+    assert "passive: the claims do not cover" in capsys.readouterr().out
+    file.write_text("[]")
+    assert main([str(file)]) == 2
+    assert main([]) == 2

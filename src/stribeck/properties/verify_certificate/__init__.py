@@ -15,14 +15,14 @@ from stribeck.properties.verify_certificate.equations import compare, compare_bo
 from stribeck.properties.verify_certificate.expressions import Refused
 from stribeck.properties.verify_certificate.theorems import confirm
 
-__all__ = ["refusal"]
+__all__ = ["verify"]
 
 
-def refusal(certificate: Mapping[str, Any], law: Law | None = None, property: str | None = None) -> str | None:
-    """Why a certificate is not accepted; None where it proves what it states.
+def verify(certificate: Mapping[str, Any], law: Law | None = None, property: str | None = None) -> list[str]:
+    """Why a certificate is not accepted; nothing where it proves what it states.
 
     Args:
-        certificate: as ``stribeck check --certificate FILE`` writes it, of one property.
+        certificate: of one property, as it stands in the file that ``stribeck check --certificate FILE`` writes.
         law: where given, the certificate must be about this law with its constants, and about its Z.
         property: where given, the certificate must be of this property.
     """
@@ -34,5 +34,5 @@ def refusal(certificate: Mapping[str, Any], law: Law | None = None, property: st
             compare(law, case.law.dz_dt, case.law.force)
             compare_bound(law, case.Z)
     except Refused as reason:
-        return str(reason)
-    return None
+        return [str(reason)]
+    return []

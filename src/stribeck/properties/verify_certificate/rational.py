@@ -162,7 +162,7 @@ class Ring:
     @staticmethod
     def _coefficient_signs(terms: dict[tuple[int, ...], dict[int, fmpq]], degrees: list[int]) -> set[int] | None:
         plain = all(set(powers) == {0} for powers in terms.values())
-        values = []
+        values: list[Any] = []
         for index in product(*(range(n + 1) for n in degrees)):
             powers = terms.get(index, {})
             if plain:
