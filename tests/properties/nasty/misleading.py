@@ -273,8 +273,8 @@ class ExpOfMinusOneOverV(BristleLaw):
 
 
 class LogOfZ(BristleLaw):
-    """h = 1e-3 z log(z^2) (0 at z = 0) in SI numbers: sigma_0 z + h = z (1e5 + 2e-3 log|z|) is of the other sign than z for 0 < |z| <
-    exp(-5e7): B4, not passive, in a range that no float holds. B0."""
+    """h = 1e-3 z log(z^2) (0 at z = 0) in SI numbers: sigma_0 z + h = z (1e5 + 2e-3 log|z|) is of the other sign
+    than z for 0 < |z| < exp(-5e7): B4, not passive, in a range that no float holds. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
     v_d = None
