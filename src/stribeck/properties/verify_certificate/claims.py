@@ -89,8 +89,8 @@ def read_claim(data: Json) -> Claim:
     s, t = data.get("v"), data.get("z")
     if s not in (1, -1, 0) or t not in (1, -1, 0) or isinstance(s, bool) or isinstance(t, bool):
         raise Refused(f"claim {data['about']}: v and z must be 1, -1 or 0")
-    u = read_range(data["u"]) if s != 0 or "u" in data else None
-    w = read_range(data["w"]) if t != 0 or "w" in data else None
+    # a range that is left out is everything
+    u, w = (read_range(data.get(n, ["0", "inf"])) for n in ("u", "w"))
     return Claim(str(data["about"]), s, t, u if s != 0 else None, w if t != 0 else None, data)
 
 

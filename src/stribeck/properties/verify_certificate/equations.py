@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fractions import Fraction
 from types import SimpleNamespace
-from typing import Any
 
 from flint import fmpq
 
@@ -22,32 +21,40 @@ def compare(law: Law, dz_dt: Node, force: Node) -> None:
     Raises:
         Refused: they differ.
     """
-    numbers = {n: x if x is None else constant(x) for n, x in law.values.items()}
-    p = SimpleNamespace(**numbers, **law.choices)
     v, z, rate = symbol("v"), symbol("z"), symbol("dz_dt")
+    numbers = {n: x for n, x in law.values.items() if x is not None}
+    made = [  # with numbers folded where they meet, as an evaluation would, and with the constants' names
+        SimpleNamespace(**{n: x if x is None else constant(x) for n, x in law.values.items()}, **law.choices),
+        law.symbolic(symbol, law.structure),
+    ]
     for what, stated, own in (
-        ("dz/dt", dz_dt, wrap(law.dz_dt(p, v, z))),
-        ("F", force, wrap(law.friction(p, v, z, rate))),
+        ("dz/dt", dz_dt, [wrap(law.dz_dt(p, v, z)) for p in made]),
+        ("F", force, [wrap(law.friction(p, v, z, rate)) for p in made]),
     ):
-        if not _same(stated, own, {}):
+        if not any(_Comparison(numbers)(stated, x) for x in own):
             raise Refused(f"the equation of {what} is not that of the law {law.name!r}")
 
 
-def _same(a: Node, b: Expr, known: dict[tuple[Node, Expr], bool]) -> bool:
-    key = (a, b)
-    if key not in known:
-        known[key] = _compared(a, b, known)
-    return known[key]
+class _Comparison:
+    """Node by node, with the values of constants that stand as names."""
 
+    def __init__(self, numbers: dict[str, float]) -> None:
+        self.numbers = numbers
+        self.known: dict[tuple[Node, Expr], bool] = {}
 
-def _compared(a: Node, b: Expr, known: Any) -> bool:
-    if b.op == "symbol":
-        return a.op == "name" and a.value == b.value
-    if b.op == "constant":
-        return _number(a, float(b.value or 0.0))
-    return a.op == b.op and len(a.args) == len(b.args) and all(
-        _same(x, y, known) for x, y in zip(a.args, b.args, strict=True)
-    )  # fmt: skip
+    def __call__(self, a: Node, b: Expr) -> bool:
+        if (a, b) not in self.known:
+            self.known[a, b] = self._compared(a, b)
+        return self.known[a, b]
+
+    def _compared(self, a: Node, b: Expr) -> bool:
+        if b.op == "symbol":
+            word = str(b.value)
+            return _number(a, self.numbers[word]) if word in self.numbers else a.op == "name" and a.value == word
+        if b.op == "constant":
+            return _number(a, float(b.value or 0.0))
+        same = a.op == b.op and len(a.args) == len(b.args)
+        return same and all(self(x, y) for x, y in zip(a.args, b.args, strict=True))
 
 
 def _number(a: Node, x: float) -> bool:

@@ -27,6 +27,7 @@ from stribeck.properties.verify_certificate.intervals import Range
 from stribeck.properties.verify_certificate.rational import Quotient, Ring, Variable
 
 FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
+_ODD = ("sin", "atan", "tanh")
 
 
 @dataclass(frozen=True)
@@ -133,9 +134,15 @@ class Leaf:
             return self._abs_or_sign(x)
         if x.op in FUNCTIONS:
             return self._atom(x)
+        if x.op == "mul" and x.args[0] is not x.args[1] and self._zero(x.args[1]) and self._finite(x.args[0]):
+            return ring.number(0)
         a = self(x.args[0])
         if x.op == "neg":
             return Quotient(-a.above, a.below)
+        if x.op == "mul" and a.above == 0 and self._finite(x.args[1]):
+            return a
+        if x.op == "div" and a.above == 0 and self._apart_from_0(x.args[1]):
+            return a
         b = self(x.args[1])
         if x.op == "mul":
             return ring.mul(a, b)
@@ -145,6 +152,21 @@ class Leaf:
                 raise Refused("a divisor may be 0")
             return ring.div(a, b)
         return ring.add(a, b, 1 if x.op == "add" else -1)
+
+    def _finite(self, x: Node) -> bool:
+        """Whether intervals show that an expression has a value."""
+        try:
+            self.inside(x)
+        except Refused:
+            return False
+        return True
+
+    def _zero(self, x: Node) -> bool:
+        """Whether an expression is 0 on the region, and simple enough to say so."""
+        try:
+            return bool(self(x).above == 0)
+        except Refused:
+            return False
 
     def _apart_from_0(self, x: Node) -> bool:
         try:
@@ -194,6 +216,9 @@ class Leaf:
             weak = self._weak(c, a, b)
             if weak is not None:
                 return weak
+        for atom in self.atoms:
+            if atom.rule == "range" and atom.node.op == "where" and self._equal(atom.node, x):
+                return self._value(x, atom)
         share = self._share_of(c)
         if share is None:
             raise Refused("a condition that is not decided has no atom")
@@ -265,25 +290,38 @@ class Leaf:
                 ring = self.ring
                 sides = [ring.add(self(x.args[1]), self(x.args[0]), -1) for x in (a, b)]
             except Refused:
-                return all(self._equal(x, y) for x, y in zip(a.args, b.args, strict=True))
+                return all(self._same_value(x, y) for x, y in zip(a.args, b.args, strict=True))
             return sides[0].same(sides[1])
         if a.op in CONDITIONS:
             return all(self._equal(x, y) for x, y in zip(a.args, b.args, strict=True))
-        if a.op in FUNCTIONS or a.op == "sign":
-            try:
-                return all(self(x).same(self(y)) for x, y in zip(a.args, b.args, strict=True))
-            except Refused:
-                return all(self._equal(x, y) for x, y in zip(a.args, b.args, strict=True))
-        return bool(a.args) and all(self._equal(x, y) for x, y in zip(a.args, b.args, strict=True))
+        if a.op in FUNCTIONS or a.op in ("sign", "abs", "where"):
+            return all(self._same_value(x, y) for x, y in zip(a.args, b.args, strict=True))
+        return False
+
+    def _same_value(self, a: Node, b: Node) -> bool:
+        """Whether two arguments are equal: as quotients, else as they are written."""
+        if a is b or a.op in CONDITIONS or b.op in CONDITIONS:
+            return self._equal(a, b)
+        try:
+            return self(a).same(self(b))
+        except Refused:
+            same = a.op == b.op and len(a.args) == len(b.args) > 0
+            return same and all(self._same_value(x, y) for x, y in zip(a.args, b.args, strict=True))
 
     def _atom(self, x: Node) -> Quotient:
         with suppress(Refused):
             lo, hi = self.inside(x)
             if lo is not None and lo == hi:
                 return self.ring.number(lo)
+        opposite = node(x.op, node("neg", x.args[0])) if x.op in _ODD else x
         for atom in self.atoms:
-            if atom.rule != "either" and self._equal(atom.node, x):
+            if atom.rule == "either":
+                continue
+            if self._equal(atom.node, x):
                 return self._value(x, atom)
+            if opposite is not x and self._equal(atom.node, opposite):
+                value = self._value(opposite, atom)
+                return Quotient(-value.above, value.below)
         raise Refused(f"{x.op} has no atom")
 
     def _value(self, x: Node, atom: _Atom) -> Quotient:
