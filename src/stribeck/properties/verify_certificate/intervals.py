@@ -201,6 +201,7 @@ class Evaluation:
     def __init__(self, box: Mapping[str, Range]) -> None:
         self.box = {**box, "pi": PI}
         self.known: dict[Node, Range] = {}
+        self.preset: dict[Node, Range] = {}  # what a condition says of nodes, within its case
 
     def __call__(self, top: Node) -> Range:
         """The range of an expression.
@@ -232,7 +233,7 @@ class Evaluation:
             return self.box[x.value]
         if x.op == "where":
             chosen = self.condition(x.args[0])
-            return hull(self(x.args[1]), self(x.args[2])) if chosen is None else self(x.args[1 if chosen else 2])
+            return self._cases(x) if chosen is None else self(x.args[1 if chosen else 2])
         a = self(x.args[0])
         if len(x.args) == 2:
             return self._binary(x, a)
@@ -244,6 +245,27 @@ class Evaluation:
         if x.op in ("neg", "abs"):
             return neg(a) if x.op == "neg" else size(a)
         return wave(x.op, a) if x.op in ("sin", "cos") else rising(x.op, a)
+
+    def _cases(self, x: Node) -> Range:
+        """Both cases, each on what its condition leaves of the two sides that are compared."""
+        c, *cases = x.args
+        if c.op not in ("lt", "le"):
+            return hull(self(cases[0]), self(cases[1]))
+        left, right = c.args
+        found = []
+        for case, (small, large) in zip(cases, ((left, right), (right, left)), strict=True):
+            (low, below), (above, high) = self(small), self(large)  # here small <= large
+            below = high if below is None else (below if high is None else min(below, high))
+            above = low if above is None else (above if low is None else max(above, low))
+            if (low is not None and below is not None and low > below) or (
+                above is not None and high is not None and above > high
+            ):
+                continue
+            inside = Evaluation(self.box)
+            inside.known = {**self.preset, small: (low, below), large: (above, high)}
+            inside.preset = dict(inside.known)
+            found.append(inside(case))
+        return found[0] if len(found) == 1 else hull(found[0], found[1])
 
     def _binary(self, x: Node, a: Range) -> Range:
         b = self(x.args[1])
