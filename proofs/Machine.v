@@ -104,8 +104,11 @@ Record element := {
   input : UniformSpace; vel : input -> R; rate : input -> R -> R; force : input -> R -> R; ok : input -> Prop;
   domain : R -> Prop }.
 Definition element_power (e : element) (u : input e) (x : R) : R := force e u x * vel e u.
+Definition acts_inside_pieces (e : element) : Prop :=
+  forall u x a b, piece (rate e) u x a b -> (forall t, a < t < b -> ok e (u t)) ->
+  smooth_inside (fun t => force e (u t) (x t)) a b.
 Definition stores_in (e : element) (S : R -> R) : Prop :=
-  continuous_2 (force e) /\ (forall w, continuous (vel e) w) /\ storage (rate e) (ok e) (element_power e) (domain e) S.
+  acts_inside_pieces e /\ (forall w, continuous (vel e) w) /\ storage (rate e) (ok e) (element_power e) (domain e) S.
 
 (* Contacts: any law of friction. *)
 Definition contact (dz F : R -> R -> R) (dom : R -> Prop) : element :=
@@ -133,13 +136,17 @@ Proof. apply (c_fst (U := R_UniformSpace) (fun w : R => w)). intros w. apply con
 
 Theorem contact_stores dz F dom S : continuous_2 (U := R_UniformSpace) F ->
   storage (U := R_UniformSpace) dz any (power_of F) dom S -> stores_in (contact dz F dom) S.
-Proof. intros C H. split; [exact C|]. split; [intros w; apply continuous_id|exact H]. Qed.
+Proof.
+  intros C H. split; [|split; [intros w; apply continuous_id|exact H]].
+  intros u x a b P _. exact (piece_power dz F u x a b P C).
+Qed.
 
 Lemma by_storage (F : R -> R -> R) (S S' : R -> R) : continuous_2 (U := R_UniformSpace) F ->
   (forall d, is_derive S d (S' d)) -> (forall d, 0 <= S d) -> (forall w d, S' d * w <= F w d * w) ->
   stores_in {| input := R_UniformSpace; vel := fun w => w; rate := fun w _ => w; force := F; ok := any; domain := any |} S.
 Proof.
-  intros C HS H0 HD. split; [exact C|]. split; [intros w; apply continuous_id|].
+  intros C HS H0 HD. split; [intros u x a b P _; exact (piece_power _ F u x a b P C)|].
+  split; [intros w; apply continuous_id|].
   apply storage_by with S'; auto.
   - apply (c_mult (U := R_UniformSpace) F (fun w _ => w)); [exact C|exact c_input].
   - intros w d _ _. apply HD.
@@ -220,7 +227,7 @@ Definition machine_piece (a b : R) : Prop :=
   (forall i, In i bodies -> exists v', (forall t, continuous (T := R_UniformSpace) (U := R_UniformSpace) v' t) /\
     forall t, a <= t <= b -> v i t = v' t) /\
   (forall t, a < t < b ->
-    (forall e, In e elements -> speed e t = total bodies (fun i => direction e i * v i t) + moved e t) /\
+    (forall e, In e elements -> ok (kind e) (u e t) /\ speed e t = total bodies (fun i => direction e i * v i t) + moved e t) /\
     (forall i, In i bodies -> exists dv, is_derive (v i) t dv /\
       mass i * dv = load i t - total elements (fun e => direction e i * acts e t))).
 
@@ -260,11 +267,9 @@ Hypothesis stores : forall e, In e elements -> stores_in (kind e) (S e).
 
 Lemma acts_inside e a b : In e elements -> machine_piece a b -> smooth_inside (acts e) a b /\ smooth_inside (speed e) a b.
 Proof.
-  intros He (_ & P & _). destruct (stores e He) as (C & V & _). pose proof (P e He) as Pe. split.
-  - destruct (piece_power (rate (kind e)) (force (kind e)) (u e) (x e) a b Pe C) as (p' & C' & E). exists p'. split; assumption.
-  - destruct (piece_power (rate (kind e)) (fun w _ => vel (kind e) w) (u e) (x e) a b Pe) as (p' & C' & E).
-    + apply c_fst. exact V.
-    + exists p'. split; assumption.
+  intros He (_ & P & _ & _ & _ & HE). destruct (stores e He) as (C & V & _). pose proof (P e He) as Pe. split.
+  - apply (C (u e) (x e) a b Pe). intros t Ht. apply HE; assumption.
+  - apply (piece_power (rate (kind e)) (fun w _ => vel (kind e) w) (u e) (x e) a b Pe). apply c_fst. exact V.
 Qed.
 
 Lemma body_gains i a b : In i bodies -> machine_piece a b ->
@@ -310,7 +315,7 @@ Proof.
   { intros i Hi. apply body_gains; assumption. }
   rewrite (RInt_ext _ (fun t => minus (supplied t) (taken t))).
   - rewrite (RInt_minus supplied taken) by assumption. reflexivity.
-  - intros t Ht. rewrite Rmin_left, Rmax_right in Ht by lra. apply power_balance. apply HE. exact Ht.
+  - intros t Ht. rewrite Rmin_left, Rmax_right in Ht by lra. apply power_balance. intros e He. apply HE; assumption.
 Qed.
 
 Lemma motion_balance a b : machine_motion a b -> ex_RInt supplied a b /\ ex_RInt taken a b /\
