@@ -73,7 +73,8 @@ def fit_dynamic(
         log, law, fixed=fixed, free=free, tied=tied, start=start, mass=mass, body=body
     )
     work = work or Work()
-    noise = Noise(*[white_noise(log.force, list(log.runs()))] * 2)
+    level = white_noise(log.force, list(log.runs()))
+    noise = Noise(level, level)
     with threadpool_limits(1):  # the starts run beside each other; more threads of linear algebra only spin
         work.section(0.7)
         optimum = multistart(problem, starting_points(problem, first, low, high, starts, seed), work)

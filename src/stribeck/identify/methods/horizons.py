@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -39,14 +39,22 @@ class Followed:
 
 
 def follow(
-    inverse: VelocityProblem, output: str, starts: Sequence[dict[str, float]], noise: float, force_noise: float, work: Work
+    inverse: VelocityProblem, output: str, starts: Sequence[dict[str, float]], noise: float, force_noise: float,
+    work: Work, other: Callable[[], dict[str, float]],
 ) -> Followed:  # fmt: skip
-    """Fit short windows from every start, then longer ones from what was found, as long as the model follows."""
+    """Fit short windows from the first start; from ``other`` and every start where that leaves more than noise; then
+    longer windows from what was found, as long as the model follows."""
     log = inverse.log
     rows = max(run.stop - run.start for run in log.runs())
     length = min(max(between_reversals(log) // _GROWS, _SHORTEST), rows)
-    found = _best(inverse, output, starts, noise, force_noise, length, work, _MANY)
-    work.section(0.6)
+    work.section(0.1)
+    found = _best(inverse, output, starts[:1], noise, force_noise, length, work, _MANY)
+    if not found.optimum.exhausted and not work.stopped:
+        work.section(0.2)
+        more = [starts[0], other(), *starts[1:]]
+        work.section(0.6)
+        found = _best(inverse, output, more, noise, force_noise, length, work, _MANY)
+    work.section(0.7)
     while length < rows and found.ratio <= _FOLLOWS and not work.stopped:
         length = min(_GROWS * length, rows) if _GROWS * length < 0.7 * rows else rows
         values = found.problem.values(found.optimum.point)

@@ -28,7 +28,8 @@ from stribeck.simulation import simulate
 
 Array = NDArray[np.float64]
 _RTOL = 1e-6
-_MISSED = 0.05  # of the output's changes: a fit that leaves more, and more than noise, has missed it
+_STARTS_THERE = 8
+_MISSED = 0.02  # of the output's changes: a fit that leaves more, and more than noise, has missed it
 _OUTPUTS = {"position": "y", "velocity": "v"}
 
 
@@ -142,8 +143,11 @@ def fit_motion(
     )
     work, runs = work or Work(), list(log.runs())
     noise, force_noise = white_noise(raw(log, output), runs), white_noise(log.force, runs)
+
+    def the_other_way() -> Array:
+        return multistart(inverse, starting_points(inverse, first, low, high, _STARTS_THERE, seed), work).point
+
     with threadpool_limits(1):
-        work.section(0.4)
         problem: MotionProblem | RigProblem
         if drive == {"kind": "force"} and inverse.law.has_z and inverse.values(first)["mass"] > 0:
             given = (
@@ -151,20 +155,24 @@ def fit_motion(
                 if not start
                 else [inverse.values(first), *first_values(inverse, starts, seed)]
             )
-            followed = follow(inverse, output, given[:starts], noise, force_noise, work)
+            followed = follow(
+                inverse, output, given[:starts], noise, force_noise, work, lambda: inverse.values(the_other_way())
+            )
             problem, optimum = followed.problem, followed.optimum
             expected = float(np.hypot(noise, problem.input_noise(optimum.point, force_noise)))
         else:
             # a start in the right place comes from the other way round, which costs a tenth
-            there = multistart(inverse, starting_points(inverse, first, low, high, 8, seed), work)
+            work.section(0.4)
+            there = the_other_way()
             work.section(0.7)
             problem = RigProblem(inverse, drive, output)
-            optimum = multistart(problem, starting_points(problem, there.point, low, high, starts, seed), work)
+            optimum = multistart(problem, starting_points(problem, there, low, high, starts, seed), work)
             expected = noise
         if problem.misfit(optimum.point) is None:
             raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
         work.section(1.0)
-        judged = judged_of(problem, optimum, log, profiles, Noise(noise, expected, _MISSED), work)
+        alone = optimum.agreeing < 2 and not optimum.exhausted
+        judged = judged_of(problem, optimum, log, profiles, Noise(noise, expected, _MISSED, alone), work)
         values = {**inverse.values(first), **problem.values(judged.point)}
         found = fit_of(inverse, inverse.point(values), judged, optimum, log, work)
         work.done(1.0)

@@ -13,6 +13,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.errors import InputError
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, structure
 from stribeck.identify.models.problem import Coordinate, Problem
@@ -113,7 +114,11 @@ class MotionProblem(Problem):
             states[k, :, state] = points[:, i] * (self.coordinates[i].scale if state == 1 else length)
         if (fast := np.flatnonzero(self.sliding)).size:
             for lane, each in enumerate(sets):
-                law = self.law({n: each[n] for n in self.law.constants() if n in each})
+                try:
+                    law = self.law({n: each[n] for n in self.law.constants() if n in each})
+                except InputError:  # a step of a derivative beyond what is allowed: the last lane's will do
+                    if not lane:
+                        return None
                 states[fast, lane, 2] = law.steady_deflection(states[fast, lane, 1])
         if not np.isfinite(states).all():
             return None
@@ -145,7 +150,7 @@ class MotionProblem(Problem):
         for shift in shifts:
             for part in self.parts:  # a straight line: position and velocity at the start
                 x = np.linspace(-1, 1, part.stop - part.start)
-                shift[part] -= shift[part].mean() + x * (x @ shift[part]) / max(x @ x, 1e-300)
+                shift[part] -= shift[part].mean() + x * (x @ shift[part]) / max(float(x @ x), 1e-300)
             squares += float(np.mean(shift**2))
         return float(np.sqrt(squares))
 
@@ -158,7 +163,7 @@ class MotionProblem(Problem):
         usual, other = self.simulated(sets, points), self.simulated(sets, points, force, straight)
         if usual is None or other is None:
             return np.zeros(len(self.measured))
-        return self._without_means(other - usual)[0]
+        return np.asarray(self._without_means(other - usual)[0])
 
 
 def raw(log: Log, output: str) -> Array:
@@ -171,7 +176,7 @@ def white_noise(x: Array, runs: Sequence[slice]) -> float:
     """The standard deviation of white noise on a signal that is smooth from sample to sample: by third differences."""
     squares = [np.diff(x[rows], 3) ** 2 / 20.0 for rows in runs if rows.stop - rows.start > 8]
     # a few jumps are the signal's own: the median tells the level, for normal noise 0.455 of the mean square
-    smooth = float(np.sqrt(np.median(np.concatenate(squares)) / 0.455)) if squares else 0.0
+    smooth = float(np.sqrt(float(np.median(np.concatenate(squares))) / 0.455)) if squares else 0.0
     return max(smooth, _quantum(x) / np.sqrt(12))
 
 
@@ -183,4 +188,5 @@ def _quantum(x: Array) -> float:
         return 0.0
     smallest = float(np.min(steps))
     count = steps / smallest
-    return smallest if float(np.quantile(abs(count - np.round(count)), 0.9)) < 0.01 and np.median(count) < 1e3 else 0.0
+    whole = float(np.quantile(abs(count - np.round(count)), 0.9)) < 0.01 and float(np.median(count)) < 1e3
+    return smallest if whole else 0.0

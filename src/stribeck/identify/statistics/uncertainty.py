@@ -66,11 +66,13 @@ class Judgement:
 @dataclass(frozen=True)
 class Noise:
     """What a model without error would leave: the standard deviation of the measurement's noise, and that with what the
-    noise of its input does; 0 where nothing is known. ``missed``: the share of the output that a fit may miss."""
+    noise of its input does; 0 where nothing is known. ``missed``: the share of the output that a fit may miss.
+    ``alone``: no other start ended in the minimum."""
 
     measured: float = 0.0
     expected: float = 0.0
     missed: float = 0.25
+    alone: bool = False
 
 
 def judge(
@@ -109,12 +111,12 @@ def misses(problem: Problem, misfit: Array, noise: Noise) -> str:
     """Why nothing can be said of a fit, or nothing: it leaves more than noise does, and much of what was measured."""
     left, whole = float(np.linalg.norm(misfit)), float(np.linalg.norm(problem.measured))
     deviation = left / np.sqrt(max(len(misfit), 1))
-    if noise.expected <= 0 or deviation <= _BEYOND * noise.expected or left <= noise.missed * whole:
+    if noise.expected <= 0 or deviation <= _BEYOND * noise.expected:
         return ""
-    return (
-        f"the fit misses {left / whole:.2g} of what was measured, {deviation / noise.expected:.3g} times what noise "
-        "explains: its numbers say nothing about the machine"
-    )
+    text = f"the fit misses {left / whole:.2g} of what was measured, {deviation / noise.expected:.3g} times what noise explains"
+    if left > noise.missed * whole:
+        return f"{text}: its numbers say nothing about the machine"
+    return f"{text}, and one start alone led to it: give more starts" if noise.alone else ""
 
 
 def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise, work: Work) -> Judgement:
