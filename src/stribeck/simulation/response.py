@@ -19,6 +19,22 @@ Array = NDArray[np.float64]
 _STEPS_A_SAMPLE = 1000
 
 
+_P, _N = POINTER(c_double), c_int64
+_CALLS: dict[str, list[object]] = {
+    "stribeck_respond": [_N, _P, _P, _P, _N, _P, _P, _P, c_double, _N, _P, _P, _P],
+    "stribeck_move": [_N, _P, _P, _P, _N, _P, _P, _P, _N, POINTER(c_int64), _P, _P, _N, _P, _P, _P],
+}
+
+
+def _check(library: ctypes.CDLL) -> None:
+    """Make sure that the library answers to a velocity or a force, and say how it is called."""
+    name = next((name for name in _CALLS if hasattr(library, name)), None)
+    if name is None:
+        raise BuildError("the library built is no compiled response")
+    call = getattr(library, name)
+    call.argtypes, call.restype = _CALLS[name], c_int
+
+
 class Response:
     """The compiled answer of a law to a velocity: F(t) for v(t) given by samples and smooth between them.
 
@@ -34,11 +50,6 @@ class Response:
         self.names = parameters(law, structure)
         library = _built(response_source(law, structure))
         self._call = library.stribeck_respond
-        pointer, whole = POINTER(c_double), c_int64
-        self._call.argtypes = [
-            whole, pointer, pointer, pointer, whole, pointer, pointer, pointer, c_double, whole, pointer, pointer, pointer,
-        ]  # fmt: skip
-        self._call.restype = c_int
 
     def lanes(self, sets: Sequence[Mapping[str, float]]) -> Array:
         """Sets of constants as rows in the order that the compiled code takes."""
@@ -93,12 +104,6 @@ class Motion:
     def __init__(self, law: type[Law], structure: tuple[str, ...] = ()) -> None:
         self.names = parameters(law, structure)
         self._call = _built(motion_source(law, structure)).stribeck_move
-        pointer, whole = POINTER(c_double), c_int64
-        self._call.argtypes = [
-            whole, pointer, pointer, pointer, whole, pointer, pointer, pointer, whole, POINTER(c_int64), pointer, pointer,
-            whole, pointer, pointer, pointer,
-        ]  # fmt: skip
-        self._call.restype = c_int
 
     def of(
         self, t: Array, force: Array, sets: Sequence[Mapping[str, float]], first: NDArray[np.int64], states: Array,
@@ -143,7 +148,7 @@ def _built(text: str) -> ctypes.CDLL:
         raise BuildError(
             "a simulation-error fit needs a C compiler, and none was found (pip install 'stribeck[compiler]')"
         )
-    return cache.library(text, chosen)[0]
+    return cache.library(text, chosen, _check)[0]
 
 
 def _pointer(array: Array) -> ctypes._Pointer[c_double]:
