@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.stats import qmc
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import Optimum, multistart
 from stribeck.identify.models.dynamic_problem import VelocityProblem
-from stribeck.identify.models.motion_problem import MotionProblem
+from stribeck.identify.models.motion_problem import FINE, ROUGH, MotionProblem
 from stribeck.identify.models.problem import Coordinate
 from stribeck.identify.work import Work
 
@@ -62,17 +62,18 @@ def follow(
         if longer.ratio > max(_FOLLOWS, 1.2 * found.ratio):
             break
         found = longer
-    if len(found.problem.windows) == _MANY and not work.stopped:  # all of the record
-        values = found.problem.values(found.optimum.point)
-        found = _best(inverse, output, [values], noise, force_noise, round(found.seconds / log.step), work, _MOST)
-    return found
+    if work.stopped:
+        return found
+    values, rows = found.problem.values(found.optimum.point), round(found.seconds / log.step)
+    last = _best(inverse, output, [values], noise, force_noise, rows, work, _MOST, FINE)
+    return last if work.stopped else replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing))
 
 
 def _best(
     inverse: VelocityProblem, output: str, starts: Sequence[dict[str, float]], noise: float, force_noise: float,
-    length: int, work: Work, most: int,
+    length: int, work: Work, most: int, share: float = ROUGH,
 ) -> Followed:  # fmt: skip
-    problem = MotionProblem(inverse, output, windows(inverse.log, length, most), noise)
+    problem = MotionProblem(inverse, output, windows(inverse.log, length, most), noise, share)
     free = len(problem.measured) - len(problem.coordinates) - problem.hidden
     points = [problem.from_values(each) for each in starts]
     level = float(np.hypot(noise, problem.input_noise(points[0], force_noise)))

@@ -21,7 +21,7 @@ from stribeck.simulation.response import Motion
 
 Array = NDArray[np.float64]
 OUTPUTS = {"position": "position", "velocity": "velocity"}
-_STEP_ERROR = 0.01  # of a step, as a share of the output's noise
+ROUGH, FINE = 1e-2, 1e-4  # error of a step as a share of the output's noise; an estimate averages over many samples
 _SLIDES = 0.05  # of the largest speed: a window that starts faster needs no deflection of its own
 
 
@@ -32,10 +32,13 @@ class MotionProblem(Problem):
         inverse: the problem the other way round, which has the constants and their values.
         output: "position" or "velocity".
         windows: rows of the record, rising; those in none of them do not count.
-        noise: standard deviation of the output's noise: simulations are that accurate, and better.
+        noise: standard deviation of the output's noise.
+        share: of it, that a step of a simulation may err by.
     """
 
-    def __init__(self, inverse: VelocityProblem, output: str, windows: Sequence[slice], noise: float) -> None:
+    def __init__(
+        self, inverse: VelocityProblem, output: str, windows: Sequence[slice], noise: float, share: float
+    ) -> None:
         self.inverse, self.output, self.noise = inverse, output, noise
         self.log, self.windows = inverse.log, list(windows)
         log = self.log
@@ -49,7 +52,7 @@ class MotionProblem(Problem):
         self.sliding = slides
         own, self.places = self._own_coordinates(inverse, fast, slides)
         size = noise * max(float(np.ptp(log.position)), 1e-300) / fast if output == "velocity" else noise
-        self.tolerance = _STEP_ERROR * size, _STEP_ERROR * size * fast / max(float(np.ptp(log.position)), 1e-300)
+        self.tolerance = share * size, share * size * fast / max(float(np.ptp(log.position)), 1e-300)
         measured = self._without_means(raw(log, output)[self.rows][None, :])[0]
         scale = float(np.sqrt(np.mean(measured**2))) or 1.0
         super().__init__(inverse.law, own, inverse.fixed, inverse.tied, measured, scale)
@@ -177,7 +180,7 @@ def white_noise(x: Array, runs: Sequence[slice]) -> float:
     squares = [np.diff(x[rows], 3) ** 2 / 20.0 for rows in runs if rows.stop - rows.start > 8]
     # a few jumps are the signal's own: the median tells the level, for normal noise 0.455 of the mean square
     smooth = float(np.sqrt(float(np.median(np.concatenate(squares))) / 0.455)) if squares else 0.0
-    return max(smooth, _quantum(x) / np.sqrt(12))
+    return max(smooth, float(_quantum(x) / np.sqrt(12)))
 
 
 def _quantum(x: Array) -> float:
