@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stribeck.errors import needed
 from stribeck.expressions.graph import Expr, ordered
 from stribeck.expressions.pretty import multiple_of_pi
 
@@ -149,7 +150,8 @@ def interval(low: ArrayLike, high: ArrayLike) -> Interval:
 
 @cache
 def _flint() -> Any:
-    import flint
+    with needed("a proof"):
+        import flint
 
     flint.ctx.prec = _BITS
     return flint

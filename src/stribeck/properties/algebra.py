@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from stribeck.errors import needed
 from stribeck.expressions.graph import Expr
 from stribeck.expressions.intervals import Evaluator, point
 from stribeck.expressions.pretty import multiple_of_pi
@@ -63,7 +64,8 @@ class Algebra:
         self, values: Mapping[str, float], start: Fraction = Fraction(0), end: Fraction | None = None, form: int = 1,
         decided: Mapping[Expr, bool] | None = None,
     ) -> None:  # fmt: skip
-        from flint import Ordering, fmpq, fmpq_mpoly_ctx
+        with needed("a proof"):
+            from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
         self._number = lambda x: fmpq(Fraction(x).numerator, Fraction(x).denominator)
         names = ("pi", "u", *(f"e{i}" for i in range(_SHARES)))

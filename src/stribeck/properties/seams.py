@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from stribeck.errors import needed
 from stribeck.expressions.graph import (
     ZERO,
     Expr,
@@ -234,7 +235,8 @@ class _Identity:
     """Expressions as quotients of polynomials in their symbols and transcendental parts."""
 
     def __init__(self) -> None:
-        from flint import Ordering, fmpq, fmpq_mpoly_ctx
+        with needed("a proof"):
+            from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
         self.context = fmpq_mpoly_ctx.get(("pi", *(f"x{i}" for i in range(_GENERATORS))), Ordering.lex)
         self.pi, *self.free = self.context.gens()

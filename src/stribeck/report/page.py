@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
 
+from stribeck.errors import needed
+
 
 @dataclass(frozen=True)
 class Table:
@@ -61,7 +63,8 @@ def _whole(text: str) -> str:
 
 def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence[Chapter]) -> str:
     """The page: nothing in it is fetched from elsewhere."""
-    import jinja2
+    with needed("a page"):
+        import jinja2
 
     template = files("stribeck.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.errors import needed
 from stribeck.report.page import FigureSvg
 from stribeck.simulation import Solution
 
@@ -62,7 +63,8 @@ _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more tha
 @contextmanager
 def style() -> Iterator[None]:
     """Within, matplotlib draws in the common style."""
-    import matplotlib
+    with needed("a plot"):
+        import matplotlib
 
     with matplotlib.rc_context(cast(Any, _STYLE)):
         yield

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+from stribeck.errors import left_out
 from stribeck.files import write_json, write_text
 from stribeck.report import plots
 from stribeck.report.files import write_table
@@ -14,8 +15,9 @@ from stribeck.simulation import Solution
 def write(solution: Solution, folder: Path, summary: dict[str, Any]) -> list[str]:
     """Write trajectory.csv and .parquet, plot.svg and, last, summary.json; the paths."""
     paths = write_table(solution, folder, "trajectory")
-    paths.append(folder / "plot.svg")
-    write_text(paths[-1], plots.overview({solution.scenario.law.name: solution}))
+    with left_out("plot.svg"):
+        write_text(folder / "plot.svg", plots.overview({solution.scenario.law.name: solution}))
+        paths.append(folder / "plot.svg")
     paths.append(folder / "summary.json")
     files = [str(path) for path in paths]
     write_json(paths[-1], {**summary, "files": [*summary["files"], *files]})

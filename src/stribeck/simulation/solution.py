@@ -91,7 +91,7 @@ class Solution:
         Raises:
             MissingExtra: pandas is not installed.
         """
-        with needed("to_pandas()", "pandas"):
+        with needed("to_pandas()"):
             import pandas
 
         return pandas.DataFrame({"t": self.t, **self._columns})
