@@ -110,6 +110,7 @@ class Law(ToTools):
 
     Args:
         values: the constants by name, SI units.
+        rotary: of a machine that turns: N m in the place of N, rad in that of m; the numbers are the same.
 
     Raises:
         InputError: a constant is unknown, missing, of the wrong type, not finite or unphysical; every problem found.
@@ -124,7 +125,7 @@ class Law(ToTools):
     symmetric: ClassVar[bool] = True  # F and dz/dt change sign with (v, z)
     _derivatives: ClassVar[dict[Any, _Derivatives]] = {}
 
-    def __init__(self, values: Mapping[str, Any]) -> None:
+    def __init__(self, values: Mapping[str, Any], rotary: bool = False) -> None:
         if found := self.problems(values):
             raise InputError([f"{path}: {text}" for path, text in found])
         declared = self.constants()
@@ -140,6 +141,7 @@ class Law(ToTools):
         self.machine: dict[str, float] = {
             name: float(value) for name, value in values.items() if name in PARAMETERS and value is not None
         }
+        self.rotary = rotary
         self.p: Any = SimpleNamespace(**self.values, **self.choices)
 
     def __init_subclass__(cls) -> None:

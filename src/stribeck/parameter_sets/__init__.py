@@ -23,6 +23,11 @@ class ParameterSet:
     motion: str  # "linear" or "rotary"
     values: dict[str, float] = field(hash=False)
 
+    @property
+    def rotary(self) -> bool:
+        """Whether the machine turns: N m in the place of N, rad in that of m."""
+        return self.motion == "rotary"
+
 
 @lru_cache(maxsize=1)
 def _built_in() -> dict[str, ParameterSet]:

@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from stribeck.errors import left_out, needed
-from stribeck.files import arrow_array, write_with
+from stribeck.files import arrow_array, write_text, write_with
+from stribeck.report.page import FigureSvg
 from stribeck.simulation import Solution
 
 
@@ -25,6 +26,15 @@ def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
         _write_parquet(solution, paths[1])
         return paths
     return paths[:1]
+
+
+def write_figure(figure: FigureSvg, folder: Path) -> list[Path]:
+    """The figure as SVG, PNG and PDF under its name."""
+    paths = [folder / f"{figure.name}.{kind}" for kind in ("svg", "png", "pdf")]
+    write_text(paths[0], figure.svg)
+    for path, data in zip(paths[1:], (figure.png, figure.pdf), strict=True):
+        write_with(path, lambda beside, data=data: beside.write_bytes(data))  # type: ignore[misc]
+    return paths
 
 
 def write_csv(path: Path, columns: dict[str, Any]) -> None:

@@ -22,12 +22,13 @@ class Table:
 
 @dataclass(frozen=True)
 class FigureSvg:
-    """A figure: a name for its files, the SVG (and PNG), and a caption that says what to see."""
+    """A figure: a name for its files, the SVG (PNG, PDF), and a caption that says what to see."""
 
     name: str
     svg: str
     caption: str
     png: bytes = b""
+    pdf: bytes = b""
 
     @property
     def inline(self) -> str:
@@ -43,7 +44,7 @@ class FigureSvg:
 
 @dataclass(frozen=True)
 class Chapter:
-    """A chapter of a report: text, tables and figures for people, ``numbers`` and ``data`` (columns) for programs."""
+    """A chapter of a report: text, tables, figures and code for people, ``numbers`` and ``data`` (columns) for programs."""
 
     key: str
     title: str
@@ -52,6 +53,7 @@ class Chapter:
     figures: Sequence[FigureSvg] = ()
     numbers: dict[str, Any] = field(default_factory=dict)
     data: dict[str, Any] = field(default_factory=dict)
+    code: str = ""
 
 
 def _whole(text: str) -> str:

@@ -274,7 +274,7 @@ def _summary(e: Ensemble, first: int) -> list[Column]:
         found.append((f"final_{c.name}", c.unit, f"at the end: {c.meaning}", e[c.name][lanes, last]))
     late = e.t >= 0.5 * e.t[-1]
     amplitude, period = amplitude_and_period(e.t[late], e["y"][:, late])
-    found.append(("amplitude", "m", "half of peak to peak of y in the second half", amplitude))
+    found.append(("amplitude", e.columns[0].unit, "half of peak to peak of y in the second half", amplitude))
     return [*found, ("period", "s", "mean time between upward crossings of y's middle in the second half", period)]
 
 

@@ -50,7 +50,10 @@ class Scenario:
     def __init__(
         self, data: Mapping[str, Any] | None = None, *, folder: str | Path | None = None, **tables_: Any
     ) -> None:
-        self.data: dict[str, Any] = plain({"schema": 1, **tables_} if data is None else {**data, **tables_})
+        given = {"schema": 1, **tables_} if data is None else {**data, **tables_}
+        if isinstance(law := given.get("law"), Law) and law.rotary:
+            given.setdefault("rotary", True)
+        self.data: dict[str, Any] = plain(given)
         self.folder = Path(folder) if folder is not None else Path()
         self.law: Law
         self.drive: type[Drive] | type[Cascade]
@@ -105,6 +108,11 @@ class Scenario:
     def name(self) -> str:
         """The scenario's name."""
         return str(self.data.get("name", "scenario"))
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the machine turns: the columns are in rad and N m then, the numbers are the same."""
+        return self.law.rotary
 
     @cached_property
     def rows(self) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from stribeck import laws
+from stribeck import laws, parameter_sets
 from stribeck.constants import kind_of, show
 from stribeck.control.cascade import Cascade
 from stribeck.control.observer import SCALES
@@ -58,7 +58,7 @@ class Reader:
             self.problems.append((f"{path}.{key}" if path else key or "''", f"{show(table[key])}: unknown key{guess}"))
 
     def _top(self) -> None:
-        self._unknown(self.data, "", ("schema", "name", *_TABLES))
+        self._unknown(self.data, "", ("schema", "name", "rotary", *_TABLES))
         schema, name = self.data.get("schema"), self.data.get("name", "")
         if "schema" not in self.data:
             self.problems.append(("schema", "missing: must be given (schema = 1, the version of the file format)"))
@@ -66,6 +66,8 @@ class Reader:
             self.problems.append(("schema", f"{show(schema)}: must be 1"))
         if not isinstance(name, str):
             self.problems.append(("name", f"{show(name)}: must be text, not {kind_of(name)}"))
+        if not isinstance(rotary := self.data.get("rotary", False), bool):
+            self.problems.append(("rotary", f"{show(rotary)}: must be true or false, not {kind_of(rotary)}"))
 
     def _law(self) -> None:
         table = self.data.get("law")
@@ -95,7 +97,12 @@ class Reader:
             found = [(name, text) for name, text in found if name not in PARAMETERS]
         self.problems += [(paths.get(name, f"law.{name}"), text) for name, text in found]
         if law is not None and given is not None and not found:
-            self._evaluate(law({**parameters, **own}))
+            self._evaluate(law({**parameters, **own}, self._rotary(table.get("parameters"))))
+
+    def _rotary(self, parameters: Any) -> bool:
+        """Whether the machine turns: the file says so, or the set of its parameters."""
+        of_set = isinstance(parameters, str) and parameter_sets.load(parameters, self.folder).rotary
+        return bool(self.data.get("rotary", of_set))
 
     def _evaluate(self, law: Law) -> None:
         if ".py:" in self.data["law"]["name"] and (trouble := laws.trouble(law)):
@@ -197,6 +204,8 @@ class Reader:
                 self.problems += [p for p in found if not p[1].startswith("missing")]
             return
         if drive is Cascade:
+            if self.data.get("rotary") is True:
+                self.problems.append(("rotary", "true: must be left out: the piston of a cylinder does not turn"))
             self._servo()
             return
         table = self._table(tables.plant_table(not moved), "plant")
