@@ -88,7 +88,7 @@ def test_compare_does_not_warn_of_a_steepness_that_the_other_law_has_not(stribec
 
 
 def test_a_law_with_z_that_claims_nothing_is_not_said_to_have_no_state(stribeck, tmp_path):
-    source = "from stribeck.laws import Claims\nfrom stribeck.laws.lugre import LuGre\n\n"
+    source = "from stribeck.laws import Claims\nfrom stribeck.laws.lugre import LuGre\n"
     source += "class Own(LuGre):\n    claims = Claims()\n"
     (tmp_path / "own.py").write_text(source)
     found = stribeck("laws", f"{tmp_path}/own.py:Own")

@@ -16,9 +16,9 @@ from stribeck.scenario import parse_assignment
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
 
 
-def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool) -> int:
+def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool, trust: bool) -> int:
     """Simulate the scenario under each law, print the deviations from the first, write an overlay."""
-    scenario = show.load(path, assignments)
+    scenario = show.load(path, assignments, trust)
     with warnings.catch_warnings():  # that a law without smoothing takes no k_v is what it is compared for
         warnings.filterwarnings("ignore", r"law\.(parameters\.)?k_v: dropped", StribeckNote)
         variants = {text: scenario.with_changes(_changes(text)) for text in laws}

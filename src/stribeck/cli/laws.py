@@ -9,7 +9,7 @@ from stribeck import laws as registry
 from stribeck.cli.show import print_json
 from stribeck.errors import InputError
 from stribeck.laws.base import Claims, Law
-from stribeck.laws.render import condition, equations
+from stribeck.laws.render import Equation, condition, equations
 from stribeck.parameter_sets import parameters
 
 
@@ -87,7 +87,8 @@ def _equations(law: type[Law], form: tuple[str, ...] = ()) -> list[dict[str, str
 
 def _guarantees(law: type[Law], form: tuple[str, ...] = ()) -> dict[str, Any]:
     claims = {field.name: getattr(law.claims, field.name) for field in fields(Claims)}
-    return {n: {"if": asdict(condition(c, law, form))} if callable(c) else c for n, c in claims.items()}
+    found = {n: condition(c, law, form) if callable(c) else c for n, c in claims.items()}
+    return {n: {"if": asdict(c)} if isinstance(c, Equation) else c for n, c in found.items()}
 
 
 def _changed(law: type[Law], form: tuple[str, ...]) -> dict[str, Any]:

@@ -149,8 +149,7 @@ def _library(scenario: Scenario) -> ctypes.CDLL | None:
     if chosen is None:
         return None
     try:
-        library, _ = cache.library(source(scenario.system, lanes=True), chosen.for_lanes())
-        lanes.check(library)
+        library, _ = cache.library(source(scenario.system, lanes=True), chosen.for_lanes(), lanes.check)
     except (BuildError, OSError):
         return None  # the single runs will say why
     return library

@@ -44,9 +44,7 @@ def simulate(
         note("no C compiler found: solving with SciPy, hundreds of times slower (pip install 'stribeck[compiler]')")
     else:
         try:
-            found, built = cache.library(source(scenario.system), chosen)
-            native.check(found)
-            library = found
+            library, built = cache.library(source(scenario.system), chosen, native.check)
             build_seconds = perf_counter() - started
         except (BuildError, OSError) as error:
             note(f"compiling failed ({' '.join(str(error).split())}): solving with SciPy, hundreds of times slower")
