@@ -7,7 +7,7 @@ import warnings
 from typing import Any, NoReturn
 
 from stribeck.cli.options import said
-from stribeck.errors import EXTRAS, InputError, MissingExtra, StribeckError, StribeckNote
+from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote
 
 _EXTRA = {"fit": "fit", "rig": "fit", "export": "export", "check": "check", "gains": "check", "paper": "paper"}
 
@@ -36,9 +36,11 @@ def _status(arguments: list[str] | None) -> int:
         package = error.package if isinstance(error, MissingExtra) else (error.name or "").partition(".")[0]
         if package not in EXTRAS:
             raise
-        extra = error.extra if isinstance(error, MissingExtra) else EXTRAS[package]
-        extra = _EXTRA.get(command, extra)
-        print(f"stribeck: '{command}' needs {package}: pip install 'stribeck[{extra}]'", file=sys.stderr)
+        if isinstance(error, MissingExtra) and command not in _EXTRA:
+            print(f"stribeck: {said(Line(str(error)), command)}", file=sys.stderr)
+        else:
+            extra = _EXTRA.get(command, EXTRAS[package])
+            print(f"stribeck: '{command}' needs {package}: pip install 'stribeck[{extra}]'", file=sys.stderr)
         return 2
     except StribeckError as error:
         print(f"stribeck: {error}", file=sys.stderr)

@@ -9,7 +9,7 @@ from typing import Any
 from stribeck import laws, parameter_sets
 from stribeck.cli import show
 from stribeck.constants import show as shown
-from stribeck.errors import InputError, note
+from stribeck.errors import InputError, left_out, note
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.properties import NAMES, Verdict, Verdicts
 from stribeck.properties import check as decide
@@ -50,6 +50,10 @@ def check(
         data["margins"] = _margins(verdicts)
     if out is not None:
         data["files"] = _write(verdicts, out)
+        with left_out("the page"):
+            from stribeck.report import check as report
+
+            data["files"] += map(str, report.write(verdicts, out, data, show.command_line()))
     if json:
         show.print_json(data)
     else:

@@ -32,7 +32,7 @@ def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str
     if out is not None:
         from stribeck.report.compare import write
 
-        summary["files"] = write(comparison, out, summary)
+        summary["files"] = write(comparison, out, summary, show.command_line())
     if json:
         show.print_json(summary)
     else:

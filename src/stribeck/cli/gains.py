@@ -17,7 +17,7 @@ from stribeck.scenario.servo import not_linear
 from stribeck.simulation import simulate
 
 
-def gains(path: Path, v_max: float | None, assignments: list[str], json: bool, trust: bool) -> int:
+def gains(path: Path, v_max: float | None, assignments: list[str], out: Path | None, json: bool, trust: bool) -> int:
     """Print whether V decreases for the scenario's gains: conditions, proof, and V along the simulation."""
     scenario = show.load(path, assignments, trust)
     if v_max is not None and not 0 < v_max < np.inf:
@@ -28,7 +28,10 @@ def gains(path: Path, v_max: float | None, assignments: list[str], json: bool, t
     if text := not_linear(observer):
         raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
     assert observer is not None
-    solution = simulate(scenario)
+    if out is not None:
+        show.check_folder(out)
+    with show.progress(scenario.name) as tell:
+        solution = simulate(scenario, tell)
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
     verdict = judge(observer, scenario.drive_values, speed)
     proof = prove(observer, scenario.drive_values, (-speed, speed))
@@ -41,10 +44,16 @@ def gains(path: Path, v_max: float | None, assignments: list[str], json: bool, t
     }  # fmt: skip
     if found is not None:
         summary["simulation"] |= found.summary()
+    if out is not None:
+        from stribeck.report.gains import write
+
+        summary["files"] = write(solution, verdict, proof, found, summary, out, show.command_line())
     if json:
         show.print_json(summary)
     else:
         _print(scenario, verdict, proof, doubts, found)
+        for file in summary.get("files", ()):
+            print(f"  wrote {file}")
     if solution.status != "done":
         show.failed(scenario.name, solution.reason)
         return 1

@@ -152,7 +152,6 @@ def interval(low: ArrayLike, high: ArrayLike) -> Interval:
 def _flint() -> Any:
     with needed("a proof"):
         import flint
-
     flint.ctx.prec = _BITS
     return flint
 

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from stribeck.constants import rotary_words
 from stribeck.files import write_text
 from stribeck.laws.base import Law
 from stribeck.laws.render import equations
@@ -56,8 +58,14 @@ def of_law(law: Law, key: str = "law") -> Chapter:
     """A law: its equations and its constants."""
     declared = law.constants()
     values: dict[str, Any] = {n: x for n, x in law.values.items() if x is not None} | law.choices
+    words = rotary_words if law.rotary else str
     rows = [
-        [n, f"{x:g}" if isinstance(x, float) else str(x), declared[n].unit_for(law.rotary) or "1", declared[n].meaning]
+        [
+            n,
+            f"{x:g}" if isinstance(x, float) else str(x),
+            declared[n].unit_for(law.rotary) or "1",
+            words(declared[n].meaning),
+        ]
         for n, x in values.items()
     ]
     about = " ".join((type(law).__doc__ or "").split())
@@ -93,7 +101,7 @@ def plots(figures: Sequence[FigureSvg], text: Sequence[str] = ()) -> list[Chapte
 
 def digits(x: float | None) -> str:
     """A number with six digits."""
-    return "-" if x is None else f"{x:.6g}"
+    return "-" if x is None or math.isnan(x) else f"{x:.6g}"
 
 
 def percent(share: float | None) -> str:

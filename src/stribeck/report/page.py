@@ -10,6 +10,8 @@ from typing import Any
 
 from stribeck.errors import needed
 
+_NUMBER = re.compile(r"(open|given|any|-|[-+\N{MINUS SIGN}]?(\d[\d.e+-]*|nan|inf)( ?%)?)$")
+
 
 @dataclass(frozen=True)
 class Table:
@@ -18,6 +20,11 @@ class Table:
     head: Sequence[str]
     rows: Sequence[Sequence[str]]
     prose: bool = False
+
+    @property
+    def words(self) -> set[int]:
+        """The columns of words, which stand to the left; numbers stand to the right."""
+        return {i for i in range(len(self.head)) if any(not _NUMBER.match(row[i]) for row in self.rows if row[i:])}
 
 
 @dataclass(frozen=True)
