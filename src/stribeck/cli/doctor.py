@@ -16,6 +16,7 @@ import numpy as np
 import stribeck
 from stribeck import examples
 from stribeck.cli.show import print_json
+from stribeck.cli.text import say
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, cache, compiler, fallback, simulate
 
@@ -96,18 +97,19 @@ def _self_test() -> dict[str, Any]:
 
 def _print(report: dict[str, Any]) -> None:
     for key in ("stribeck", "python", "machine"):
-        print(f"{key:10} {report[key]}")
-    print("packages   " + ", ".join(f"{name} {v or 'not installed'}" for name, v in report["packages"].items()))
+        say(report[key], 11, f"{key:11}")
+    packages = ", ".join(f"{name} {v or 'not installed'}" for name, v in report["packages"].items())
+    say(packages, 11, "packages   ")
     command = report["compiler"]["command"]
     none = "none: SciPy solves, slowly (pip install 'stribeck[compiler]' brings one)"
     words = f"{command}: {report['compiler']['version']}" if command else none
-    print(f"compiler   {words}")
+    say(words, 11, "compiler   ")
     c = report["cache"]
     state = "writable" if c["writable"] else "NOT writable: every process compiles anew"
-    print(f"cache      {c['folder']}, {state}, {c['systems']} systems, {c['bytes'] / 1e6:.1f} MB")
+    say(f"{c['folder']}, {state}, {c['systems']} systems, {c['bytes'] / 1e6:.1f} MB", 11, "cache      ")
     t = report["self_test"]
     verdict = "passed" if t["passed"] else "FAILED"
     slow = t["milliseconds_scipy"]
     against = t["against"] + (f" ({slow:.0f} ms)" if slow is not None else "")
-    print(f"self-test  {verdict}: {t['solver']} {t['milliseconds']:.1f} ms, ", end="")
-    print(f"{t['deviation']:.1e} of the peaks from {against}")
+    solved = f"{verdict}: {t['solver']} {t['milliseconds']:.1f} ms"
+    say(f"{solved}, {t['deviation']:.1e} of the peaks from {against}", 11, "self-test  ")

@@ -94,13 +94,26 @@ def _unfold_parameters(data: dict[str, Any], folder: Path) -> bool:
 
 
 def _set(data: dict[str, Any], path: str, value: Any) -> None:
+    """Put a value at a path; a number in the path counts the entries of a list from 0."""
     *parents, last = path.split(".")
     table: Any = data
     for i, name in enumerate(parents):
-        table = table.setdefault(name, {})
-        if not isinstance(table, dict):
+        if isinstance(table, list):
+            table = table[_entry(table, name, path)]
+        else:
+            table = table.setdefault(name, {})
+        if not isinstance(table, dict | list):
             raise InputError(f"{path}: {'.'.join(parents[: i + 1])} is not a table, so it has no key '{last}'")
-    table[last] = value
+    if isinstance(table, list):
+        table[_entry(table, last, path)] = value
+    else:
+        table[last] = value
+
+
+def _entry(table: list[Any], name: str, path: str) -> int:
+    if not (name.isdigit() and int(name) < len(table)):
+        raise InputError(f"{path}: {name!r}: must be a number from 0 to {len(table) - 1}, an entry of the list")
+    return int(name)
 
 
 def _drop_of_observer(table: dict[str, Any], folder: Path) -> None:

@@ -1,19 +1,18 @@
 """Laws in files are programs: which of them a scenario may have executed.
 
-A scenario may come from a stranger. It names its laws (``law.name``, ``drive.observer.name``) as ``FILE.py:NAME``, and
-reading one executes the file. So that happens last, when everything else is valid, and only for files in the
-scenario's own folder or below it, unless the user trusts the scenario or has named the law himself.
+A scenario may come from a stranger. It may name laws and elements (``law.name``, ``drive.observer.name``,
+``links.gear.kind``) as ``FILE.py:NAME``, and reading one executes the file. So that happens last, when everything else
+is valid, and only for files in the scenario's own folder or below it, unless the user trusts the scenario or has named
+the law himself.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from stribeck.constants import show
-
-_PLACES = (("law", "name"), ("drive", "observer", "name"))
 
 
 def in_a_file(name: object) -> bool:
@@ -22,15 +21,22 @@ def in_a_file(name: object) -> bool:
 
 
 def named(data: Mapping[str, Any]) -> dict[str, str]:
-    """The laws in files that a scenario's data names, by the path of the key."""
-    found: dict[str, str] = {}
-    for place in _PLACES:
-        value: Any = data
-        for key in place:
-            value = value.get(key) if isinstance(value, Mapping) else None
-        if in_a_file(value):
-            found[".".join(place)] = value
-    return found
+    """The laws and elements in files that a scenario's data names, by the path of the key."""
+    tables = {key: value for key, value in data.items() if isinstance(value, Mapping)}
+    return {path: value for key, table in tables.items() for path, value in _within(table, key)}
+
+
+def _within(value: Any, path: str) -> Iterator[tuple[str, str]]:
+    """Every ``name`` and ``kind`` that stands in a file."""
+    if isinstance(value, Mapping):
+        for key, inside in value.items():
+            if key in ("name", "kind") and in_a_file(inside):
+                yield f"{path}.{key}", inside
+            else:
+                yield from _within(inside, f"{path}.{key}")
+    elif isinstance(value, list):
+        for i, inside in enumerate(value):
+            yield from _within(inside, f"{path}[{i}]")
 
 
 def problems(data: Mapping[str, Any], folder: Path, trusted: Iterable[str]) -> list[tuple[str, str]]:

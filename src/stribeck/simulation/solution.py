@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stribeck.drives.base import Column
 from stribeck.errors import nearest, needed
+from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
 
@@ -40,11 +41,13 @@ class Solution:
         self.reason = result.reason
         self.status = "done" if result.reason is None else "failed"
         self.stats = result.stats
-        self.states, self._log = result.states, result.log
-        self.events = {
-            "slip": np.array([t for t, rises in result.events if rises]),
-            "stick": np.array([t for t, rises in result.events if not rises]),
-        }
+        count = len(scenario.system.states)
+        self.states, self._log = result.states[:, :count], result.log
+        self._held = dict(zip(scenario.system.held, result.states[:, count:].T, strict=True))
+        self.events = _events(scenario, result.events)
+        self.counts = np.zeros((max(1, len(scenario.system.watches())), 4), np.int64)  # of each event
+        for _, what in result.events:
+            self.counts[what >> 2, what & 3] += 1
 
     @cached_property
     def t(self) -> Array:
@@ -61,7 +64,7 @@ class Solution:
         states = {state.name: self.states[:, i] for i, state in enumerate(self.scenario.system.states)}
         states |= self._log.held(self.t) if self._log is not None else {}
         with np.errstate(all="ignore"):
-            found = self.scenario.columns(self.t, states)
+            found = self.scenario.columns(self.t, states, self._held)
         return {
             column.name: np.array(np.broadcast_to(np.asarray(found[column.name], float), self.t.shape))
             for column in self.columns
@@ -108,15 +111,39 @@ class Solution:
 
     def summary(self) -> dict[str, Any]:
         """What ``stribeck run --json`` prints, without the files."""
-        law = self.scenario.law
+        rig = self.scenario.rig
+        laws = {"law": _about(self.scenario.law)} if rig is None else {
+            "contacts": {c.name: {"law": _about(rig.laws[c.law_path])} for c in rig.machine.contacts}
+        }  # fmt: skip
         return {
             "status": self.status,
             "reason": self.reason,
             "scenario": self.scenario.name,
-            "law": {"name": law.name, "constants": {**law.values, **law.choices}},
+            **laws,
             "rows": len(self.t),
             "steps": self.stats,
-            "events": {kind: times.tolist() for kind, times in self.events.items()},
+            "events": _lists(self.events),
             "peaks": self.peaks,
             "final": self.final,
         }
+
+
+def _about(law: Law) -> dict[str, Any]:
+    return {"name": law.name, "constants": {**law.values, **law.choices}}
+
+
+def _lists(events: dict[str, Any]) -> dict[str, Any]:
+    return {name: _lists(x) if isinstance(x, dict) else x.tolist() for name, x in events.items()}
+
+
+def _events(scenario: Scenario, found: list[tuple[float, int]]) -> dict[str, Any]:
+    """The times of what happened; of a machine by element, of a single body without its name."""
+    watches = scenario.system.watches()
+    if scenario.rig is None:
+        times = {"slip": [t for t, what in found if not what & 1], "stick": [t for t, what in found if what & 1]}
+        return {name: np.array(each) for name, each in times.items()}
+    events: dict[str, dict[str, list[float]]] = {w.element: {name: [] for name in w.events} for w in watches}
+    for t, what in sorted(found):
+        watch = watches[what >> 2]
+        events[watch.element][watch.events[what & 3]].append(t)
+    return {element: {name: np.array(x) for name, x in each.items()} for element, each in events.items()}
