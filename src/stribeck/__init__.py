@@ -42,11 +42,15 @@ _HOME = {
     "Scenario": "stribeck.scenario",
     **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),
 }
+_EXTRA = {"export": "export", "fit": "fit"}  # where one package alone would not be enough
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOME:
-        return getattr(importlib.import_module(_HOME[name]), name)
+        from stribeck.errors import needed
+
+        with needed(f"stribeck.{name}", _EXTRA.get(name, "")):
+            return getattr(importlib.import_module(_HOME[name]), name)
     raise AttributeError(f"module 'stribeck' has no attribute {name!r}")
 
 

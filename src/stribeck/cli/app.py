@@ -110,6 +110,7 @@ def sweep(
     ] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="What the random points are drawn by.", min=0)] = 0,
     summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Write CSV in the place of Parquet.")] = False,
     set_: Set = None,
     threads: Annotated[
         int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
@@ -121,7 +122,7 @@ def sweep(
     """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
     from stribeck.cli import sweep as command
 
-    return command.sweep(scenario, vary or [], samples, seed, summary, out, set_ or [], threads, json, trust)
+    return command.sweep(scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust)
 
 
 @app.command()
@@ -318,7 +319,8 @@ def check(
         Path | None, typer.Option("--certificate", metavar="FILE", help="Write the proofs here, for others to check.")
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write counterexamples here, as scenarios to run.")
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder for a page, and for counterexamples as scenarios to run."),
     ] = None,
     json: Json = False,
     _undetermined: Undetermined = False,
@@ -406,13 +408,14 @@ def gains(
     ] = None,
     set_: Set = None,
     trust: Trust = False,
+    out: Out = None,
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
     """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation."""
     from stribeck.cli import gains as command
 
-    return command.gains(scenario, v_max, set_ or [], json, trust)
+    return command.gains(scenario, v_max, set_ or [], out, json, trust)
 
 
 @app.command()

@@ -182,4 +182,5 @@ def law(name: str, parameters: str | Mapping[str, float] | None = None, **consta
     """
     found = find(name)
     values = parameters_for(found, parameters) if isinstance(parameters, str) else parameters or {}
-    return found({**values, **constants})
+    rotary = isinstance(parameters, str) and parameter_sets.load(parameters).rotary
+    return found({**values, **constants}, rotary)

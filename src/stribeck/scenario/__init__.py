@@ -61,7 +61,10 @@ class Scenario:
         trust: bool | Collection[str] = True,
         **tables_: Any,
     ) -> None:
-        self.data: dict[str, Any] = plain({"schema": 1, **tables_} if data is None else {**data, **tables_})
+        given = {"schema": 1, **tables_} if data is None else {**data, **tables_}
+        if isinstance(law := given.get("law"), Law) and law.rotary:
+            given.setdefault("rotary", True)
+        self.data: dict[str, Any] = plain(given)
         self.folder = Path(folder) if folder is not None else Path()
         self.drive: type[Drive] | type[Cascade]
         self.signal: Signal
@@ -153,6 +156,12 @@ class Scenario:
     def name(self) -> str:
         """The scenario's name."""
         return str(self.data.get("name", "scenario"))
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the one body turns: the columns are in rad and N m then, the numbers are the same. A machine of many
+        bodies says it for each."""
+        return self.rig is None and self.law.rotary
 
     @cached_property
     def rows(self) -> int:

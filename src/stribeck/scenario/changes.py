@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from stribeck import laws
+from stribeck import laws, parameter_sets
 from stribeck.errors import InputError, arg, note
 from stribeck.laws.base import PARAMETERS
 
@@ -84,9 +84,12 @@ def _unfold_parameters(data: dict[str, Any], folder: Path) -> bool:
     except InputError:
         known = None
     try:
+        rotary = parameter_sets.load(law["parameters"], folder).rotary
         law["parameters"] = laws.parameters_for(known, law["parameters"], folder)
     except InputError:
         return False
+    if rotary:
+        data.setdefault("rotary", True)  # the set's name said so
     return True
 
 

@@ -75,7 +75,7 @@ class Ensemble:
     @property
     def columns(self) -> tuple[Column, ...]:
         """The columns after t: name, unit and meaning."""
-        return self.scenario.system.columns
+        return tuple(c.of_motion(self.scenario.rotary) for c in self.scenario.system.columns)
 
     @cached_property
     def _columns(self) -> dict[str, Array]:
