@@ -5,10 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-<<<<<<< HEAD
-from stribeck import laws, parameter_sets
-=======
->>>>>>> main
 from stribeck.constants import kind_of, show
 from stribeck.control.cascade import Cascade
 from stribeck.control.observer import SCALES
@@ -105,64 +101,14 @@ class Reader:
         self.problems += unknown(table, path, known)
 
     def _top(self) -> None:
-<<<<<<< HEAD
         self._unknown(self.data, "", ("schema", "name", "rotary", *_TABLES))
-        schema, name = self.data.get("schema"), self.data.get("name", "")
-        if "schema" not in self.data:
-            self.problems.append(("schema", "missing: must be given (schema = 1, the version of the file format)"))
-        elif schema != 1 or isinstance(schema, bool | float):
-            self.problems.append(("schema", f"{show(schema)}: must be 1"))
-        if not isinstance(name, str):
-            self.problems.append(("name", f"{show(name)}: must be text, not {kind_of(name)}"))
-        if not isinstance(rotary := self.data.get("rotary", False), bool):
-            self.problems.append(("rotary", f"{show(rotary)}: must be true or false, not {kind_of(rotary)}"))
-
-    def _law(self) -> None:
-        table = self.data.get("law")
-        if not isinstance(table, dict):
-            text = "missing: the table [law] must be given (with name and parameters)"
-            self.problems.append(("law", text if table is None else _no_table(table)))
-            return
-        law = self._named_law(table)
-        given = self._parameters(table, law)
-        parameters = given or {}
-        own = {name: value for name, value in table.items() if name not in ("name", "parameters")}
-        paths = {name: f"law.parameters.{name}" for name in (*PARAMETERS, *parameters)} | {n: f"law.{n}" for n in own}
-        for name in [name for name in own if name in PARAMETERS or name in parameters]:
-            text = "belongs in law.parameters" if name in PARAMETERS else "stands in law.parameters too"
-            self.problems.append((f"law.{name}", f"{show(own.pop(name))}: {text}"))
-        has = law.constants() if law is not None else {}
-        misspelt = {n: own.pop(n) for n in list(own) if n not in has and nearest(n, ("name", "parameters"))}
-        self._unknown(misspelt, "law", ("name", "parameters"))
-        if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
-            found = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
-            if ".py:" not in str(table.get("name")):
-                every = (name for each in laws.builtin().values() for name in each.constants())
-                self._unknown(own, "law", ("name", "parameters", *every, *PARAMETERS))
-        else:
-            found = law.problems({**parameters, **own})
-        if given is None:  # said already
-            found = [(name, text) for name, text in found if name not in PARAMETERS]
-        self.problems += [(paths.get(name, f"law.{name}"), text) for name, text in found]
-        if law is not None and given is not None and not found:
-            self._evaluate(law({**parameters, **own}, self._rotary(table.get("parameters"))))
-
-    def _rotary(self, parameters: Any) -> bool:
-        """Whether the machine turns: the file says so, or the set of its parameters."""
-        of_set = isinstance(parameters, str) and parameter_sets.load(parameters, self.folder).rotary
-        return bool(self.data.get("rotary", of_set))
-
-    def _evaluate(self, law: Law) -> None:
-        if ".py:" in self.data["law"]["name"] and (trouble := laws.trouble(law)):
-            self.problems.append(("law.name", f"{show(self.data['law']['name'])}: {trouble}"))
-        else:
-=======
-        self._unknown(self.data, "", ("schema", "name", *_TABLES))
         schema = self.data.get("schema")
         if "schema" not in self.data:
             self.problems.append(("schema", "missing: must be given (schema = 1, the version of the file format)"))
         elif schema != 1 or isinstance(schema, bool | float):
             self.problems.append(("schema", f"{show(schema)}: must be 1 (a body) or 2 (a machine)"))
+        if not isinstance(rotary := self.data.get("rotary", False), bool):
+            self.problems.append(("rotary", f"{show(rotary)}: must be true or false, not {kind_of(rotary)}"))
         self._name()
 
     def _law(self) -> None:
@@ -170,7 +116,7 @@ class Reader:
         law = reader.read()
         self.problems += reader.problems
         if law is not None:
->>>>>>> main
+            law.rotary = self.data.get("rotary", reader.rotary) is True
             self.scenario.law = law
 
     def _drive(self) -> None:
