@@ -25,7 +25,7 @@ def in_a_file(name: object) -> bool:
 def named(data: Mapping[str, Any]) -> dict[str, str]:
     """The laws and elements in files that a scenario's data names, by the path of the key."""
     found: dict[str, str] = {}
-    left = [(key, value) for key, value in data.items() if isinstance(value, Mapping)]
+    left: list[tuple[str, Any]] = [(key, value) for key, value in data.items() if isinstance(value, Mapping)]
     while left:  # a file may nest deeper than Python calls
         path, value = left.pop()
         inside = value.items() if isinstance(value, Mapping) else enumerate(value)
