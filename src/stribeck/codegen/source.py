@@ -12,7 +12,18 @@ from importlib.resources import files
 from stribeck.codegen.elimination import eliminate
 from stribeck.equations import Equations
 from stribeck.expressions.emit import C, Writer
-from stribeck.expressions.graph import ONE, ZERO, Expr, derivative, is_zero, ordered, rewrite, substitute, symbol, symbols
+from stribeck.expressions.graph import (
+    ONE,
+    ZERO,
+    Expr,
+    derivative,
+    is_zero,
+    ordered,
+    rewrite,
+    substitute,
+    symbol,
+    symbols,
+)
 
 # Words of C, and names that the generated functions use themselves.
 _RESERVED = frozenset(

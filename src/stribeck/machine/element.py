@@ -73,7 +73,7 @@ class Element:
     def symbolic(cls, make: Callable[[str], Value], structure: tuple[str, ...]) -> SimpleNamespace:
         """The constants made by name; optional ones that are off are None, lists are tuples."""
         made: dict[str, Any] = {n: None for n, c in cls.constants().items() if c.optional and n not in structure}
-        made |= {name: () for name in cls.lists()}
+        made |= dict.fromkeys(cls.lists(), ())
         for word in structure:
             name, sign, count = word.partition("*")
             if sign:

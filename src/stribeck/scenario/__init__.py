@@ -157,7 +157,7 @@ class Scenario:
 
     def levels(self) -> list[float]:
         """The level of each watched quantity, 0 for none."""
-        return self.rig.levels() if self.rig is not None else [self.threshold] * len(self.system.watches())
+        return self.rig.levels() if self.rig is not None else [self.threshold] * len(self.system.watched)
 
     def sampling(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed of each sampled controller that is compiled."""

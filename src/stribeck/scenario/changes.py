@@ -93,10 +93,7 @@ def _set(data: dict[str, Any], path: str, value: Any) -> None:
     *parents, last = path.split(".")
     table: Any = data
     for i, name in enumerate(parents):
-        if isinstance(table, list):
-            table = table[_entry(table, name, path)]
-        else:
-            table = table.setdefault(name, {})
+        table = table[_entry(table, name, path)] if isinstance(table, list) else table.setdefault(name, {})
         if not isinstance(table, dict | list):
             raise InputError(f"{path}: {'.'.join(parents[: i + 1])} is not a table, so it has no key '{last}'")
     if isinstance(table, list):

@@ -69,7 +69,11 @@ class _Controllers:
         samples, self.timing = system.samples(), scenario.sampling()
         self.noise = held_back(scenario.end, [self.timing])[1]
         inputs = [f"{owner}.{name}" for owner, name in system.parameters]
-        inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + ["t", *equations.states, "noise"]
+        inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + [
+            "t",
+            *equations.states,
+            "noise",
+        ]
         self._functions = [
             python_function([*inputs, *(f"memory.{n}" for n in each.memory)], [each.output, *each.memory.values()])
             for each in samples
@@ -201,7 +205,9 @@ class _Run:
             self.count["accepted"] += 1
             dense = solver.dense_output()
             last = end * (1 - _SAME_TIME) if solver.t >= end else inf
-            stop = min(int(np.searchsorted(rows, solver.t, side="right")), int(np.searchsorted(rows, last, side="left")))
+            stop = min(
+                int(np.searchsorted(rows, solver.t, side="right")), int(np.searchsorted(rows, last, side="left"))
+            )
             if stop > self.row:
                 self.out[self.row : stop, : len(self.x)] = dense(rows[self.row : stop]).T
                 self.out[self.row : stop, len(self.x) :] = equations.held

@@ -15,7 +15,18 @@ from stribeck.machine.element import Element
 from stribeck.machine.links import Link
 from stribeck.machine.own import find_element
 from stribeck.machine.parts import (
-    Body, Compensation, ContactPart, ControllerPart, Factor, Level, LinkPart, LoadPart, MotorPart, Sampled, SignalUse, Span,
+    Body,
+    Compensation,
+    ContactPart,
+    ControllerPart,
+    Factor,
+    Level,
+    LinkPart,
+    LoadPart,
+    MotorPart,
+    Sampled,
+    SignalUse,
+    Span,
 )  # fmt: skip
 from stribeck.machine.system import Machine
 from stribeck.scenario import tables as common
@@ -56,6 +67,7 @@ class MachineReader:
         contacts = self._each("contacts", self._contact)
         controllers_ = self._each("controllers", self._controller)
         self.problems += wiring.problems(bodies, links, contacts, loads_, motors, controllers_, self.named)
+        self.problems += wiring.that_jump(contacts, bodies, self.laws)
         if not self.problems:
             parts = (bodies, links, contacts, loads_, motors, controllers_)
             machine = Machine(*parts, tuple(self.signals), self.energy)
@@ -165,7 +177,9 @@ class MachineReader:
         more = ("on", "signal", "measures", "feedforward", "compensation", "sampling")
         return [*kind.constants(), *kind.lists(), *(more if issubclass(kind, controllers.Controller) else more[:2])]
 
-    def _constants(self, kind: type[Element], values: Any, path: str, skip: Iterable[str] = ()) -> tuple[str, ...] | None:
+    def _constants(
+        self, kind: type[Element], values: Any, path: str, skip: Iterable[str] = ()
+    ) -> tuple[str, ...] | None:
         """Keep an element's numbers; the form of its equations, or None where lists do not go together."""
         given = {n: getattr(values, n) for n in (*kind.constants(), *kind.lists()) if n not in skip}
         if kind.lists() and not self._lists(given, tuple(kind.lists()), path):
@@ -229,7 +243,12 @@ class MachineReader:
         ok = True
         if isinstance(start, dict):
             self.problems += unknown(start, f"{path}.from", ("signal",))
-            found = self._signal(start.get("signal"), f"{path}.from.signal", name)
+            if "signal" not in start:
+                self.problems.append(
+                    (f"{path}.from.signal", "missing: must be given (a table with kind and its constants)")
+                )
+                return None
+            found = self._signal(start["signal"], f"{path}.from.signal", name)
             start, ok = found, found is not None
         else:
             ok = self.refer(f"{path}.from", start, ["bodies"])
@@ -302,13 +321,14 @@ class MachineReader:
             self.problems.append((where, no_table(table)))
             return None
         found = wiring.level_problems(table, where, contact, law)
-        values, more = common.validate(tables.level_table(), table, where)
-        self.problems += found or more
+        values, more = common.validate(tables.level_table(isinstance(table.get("force"), dict)), table, where)
+        self.problems += more or found
         if values is None or found:
             return None
         weights = {values.force: 1.0} if isinstance(values.force, str) else values.force
         sections = ("links", "motors", "loads")
-        if not all([self.refer(f"{where}.force", source, sections) for source in weights]):
+        there = [self.refer(f"{where}.force", source, sections) for source in weights]  # each is told
+        if not all(there):
             return None
         weighted = isinstance(values.force, dict)
         gains = tuple(n for n in ("F_c", "F_s") if n in table and (law is None or n in law.constants()))

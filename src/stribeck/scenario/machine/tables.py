@@ -23,9 +23,7 @@ _SOME_SIGNAL = (dict[str, Any] | None, Field(None, description="the signal: a ta
 
 
 class _Aliased(Table):
-    model_config = ConfigDict(
-        extra="forbid", strict=True, allow_inf_nan=False, frozen=True, populate_by_name=False
-    )
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, populate_by_name=False)
 
 
 class Initial(Table):
@@ -95,13 +93,16 @@ def _list(constant: Constant, name: str) -> Any:
 
 
 @cache
-def level_table() -> type[Table]:
-    """The model of an entry of a contact's loads."""
+def level_table(weighted: bool) -> type[Table]:
+    """The model of an entry of a contact's loads; ``weighted``: several forces count."""
     gain = (float, Field(0.0, ge=0, description=GAIN.meaning))
     fields: dict[str, Any] = {
-        "force": (str | dict[str, float], Field(description="a link, motor or load, or a table of weights of these")),
+        "force": (str, Field(description="a link, motor or load, or a table of weights of these")),
         "F_c": gain, "F_s": gain,
     }  # fmt: skip
+    if weighted:
+        weights = Field(min_length=1, description="the weight of each link, motor or load")
+        fields["force"] = (dict[str, float], weights)
     return create_model("Level", __base__=Table, **fields)
 
 
