@@ -81,7 +81,7 @@ class Machine:
         self.states = [f"{n}.y" for n in (*self.free, *self.driven)] + [f"{n}.v" for n in self.free]
         self.states += [f"{n}.z" for n in self.contacts] + [f"{n}.i" for n, m in self.motors.items() if "L" in m]
         self.sampled = [n for n, c in self.controllers.items() if "sampling" in c]
-        for n, c in self.controllers.items():
+        for n in self.controllers:
             if n not in self.sampled:
                 self.states += [f"{n}.I", f"{n}.z_hat"]
         self.states += ["E_in", "E_dissipated"]
