@@ -11,6 +11,7 @@ from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario.tables import Problem
+from stribeck.scenario.trust import in_a_file
 
 
 def unknown(table: dict[str, Any], path: str, known: Iterable[str]) -> list[Problem]:
@@ -35,10 +36,11 @@ class LawReader:
         table: the table, or what stands in its place.
         path: where it stands.
         folder: where relative paths begin.
+        executes: whether a law in a file is executed; else all but the law itself is judged.
     """
 
-    def __init__(self, table: Any, path: str, folder: Path) -> None:
-        self.table, self.path, self.folder = table, path, folder
+    def __init__(self, table: Any, path: str, folder: Path, executes: bool = True) -> None:
+        self.table, self.path, self.folder, self.executes = table, path, folder, executes
         self.problems: list[Problem] = []
         self.law: Law | None = None
 
@@ -85,6 +87,8 @@ class LawReader:
         place = f"{self.path}.name"
         if "name" not in table:
             self.problems.append((place, "missing: must be given (the name of a law, or FILE.py:NAME)"))
+            return None
+        if in_a_file(table["name"]) and not self.executes:
             return None
         try:
             return laws.find(table["name"], self.folder)

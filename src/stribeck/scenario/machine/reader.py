@@ -35,6 +35,7 @@ from stribeck.scenario.machine import tables, wiring
 from stribeck.scenario.machine.rig import Rig
 from stribeck.scenario.signal import read_signal
 from stribeck.scenario.tables import Problem
+from stribeck.scenario.trust import in_a_file
 from stribeck.signals import Signal
 
 _NAME = re.compile(r"[A-Za-z0-9_]+")
@@ -44,8 +45,9 @@ TOP = ("schema", "name", *tables.SECTIONS, "solve", "output")
 class MachineReader:
     """Reads the tables of a machine; :meth:`read` gives the problems, and ``rig`` holds what was read."""
 
-    def __init__(self, data: dict[str, Any], folder: Path, energy: bool) -> None:
+    def __init__(self, data: dict[str, Any], folder: Path, energy: bool, executes: bool = True) -> None:
         self.data, self.folder, self.energy = data, folder, energy
+        self.executes = executes  # whether laws and elements in files are; else all but these is judged
         self.problems: list[Problem] = []
         self.values: dict[tuple[str, str], float] = {}
         self.signals: dict[SignalUse, Signal] = {}
@@ -162,7 +164,9 @@ class MachineReader:
     def _element(self, table: dict[str, Any], path: str, base: type[Element], kinds: Mapping[str, Any]) -> Any:
         """The class of an element, which may be one of the user's own."""
         kind = table.get("kind")
-        if isinstance(kind, str) and ".py:" in kind:
+        if isinstance(kind, str) and in_a_file(kind):
+            if not self.executes:
+                return None
             try:
                 return find_element(kind, self.folder, base)
             except InputError as error:
@@ -307,7 +311,7 @@ class MachineReader:
         return ContactPart(name, type(law), law.structure, span, *parts)
 
     def _law(self, table: Any, path: str) -> Law | None:
-        reader = LawReader(table, path, self.folder)
+        reader = LawReader(table, path, self.folder, self.executes)
         law = reader.read()
         self.problems += reader.problems
         if law is not None:
