@@ -69,6 +69,9 @@ def compare(
         list[str],
         typer.Option("--law", metavar="NAME[:KEY=VALUE,...]", help="A law to compare; the first is the reference."),
     ],
+    contact: Annotated[
+        str | None, typer.Option("--contact", metavar="NAME", help="Of a machine, whose law is replaced.")
+    ] = None,
     out: Out = None,
     set_: Set = None,
     trust: Trust = False,
@@ -77,7 +80,7 @@ def compare(
     """Simulate one scenario under several laws and show where they deviate."""
     from stribeck.cli import compare as command
 
-    return command.compare(scenario, law, out, set_ or [], json, trust)
+    return command.compare(scenario, law, out, set_ or [], json, trust, contact)
 
 
 @app.command()

@@ -20,7 +20,7 @@ def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
     ]
     about = {
         "scenario": solution.scenario.name,
-        "law": solution.scenario.law.name,
+        "law": solution.scenario.subject.removeprefix("law "),
         "status": solution.status,
         "reason": solution.reason or "",
     }

@@ -156,6 +156,10 @@ def finish(made: Figure, name: str, caption: str) -> FigureSvg:
 def overview(solutions: Mapping[str, Solution]) -> str:
     """Position, velocity and friction force against time, and the force against velocity and position; of a servo its
     errors, pressures, voltage, forces and V against time. As SVG."""
+    if next(iter(solutions.values())).scenario.rig is not None:
+        from stribeck.report.machines import overview as of_machine
+
+        return of_machine(solutions)
     failed = [label for label, solution in solutions.items() if solution.status != "done"]
     name = next(iter(solutions.values())).scenario.name
     servo = all(solution.scenario.servo is not None for solution in solutions.values())

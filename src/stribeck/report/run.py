@@ -15,7 +15,7 @@ def write(solution: Solution, folder: Path, summary: dict[str, Any]) -> list[str
     """Write trajectory.csv and .parquet, plot.svg and, last, summary.json; the paths."""
     paths = write_table(solution, folder, "trajectory")
     paths.append(folder / "plot.svg")
-    write_text(paths[-1], plots.overview({solution.scenario.law.name: solution}))
+    write_text(paths[-1], plots.overview({solution.scenario.label: solution}))
     paths.append(folder / "summary.json")
     files = [str(path) for path in paths]
     write_json(paths[-1], {**summary, "files": [*summary["files"], *files]})

@@ -109,17 +109,21 @@ class Solution:
         """The last row."""
         return {name: float(self[name][-1]) for name in ("t", *self._columns)} if len(self.t) else {}
 
+    @property
+    def laws(self) -> dict[str, Any]:
+        """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
+        rig = self.scenario.rig
+        if rig is None:
+            return {"law": _about(self.scenario.law)}
+        return {"contacts": {c.name: {"law": _about(rig.laws[c.law_path])} for c in rig.machine.contacts}}
+
     def summary(self) -> dict[str, Any]:
         """What ``stribeck run --json`` prints, without the files."""
-        rig = self.scenario.rig
-        laws = {"law": _about(self.scenario.law)} if rig is None else {
-            "contacts": {c.name: {"law": _about(rig.laws[c.law_path])} for c in rig.machine.contacts}
-        }  # fmt: skip
         return {
             "status": self.status,
             "reason": self.reason,
             "scenario": self.scenario.name,
-            **laws,
+            **self.laws,
             "rows": len(self.t),
             "steps": self.stats,
             "events": _lists(self.events),
