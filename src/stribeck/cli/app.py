@@ -63,6 +63,20 @@ def run(
 
 
 @app.command()
+def show(
+    machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file (schema = 2).")],
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE.svg", help="Draw it here, as a picture.")] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+) -> int:
+    """Draw a machine as a schematic: bodies, what is between them and what acts on them, with their numbers."""
+    from stribeck.cli import schematic as command
+
+    return command.draw(machine, out, set_ or [], json, trust)
+
+
+@app.command()
 def compare(
     scenario: ScenarioFile,
     law: Annotated[

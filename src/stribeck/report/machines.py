@@ -3,10 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 from stribeck.machine.system import Machine
 from stribeck.report import plots
 from stribeck.simulation import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _ROW, _HEAD = 1.55, 0.6  # inches
 Panel = tuple[str, str, tuple[str, ...]]  # title, the column of the abscissa, those of the ordinate
@@ -23,11 +27,10 @@ def panels(machine: Machine) -> list[tuple[Panel, Panel | None]]:
     for contact in machine.contacts:
         force = (f"{contact.name}.F",)
         rows.append(((f"{contact.name}, {contact.law.name}", "t", force), ("", f"{contact.name}.w", force)))
-    forces = [(x.name, "t", (f"{x.name}.f",)) for x in (*machine.links, *machine.loads)]
-    for i in range(0, len(forces), 2):
-        rows.append((forces[i], forces[i + 1] if i + 1 < len(forces) else None))
-    for motor in machine.motors:
-        rows.append(((motor.name, "t", (f"{motor.name}.i",)), ("", "t", (f"{motor.name}.V",))))
+    names = [*(link.name for link in machine.links), *(load.name for load in machine.loads)]
+    forces: list[Panel] = [(name, "t", (f"{name}.f",)) for name in names]
+    rows += [(forces[i], forces[i + 1] if i + 1 < len(forces) else None) for i in range(0, len(forces), 2)]
+    rows += [((m.name, "t", (f"{m.name}.i",)), ("", "t", (f"{m.name}.V",))) for m in machine.motors]
     for each in machine.controllers:
         first = (f"{each.name} and what it measures", "t", (f"{each.name}.r", f"{each.measures}.y"))
         rows.append((first, ("", "t", (f"{each.name}.u",))))
@@ -56,7 +59,7 @@ def overview(solutions: Mapping[str, Solution]) -> str:
         return plots.svg(made)
 
 
-def _draw(axis: plots.Axes, solutions: Mapping[str, Solution], panel: Panel, last: bool) -> None:
+def _draw(axis: Axes, solutions: Mapping[str, Solution], panel: Panel, last: bool) -> None:
     title, x, names = panel
     first = next(iter(solutions.values()))
     units = {column.name: column.unit for column in first.columns} | {"t": "s"}
