@@ -79,12 +79,29 @@ def run(
 
 
 @app.command()
+def show(
+    machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file (schema = 2).")],
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE.svg", help="Draw it here, as a picture.")] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+) -> int:
+    """Draw a machine as a schematic: bodies, what is between them and what acts on them, with their numbers."""
+    from stribeck.cli import schematic as command
+
+    return command.draw(machine, out, set_ or [], json, trust)
+
+
+@app.command()
 def compare(
     scenario: ScenarioFile,
     law: Annotated[
         list[str],
         typer.Option("--law", metavar="NAME[:KEY=VALUE,...]", help="A law to compare; the first is the reference."),
     ],
+    contact: Annotated[
+        str | None, typer.Option("--contact", metavar="NAME", help="Of a machine, whose law is replaced.")
+    ] = None,
     out: Out = None,
     set_: Set = None,
     trust: Trust = False,
@@ -94,7 +111,7 @@ def compare(
     """Simulate one scenario under several laws and show where they deviate."""
     from stribeck.cli import compare as command
 
-    return command.compare(scenario, law, out, set_ or [], json, trust)
+    return command.compare(scenario, law, out, set_ or [], json, trust, contact)
 
 
 @app.command()

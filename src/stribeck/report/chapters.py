@@ -37,13 +37,15 @@ def result(solution: Solution) -> Chapter:
         for c in solution.columns
     ]
     tables = [Table(["column", "meaning", "largest magnitude", "at the end", "unit"], rows)]
-    events = {kind: times for kind, times in solution.events.items() if len(times)}
+    events = _flat(solution.events)
     if events:
         words = {"slip": "|v| rises through v_s (slip)", "stick": "|v| falls through v_s (stick)"}
         lines = []
         for kind, times in events.items():
             more = f" and {len(times) - _EVENTS_SHOWN} more" if len(times) > _EVENTS_SHOWN else ""
-            lines.append([words[kind], str(len(times)), ", ".join(f"{t:.6g}" for t in times[:_EVENTS_SHOWN]) + more])
+            lines.append(
+                [words.get(kind, kind), str(len(times)), ", ".join(f"{t:.6g}" for t in times[:_EVENTS_SHOWN]) + more]
+            )
         tables.append(Table(["event", "times", "at (s)"], lines, prose=True))
     ended = f"It failed: {solution.reason}; the part that was reached is shown." if solution.reason else ""
     text = [
@@ -52,6 +54,26 @@ def result(solution: Solution) -> Chapter:
         *([ended] if ended else []),
     ]
     return Chapter("result", "Result", text, tables)
+
+
+def _flat(events: Mapping[str, Any]) -> dict[str, Any]:
+    """What happened at all; of a machine under names such as 'mesh: slip'."""
+    found: dict[str, Any] = {}
+    for name, each in events.items():
+        found |= {f"{name}: {kind}": times for kind, times in each.items()} if isinstance(each, dict) else {name: each}
+    return {name: times for name, times in found.items() if len(times)}
+
+
+def slips(solution: Solution) -> int:
+    """How often anything began to slip."""
+    return sum(len(times) for name, times in _flat(solution.events).items() if name.endswith("slip"))
+
+
+def of_laws(scenario: Scenario) -> list[Chapter]:
+    """The law, or the laws of a machine's contacts."""
+    if scenario.rig is None:
+        return [of_law(scenario.law)]
+    return [of_law(law, path.replace(".", "-")) for path, law in scenario.rig.laws.items()]
 
 
 def of_law(law: Law, key: str = "law") -> Chapter:

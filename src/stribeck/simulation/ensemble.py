@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stribeck.codegen import source
 from stribeck.drives.base import Column
-from stribeck.equations import Watch
+from stribeck.equations import SLIP_AND_STICK
 from stribeck.errors import BuildError, InputError, StribeckError, arg, nearest
-from stribeck.expressions.graph import ZERO
 from stribeck.scenario import Scenario, memory
 from stribeck.simulation import cache, compiler, lanes
 from stribeck.simulation.result import failure
@@ -139,7 +138,7 @@ def simulate_ensemble(
     width = len(scenario.system.states) + len(scenario.system.held)
     states = np.full((count, scenario.rows, width), np.nan)
     counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected")}
-    counts["happened"] = np.zeros((count, max(1, len(scenario.system.watches())), 4), np.int64)
+    counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
     if len(possible):
         on_gpu = device == "cuda"
         if on_gpu and not isinstance(variations, Variations):
@@ -236,9 +235,8 @@ def _count_crossings(
 def happened(scenario: Scenario, counts: NDArray[np.int64]) -> dict[str, dict[str, NDArray[np.int64]]]:
     """How often each event came in each lane, by element; a single body has no name."""
     found: dict[str, dict[str, NDArray[np.int64]]] = {}
-    watches = scenario.system.watches() or [Watch("", ZERO, ("slip", "stick", "slip", "stick"))]
-    for j, watch in enumerate(watches):
-        mine = found.setdefault(watch.element, {})
-        for i, event in enumerate(watch.events):
+    for j, (name, events) in enumerate(scenario.system.watched or (("", SLIP_AND_STICK),)):
+        mine = found.setdefault(name, {})
+        for i, event in enumerate(events):
             mine[event] = mine.get(event, np.zeros(len(counts), np.int64)) + counts[:, j, i]
     return found
