@@ -198,9 +198,11 @@ def evaluate(top: Node, box: Mapping[str, Range]) -> Range:
 class Evaluation:
     """Expressions over one box; what is shared is evaluated once."""
 
-    def __init__(self, box: Mapping[str, Range]) -> None:
+    def __init__(self, box: Mapping[str, Range], positive: bool = False) -> None:
         self.box = {**box, "pi": PI}
+        self.positive = positive  # the names stand for numbers > 0, although their ranges may begin with 0
         self.known: dict[Node, Range] = {}
+        self.preset: dict[Node, Range] = {}  # what a condition says of nodes, within its case
 
     def __call__(self, top: Node) -> Range:
         """The range of an expression.
@@ -232,7 +234,7 @@ class Evaluation:
             return self.box[x.value]
         if x.op == "where":
             chosen = self.condition(x.args[0])
-            return hull(self(x.args[1]), self(x.args[2])) if chosen is None else self(x.args[1 if chosen else 2])
+            return self._cases(x) if chosen is None else self(x.args[1 if chosen else 2])
         a = self(x.args[0])
         if len(x.args) == 2:
             return self._binary(x, a)
@@ -245,6 +247,37 @@ class Evaluation:
             return neg(a) if x.op == "neg" else size(a)
         return wave(x.op, a) if x.op in ("sin", "cos") else rising(x.op, a)
 
+    def _cases(self, x: Node) -> Range:
+        """Both cases, each on what its condition leaves of the two sides that are compared."""
+        c, *cases = x.args
+        if c.op not in ("lt", "le"):
+            return hull(self(cases[0]), self(cases[1]))
+        left, right = c.args
+        found = []
+        for case, (small, large) in zip(cases, ((left, right), (right, left)), strict=True):
+            (low, below), (above, high) = self(small), self(large)  # here small <= large
+            below = high if below is None else (below if high is None else min(below, high))
+            above = low if above is None else (above if low is None else max(above, low))
+            if (low is not None and below is not None and low > below) or (
+                above is not None and high is not None and above > high
+            ):
+                continue
+            inside = Evaluation(self.box, self.positive)
+            inside.known = {**self.preset, small: (low, below), large: (above, high)}
+            inside.preset = dict(inside.known)
+            found.append(inside(case))
+        if not found:
+            raise Refused("neither case of a condition can be")
+        return found[0] if len(found) == 1 else hull(found[0], found[1])
+
+    def _inverse(self, x: Node, b: Range) -> Range:
+        sign = _sign(x) if self.positive else 0
+        if sign > 0 and b[0] is not None and b[0] <= 0 and (b[1] is None or b[1] > 0):
+            return (fmpq(0) if b[1] is None else 1 / b[1]), None
+        if sign < 0 and b[1] is not None and b[1] >= 0 and (b[0] is None or b[0] < 0):
+            return None, (fmpq(0) if b[0] is None else 1 / b[0])
+        return inverse(b)
+
     def _binary(self, x: Node, a: Range) -> Range:
         b = self(x.args[1])
         if x.op == "mul" and x.args[0] is x.args[1]:
@@ -252,8 +285,27 @@ class Evaluation:
         if x.op == "pow":
             return power(a, b)
         if x.op == "div":
-            return mul(a, inverse(b))
+            return mul(a, self._inverse(x.args[1], b))
         return mul(a, b) if x.op == "mul" else add(a, b if x.op == "add" else neg(b))
+
+
+def _sign(x: Node) -> int:
+    """1 or -1 where an expression is > 0 or < 0 as every name in it is > 0; 0 where that is not plain."""
+    if x.op == "number":
+        return int((x.value > 0) - (x.value < 0))
+    if x.op in ("name", "exp"):
+        return 1
+    signs = [_sign(a) for a in x.args]
+    if x.op == "neg":
+        return -signs[0]
+    if x.op == "abs":
+        return signs[0] ** 2
+    if x.op in ("mul", "div"):
+        return signs[0] * signs[1]
+    if x.op in ("add", "sub"):
+        second = signs[1] if x.op == "add" else -signs[1]
+        return signs[0] if signs[0] == second else 0
+    return 0
 
 
 def finite_everywhere(top: Node, box: Mapping[str, Range]) -> bool:

@@ -6,7 +6,8 @@ is at its own edge: the values for all combinations of their truths must be the 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -24,7 +25,7 @@ from stribeck.properties.verify_certificate.expressions import (
     ordered,
 )
 from stribeck.properties.verify_certificate.identities import Normal, written_out
-from stribeck.properties.verify_certificate.intervals import Range
+from stribeck.properties.verify_certificate.intervals import Evaluation, Range
 from stribeck.properties.verify_certificate.leaf import Leaf, Region
 
 _MOST = 5  # comparisons that meet at one place, at most
@@ -55,8 +56,11 @@ class Form:
             if x.op in ("lt", "le") and x not in (TRUE, FALSE):
                 yield x
 
-    def all_at(self, place: Place, normal: Normal) -> list[tuple[Any, ...]]:
-        """The values (and derivatives) at a place, for every truth of the comparisons that meet there."""
+    def all_at(self, place: Place, normal: Normal, domain: Mapping[str, Range]) -> list[tuple[Any, ...]]:
+        """The values (and derivatives) at a place, for every truth of the comparisons that meet there.
+
+        Other comparisons are decided where intervals over the domain of u and w do it.
+        """
         ties = [c for c in self.comparisons() if normal.zero(moved(node("sub", c.args[1], c.args[0]), place, normal))]
         if len(ties) > _MOST:
             raise Refused("too many cases meet at one place")
@@ -64,7 +68,7 @@ class Form:
         for truths in product((TRUE, FALSE), repeat=len(ties)):
             value = put(self.value, dict(zip(ties, truths, strict=True)))
             parts = [value] if self.order == 0 else [value, derivative(value, U), derivative(value, W)]
-            found.append(tuple(normal(moved(part, place, normal)) for part in parts))
+            found.append(tuple(normal(decided_on(moved(part, place, normal), domain)) for part in parts))
         return found
 
 
@@ -105,6 +109,19 @@ def known_decided(top: Node) -> Node:
                 decided = None
             if decided is not None:
                 by[x] = TRUE if decided else FALSE
+    return put(top, by)
+
+
+def decided_on(top: Node, domain: Mapping[str, Range]) -> Node:
+    """The expression with comparisons that intervals over a domain decide."""
+    evaluation = Evaluation(domain)
+    by = {}
+    for x in ordered(top):
+        if x.op in ("lt", "le"):
+            with suppress(Refused, KeyError):
+                decided = evaluation.condition(x)
+                if decided is not None:
+                    by[x] = TRUE if decided else FALSE
     return put(top, by)
 
 
@@ -158,7 +175,9 @@ def meets(
             continue
         own = linear(c, normal)
         candidates = [*([own] if own is not None else []), *places]
-        if not _same(form, c, normal) and not any(_agree(form, c, place, not_zero, normal) for place in candidates):
+        if not _same(form, c, normal) and not any(
+            _agree(form, c, place, not_zero, normal, domain) for place in candidates
+        ):
             raise Refused("the cases of an expression could not be shown to meet")
 
 
@@ -170,7 +189,9 @@ def _same(form: Form, c: Node, normal: Normal) -> bool:
         return False
 
 
-def _agree(form: Form, c: Node, place: Place, not_zero: Sequence[Node], normal: Normal) -> bool:
+def _agree(
+    form: Form, c: Node, place: Place, not_zero: Sequence[Node], normal: Normal, domain: Mapping[str, Range]
+) -> bool:
     try:
         k = ratio(c, place, normal)
         if k[0] == 0:
@@ -178,7 +199,7 @@ def _agree(form: Form, c: Node, place: Place, not_zero: Sequence[Node], normal: 
         # k = (l - r)/(what - to) must not be 0: a number over something, or what a claim shows to be not 0
         if not k[0].is_constant() and not any(k[0] in (normal(x)[0], -normal(x)[0]) for x in not_zero):
             return False
-        values = form.all_at(place, normal)
+        values = form.all_at(place, normal, domain)
     except Refused:
         return False
     return len(values) > 1 and all(v == values[0] for v in values)
@@ -196,14 +217,15 @@ def agree_on_axis(forms: Sequence[tuple[Form, int]], axis: Node, exact: Node | N
         Refused: they could not be shown to agree.
     """
     normal, place = Normal(), Place(axis, ZERO)
+    quadrant: dict[str, Range] = {n: (fmpq(0), None) for n in ("u", "w")}
     values, slopes = [], []
     for form, side in forms:
-        for found in form.all_at(place, normal):
+        for found in form.all_at(place, normal, quadrant):
             values.append(found[0])
             if form.order:
                 above, below = found[1 if axis is U else 2]
                 slopes.append((side * above, below))
     if exact is not None:
-        values.append(normal(known_decided(written_out(exact))))
+        values.append(normal(decided_on(known_decided(written_out(exact)), quadrant)))
     if any(v != values[0] for v in values) or any(s != slopes[0] for s in slopes):
         raise Refused(f"the two sides of {'v' if axis is U else 'z'} = 0 could not be shown to agree")
