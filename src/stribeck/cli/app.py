@@ -285,8 +285,11 @@ def check(
         bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
     ] = False,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")
+        bool, typer.Option("--verify", help="Check each proof by other code, and replay each counterexample.")
     ] = False,
+    certificate: Annotated[
+        Path | None, typer.Option("--certificate", metavar="FILE", help="Write the proofs here, for others to check.")
+    ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Write counterexamples here, as scenarios to run.")
     ] = None,
@@ -295,7 +298,7 @@ def check(
     """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
     from stribeck.cli import check as command
 
-    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out)
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate)
 
 
 @app.command()

@@ -26,6 +26,7 @@ class Exact(float):
     __slots__ = ("tree",)
 
     def __new__(cls, value: float, tree: Tree) -> Exact:
+        """A float, and what it stands for."""
         found = super().__new__(cls, value)
         found.tree = tree
         return found
@@ -95,8 +96,7 @@ def combined(op: str, a: float, b: float) -> float:
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(value)):
         return value
     if (
-        not (isinstance(a, Exact) or isinstance(b, Exact))
-        and _OPERATIONS[op](Fraction(x), Fraction(y)) == value  # type: ignore[arg-type]
+        not (isinstance(a, Exact) or isinstance(b, Exact)) and _OPERATIONS[op](Fraction(x), Fraction(y)) == value  # type: ignore[arg-type]
     ):
         return value
     return Exact(value, (op, tree_of(a), tree_of(b)))
@@ -106,7 +106,9 @@ def function(op: str, x: float, value: float) -> float:
     """``value`` is the function of x, rounded; the result knows what it is."""
     if op in ("abs", "sign") or not (math.isfinite(x) and math.isfinite(value)):
         return abs(x) if op == "abs" else value
-    known = (x == 0 and op != "log") or (op == "sqrt" and Fraction(value) ** 2 == Fraction(x)) or (op == "log" and x == 1)
+    known = (
+        (x == 0 and op != "log") or (op == "sqrt" and Fraction(value) ** 2 == Fraction(x)) or (op == "log" and x == 1)
+    )
     if known and not isinstance(x, Exact):
         return value
     return Exact(value, (op, tree_of(x)))

@@ -39,7 +39,11 @@ def _sum(x: float, y: float, lower: bool) -> float:
     if s != s:
         return -INF if lower else INF
     if math.isinf(s):
-        return s if math.isinf(x) or math.isinf(y) else (math.copysign(1.7976931348623157e308, s) if lower == (s > 0) else s)
+        return (
+            s
+            if math.isinf(x) or math.isinf(y)
+            else (math.copysign(1.7976931348623157e308, s) if lower == (s > 0) else s)
+        )
     y_ = s - x
     error = (x - (s - y_)) + (y - y_)
     if error == 0:
@@ -244,7 +248,7 @@ class Box:
 
     def _where(self, node: Expr, limits: Mapping[Expr, Range]) -> Range:
         """With what the conditions around a node say of it."""
-        known = self.known[node] if node in self.known else None
+        known = self.known.get(node)
         if node in limits:
             assert known is not None
             low, high = max(known[0], limits[node][0]), min(known[1], limits[node][1])

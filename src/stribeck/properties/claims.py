@@ -68,7 +68,7 @@ class Claims:
     def rising(self, slope: Expr, w: tuple[Fraction, End]) -> list[Claim] | None:
         """S' sgn z >= 0."""
         return every(
-            self._claim("slope sign", ">=0", (1, t), {"w": w}, self.model.form_of(slope, 1, t) * t, slope=slope)
+            self._claim("slope sign", ">=0", (0, t), {"w": w}, self.model.form_of(slope, 0, t) * t, slope=slope)
             for t in SIGNS
         )
 
@@ -119,9 +119,7 @@ class Claims:
             for t in (0, *SIGNS)
         )  # fmt: skip
 
-    def identity(
-        self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Any
-    ) -> Claim | None:
+    def identity(self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Any) -> Claim | None:
         """a = b, in what is left of u and w."""
         kept = {n: r for n, r in ranges.items() if str(n) in _names(a, b)}
         tree = self._shown(a - b, "=0", kept)

@@ -44,7 +44,9 @@ def _sum(x: Interval) -> tuple[float, float] | None:
     return math.fsum(low) - slack, math.fsum(high) + slack
 
 
-def programme(model: Model, start: float, speeds: Sequence[float], turns: Sequence[float]) -> tuple[float, float] | None:
+def programme(
+    model: Model, start: float, speeds: Sequence[float], turns: Sequence[float]
+) -> tuple[float, float] | None:
     """Bounds of the energy that goes in while held speeds take z from ``start`` through ``turns``; tight enough to have
     a sign where more panels give one."""
     total: tuple[float, float] | None = None

@@ -228,10 +228,10 @@ def positive(node: Expr, values: Mapping[str, Fraction]) -> Expr:
 def as_cases(node: Expr) -> Expr:
     """|x|, sign(x) and combined conditions as cases of single conditions."""
     if node.op == "abs":
-        return wrap(where(ZERO <= node.args[0], node.args[0], -node.args[0]))
+        return wrap(where(node.args[0] >= ZERO, node.args[0], -node.args[0]))
     if node.op == "sign":
         x = node.args[0]
-        return wrap(where(ZERO < x, 1.0, where(x < ZERO, -1.0, 0.0)))
+        return wrap(where(x > ZERO, 1.0, where(x < ZERO, -1.0, 0.0)))
     if node.op == "where":
         condition, a, b = node.args
         if condition.op == "both":

@@ -18,11 +18,14 @@ from stribeck.properties.model import RATE, SIGNS, Model, V, Z, depends
 from stribeck.properties.storage import Storage, largest_speed
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
-_OWN = "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with the elastic energy as storage S"
+_OWN = (
+    "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with the elastic energy as storage S"
+)
 _FITTED = (
     "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with S' the elastic force near z = 0 and "
     "fitted to [L, U] beyond"
 )
+_NEITHER = "no storage function exists as far as sampled, but no run that draws energy was confirmed"
 _CYCLE = "a cycle of held speeds that returns z to its start and draws energy (enclosed by interval arithmetic)"
 
 
@@ -42,7 +45,11 @@ def decide(model: Model, claims: Claims, bounded: Certificate | None, refuted: b
     if found is None or found.holds is None:
         within = Storage(model.law, v_max, None if refuted else float(model.bound[0]))
         no = _refuted(model, claims, within, refuted) if found is None or not within.exists or refuted else None
-        found = no or found or undecided("no storage function exists as far as sampled, but no run that draws energy was confirmed")
+        found = (
+            no
+            or found
+            or undecided("no storage function exists as far as sampled, but no run that draws energy was confirmed")
+        )
     found.evidence["v_max"] = v_max
     if v_max is None and found.holds is not True:
         found.evidence["largest_v_max"] = largest_speed(model.law, reach)

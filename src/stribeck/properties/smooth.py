@@ -82,9 +82,7 @@ def _delicate(model: Model, node: Expr) -> Iterator[tuple[Expr, str]]:
         relation = ">=0" if low[0] > 1 else ">0"
     else:
         return
-    if depends(part, U, W):
-        yield part, relation
-    elif part.op != "constant" and relation != ">=0":
+    if depends(part, U, W) or (part.op != "constant" and relation != ">=0"):
         yield part, relation
 
 
@@ -163,7 +161,9 @@ def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, gu
             if sign == 0 or not low < middle < high:
                 break
             low, high = (middle, high) if sign == first else (low, middle)
-        slope = Box({**model.inputs, str(x.value): (low, high), str(y.value): (given, given)})(derivative(difference, x))
+        slope = Box({**model.inputs, str(x.value): (low, high), str(y.value): (given, given)})(
+            derivative(difference, x)
+        )
         if high - low <= 1e-6 * high and (slope[0] > 0 or slope[1] < 0):
             return low, high
     return None
@@ -188,9 +188,7 @@ def _apart(a: Range, b: Range) -> bool:
     return gap > _APART * max(abs(a[0]), abs(a[1]), abs(b[0]), abs(b[1]))
 
 
-def _verdict(
-    name: str, where: str, at: tuple[float, float], by: Expr | None, above: Range, below: Range
-) -> Verdict:
+def _verdict(name: str, where: str, at: tuple[float, float], by: Expr | None, above: Range, below: Range) -> Verdict:
     what = "value" if by is None else f"derivative of {name} by {'v' if by is U else 'z'}"
     evidence: dict[str, Any] = {
         "of": name, "v": at[0], "z": at[1], "where": where,
@@ -199,4 +197,3 @@ def _verdict(
         "enclosed": {"from_below": list(below), "from_above": list(above)},
     }  # fmt: skip
     return Verdict(False, (_BROKEN if by is not None else _TORN).format(name), evidence)
-

@@ -24,7 +24,9 @@ _POWERS = (1, 2, 4)
 _SLACK = 128.0  # any bound will do: one that is far off is shown with few regions
 
 
-def prove(model: Model, claims: Claims, bounded: Certificate | None, within: Fraction | None = None) -> Certificate | str:
+def prove(
+    model: Model, claims: Claims, bounded: Certificate | None, within: Fraction | None = None
+) -> Certificate | str:
     """The certificate, for all z or for |z| <= within; or why there is none."""
     found = _continuous(model, claims)
     if isinstance(found, str):
@@ -72,7 +74,9 @@ def _continuous(model: Model, claims: Claims) -> list[Claim] | str:
     return found
 
 
-def _bounded_slope(claims: Claims, growth: Mapping[str, Any], w: tuple[Fraction, Fraction | None]) -> list[Claim] | None:
+def _bounded_slope(
+    claims: Claims, growth: Mapping[str, Any], w: tuple[Fraction, Fraction | None]
+) -> list[Claim] | None:
     return every(claims.lipschitz((s, t), w, growth, sign) for s in (0, *SIGNS) for t in SIGNS for sign in SIGNS)
 
 
@@ -91,8 +95,10 @@ def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Any]]:
             with np.errstate(all="ignore"):
                 fast = float((by_speed / (u / scale) ** k).max(where=u > scale, initial=0.0)) * 2
             tail = by_speed[-1] / max(by_speed[-20], 1e-300) / (u[-1] / u[-20]) ** k
-            steep = slope[:, -1] / (1 + (w[-1] / float(length)) ** m) / np.maximum(
-                slope[:, -20] / (1 + (w[-20] / float(length)) ** m), 1e-300
+            steep = (
+                slope[:, -1]
+                / (1 + (w[-1] / float(length)) ** m)
+                / np.maximum(slope[:, -20] / (1 + (w[-20] / float(length)) ** m), 1e-300)
             )
             if tail > 1.5 or (within is None and float(steep.max()) > 1.5 and slope[:, -1].max() > 0):
                 continue

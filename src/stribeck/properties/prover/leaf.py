@@ -48,9 +48,7 @@ class Region:
         """Below and above ``at``."""
         parts = []
         for low in (True, False):
-            cut = [
-                a if a.name != name else Axis(name, a.low, at) if low else Axis(name, at, a.high) for a in self.axes
-            ]
+            cut = [a if a.name != name else Axis(name, a.low, at) if low else Axis(name, at, a.high) for a in self.axes]
             parts.append(Region(tuple(cut), self.limits, self.closed))
         return parts[0], parts[1]
 
