@@ -221,6 +221,10 @@ class Leaf:
             if atom.rule == "range" and atom.node.op == "where" and self._equal(atom.node, x):
                 return self._value(x, atom)
         share = self._share_of(c)
+        if share is None and c.op == "both":
+            return self(node("where", c.args[0], node("where", c.args[1], a, b), b))
+        if share is None and c.op == "either":
+            return self(node("where", c.args[0], a, node("where", c.args[1], a, b)))
         if share is None:
             raise Refused("a condition that is not decided has no atom")
         self._has_value(c)
