@@ -221,6 +221,10 @@ class Leaf:
             if atom.rule == "range" and atom.node.op == "where" and self._equal(atom.node, x):
                 return self._value(x, atom)
         share = self._share_of(c)
+        if share is None and c.op == "both":
+            return self(node("where", c.args[0], node("where", c.args[1], a, b), b))
+        if share is None and c.op == "either":
+            return self(node("where", c.args[0], a, node("where", c.args[1], a, b)))
         if share is None:
             raise Refused("a condition that is not decided has no atom")
         self._has_value(c)
@@ -274,10 +278,8 @@ class Leaf:
             if atom.rule != "either":
                 continue
             x = atom.node
-            if x.op == "abs":
-                listed = node("le", ZERO, x.args[0])
-            else:
-                listed = x.args[0] if x.op == "where" else x
+            conditions = {"where": x.args[0], "abs": node("le", ZERO, x.args[0])}
+            listed = conditions.get(x.op, x)
             if self._equal(listed, c):
                 return self.ring.variable(atom.share)
         return None
@@ -316,6 +318,10 @@ class Leaf:
             lo, hi = self.inside(x)
             if lo is not None and lo == hi:
                 return self.ring.number(lo)
+        if x.op in ("sin", "cos"):
+            quarters = self._quarters(x.args[0])
+            if quarters is not None:
+                return self.ring.number((0, 1, 0, -1)[(quarters + (x.op == "cos")) % 4])
         opposite = node(x.op, node("neg", x.args[0])) if x.op in (*_ODD, "cos") else x
         for atom in self.atoms:
             if atom.rule == "either":
@@ -326,6 +332,16 @@ class Leaf:
                 value = self._value(opposite, atom)
                 return value if x.op == "cos" else Quotient(-value.above, value.below)
         raise Refused(f"{x.op} has no atom")
+
+    def _quarters(self, x: Node) -> int | None:
+        """n where an argument is n pi/2."""
+        with suppress(Refused):
+            ring = self.ring
+            n = ring.div(ring.mul(ring.number(2), self(x)), ring.pi)
+            if n.above.is_constant() and n.below.is_constant():
+                whole = fmpq(n.above.leading_coefficient() if n.above != 0 else 0)
+                return int(whole.p) if whole.q == 1 else None
+        return None
 
     def _value(self, x: Node, atom: _Atom) -> Quotient:
         """The value of a function by the rule of its atom, whose hypotheses are checked."""
