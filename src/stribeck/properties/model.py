@@ -255,7 +255,7 @@ def _sign_of(x: Expr, values: Mapping[str, Fraction]) -> int:
     if x.op in ("mul", "div"):
         return _sign_of(x.args[0], values) * _sign_of(x.args[1], values)
     value = values.get(str(x.value), 0) if x.op == "symbol" else x.value if isinstance(x.value, float) else 0
-    return (value > 0) - (value < 0)  # type: ignore[operator]
+    return int(value > 0) - int(value < 0)
 
 
 def rational_of(x: Quotient) -> Fraction | None:

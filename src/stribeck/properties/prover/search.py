@@ -100,7 +100,7 @@ class Prover:
             value = self.leaf(region, Rules(opaque=True)).convert(expr)
         except Unclear:
             return None
-        return (str(value.top), str(value.bottom), id(self.ring), relation, region)
+        return (str(value.top), str(value.bottom), self.ring.serial, relation, region)
 
     def leaf(self, region: Region, rules: Rules) -> Leaf:
         """A leaf for that region."""
