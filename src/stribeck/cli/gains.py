@@ -58,7 +58,7 @@ def gains(path: Path, v_max: float | None, assignments: list[str], json: bool) -
 
 
 def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
-    """Whether the speed stays where the gains are good; the path's speed is the largest of the rows, dy_d/dt = v - s + lambda e."""
+    """Whether the speed stays where the gains are good; the path's speed is that of the rows, dy_d/dt = v - s + lambda e."""
     d = scenario.drive_values
     lag = d["lambda"] * solution["e"]
     path = float(np.max(np.abs(solution["v"] - solution["s"] + lag)))

@@ -145,11 +145,12 @@ def _never_above(law: Law, w: float) -> bool:
 class Staying:
     """From which starts the speed stays below the one that the gains are good for, so that V falls for ever.
 
-    While \|v\| < v_max, V falls, so \|s\| <= s_max = sqrt(2 V(0)/M); e follows de/dt = s - lambda e, so lambda \|e\| stays below the
-    larger of lambda \|e(0)\| and s_max; and \|v\| <= \|dy_d/dt\| + s_max + lambda \|e\|.
+    As long as the speed is below v_max, V falls, so that |s| <= s_max = sqrt(2 V(0)/M). As de/dt = s - lambda e, lambda |e|
+    stays below the larger of lambda |e(0)| and s_max. And |v| <= |dy_d/dt| + |s| + lambda |e|.
 
     Attributes:
-        largest_V: every start with V(0) below this, and with lambda \|e(0)\| <= sqrt(2 V(0)/M), stays, J.
+        path_speed: the largest speed of the path, m/s.
+        largest_V: every start with V(0) below this, and with lambda |e(0)| <= sqrt(2 V(0)/M), stays, J.
         bound: the speed that is not passed from the start of this run, m/s.
         holds: whether that is below v_max.
     """
