@@ -156,9 +156,9 @@ def _at_least_positive(x: fmpq) -> None:
 def lipschitz(case: Case) -> None:
     """dz/dt is continuous in z with bounded slopes, and no solution escapes."""
     within = (case.data.get("data") or {}).get("within")
-    if within not in (None, "Z"):
+    if within not in (None, "Z") and rational(within) < case.Z:
         raise Refused(f"solutions are unique within {within!r} only")
-    slopes = _locally_unique(case, (fmpq(0), case.Z if within else None))
+    slopes = _locally_unique(case, (fmpq(0), None if within is None else case.Z))
     growth = case.proved("growth", ">=0")
     if growth and within is None:
         for s in SIGNS:
