@@ -93,6 +93,10 @@ class Model:
                 speeds |= {1 / value} if c.unit == "s/m" else {value} if c.unit == "m/s" else set()
                 lengths |= {value} if c.unit == "m" else set()
         lengths.add(self.bound[1])
+        own = sorted(own_speeds(self.law))
+        for u in (own[-1] * 1e6, own[0] * 1e-6):  # where z settles when slid fast, and slowly
+            z = abs(float(self.law.steady_deflection(u)))
+            lengths |= {Fraction(z)} if 0 < z < 1e3 * float(self.bound[1]) else set()
         places = self._switches()
         speeds |= places["u"]
         lengths |= places["w"]
