@@ -288,6 +288,13 @@ def storage(case: Case) -> None:
                     raise Refused("nothing says that the storage function has a lower bound")
 
 
+def reaches(case: Case, v_max: float | None) -> None:
+    """The certificate must be about every speed up to ``v_max`` (None: about every speed)."""
+    stated = case.data.get("v_max", "inf")
+    if stated != "inf" and (v_max is None or rational(stated) < fmpq(*v_max.as_integer_ratio())):
+        raise Refused(f"it is about speeds up to {stated} m/s only")
+
+
 def _served(claims: list[Claim], t: int, u: Range) -> list[Range]:
     """The cells of |z| on which one slope serves for every v."""
     own = [c for c in claims if c.t == t]
