@@ -156,9 +156,9 @@ def _at_least_positive(x: fmpq) -> None:
 def lipschitz(case: Case) -> None:
     """dz/dt is continuous in z with bounded slopes, and no solution escapes."""
     within = (case.data.get("data") or {}).get("within")
-    if within not in (None, "Z"):
+    if within not in (None, "Z") and rational(within) < case.Z:
         raise Refused(f"solutions are unique within {within!r} only")
-    slopes = _locally_unique(case, (fmpq(0), case.Z if within else None))
+    slopes = _locally_unique(case, (fmpq(0), None if within is None else case.Z))
     growth = case.proved("growth", ">=0")
     if growth and within is None:
         for s in SIGNS:
@@ -286,6 +286,13 @@ def storage(case: Case) -> None:
                 parts = [{"w": c.w} for c in chosen if c.w is not None]
                 if not all(of.covers(parts, {"w": reach}) for reach in _served(by_slope[slope], t, u)):
                     raise Refused("nothing says that the storage function has a lower bound")
+
+
+def reaches(case: Case, v_max: float | None) -> None:
+    """The certificate must be about every speed up to ``v_max`` (None: about every speed)."""
+    stated = case.data.get("v_max", "inf")
+    if stated != "inf" and (v_max is None or rational(stated) < fmpq(*v_max.as_integer_ratio())):
+        raise Refused(f"it is about speeds up to {stated} m/s only")
 
 
 def _served(claims: list[Claim], t: int, u: Range) -> list[Range]:
