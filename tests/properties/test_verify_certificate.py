@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from stribeck.properties.verdicts import Verdict
 from stribeck.properties.verify_certificate import verify
 from stribeck.properties.verify_certificate.__main__ import main
 from tests.properties import hand_made as by_hand
@@ -101,7 +102,20 @@ def test_what_is_changed_is_refused(what):
 
 
 def test_a_speed_limit_makes_a_weaker_statement_of_its_own():
-    assert refusal(changed(by_hand.passive(), ("v_max",), "1/100")) is None
+    limited = changed(by_hand.passive(), ("v_max",), "1/100")
+    assert refusal(limited) is None
+    assert "up to 1/100" in refusal(limited, None, "passive")
+    assert verify(limited, None, "passive", v_max=0.01) != []  # 0.01 is a little more than 1/100
+    assert verify(limited, None, "passive", v_max=0.009) == []
+    assert verify(by_hand.passive(), None, "passive", v_max=0.009) == []
+
+
+def test_a_yes_without_a_certificate_is_not_verified():
+    lugre = by_hand.law("lugre")
+    assert Verdict(True, "said so").verify(lugre, "passive") is False
+    assert Verdict(True, "", certificate=by_hand.passive()).verify(lugre, "passive") is True
+    assert Verdict(True, "", certificate=by_hand.bounded()).verify(lugre, "passive") is False
+    assert Verdict(None, "undecided").verify(lugre, "passive") is None
 
 
 @pytest.mark.parametrize("law", ["bounds.HalfTheDecay", "literature.RootMajorant", "lugre_arctan"])

@@ -15,7 +15,7 @@ from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, undecided
 
 __all__ = ["NAMES", "Verdict", "Verdicts", "check", "storage_interval"]
 
-WORK = 1200.0  # regions looked at for all five properties; it does not depend on the machine's speed
+WORK = 2400.0  # regions looked at for all five properties; it does not depend on the machine's speed
 
 _log = logging.getLogger(__name__)
 

@@ -39,7 +39,7 @@ class Claims:
         **extra: Any,
     ) -> Claim | None:  # fmt: skip
         kept = {n: r for n, r in ranges.items() if (n == "u" and sides[0]) or (n == "w" and sides[1])}
-        tree = self._shown(expr, relation, kept, closed, about == "power")
+        tree = self._shown(expr, relation, kept, closed, about in ("power", "elastic"))
         return Claim(about, relation, *sides, kept, tree, extra) if tree is not None else None
 
     # -- one kind of claim each ------------------------------------------------------------------------------------

@@ -39,14 +39,14 @@ class Verdict:
         data: dict[str, Any] = {"holds": self.holds, "method": self.method, "evidence": self.evidence}
         return data if self.verified is None else {**data, "verified": self.verified}
 
-    def verify(self, law: Law) -> bool | None:
+    def verify(self, law: Law, name: str, v_max: float | None = None) -> bool | None:
         """Check the certificate with code that shares nothing with the prover, or run the scenario again."""
         from stribeck.properties import replay
 
-        if self.certificate is not None:
+        if self.holds:
             from stribeck.properties.verify_certificate import verify
 
-            self.verified = not verify(self.certificate, law)
+            self.verified = self.certificate is not None and not verify(self.certificate, law, name, v_max)
         elif self.scenario is not None and self.stated:
             self.verified = replay.repeats(self.scenario, self.stated)
         return self.verified
@@ -78,7 +78,7 @@ class Verdicts:
     def verify(self) -> bool:
         """Check every proof's certificate and replay every counterexample; True where all agree."""
         found = [
-            verdict.verify(self.law) for verdict in self.properties.values()
+            verdict.verify(self.law, name, self.v_max) for name, verdict in self.properties.items()
         ]  # every one, also after one that fails
         return False not in found
 

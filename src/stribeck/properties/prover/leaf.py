@@ -64,15 +64,15 @@ class Region:
         for share, of, by in (("p", "u", "w"), ("q", "w", "u")):
             if share in found:
                 a, b = found.pop(share), found[by]
-                low, high = Fraction(a[0]) * Fraction(b[0]), INF
+                low, high = _down(Fraction(a[0]) * Fraction(b[0])), INF
                 if a[1] < INF and b[1] < INF:
                     high = _up(Fraction(a[1]) * Fraction(b[1]))
-                found[of] = (_down(low), high)
+                found[of] = (low, high)
         for axis in self.limits:
-            low, high = _floats(axis)
+            least, most = _floats(axis)
             if axis.name in found:
                 a = found[axis.name]
-                found[axis.name] = (max(a[0], low), max(min(a[1], high), max(a[0], low)))
+                found[axis.name] = (max(a[0], least), max(min(a[1], most), max(a[0], least)))
         return found
 
 
@@ -400,12 +400,34 @@ class Leaf:
     def _factor(self, factor: Any) -> Signs:
         key = str(factor)
         if key not in self._factors:
-            composed = self._composed(factor)
             self._factors[key] = UNKNOWN
+            if self._positive_atom(factor):
+                self._factors[key] = True, False, True
+                return self._factors[key]
+            composed = self._composed(factor)
             if composed is not None:
                 p, n, s = signs(composed[0].to_dict(), self.kinds, self.opened)
                 self._factors[key] = p, n, s
         return self._factors[key]
+
+    def _positive_atom(self, factor: Any) -> bool:
+        """Whether it is an atom that is > 0 by its nature: exp, or a root of something > 0."""
+        if len(factor) != 1 or factor.leading_coefficient() != 1:
+            return False
+        powers = factor.monoms()[0]
+        used = [i for i, power in enumerate(powers) if power]
+        if len(used) != 1 or used[0] < 3 or powers[used[0]] != 1:
+            return False
+        node = self.ring.atoms[used[0] - 3]
+        if node.op not in ("exp", "sqrt", "pow"):
+            return False
+        if node.op == "exp":
+            return True
+        try:
+            above, _, strict = self.signs(self.convert(node.args[0]))
+        except Unclear:
+            return False
+        return above and strict
 
     def _composed(self, polynomial: Any) -> tuple[Any, Any] | None:
         """The polynomial in coordinates and shares, as numerator and (positive) denominator."""

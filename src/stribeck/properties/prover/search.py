@@ -16,8 +16,9 @@ from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 Tree = list[Any]
 _NARROW = 1e-9  # relative width at which halving ends
 _DEEP = 60
+_NONE: Mapping[str, int] = {}
+_MANY_ATOMS = 8  # from earlier claims: then they are forgotten
 _LEAP = 16
-_CORNER = Fraction(1, 10**12)  # of the natural scales: a smaller corner is not cut further
 
 
 class Spent(Exception):
@@ -79,12 +80,27 @@ class Prover:
         region = Region(axes, axes, closed)
         key = (expr, relation, region)
         if key not in self.proved:
+            if len(self.ring.atoms) > _MANY_ATOMS:
+                self.ring = Ring(self.ring.values)
             search = _Search(self, expr, relation, work, cones)
-            try:
-                self.proved[key] = search.root(region)
-            except Spent:
-                self.proved[key] = None
+            same = self._same(expr, relation, region)
+            if same is None or same not in self.proved:
+                try:
+                    self.proved[key] = search.root(region)
+                except Spent:
+                    self.proved[key] = None
+                if same is not None:
+                    self.proved[same] = self.proved[key]
+            self.proved[key] = self.proved[same] if same is not None else self.proved[key]
         return self.proved[key]
+
+    def _same(self, expr: Expr, relation: str, region: Region) -> Any:
+        """What two claims share whose normal forms are the same, such as those for (v, z) and for (-v, -z)."""
+        try:
+            value = self.leaf(region, Rules(opaque=True)).convert(expr)
+        except Unclear:
+            return None
+        return (str(value.top), str(value.bottom), self.ring.serial, relation, region)
 
     def leaf(self, region: Region, rules: Rules) -> Leaf:
         """A leaf for that region."""
@@ -103,14 +119,14 @@ class _Search:
         if (tree := self.leaf(region)) is not None:
             return tree
         names = {a.name for a in region.axes}
-        if names == {"u", "w"} and self.cones:
+        if names == {"u", "w"} and self.cones and self.relation == ">=0":
             for tree in self._cones(region):
                 if tree is not None:
                     return tree
         part = self.work.part(self.work.left)
         whole, self.work = self.work, part
         try:
-            return self.divide(region, 0)
+            return self.divide(region) if self.relation != "=0" or self.cones else None
         except Spent:
             return None
         finally:
@@ -132,7 +148,7 @@ class _Search:
             polar = region.with_axes(u, Axis("q", Fraction(0), None))
             whole, self.work = self.work, self.work.part(self.work.left / 3)
             try:
-                tree = self.divide(polar, 0)
+                tree = self.divide(polar)
             except Spent:
                 tree = None
             finally:
@@ -140,30 +156,40 @@ class _Search:
                 self.work = whole
             yield ["polar u", tree] if tree is not None else None
 
-    def divide(self, region: Region, depth: int, parent: Tree | None = None) -> Tree | None:
-        """A tree for a region."""
-        tree = parent or self.leaf(region)
+    def divide(self, region: Region, cuts: Mapping[str, int] = _NONE) -> Tree | None:
+        """A tree for a region; ``cuts``: how often each axis was cut."""
+        tree = self.leaf(region)
         if tree is not None:
             return tree
         if (tree := self._corner(region)) is not None:
             return tree
-        if depth > _DEEP or self.refuted(region):
+        if sum(cuts.values()) > _DEEP or self.refuted(region):
             return None
-        cut = self.cut(region, depth)
+        cut = self.cut(region, cuts)
         if cut is None:
             return None
         name, at = cut
         below, above = region.split(name, at)
-        second = self.divide(above, depth + 1)
+        cuts = {**cuts, name: cuts.get(name, 0) + 1}
+        second = self.divide(above, cuts)
         if second is None:
             return None
-        first = self.divide(below, depth + 1)
+        first = self.divide(below, cuts)
         return ["split", name, str(at), first, second] if first is not None else None
 
     def _corner(self, region: Region) -> Tree | None:
         """Both triangles of a rectangle at the origin."""
         u, w = region.axis("u"), region.axis("w")
-        if u is None or w is None or u.low != 0 or w.low != 0 or not u.high or not w.high or not self.cones:
+        if (
+            u is None
+            or w is None
+            or u.low != 0
+            or w.low != 0
+            or not u.high
+            or not w.high
+            or not self.cones
+            or self.relation != ">=0"
+        ):
             return None
         first = self.leaf(region.with_axes(u, Axis("q", Fraction(0), w.high / u.high)))
         if first is None:
@@ -231,8 +257,8 @@ class _Search:
         found: Range = Box({**self.prover.inputs, **box})(self.expr)
         return found[1] < 0 if self.relation in (">=0", ">0") else found == (0.0, 0.0)
 
-    def cut(self, region: Region, depth: int) -> tuple[str, Fraction] | None:
-        """Where the region is cut next: the side of the largest relative width."""
+    def cut(self, region: Region, cuts: Mapping[str, int]) -> tuple[str, Fraction] | None:
+        """Where the region is cut next: the side of the largest relative width, and not always the same."""
         best: tuple[float, str, Fraction] | None = None
         for a in region.axes:
             marks = {"u": self.prover.hints.speeds, "w": self.prover.hints.lengths}.get(a.name, ())
@@ -240,6 +266,7 @@ class _Search:
             marks = tuple(slopes) if a.name == "q" else tuple(1 / s for s in slopes) if a.name == "p" else marks
             inside = [x for x in marks if a.low < x and (a.high is None or x < a.high)]
             width, at = _width(a, inside)
+            width /= 1 + 0.5 * cuts.get(a.name, 0)
             if at is not None and (best is None or width > best[0]):
                 best = width, a.name, at
         return None if best is None else (best[1], best[2])
@@ -252,13 +279,13 @@ def _width(a: Axis, inside: Sequence[Fraction]) -> tuple[float, Fraction | None]
             return 60.0 + len(inside), inside[len(inside) // 2]
         if a.low == 0:
             return 50.0, Fraction(1)
-        return 12.0 + max(0.0, -log(float(a.low)) if float(a.low) > 0 else 0.0) * 0, _short(a.low * _LEAP)
+        return 6.0, _short(a.low * _LEAP)
     if a.high == a.low:
         return 0.0, None
     if inside:
         return 20.0 + len(inside), inside[len(inside) // 2]
     if a.low == 0:
-        return 3.0, _short(a.high / 4)
+        return 4.0, _short(a.high / 4)
     if a.low < 0 < a.high:
         return 3.0, Fraction(0)
     ratio = float(a.high / a.low) if a.low > 0 else float(a.low / a.high)

@@ -31,9 +31,13 @@ def main(arguments: list[str]) -> int:
         if i == 0 and isinstance(certificate, dict):
             for what in ("definitions", "dz_dt", "force", "Z"):
                 print(f"  {what}: {json.dumps(certificate.get(what))}")
-        problems = verify(certificate, property=name)
+        problems = verify(certificate)
+        if not problems and certificate["property"] != name:
+            problems = [f"it is about {certificate['property']!r}"]
         refused += bool(problems)
-        print(f"{name}: {'; '.join(problems) if problems else 'confirmed'}")
+        limit = certificate.get("v_max", "inf") if isinstance(certificate, dict) else "inf"
+        words = "confirmed" if limit == "inf" else f"confirmed for speeds up to {limit} m/s"
+        print(f"{name}: {'; '.join(problems) if problems else words}")
     return 1 if refused or not items else 0
 
 

@@ -27,6 +27,7 @@ from stribeck.properties.verify_certificate.expressions import (
     read,
     replace,
 )
+from stribeck.properties.verify_certificate.identities import written_out
 from stribeck.properties.verify_certificate.intervals import Range
 from stribeck.properties.verify_certificate.leaf import Leaf, Region
 
@@ -139,7 +140,7 @@ def subject(claim: Claim, law: Law) -> Node:
         far = _to_the(make("add", ONE, make("div", W, number(size))) if m else ONE, m)
         if m > 1:  # 1 + (w/l)^m
             far = make("add", ONE, _to_the(make("div", W, number(size)), m))
-        slope = derivative(f, W)
+        slope = derivative(written_out(f), W)
         return make("sub", make("mul", _limit(claim), far), slope if _sign(data) > 0 else make("neg", slope))
     if claim.about == "growth" and t != 0:
         size = rational(data["l"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from math import isfinite, isinf
 from types import SimpleNamespace
 
 from flint import fmpq
@@ -48,6 +49,8 @@ class _Comparison:
         return self.known[a, b]
 
     def _compared(self, a: Node, b: Expr) -> bool:
+        if b.op == "where" and (decided := _endless(b.args[0])) is not None:
+            return self(a, b.args[1 if decided else 2])
         if b.op == "symbol":
             word = str(b.value)
             return _number(a, self.numbers[word]) if word in self.numbers else a.op == "name" and a.value == word
@@ -57,7 +60,19 @@ class _Comparison:
         return same and all(self(x, y) for x, y in zip(a.args, b.args, strict=True))
 
 
+def _endless(c: Expr) -> bool | None:
+    """The truth of a comparison with an infinite number; None where there is none."""
+    if c.op not in ("lt", "le"):
+        return None
+    for side, x in enumerate(c.args):
+        if x.op == "constant" and isinf(float(x.value or 0.0)):
+            return (float(x.value or 0.0) > 0) == (side == 1)
+    return None
+
+
 def _number(a: Node, x: float) -> bool:
+    if not isfinite(x):
+        return False
     if a.op == "number":
         return bool(a.value == fmpq(*x.as_integer_ratio()))
     if names(a) - {"pi"}:

@@ -104,6 +104,14 @@ def make(op: str, *args: Node) -> Node:
     return node(op, *args)
 
 
+def by_cases(op: str, a: Node) -> Node:
+    """abs(a) or sign(a) as cases."""
+    if op == "abs":
+        return node("where", node("le", ZERO, a), a, node("neg", a))
+    below = node("where", node("lt", a, ZERO), number(-1), ZERO)
+    return node("where", node("lt", ZERO, a), ONE, below)
+
+
 def ordered(top: Node) -> list[Node]:
     """The node and all below it, arguments first."""
     order: dict[Node, None] = {}

@@ -8,13 +8,12 @@ from flint import fmpq, fmpq_mpoly_ctx
 
 from stribeck.properties.verify_certificate.expressions import (
     CONDITIONS,
-    ONE,
     PI,
-    ZERO,
     Node,
     Refused,
     U,
     W,
+    by_cases,
     node,
     number,
     ordered,
@@ -183,11 +182,8 @@ def written_out(top: Node) -> Node:
                 known = None
             if known is not None:
                 by[x] = number(known) if x.op == "sign" else (a if known >= 0 else node("neg", a))
-            elif x.op == "abs":
-                by[x] = node("where", node("le", ZERO, a), a, node("neg", a))
             else:
-                below = node("where", node("lt", a, ZERO), number(-1), ZERO)
-                by[x] = node("where", node("lt", ZERO, a), ONE, below)
+                by[x] = by_cases(x.op, a)
     return _replaced(top, by)
 
 

@@ -198,8 +198,9 @@ def evaluate(top: Node, box: Mapping[str, Range]) -> Range:
 class Evaluation:
     """Expressions over one box; what is shared is evaluated once."""
 
-    def __init__(self, box: Mapping[str, Range]) -> None:
+    def __init__(self, box: Mapping[str, Range], positive: bool = False) -> None:
         self.box = {**box, "pi": PI}
+        self.positive = positive  # the names stand for numbers > 0, although their ranges may begin with 0
         self.known: dict[Node, Range] = {}
         self.preset: dict[Node, Range] = {}  # what a condition says of nodes, within its case
 
@@ -261,11 +262,21 @@ class Evaluation:
                 above is not None and high is not None and above > high
             ):
                 continue
-            inside = Evaluation(self.box)
+            inside = Evaluation(self.box, self.positive)
             inside.known = {**self.preset, small: (low, below), large: (above, high)}
             inside.preset = dict(inside.known)
             found.append(inside(case))
+        if not found:
+            raise Refused("neither case of a condition can be")
         return found[0] if len(found) == 1 else hull(found[0], found[1])
+
+    def _inverse(self, x: Node, b: Range) -> Range:
+        sign = _sign(x) if self.positive else 0
+        if sign > 0 and b[0] is not None and b[0] <= 0 and (b[1] is None or b[1] > 0):
+            return (fmpq(0) if b[1] is None else 1 / b[1]), None
+        if sign < 0 and b[1] is not None and b[1] >= 0 and (b[0] is None or b[0] < 0):
+            return None, (fmpq(0) if b[0] is None else 1 / b[0])
+        return inverse(b)
 
     def _binary(self, x: Node, a: Range) -> Range:
         b = self(x.args[1])
@@ -274,8 +285,27 @@ class Evaluation:
         if x.op == "pow":
             return power(a, b)
         if x.op == "div":
-            return mul(a, inverse(b))
+            return mul(a, self._inverse(x.args[1], b))
         return mul(a, b) if x.op == "mul" else add(a, b if x.op == "add" else neg(b))
+
+
+def _sign(x: Node) -> int:
+    """1 or -1 where an expression is > 0 or < 0 as every name in it is > 0; 0 where that is not plain."""
+    if x.op == "number":
+        return int((x.value > 0) - (x.value < 0))
+    if x.op in ("name", "exp"):
+        return 1
+    signs = [_sign(a) for a in x.args]
+    if x.op == "neg":
+        return -signs[0]
+    if x.op == "abs":
+        return signs[0] ** 2
+    if x.op in ("mul", "div"):
+        return signs[0] * signs[1]
+    if x.op in ("add", "sub"):
+        second = signs[1] if x.op == "add" else -signs[1]
+        return signs[0] if signs[0] == second else 0
+    return 0
 
 
 def finite_everywhere(top: Node, box: Mapping[str, Range]) -> bool:

@@ -19,6 +19,7 @@ from stribeck.properties.verify_certificate.expressions import (
     Refused,
     U,
     W,
+    by_cases,
     node,
     rational,
     read,
@@ -64,7 +65,7 @@ class Leaf:
 
     def __init__(self, region: Region, atoms: Sequence[Json]) -> None:
         self.box = region.box()
-        self.inside = intervals.Evaluation(self.box)
+        self.inside = intervals.Evaluation(self.box, region.open)
         self.names = {"u": U, "w": W, "pi": PI}
         axes = list(region.axes.items())
         variables = [Variable(unit=hi is not None, strict=region.open and lo == 0) for _, (lo, hi) in axes]
@@ -220,6 +221,10 @@ class Leaf:
             if atom.rule == "range" and atom.node.op == "where" and self._equal(atom.node, x):
                 return self._value(x, atom)
         share = self._share_of(c)
+        if share is None and c.op == "both":
+            return self(node("where", c.args[0], node("where", c.args[1], a, b), b))
+        if share is None and c.op == "either":
+            return self(node("where", c.args[0], a, node("where", c.args[1], a, b)))
         if share is None:
             raise Refused("a condition that is not decided has no atom")
         self._has_value(c)
@@ -259,12 +264,11 @@ class Leaf:
             return value if found[0] >= 0 else Quotient(-value.above, value.below)
         if x.op == "sign" and found is not None and (found[1] or found[0] == 0):
             return ring.number(found[0])
-        # sign(0) = 0 is neither end: it has a share of its own, not that of a condition
-        share = self._share_of(node("le", ZERO, a) if x.op == "abs" else x)
-        if share is None:
-            raise Refused(f"{x.op} of what has no sign has no atom")
-        centred = ring.add(ring.mul(ring.number(2), share), ring.number(1), -1)
-        return centred if x.op == "sign" else ring.mul(self(a), centred)
+        if x.op == "sign":  # sign(0) = 0 is neither end: it has a share of its own, not that of a condition
+            share = self._share_of(x)
+            if share is not None:
+                return ring.add(ring.mul(ring.number(2), share), ring.number(1), -1)
+        return self(by_cases(x.op, a))
 
     # -- atoms -------------------------------------------------------------------------------------------------------------
 
@@ -274,7 +278,8 @@ class Leaf:
             if atom.rule != "either":
                 continue
             x = atom.node
-            listed = x.args[0] if x.op == "where" else (node("le", ZERO, x.args[0]) if x.op == "abs" else x)
+            conditions = {"where": x.args[0], "abs": node("le", ZERO, x.args[0])}
+            listed = conditions.get(x.op, x)
             if self._equal(listed, c):
                 return self.ring.variable(atom.share)
         return None
@@ -313,7 +318,11 @@ class Leaf:
             lo, hi = self.inside(x)
             if lo is not None and lo == hi:
                 return self.ring.number(lo)
-        opposite = node(x.op, node("neg", x.args[0])) if x.op in _ODD else x
+        if x.op in ("sin", "cos"):
+            quarters = self._quarters(x.args[0])
+            if quarters is not None:
+                return self.ring.number((0, 1, 0, -1)[(quarters + (x.op == "cos")) % 4])
+        opposite = node(x.op, node("neg", x.args[0])) if x.op in (*_ODD, "cos") else x
         for atom in self.atoms:
             if atom.rule == "either":
                 continue
@@ -321,8 +330,18 @@ class Leaf:
                 return self._value(x, atom)
             if opposite is not x and self._equal(atom.node, opposite):
                 value = self._value(opposite, atom)
-                return Quotient(-value.above, value.below)
+                return value if x.op == "cos" else Quotient(-value.above, value.below)
         raise Refused(f"{x.op} has no atom")
+
+    def _quarters(self, x: Node) -> int | None:
+        """n where an argument is n pi/2."""
+        with suppress(Refused):
+            ring = self.ring
+            n = ring.div(ring.mul(ring.number(2), self(x)), ring.pi)
+            if n.above.is_constant() and n.below.is_constant():
+                whole = fmpq(n.above.leading_coefficient() if n.above != 0 else 0)
+                return int(whole.p) if whole.q == 1 else None
+        return None
 
     def _value(self, x: Node, atom: _Atom) -> Quotient:
         """The value of a function by the rule of its atom, whose hypotheses are checked."""

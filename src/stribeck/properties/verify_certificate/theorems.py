@@ -136,17 +136,13 @@ def edge(case: Case) -> None:
     for s in SIGNS:
         for t in (1, -1):
             need(found, s, t, ENDLESS, (case.Z, case.Z))
-    unique = case.hypothesis("unique")
-    if unique is None:
+    inner = (case.data.get("hypotheses") or {}).get("unique")
+    if inner is None:
         raise Refused("the theorem 'edge' needs that solutions are unique")
-    if (unique.data.get("data") or {}).get("within") is not None:
-        raise Refused("the theorem 'edge' needs that solutions are unique beyond Z too")
-    slopes = [c for c in unique.claims if c.about == "lipschitz"]
-    for sign in (1, -1):
-        chosen = [c for c in slopes if c.data.get("sign") == sign]
-        for s in SIGNS:
-            for t in (1, -1):
-                need(chosen, s, t, ENDLESS, (fmpq(0), 2 * case.Z))
+    unique = read_case(inner, case.depth + 1)
+    if unique.law != case.law:
+        raise Refused("the hypothesis unique is about another law")
+    _locally_unique(unique, (fmpq(0), 2 * case.Z))
 
 
 def _at_least_positive(x: fmpq) -> None:
@@ -159,11 +155,21 @@ def _at_least_positive(x: fmpq) -> None:
 
 def lipschitz(case: Case) -> None:
     """dz/dt is continuous in z with bounded slopes, and no solution escapes."""
-    data = case.data.get("data") or {}
-    within = data.get("within")
-    if within not in (None, "Z"):
-        raise Refused(f"data within: {within!r}")
-    reach: Range = (fmpq(0), case.Z if within else None)
+    within = (case.data.get("data") or {}).get("within")
+    if within not in (None, "Z") and rational(within) < case.Z:
+        raise Refused(f"solutions are unique within {within!r} only")
+    slopes = _locally_unique(case, (fmpq(0), None if within is None else case.Z))
+    growth = case.proved("growth", ">=0")
+    if growth and within is None:
+        for s in SIGNS:
+            for t in (1, -1):
+                need(growth, s, t, ENDLESS, ENDLESS)
+    elif (within is not None or any(c.data.get("m") for c in slopes)) and case.hypothesis("bounded") is None:
+        raise Refused("nothing says that solutions exist for all times")
+
+
+def _locally_unique(case: Case, reach: Range) -> list[Claim]:
+    """Solutions exist and do not part while |z| is in a range: dz/dt is Lipschitz in z there."""
     slopes = case.proved("lipschitz", ">=0")
     for sign in (1, -1):
         chosen = [c for c in slopes if c.data.get("sign") == sign]
@@ -175,13 +181,7 @@ def lipschitz(case: Case) -> None:
         for s in SIGNS:
             need([c for c in finite if c.data.get("sign") == sign], s, 0, ENDLESS, ENDLESS)
     _continuous_in_z(case, reach)
-    growth = case.proved("growth", ">=0")
-    if growth and within is None:
-        for s in SIGNS:
-            for t in (1, -1):
-                need(growth, s, t, ENDLESS, ENDLESS)
-    elif (within is not None or any(c.data.get("m") for c in slopes)) and case.hypothesis("bounded") is None:
-        raise Refused("nothing says that solutions exist for all times")
+    return slopes
 
 
 def _continuous_in_z(case: Case, reach: Range) -> None:
@@ -286,6 +286,13 @@ def storage(case: Case) -> None:
                 parts = [{"w": c.w} for c in chosen if c.w is not None]
                 if not all(of.covers(parts, {"w": reach}) for reach in _served(by_slope[slope], t, u)):
                     raise Refused("nothing says that the storage function has a lower bound")
+
+
+def reaches(case: Case, v_max: float | None) -> None:
+    """The certificate must be about every speed up to ``v_max`` (None: about every speed)."""
+    stated = case.data.get("v_max", "inf")
+    if stated != "inf" and (v_max is None or rational(stated) < fmpq(*v_max.as_integer_ratio())):
+        raise Refused(f"it is about speeds up to {stated} m/s only")
 
 
 def _served(claims: list[Claim], t: int, u: Range) -> list[Range]:
