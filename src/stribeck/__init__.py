@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
-    "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "export", "fit", "law", "margins",
-    "parameters", "simulate", "simulate_ensemble", "storage_interval",
+    "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "export", "fit", "law",
+    "margins", "parameters", "simulate", "simulate_ensemble", "storage_interval",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
