@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import threading
 from collections.abc import Callable, Iterable
@@ -10,6 +11,7 @@ from typing import TypeVar
 
 T = TypeVar("T")
 S = TypeVar("S")
+_TYPICAL = 300  # simulations
 
 
 class Stopped(Exception):
@@ -26,11 +28,12 @@ class Work:
     def __init__(self, tell: Callable[[float], None] | None = None) -> None:
         self._tell, self._lock = tell, threading.Lock()
         self._start = self._end = self.share = 0.0
+        self._ticks = 0
         self._stop = threading.Event()
 
     def section(self, end: float) -> None:
         """What follows goes from the share done to ``end``."""
-        self._start, self._end = max(self.share, self._end), end
+        self._start, self._end, self._ticks = max(self.share, self._end), end, 0
         self.done(0.0)
 
     def done(self, part: float) -> None:
@@ -39,6 +42,17 @@ class Work:
             self.share = max(self.share, self._start + (self._end - self._start) * min(max(part, 0.0), 1.0))
             if self._tell is not None:
                 self._tell(self.share)
+
+    def tick(self) -> None:
+        """Another simulation is done; nobody knows how many there will be, so each goes a part of what is left."""
+        self._ticks += 1
+        self.done(1 - math.exp(-self._ticks / _TYPICAL))
+
+    def part(self, number: int, count: int) -> Work:
+        """The work on one of several things that follow each other."""
+        one = Work(lambda share: self.done((number + share) / count))
+        self._end, one._stop = 1.0, self._stop
+        return one
 
     @property
     def stopped(self) -> bool:

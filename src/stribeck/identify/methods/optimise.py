@@ -134,6 +134,7 @@ class _Watched:
     def residual(self, u: Array) -> Array:
         """The problem's."""
         self.work.check()
+        self.work.tick()
         found = self.problem.residual(u)
         cost = 0.5 * float(found @ found)
         if cost < self.best["cost"]:

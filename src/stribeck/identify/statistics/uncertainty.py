@@ -157,7 +157,13 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     units = variance * inflation / problem.scale**2
     ends = dict(straight(problem, u, inner, deviations, units, told)) if told else {}
     bent = [k for k in told if k not in ends]
-    curves = work.each(lambda k: profile(problem, u, k, deviations[k], variance * inflation[k], inner), bent)
+
+    def followed(k: int) -> tuple[float | None, float | None, Profile]:
+        found = profile(problem, u, k, deviations[k], variance * inflation[k], inner)
+        work.tick()
+        return found
+
+    curves = work.each(followed, bent)
     estimates, found = {}, {}
     bent_ends = {k: curve for k, curve in zip(bent, curves, strict=True) if curve is not None}
     for k in own:
