@@ -162,7 +162,12 @@ def fit(
     data: Annotated[
         list[Path], typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs.")
     ],
-    law: Annotated[list[str], typer.Option("--law", metavar="NAME", help="A law; of several, one is picked.")],
+    law: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--law", metavar="NAME", help="A law; of several, or of all static ones without it, one is picked."
+        ),
+    ] = None,
     time: Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")] = None,
     position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")] = None,
     velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Column of the velocity.")] = None,
@@ -198,8 +203,12 @@ def fit(
         typer.Option("--term", metavar="TERM", help="What the force holds beside mass and offset (docs/fit.md)."),
     ] = None,
     select: Annotated[
-        bool, typer.Option("--select", help="Add the terms that lower the error over data left out.")
-    ] = False,
+        bool | None,
+        typer.Option(
+            "--select/--no-select",
+            help="Add the terms that lower the error over data left out (the default without --term and --free).",
+        ),
+    ] = None,
     cutoff: Annotated[
         float | None,
         typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter; else from the data; 0: none."),
@@ -237,7 +246,7 @@ def fit(
         "output": output, "drive": None if drive is None else work.drive(drive),
     }  # fmt: skip
     options = work.Options(columns, unit or [], force_gain, set_ or [], cutoff, trim, request)
-    return work.fit(data, law, options, out, json)
+    return work.fit(data, law or [], options, out, json)
 
 
 @app.command()

@@ -44,7 +44,7 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
         )
         if tell is not None:
             tell(0.1)
-        result = fitting.fit(log, laws if len(laws) > 1 else laws[0], constants=constants, **options.request)
+        result = fitting.fit(log, laws[0] if len(laws) == 1 else laws or None, constants=constants, **options.request)
     summary = result.to_json()
     summary["data"] = {
         "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
@@ -102,6 +102,8 @@ def _units(texts: list[str]) -> dict[str, str]:
 def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
     if isinstance(result, Choice):
         _print_choice(result)
+    elif result.details.get("candidates"):
+        _print_candidates(result.details["candidates"])
     best = result.best if isinstance(result, Choice) else result
     print(
         f"{best.law}, {best.method}: {len(log)} rows, relative force error {_percent(best.relative_force_error)}",
@@ -127,6 +129,11 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
         print(f"  note: {text}")
     for file in files:
         print(f"  wrote {file}")
+
+
+def _print_candidates(candidates: list[dict[str, Any]]) -> None:
+    told = ", ".join(f"{c['name']} {_percent(c['cross_validated_error'])}" for c in candidates)
+    print(f"error on data left out: {told}")
 
 
 def _print_choice(choice: Choice) -> None:

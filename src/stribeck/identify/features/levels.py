@@ -67,7 +67,9 @@ def _with_intervals(found: list[dict[str, Any]], spread: Array, numbers: int) ->
             row |= {"predicted_low": row["predicted"] - half, "predicted_high": row["predicted"] + half}
 
 
-def _own(whole: Separable, values: Mapping[str, float], part: NDArray[np.intp], there: list[int]) -> tuple[Array, Array]:
+def _own(
+    whole: Separable, values: Mapping[str, float], part: NDArray[np.intp], there: list[int]
+) -> tuple[Array, Array]:
     """A level for each file, everything else shared, and their standard deviations."""
     columns = whole.columns.at(values, whole.terms)
     sign = columns["F_c"] + columns.get("F_s", 0.0)
@@ -100,7 +102,9 @@ def _in_blocks(sign: Array, missed: Array, w: Array) -> float:
     return float(np.sqrt(BLOCKS / (BLOCKS - 1) * np.sum(scores**2)) / max(float(s @ s), 1e-300))
 
 
-def _predicted(whole: Separable, solution: Solution, out: NDArray[np.bool_], means: Mapping[str, float]) -> dict[str, float]:
+def _predicted(
+    whole: Separable, solution: Solution, out: NDArray[np.bool_], means: Mapping[str, float]
+) -> dict[str, float]:
     """The level that the fit to the other files gives for this one, at the same shape of the curve."""
     from stribeck.identify.statistics.static_intervals import linearised
 

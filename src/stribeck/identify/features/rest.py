@@ -32,7 +32,9 @@ def at_rest(log: Log) -> Mask:
             continue
         v = log.velocity[rows][: count * window].reshape(count, window)
         peak, mean = np.max(abs(v), axis=1), abs(np.mean(v, axis=1))
-        still = (peak <= min(_NOISES * noise, _SLOW * fastest)) & (mean <= _NOISES * noise / np.sqrt(window) + noise / 3)
+        still = (peak <= min(_NOISES * noise, _SLOW * fastest)) & (
+            mean <= _NOISES * noise / np.sqrt(window) + noise / 3
+        )
         still |= peak == 0
         long = _long(still)
         out[rows.start : rows.start + count * window] = np.repeat(long, window)

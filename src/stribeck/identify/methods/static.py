@@ -73,7 +73,9 @@ class Settled:
         return {s.name: self.solution.values[s.name] for s in self.model.whole.shapes}
 
 
-def fit_static(log: Log, law: str, setting: Setting | None = None, profiles: bool = True, rows: Rows | None = None) -> Fit:
+def fit_static(
+    log: Log, law: str, setting: Setting | None = None, profiles: bool = True, rows: Rows | None = None
+) -> Fit:
     """Fit a law's sliding friction and the body's terms by least squares on the force.
 
     Args:
@@ -91,18 +93,21 @@ def fit_static(log: Log, law: str, setting: Setting | None = None, profiles: boo
     return finished(rows, settle(rows, law, setting), profiles)
 
 
-def settle(rows: Rows, law: str, setting: Setting, warm: Sequence[Mapping[str, float]] = ()) -> Settled:
+def settle(
+    rows: Rows, law: str, setting: Setting, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True
+) -> Settled:
     """The optimum of a model, and its error on data left out; no intervals yet.
 
     Args:
         warm: shapes of narrower models, from which the search begins too.
+        everywhere: look over the whole grid of shapes; else only over those that the first of ``warm`` lacks.
     """
     terms.check(tuple(setting.body), rows.log)
     made = model(rows, laws.find(law), setting.fixed, setting.free, setting.mass, setting.body)
     whole = made.whole
     if not (whole.wanted or whole.free or whole.shapes):
         raise InputError(f"law '{made.law.name}': every constant is given: there is nothing to fit")
-    solution = whole.search(made.coarse, warm)
+    solution = whole.search(made.coarse, warm, everywhere)
     if setting.robust:
         whole, solution = _robust(whole, solution)
         made = replace(made, whole=whole)
@@ -135,7 +140,13 @@ def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
         cross_validated_error=settled.left_out.error,
         profiles=judged.profiles,
         prediction=prediction,
-        notes=(*rows.why, *made.notes, *_zeros(judged.estimates), *judged.notes, f"cross-validated {settled.left_out.how}"),
+        notes=(
+            *rows.why,
+            *made.notes,
+            *_zeros(judged.estimates),
+            *judged.notes,
+            f"cross-validated {settled.left_out.how}",
+        ),
         details={
             **judged.details,
             "friction_error": friction,
@@ -158,7 +169,9 @@ def _given(made: Model, values: Mapping[str, float]) -> dict[str, float]:
 
 
 def _zeros(estimates: Mapping[str, Estimate]) -> list[str]:
-    return [f"{n}: comes out as 0, at most {e.high:.3g} {e.unit}" for n, e in estimates.items() if e.value == 0.0 and e.high]
+    return [
+        f"{n}: comes out as 0, at most {e.high:.3g} {e.unit}" for n, e in estimates.items() if e.value == 0.0 and e.high
+    ]
 
 
 def check_motion(log: Log) -> None:
@@ -182,7 +195,9 @@ def check_motion(log: Log) -> None:
     every = max(len(log) // 1_000_000, 1)
     thin = v[::every]
     rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), np.ones(len(thin))])
-    rough = np.column_stack([rough, log.position[::every], np.sin(log.position[::every]), np.cos(log.position[::every])])
+    rough = np.column_stack(
+        [rough, log.position[::every], np.sin(log.position[::every]), np.cos(log.position[::every])]
+    )
     coefficients = np.linalg.lstsq(rough / np.maximum(np.abs(rough).max(0), 1e-300), log.force[::every], rcond=1e-10)[0]
     both = v.min() < -0.1 * fastest and v.max() > 0.1 * fastest
     against = float(np.sum((coefficients[1] * thin / fastest + coefficients[2] * np.sign(thin)) * thin))
@@ -201,7 +216,9 @@ def _robust(whole: Separable, solution: Solution) -> tuple[Separable, Solution]:
         whole = whole.weighted(base * np.sqrt(np.minimum(1.0, _HUBER * scale / np.maximum(abs(rest), 1e-300))))
         before = solution
         solution = whole.refined(solution.values, 6) if whole.shapes else whole.solve({})
-        if all(abs(solution.values[n] - x) <= 1e-6 * abs(x) for n, x in before.values.items() if not isinstance(x, str)):
+        if all(
+            abs(solution.values[n] - x) <= 1e-6 * abs(x) for n, x in before.values.items() if not isinstance(x, str)
+        ):
             break
     return whole, solution
 
@@ -245,7 +262,9 @@ def _by_direction(
 # -- what a report shows -----------------------------------------------------------------------------------------------
 
 
-def _curve(whole: Separable, values: Mapping[str, float], segments: Sequence[slice], log: Log) -> list[dict[str, float]]:
+def _curve(
+    whole: Separable, values: Mapping[str, float], segments: Sequence[slice], log: Log
+) -> list[dict[str, float]]:
     """Speed and friction of each stretch of constant speed."""
     rest = np.zeros(len(log))
     for name in whole.terms:
@@ -308,7 +327,7 @@ def _stepped(
     whole: Separable, here: Mapping[str, float], names: Sequence[str], slopes: Array, misfit: Array
 ) -> dict[str, float]:
     """Shapes after a step of Gauss and Newton, within their range."""
-    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
+    size: Array = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
     step = dict(zip(names, (np.linalg.lstsq(slopes / size, misfit, rcond=1e-10)[0] / size).tolist(), strict=True))
     moved = {}
     for s in whole.shapes:

@@ -45,9 +45,7 @@ class Columns:
         for name in terms:
             if TERMS[name].column is not None and not TERMS[name].level:
                 late = 0.0 if name == "offset" else delay
-                found[name] = self._keep(
-                    ("term", name, late), lambda name=name, late=late: self.reduce(self._moved(column(name, self.log), late))
-                )
+                found[name] = self._keep(("term", name, late), self._maker(name, late))
         return found
 
     def _friction(self, shape: tuple[tuple[str, float], ...], delay: float, levels: Sequence[str]) -> dict[str, Array]:
@@ -65,6 +63,9 @@ class Columns:
                 moved = self._moved(column(name, self.log), delay)
                 self._keep(keys[name], lambda level=level, moved=moved: self.reduce(level * moved))
         return {n: self._kept[key] for n, key in keys.items()}
+
+    def _maker(self, name: str, late: float) -> Callable[[], Array]:
+        return lambda: self.reduce(self._moved(column(name, self.log), late))
 
     def _keep(self, key: Any, make: Callable[[], Array]) -> Array:
         if key in self._kept:

@@ -77,7 +77,9 @@ class Separable:
     ) -> None:
         self.columns, self.held, self.wanted, self.shapes = columns, dict(held), tuple(wanted), tuple(shapes)
         self.free = tuple(n for n in terms if TERMS[n].column is not None)
-        self.terms = tuple(dict.fromkeys((*self.free, *(n for n in held if n in TERMS and TERMS[n].column is not None))))
+        self.terms = tuple(
+            dict.fromkeys((*self.free, *(n for n in held if n in TERMS and TERMS[n].column is not None)))
+        )
         self.weight = np.ones(len(columns.force)) if weight is None else weight
         self.force = columns.force
         self.least = _LITTLE * float(np.sqrt(np.mean(self.force**2)))
@@ -144,22 +146,34 @@ class Separable:
 
     # -- shapes ------------------------------------------------------------------------------------------------------
 
-    def search(self, coarse: Separable | None = None, warm: Sequence[Mapping[str, float]] = ()) -> Solution:
+    def search(
+        self, coarse: Separable | None = None, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True
+    ) -> Solution:
         """The best of a grid of shapes, refined; ``coarse`` is the same model on fewer rows, for the first look.
 
         Args:
             warm: shapes of narrower models; those missing in them begin where they matter least.
+            everywhere: look over the whole grid; else only over shapes that are not in the first of ``warm``.
         """
         if not self.shapes:
             return self.solve({})
         look = coarse or self
-        starts = [dict(s.values) for s in look.grid()[:_REFINED]]
-        starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in warm]
-        refined = sorted((look.refined(start) for start in starts), key=lambda s: s.cost)
+        starts = [dict(s.values) for s in look.grid()[:_REFINED]] if everywhere or not warm else look._around(warm[0])
+        nested = [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in warm]
+        refined = sorted((look.refined(start) for start in (*starts, *nested)), key=look._rank)
         if coarse is None:
             return refined[0]
-        ends = [self.refined(refined[0].values, 6), *(self.solve(self._shape_of(start)) for start in starts[_REFINED:])]
-        return min(ends, key=lambda s: s.cost)
+        ends = [self.refined(refined[0].values, 4), *(self.solve(self._shape_of(start)) for start in nested)]
+        return min(ends, key=self._rank)
+
+    def _around(self, known: Mapping[str, float]) -> list[dict[str, float]]:
+        """The best places of the shapes that are not known yet, the others where they are known to be."""
+        missing = [s for s in self.shapes if s.name not in known]
+        if not missing:
+            return []
+        held = {**self.held, **{s.name: known[s.name] for s in self.shapes if s.name in known}}
+        narrow = Separable(self.columns, held, self.wanted, self.free, missing, self.weight)
+        return [{**known, **narrow._shape_of(s.values)} for s in narrow.grid()[:1]]
 
     def grid(self) -> list[Solution]:
         """Solutions over a grid of shapes, the best first; a delay is looked for at the best of the others."""
@@ -172,7 +186,9 @@ class Separable:
         else:
             trials = np.vstack([qmc.Sobol(len(curve), seed=0).random_base2(_DRAWS), _corners(len(curve))])
         still = {s.name: 0.0 for s in late}
-        found = [self.solve({**still, **{s.name: s.at(x) for s, x in zip(curve, t, strict=True)}}) for t in trials.tolist()]
+        found = [
+            self.solve({**still, **{s.name: s.at(x) for s, x in zip(curve, t, strict=True)}}) for t in trials.tolist()
+        ]
         found.sort(key=self._rank)
         for shape in late:
             step = self.columns.log.step
@@ -198,7 +214,14 @@ class Separable:
             return self._solve(self._at(shares))[1] / scale
 
         found = least_squares(
-            missed, inside, bounds=(0, 1), x_scale=0.1, diff_step=1e-5, max_nfev=evaluations, ftol=1e-10, xtol=1e-9
+            missed,
+            inside,
+            bounds=(0, 1),
+            x_scale=0.1,
+            diff_step=np.array(1e-5),
+            max_nfev=evaluations,
+            ftol=1e-8,
+            xtol=1e-7,
         )
         last = self.solve(self._at(found.x))
         return last if self._rank(last) <= self._rank(first) else first

@@ -92,6 +92,22 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     return replace(fit, details={**fit.details, "selection": steps, "candidates": baselines(rows, setting, found)})
 
 
+def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
+    """The fit that is asked for, and in ``details["candidates"]`` what plainer models come to on data left out."""
+    check_motion(log)
+    terms.check(tuple(setting.body), log)
+    rows = rows_of(log, setting.decimate)
+    settled = settle(rows, law, setting)
+    fit = finished(rows, settled)
+    found = baselines(rows, setting, settled)
+    least = min(found, key=lambda r: r["cross_validated_error"])
+    notes = fit.notes
+    if least["cross_validated_error"] < (1 - _WORTH) * settled.left_out.error:
+        told = f"{least['name']} ({least['law']}) predicts data left out better: {least['cross_validated_error']:.3%}"
+        notes = (f"{told}; without --law the best law and terms are looked for", *notes)
+    return replace(fit, notes=notes, details={**fit.details, "candidates": found})
+
+
 def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None = None) -> Choice:
     """The static law and the terms that predict data left out best, with the plainer ones beside it.
 
@@ -130,8 +146,8 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
         if name != law:
             details["selection"] = wider[law][1]
         fits[name] = replace(fit, details=details)
-    error = settled[picked].left_out.error
-    return Choice(fits, picked, f"the lowest error on data left out ({error:.3%})", failed)
+    least = settled[picked].left_out.error
+    return Choice(fits, picked, f"the lowest error on data left out ({least:.3%})", failed)
 
 
 def _differs(one: Settled, other: Settled) -> bool:
@@ -150,13 +166,19 @@ def baselines(rows: Rows, setting: Setting, best: Settled) -> list[dict[str, Any
     found = []
     for name, law in BASELINES.items():
         plain = Setting(
-            {n: v for n, v in setting.fixed.items() if n in TERMS}, None, setting.mass, setting.body, folds=setting.folds
+            {n: v for n, v in setting.fixed.items() if n in TERMS},
+            None,
+            setting.mass,
+            setting.body,
+            folds=setting.folds,
         )
         try:
             at = settle(rows, law, plain)
         except StribeckError:
             continue
-        found.append({**_step("", at), "name": name, "numbers": at.left_out.parameters, "law": law, "values": _numbers(at)})
+        found.append(
+            {**_step("", at), "name": name, "numbers": at.left_out.parameters, "law": law, "values": _numbers(at)}
+        )
     own = {**_step("", best), "name": "this fit", "numbers": best.left_out.parameters, "law": best.model.law.name}
     return [*found, {**own, "values": _numbers(best)}]
 
@@ -174,7 +196,7 @@ def _forward(
         names = _open(rows, law, best.setting)
         for k, name in enumerate(names):
             try:
-                trials[name] = settle(rows, law, _wider(best.setting, law, name), [best.shapes])
+                trials[name] = settle(rows, law, _wider(best.setting, law, name), [best.shapes], everywhere=False)
             except StribeckError:
                 continue
             if tell is not None:
@@ -194,7 +216,7 @@ def _beyond_chance(wide: Settled, narrow: Settled) -> bool:
     fall = narrow.left_out.squares - wide.left_out.squares
     if len(fall) < 2:
         return True
-    return float(fall.sum()) > float(np.std(fall, ddof=1)) * np.sqrt(len(fall))
+    return bool(float(fall.sum()) > float(np.std(fall, ddof=1)) * np.sqrt(len(fall)))
 
 
 def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
@@ -241,4 +263,3 @@ def _step(name: str, at: Settled) -> dict[str, Any]:
         "added": name, "cross_validated_error": at.left_out.error,
         "relative_force_error": float(np.linalg.norm(missed) / np.linalg.norm(whole.force[w])),
     }  # fmt: skip
-

@@ -107,7 +107,9 @@ def judge(rows: Rows, model: Model, solution: Solution, profiles: bool = True) -
     for k, name in enumerate(at.names):
         unit = unit_of(model.law, name)
         x = at.values[k]
-        ends = (x * np.exp(np.clip([low[k], high[k]], -50, 50)) if at.log[k] else x + np.array([low[k], high[k]])).tolist()
+        ends = (
+            x * np.exp(np.clip([low[k], high[k]], -50, 50)) if at.log[k] else x + np.array([low[k], high[k]])
+        ).tolist()
         first, last = (end if np.isfinite(end) and 1e-12 < abs(end / x) < 1e12 else None for end in ends) if x else ends
         if why := verdicts.get(name):
             held = details.get("held_force") if name == "F_s" else None
@@ -148,15 +150,24 @@ def _half_widths(rows: Rows, model: Model, solution: Solution, at: Linear) -> tu
         factor = float(wider[most] / max(half[most], 1e-300))
         told = f"; intervals are wider for it, {at.names[most]}'s by {factor:.1f}" if factor > 1.05 else ""
         notes.append(
-            f"misfit: a free curve of the speed would take {share:.0%} of the squared residual away: the law lacks something{told}"
+            f"misfit: a free curve of the speed would take {share:.0%} of the squared residual away: the law lacks "
+            f"something{told}"
         )
         half = wider
     if not parts.repeats:
-        notes.append("intervals are for this one run: what changes from run to run (warmth, lubrication) is not in them")
+        notes.append(
+            "intervals are for this one run: what changes from run to run (warmth, lubrication) is not in them"
+        )
     spare = _leeway(rows, model, solution, at)
-    if wide := [f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, spare, half, at.log, strict=True) if log and s > h]:
+    if wide := [
+        f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, spare, half, at.log, strict=True) if log and s > h
+    ]:
         notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
-    details = {"intervals_over": parts.what, "misfit_share": share, "leeway": dict(zip(at.names, spare.tolist(), strict=True))}
+    details = {
+        "intervals_over": parts.what,
+        "misfit_share": share,
+        "leeway": dict(zip(at.names, spare.tolist(), strict=True)),
+    }
     return half + spare, notes, details
 
 
@@ -205,7 +216,7 @@ def _physical(rows: Rows, model: Model, solution: Solution, at: Linear) -> dict[
     speed = np.quantile(abs(v), (0.1, 0.9)) if len(v) else np.zeros(2)
     if speed[0] > 0 and speed[1] / speed[0] < _ONE_SPEED and {"F_c", "sigma_2"} <= set(at.names):
         why = f"nearly all rows have one speed ({speed[0]:.3g} to {speed[1]:.3g} m/s): F_c and sigma_2 cannot be told apart"
-        found |= {n: why for n in ("F_c", "sigma_2")}
+        found |= dict.fromkeys(("F_c", "sigma_2"), why)
     if "offset" in model.unseen and "F_c" in at.names:
         found["F_c"] = f"{model.unseen['offset']}; both together are {values['F_c']:.4g} N"
     if "F_s" in at.names and len(v):
@@ -215,7 +226,9 @@ def _physical(rows: Rows, model: Model, solution: Solution, at: Linear) -> dict[
         own = {n: x for n, x in sliding.items() if n in model.law.constants()}
         reached = float(np.max(abs(law.force(own, grid))))
         if reached < _REACHED * values["F_s"]:
-            found["F_s"] = f"the curve comes to {reached:.3g} N at the speeds measured: {values['F_s']:.3g} N are extrapolated"
+            found["F_s"] = (
+                f"the curve comes to {reached:.3g} N at the speeds measured: {values['F_s']:.3g} N are extrapolated"
+            )
         beside: Array | float = np.zeros(len(rows.log))
         for name in model.whole.terms:
             if not (TERMS[name].level or TERMS[name].friction or name in ("mass", "area")):
@@ -243,7 +256,9 @@ def _unfitted(rows: Rows, model: Model, solution: Solution, at: Linear) -> dict[
         why = "friction does not rise towards low speed in these data"
         unseen |= {n: why for n in ("F_s", "v_s", "delta") if n in model.free}
     for name, why in unseen.items():
-        found[name] = Estimate(None, None, None, unit_of(model.law, name), False, why, experiment_for(name, values, sizes))
+        found[name] = Estimate(
+            None, None, None, unit_of(model.law, name), False, why, experiment_for(name, values, sizes)
+        )
     for name in (*model.whole.wanted, *model.whole.free):
         if name not in at.names and name not in found:
             high = _upper(model.whole, solution, name)
@@ -328,4 +343,3 @@ def _held_at(model: Separable, solution: Solution, name: str, distance: float) -
         return other.solve({}).cost
     start = {s.name: solution.values[s.name] for s in shapes}
     return min(other.refined(start, 8).cost, other.solve(start).cost)
-
