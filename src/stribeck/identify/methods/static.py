@@ -107,7 +107,7 @@ def settle(
     whole = made.whole
     if not (whole.wanted or whole.free or whole.shapes):
         raise InputError(f"law '{made.law.name}': every constant is given: there is nothing to fit")
-    solution = whole.search(made.coarse, warm, everywhere)
+    solution = whole.search(warm, everywhere)
     if setting.robust:
         whole, solution = _robust(whole, solution)
         made = replace(made, whole=whole)
@@ -125,7 +125,7 @@ def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
     body |= _by_direction(estimates, body, judged.names, judged.covariance)
     known = set(law.constants()) - set(made.unseen)
     prediction, friction = _prediction(made.whole, values, log, rows)
-    near = log.rows(slice(0, _LOOKED_AT))
+    near = rows.source.rows(slice(0, _LOOKED_AT))
     return Fit(
         law=law.name,
         method="static",
@@ -136,7 +136,7 @@ def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
         names=judged.names,
         covariance=judged.covariance,
         relative_force_error=_error(made.whole, values),
-        data_hash=log.hash,
+        data_hash=rows.source.hash,
         cross_validated_error=settled.left_out.error,
         profiles=judged.profiles,
         prediction=prediction,
@@ -297,7 +297,8 @@ def _prediction(whole: Separable, values: Mapping[str, float], log: Log, rows: R
     measured, fitted, w = whole.force - body, whole.force_at(values) - body, rows.weight > 0
     kept = rows.kept[w]
     found = Prediction(log.time[kept], log.position[kept], log.velocity[kept], measured[w], fitted[w])
-    return found, float(np.linalg.norm((measured - fitted)[w]) / max(np.linalg.norm(measured[w]), 1e-300))
+    size = float(np.linalg.norm(measured[w]))
+    return found, float(np.linalg.norm((measured - fitted)[w])) / max(size, 1e-300)
 
 
 def cross_validate(whole: Separable, solution: Solution, rows: Rows, folds: int, unseen: int = 0) -> LeftOut:

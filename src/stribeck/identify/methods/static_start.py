@@ -28,7 +28,7 @@ class Model:
     """A law and the terms of the body against a record.
 
     Attributes:
-        whole, coarse: the model on every row, and on a part of a long record.
+        whole: the model.
         free: the law's constants that were to be fitted; ``given``: those that were not.
         unseen: those that the data show nothing of, and why.
         notes: for the reader.
@@ -36,7 +36,6 @@ class Model:
 
     law: type[Law]
     whole: Separable
-    coarse: Separable | None
     free: tuple[str, ...]
     given: dict[str, float]
     unseen: dict[str, str]
@@ -91,10 +90,8 @@ def model(
         del held["delay"]
     if mass is not None:
         held["mass"] = mass
-    fine, part = rows.columns(sliding)
-    whole = Separable(fine, held, linear, terms, shapes, rows.weight)
-    coarse = None if part is None else whole.on(part)
-    return Model(law, whole, coarse, tuple(wanted), dict(fixed), unseen, notes)
+    whole = Separable(rows.columns(sliding), held, linear, terms, shapes, rows.weight)
+    return Model(law, whole, tuple(wanted), dict(fixed), unseen, notes)
 
 
 def _with_steepness(

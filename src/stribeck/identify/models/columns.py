@@ -57,12 +57,15 @@ class Columns:
             speeds, table = self.sliding.table(dict(shape), self.fastest, self.names)
             place = _Place(speeds, v)
             for name, values in table.items():
-                self._keep(keys[name], lambda values=values: self.reduce(place.of(values)))
+                if keys[name] not in self._kept:
+                    self._kept[keys[name]] = self.reduce(place.of(values))
             for name in levels:
                 level = place.of(table["F_c"] + table.get("F_s", 0.0))
-                moved = self._moved(column(name, self.log), delay)
-                self._keep(keys[name], lambda level=level, moved=moved: self.reduce(level * moved))
-        return {n: self._kept[key] for n, key in keys.items()}
+                self._kept[keys[name]] = self.reduce(level * self._moved(column(name, self.log), delay))
+        found = {n: self._kept[key] for n, key in keys.items()}
+        while len(self._kept) > self._most:
+            self._kept.popitem(last=False)
+        return found
 
     def _maker(self, name: str, late: float) -> Callable[[], Array]:
         return lambda: self.reduce(self._moved(column(name, self.log), late))

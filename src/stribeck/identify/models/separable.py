@@ -146,10 +146,8 @@ class Separable:
 
     # -- shapes ------------------------------------------------------------------------------------------------------
 
-    def search(
-        self, coarse: Separable | None = None, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True
-    ) -> Solution:
-        """The best of a grid of shapes, refined; ``coarse`` is the same model on fewer rows, for the first look.
+    def search(self, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True) -> Solution:
+        """The best of a grid of shapes, refined.
 
         Args:
             warm: shapes of narrower models; those missing in them begin where they matter least.
@@ -157,14 +155,9 @@ class Separable:
         """
         if not self.shapes:
             return self.solve({})
-        look = coarse or self
-        starts = [dict(s.values) for s in look.grid()[:_REFINED]] if everywhere or not warm else look._around(warm[0])
-        nested = [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in warm]
-        refined = sorted((look.refined(start) for start in (*starts, *nested)), key=look._rank)
-        if coarse is None:
-            return refined[0]
-        ends = [self.refined(refined[0].values, 4), *(self.solve(self._shape_of(start)) for start in nested)]
-        return min(ends, key=self._rank)
+        starts = [dict(s.values) for s in self.grid()[:_REFINED]] if everywhere or not warm else self._around(warm[0])
+        starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in warm]
+        return min((self.refined(start) for start in starts), key=self._rank)
 
     def _around(self, known: Mapping[str, float]) -> list[dict[str, float]]:
         """The best places of the shapes that are not known yet, the others where they are known to be."""
@@ -211,7 +204,7 @@ class Separable:
         scale = np.sqrt(max(first.cost, 1e-300))
 
         def missed(shares: Array) -> Array:
-            return self._solve(self._at(shares))[1] / scale
+            return np.asarray(self._solve(self._at(shares))[1] / scale)
 
         found = least_squares(
             missed,

@@ -18,8 +18,12 @@ from stribeck.identify.models.columns import Columns, Reduce
 Array = NDArray[np.float64]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
 _RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
-_MOST_ROWS = 100_000
-_COARSE_ROWS, _BLOCKS = 60_000, 24  # of the record on which shapes are looked for first
+_MOST_ROWS = 25_000
+_MOST_RAW, _BLOCKS, _SHORTEST_BLOCK = (
+    200_000,
+    24,
+    600,
+)  # of a record: more tell nothing new; blocks of a run, rows of one
 _FEWEST = 300  # rows that a band lowered for the mass's sake leaves
 _MOVES = 0.03  # of the mass: what half the band may change it by
 _HEAVY = 0.05  # of the force: less inertia tells nothing of the band
@@ -31,37 +35,37 @@ class Rows:
     """A record as a static fit compares it; trials of one record share this.
 
     Attributes:
-        log: the record, with a velocity of 0 where the body rests.
+        log: the record, with a velocity of 0 where the body rests; of a very long one stretches evenly over it.
+        source: all of it.
         q: one row in so many is kept behind the filter; ``why`` in words.
         kept: the rows of the log that are; ``weight``: 0 for those in which the body rests.
         rest: the rows of the log in which it does.
     """
 
     log: Log
+    source: Log
     q: int
     why: list[str]
     kept: NDArray[np.intp]
     weight: Array
     rest: NDArray[np.bool_]
-    _columns: dict[Any, tuple[Columns, Columns | None]] = field(default_factory=dict)
+    _columns: dict[Any, Columns] = field(default_factory=dict)
 
-    def columns(self, sliding: Sliding) -> tuple[Columns, Columns | None]:
-        """The columns for a law, and those of a part of a long record for a first look."""
+    def columns(self, sliding: Sliding) -> Columns:
+        """The columns for a law."""
         key = (sliding.law, tuple(sorted((n, str(x)) for n, x in sliding.base.items())))
         if key not in self._columns:
-            fine = Columns(self.log, sliding, thinning(self.log, self.q))
-            coarse = None
-            if len(self.log) > 2 * _COARSE_ROWS:
-                part = _blocks(self.log, self.rest)
-                coarse = Columns(part, sliding, thinning(part, self.q))
-            self._columns[key] = fine, coarse
+            self._columns[key] = Columns(self.log, sliding, thinning(self.log, self.q))
         return self._columns[key]
 
 
 def rows_of(log: Log, decimate: int | None = None) -> Rows:
     """The rows that a static fit of a record compares."""
+    notes, source = [], log
+    if len(log) > _MOST_RAW:
+        log = _stretches(log)
+        notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
     rest = at_rest(log)
-    notes = []
     share = float(np.mean(rest))
     if share <= _LITTLE_REST or share > 0.98:
         rest[:] = False
@@ -78,7 +82,7 @@ def rows_of(log: Log, decimate: int | None = None) -> Rows:
     near = rest
     if q > 1 and rest.any():  # the filter spreads a jump over some rows
         near = np.convolve(rest, np.ones(2 * q + 1), mode="same") > 0.5
-    return Rows(log, q, [why, *notes], kept, np.where(near[kept], 0.0, 1.0), rest)
+    return Rows(log, source, q, [why, *notes], kept, np.where(near[kept], 0.0, 1.0), rest)
 
 
 def decimation(log: Log) -> tuple[int, str]:
@@ -131,10 +135,28 @@ def _mass_at(log: Log, q: int, rest: NDArray[np.bool_]) -> tuple[float, float]:
 
 
 def thinning(log: Log, q: int) -> Reduce:
-    """Filter and decimation of each run."""
+    """Filter and decimation of each run; runs of one length at once."""
     filters.stages(q)
+    if q == 1:
+        return lambda x: x
     rows = list(log.runs())
-    return lambda x: x if q == 1 else np.concatenate([filters.decimate(x[r], q) for r in rows])
+    lengths = np.array([r.stop - r.start for r in rows])
+    counts = [len(filters.decimated_rows(int(n), q)) for n in lengths]
+    ends = np.concatenate([[0], np.cumsum(counts)])
+
+    def reduce(x: Array) -> Array:
+        out = np.empty(ends[-1])
+        for length in np.unique(lengths).tolist():
+            same = np.flatnonzero(lengths == length).tolist()
+            if len(same) == 1:
+                out[ends[same[0]] : ends[same[0] + 1]] = filters.decimate(x[rows[same[0]]], q)
+                continue
+            made = filters.decimate(np.stack([x[rows[k]] for k in same]), q)
+            for k, row in zip(same, made, strict=True):
+                out[ends[k] : ends[k + 1]] = row
+        return out
+
+    return reduce
 
 
 def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
@@ -142,15 +164,21 @@ def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
     return np.concatenate([r.start + filters.decimated_rows(r.stop - r.start, q) for r in log.runs()])
 
 
-def _blocks(log: Log, rest: NDArray[np.bool_]) -> Log:
-    """Stretches of a long record, evenly over it, as runs of their own; those that only rest are left out."""
-    length = _COARSE_ROWS // _BLOCKS
-    parts = []
-    for rows in log.runs():
-        count = max(round(_BLOCKS * (rows.stop - rows.start) / len(log)), 1)
-        starts = np.linspace(rows.start, max(rows.stop - length, rows.start), count).astype(int).tolist()
-        parts += [slice(a, min(a + length, rows.stop)) for a in starts]
-    parts = [p for p in parts if not rest[p].all()]
+def _stretches(log: Log) -> Log:
+    """Stretches of a long record, evenly over every run, as runs of their own."""
+    parts, owner = [], []
+    runs = list(log.runs())
+    shares = [max(int(_MOST_RAW * (r.stop - r.start) / len(log)), 1) for r in runs]
+    counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, _BLOCKS)) for share in shares]
+    usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
+    for number, (rows, count) in enumerate(zip(runs, counts, strict=True)):
+        length = min(usual, rows.stop - rows.start)  # of one length where it can be: they are filtered together
+        if count * length >= rows.stop - rows.start:
+            count, length = 1, rows.stop - rows.start
+        starts = np.linspace(rows.start, rows.stop - length, count).astype(int).tolist()
+        parts += [slice(a, a + length) for a in starts]
+        owner += [number] * count
     every = np.concatenate([np.arange(p.start, p.stop) for p in parts])
     run = np.repeat(np.arange(len(parts), dtype=np.int32), [p.stop - p.start for p in parts])
-    return log.rows(every).with_columns(run=run, files=())
+    files = tuple(log.files[i] for i in owner) if log.files else ()
+    return log.rows(every).with_columns(run=run, files=files)
