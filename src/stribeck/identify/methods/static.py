@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,12 +61,17 @@ class Setting:
 
 @dataclass(frozen=True)
 class Settled:
-    """A model at its optimum, and what it comes to on data left out."""
+    """A model at its optimum."""
 
     setting: Setting
     model: Model
     solution: Solution
-    left_out: LeftOut
+    rows: Rows
+
+    @cached_property
+    def left_out(self) -> LeftOut:
+        """What it comes to on data left out."""
+        return cross_validate(self.model.whole, self.solution, self.rows, self.setting.folds, len(self.model.unseen))
 
     @property
     def shapes(self) -> dict[str, float]:
@@ -96,7 +102,7 @@ def fit_static(
 def settle(
     rows: Rows, law: str, setting: Setting, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True
 ) -> Settled:
-    """The optimum of a model, and its error on data left out; no intervals yet.
+    """The optimum of a model; no intervals yet.
 
     Args:
         warm: shapes of narrower models, from which the search begins too.
@@ -112,7 +118,7 @@ def settle(
         whole, solution = _robust(whole, solution)
         made = replace(made, whole=whole)
     _physical(made, solution)
-    return Settled(setting, made, solution, cross_validate(whole, solution, rows, setting.folds, len(made.unseen)))
+    return Settled(setting, made, solution, rows)
 
 
 def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:

@@ -34,6 +34,7 @@ class Columns:
         self.fastest = max(float(log.velocity.max()), -float(log.velocity.min()))
         self.names = list(sliding.linear)
         self._kept: OrderedDict[Any, Array] = OrderedDict()
+        self._places: dict[float, _Place] = {}
         self._most = max(_BYTES // (8 * max(len(self.force), 1)), 24)
 
     def at(self, values: Mapping[str, float], terms: Sequence[str]) -> dict[str, Array]:
@@ -53,9 +54,8 @@ class Columns:
         names = self.names or [""]
         keys = {n: ("law", n, shape, delay) for n in (*names, *levels)}
         if any(key not in self._kept for key in keys.values()):
-            v = self._moved(self.log.velocity, delay)
             speeds, table = self.sliding.table(dict(shape), self.fastest, self.names)
-            place = _Place(speeds, v)
+            place = self._place(speeds, delay)
             for name, values in table.items():
                 if keys[name] not in self._kept:
                     self._kept[keys[name]] = self.reduce(place.of(values))
@@ -66,6 +66,14 @@ class Columns:
         while len(self._kept) > self._most:
             self._kept.popitem(last=False)
         return found
+
+    def _place(self, speeds: Array, delay: float) -> _Place:
+        """Where the moved velocity lies among the speeds of the table, which are the same for all shapes."""
+        if delay not in self._places:
+            if len(self._places) > 3:
+                self._places.pop(next(iter(self._places)))
+            self._places[delay] = _Place(speeds, self._moved(self.log.velocity, delay))
+        return self._places[delay]
 
     def _maker(self, name: str, late: float) -> Callable[[], Array]:
         return lambda: self.reduce(self._moved(column(name, self.log), late))

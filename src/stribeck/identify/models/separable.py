@@ -196,7 +196,7 @@ class Separable:
         whole = "F_c" in self.wanted and solution.values["F_c"] <= 2 * self.least and "F_s" in self.wanted
         return solution.cost * (1e6 if whole else 1.0)
 
-    def refined(self, start: Mapping[str, float], evaluations: int = 25) -> Solution:
+    def refined(self, start: Mapping[str, float], evaluations: int = 15) -> Solution:
         """A minimum near given shapes, never worse than them."""
         shape = self._shape_of(start)
         first = self._solve(shape)[0]

@@ -18,6 +18,7 @@ from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate
 
+_TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
@@ -203,7 +204,8 @@ def _forward(
                 tell(min(0.1 + 0.15 * (len(steps) - 1 + k / len(names)), 0.9))
         if not trials:
             return best, steps
-        name = min(trials, key=lambda n: trials[n].left_out.error)
+        likely = sorted(trials, key=lambda n: trials[n].solution.cost)[:_TRIED]
+        name = min(likely, key=lambda n: trials[n].left_out.error)
         found = trials[name]
         if found.left_out.error > (1 - _WORTH) * best.left_out.error or not _beyond_chance(found, best):
             return best, steps
