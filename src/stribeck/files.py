@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import math
 import os
+import stat
 from collections.abc import Callable, Mapping
 from contextlib import suppress
 from pathlib import Path
@@ -21,6 +23,29 @@ def write_with(path: Path, write: Callable[[Path], Any]) -> None:
         with suppress(OSError):
             beside.unlink()
         raise
+
+
+def read_file(path: Path) -> bytes:
+    """The content of a file.
+
+    Raises:
+        OSError: it cannot be read; or it is no file but a device or a pipe by name, which would be waited for.
+    """
+    with open(path, "rb", opener=_open_at_once) as file:
+        return file.read()
+
+
+def _open_at_once(path: str, flags: int) -> int:
+    """Open for reading without waiting for a writer; pipes that a shell has opened (/dev/fd/63) are read as they are."""
+    if path.startswith(("/dev/fd/", "/dev/stdin", "/proc/self/fd/")):
+        return os.open(path, flags)
+    handle = os.open(path, flags | getattr(os, "O_NONBLOCK", 0))
+    if not stat.S_ISREG(mode := os.fstat(handle).st_mode):
+        os.close(handle)
+        if stat.S_ISDIR(mode):
+            raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), path)
+        raise OSError(errno.EINVAL, "must be a file, not a pipe or a device", path)
+    return handle
 
 
 def write_text(path: Path, text: str) -> None:

@@ -141,7 +141,7 @@ def test_what_cannot_be_fitted_is_refused(full, options, message):
 
 def test_a_log_too_long_for_a_simulation_is_refused(full, monkeypatch):
     monkeypatch.setattr("stribeck.identify.models.dynamic_problem._MOST_ROWS", 1000)
-    with pytest.raises(InputError, match=r"rows: a simulation takes at most 1000; .*--method static"):
+    with pytest.raises(InputError, match=r"rows: a simulation takes at most 1000; .*method static"):
         fit_dynamic(full, "lugre", mass=0.0)
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +13,7 @@ from scipy.optimize import least_squares
 from stribeck.constants import kind_of, show
 from stribeck.drives.pid import Pid
 from stribeck.errors import InputError, StribeckError
-from stribeck.laws import builtin
+from stribeck.laws import table
 from stribeck.laws.base import Law
 from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
@@ -156,7 +154,7 @@ def _last_cycle(
     cycles = 2 if mass is None else 4
     signal = {"kind": "sine", "amplitude": float(amplitude), "frequency": float(frequency), "phase": math.pi / 2}
     scenario = Scenario(
-        law=_named(law),
+        law=table(law),
         plant={} if mass is None else {"mass": mass},
         drive={"kind": kind, "signal": signal},
         solve={"t_end": cycles / frequency},
@@ -167,12 +165,3 @@ def _last_cycle(
         raise StribeckError(f"the describing function cannot be computed: {solution.reason}")
     rows = slice((cycles - 1) * _ROWS, cycles * _ROWS)
     return 2 * np.pi * frequency * solution.t[rows], solution[column][rows]
-
-
-def _named(law: Law) -> dict[str, Any]:
-    """The law as a scenario names it."""
-    own = {n: x for n, x in law.values.items() if n not in law.machine and x is not None}
-    name = law.name
-    if builtin().get(name) is not type(law):
-        name = f"{inspect.getfile(type(law))}:{type(law).__name__}"
-    return {"name": name, **own, **({"parameters": law.machine} if law.machine else {})}

@@ -8,18 +8,26 @@ from typing import Any
 
 from stribeck.cli import show
 from stribeck.errors import InputError
-from stribeck.scenario import parse_assignment
+from stribeck.scenario import Scenario, parse_assignment
 from stribeck.steepness import Advice
 from stribeck.steepness import advise as find
 
 
 def advise(
-    law: str, parameters: str | None, assignments: list[str], tolerated: dict[str, Any], out: Path | None, json: bool
+    law: str,
+    parameters: str | None,
+    assignments: list[str],
+    tolerated: dict[str, Any],
+    out: Path | None,
+    json: bool,
+    trust: bool,
 ) -> int:
     """Print the smallest k_v that meets what is tolerated; with ``out``, write the curves."""
     constants = dict(parse_assignment(text) for text in assignments)
     if taken := [name for name in constants if name in tolerated or name in ("law", "parameters")]:
         raise InputError([f"--set: '{name}': must be a constant of the law" for name in taken])
+    if tolerated["scenario"] is not None:
+        tolerated["scenario"] = Scenario.load(tolerated["scenario"], trust=trust)
     advices = find(law, parameters, **tolerated, **constants)
     summary: dict[str, Any] = {"laws": {name: each.summary() for name, each in advices.items()}, "files": []}
     if out is not None:

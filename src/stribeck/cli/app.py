@@ -24,6 +24,9 @@ Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="PATH=VALUE", help="Replace a value, such as law.k_v=1e6; may be repeated."),
 ]
+Trust = Annotated[
+    bool, typer.Option("--trust", help="Let the scenario run laws (FILE.py:NAME) that lie outside its folder.")
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")]
 
 
@@ -47,6 +50,7 @@ def run(
     scenario: ScenarioFile,
     out: Out = None,
     set_: Set = None,
+    trust: Trust = False,
     json: Json = False,
     keep_c: Annotated[
         Path | None, typer.Option("--keep-c", metavar="FILE", help="Write the generated C here, to read or debug.")
@@ -55,7 +59,7 @@ def run(
     """Simulate one scenario; without --out, print the summary and write nothing."""
     from stribeck.cli import run as command
 
-    return command.run(scenario, out, set_ or [], json, keep_c)
+    return command.run(scenario, out, set_ or [], json, keep_c, trust)
 
 
 @app.command()
@@ -67,12 +71,13 @@ def compare(
     ],
     out: Out = None,
     set_: Set = None,
+    trust: Trust = False,
     json: Json = False,
 ) -> int:
     """Simulate one scenario under several laws and show where they deviate."""
     from stribeck.cli import compare as command
 
-    return command.compare(scenario, law, out, set_ or [], json)
+    return command.compare(scenario, law, out, set_ or [], json, trust)
 
 
 @app.command()
@@ -92,12 +97,13 @@ def sweep(
     threads: Annotated[
         int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
     ] = None,
+    trust: Trust = False,
     json: Json = False,
 ) -> int:
     """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
     from stribeck.cli import sweep as command
 
-    return command.sweep(scenario, vary or [], samples, seed, summary, out, set_ or [], threads, json)
+    return command.sweep(scenario, vary or [], samples, seed, summary, out, set_ or [], threads, json, trust)
 
 
 @app.command()
@@ -143,6 +149,7 @@ def advise(
     ] = None,
     v_max: Annotated[float | None, typer.Option(help="Largest speed that matters, m/s; 100 v_s unless given.")] = None,
     mass: Annotated[float | None, typer.Option(help="Mass of the body, kg.")] = None,
+    trust: Trust = False,
     out: Out = None,
     json: Json = False,
 ) -> int:
@@ -154,7 +161,7 @@ def advise(
         "force_rate": force_rate, "position_error": position_error, "scenario": scenario, "sample_time": sample_time,
         "v_max": v_max, "mass": mass,
     }  # fmt: skip
-    return command.advise(law, parameters, set_ or [], tolerated, out, json)
+    return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
 
 
 @app.command()
@@ -365,12 +372,13 @@ def export(
     ] = None,
     self_test: Annotated[bool, typer.Option("--self-test", help="With a program that checks the C.")] = False,
     fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
+    trust: Trust = False,
     json: Json = False,
 ) -> int:
     """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
     from stribeck.cli import export as command
 
-    return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json)
+    return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json, trust)
 
 
 @app.command()
@@ -381,12 +389,13 @@ def gains(
         typer.Option("--v-max", metavar="V", help="Speeds to prove it for, m/s; twice those met unless given."),
     ] = None,
     set_: Set = None,
+    trust: Trust = False,
     json: Json = False,
 ) -> int:
     """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation."""
     from stribeck.cli import gains as command
 
-    return command.gains(scenario, v_max, set_ or [], json)
+    return command.gains(scenario, v_max, set_ or [], json, trust)
 
 
 @app.command()

@@ -3,22 +3,25 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 from typing import Any
 
 from stribeck.analysis.comparison import Comparison, compare_laws
 from stribeck.cli import show
-from stribeck.errors import InputError
+from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import parse_assignment
 
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
 
 
-def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool) -> int:
+def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool, trust: bool) -> int:
     """Simulate the scenario under each law, print the deviations from the first, write an overlay."""
-    scenario = show.load(path, assignments)
-    variants = {text: scenario.with_changes(_changes(text)) for text in laws}
+    scenario = show.load(path, assignments, trust)
+    with warnings.catch_warnings():  # that a law without smoothing takes no k_v is what it is compared for
+        warnings.filterwarnings("ignore", r"law\.(parameters\.)?k_v: dropped", StribeckNote)
+        variants = {text: scenario.with_changes(_changes(text)) for text in laws}
     if len(variants) < len(laws):
         raise InputError(f"--law: {max(laws, key=laws.count)!r}: given twice; must differ from the others")
     if out is not None:

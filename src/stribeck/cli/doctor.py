@@ -64,7 +64,7 @@ def _cache() -> dict[str, Any]:
     folder = cache.folder()
     files = list(folder.glob("*.so")) if folder.is_dir() else []
     existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
-    writable = existing.is_dir() and os.access(existing, os.W_OK)
+    writable = existing.is_dir() and os.access(existing, os.W_OK) and cache.distrusted(folder) is None
     return {
         "folder": str(folder),
         "writable": writable,

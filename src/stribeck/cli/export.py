@@ -25,9 +25,10 @@ def export(
     self_test: bool,
     fmi: int,
     json: bool,
+    trust: bool,
 ) -> int:
     """Write the files, and say which."""
-    rig = Scenario.load(scenario) if scenario is not None else None
+    rig = Scenario.load(scenario, trust=trust) if scenario is not None else None
     chosen: Law | None
     if part == "cascade":
         chosen, rig = None, _controlled(law, parameters, assignments, rig)

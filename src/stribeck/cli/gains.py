@@ -17,9 +17,9 @@ from stribeck.scenario.servo import not_linear
 from stribeck.simulation import simulate
 
 
-def gains(path: Path, v_max: float | None, assignments: list[str], json: bool) -> int:
+def gains(path: Path, v_max: float | None, assignments: list[str], json: bool, trust: bool) -> int:
     """Print whether V decreases for the scenario's gains: conditions, proof, and V along the simulation."""
-    scenario = show.load(path, assignments)
+    scenario = show.load(path, assignments, trust)
     if v_max is not None and not 0 < v_max < np.inf:
         raise InputError(f"--v-max: {v_max}: must be a finite speed > 0, m/s")
     if scenario.servo is None:
@@ -57,7 +57,7 @@ def _doubts(scenario: Scenario) -> list[str]:
     assert servo is not None
     assert observer is not None
     found = []
-    if type(observer) is not type(scenario.law) or observer.values != scenario.law.values:
+    if not observer.same_as(scenario.law):
         found.append(
             "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
         )

@@ -9,7 +9,7 @@ from stribeck import laws as registry
 from stribeck.cli.show import print_json
 from stribeck.errors import InputError
 from stribeck.laws.base import Claims, Law
-from stribeck.laws.render import condition, equations
+from stribeck.laws.render import Equation, condition, equations
 from stribeck.parameter_sets import parameters
 
 
@@ -75,6 +75,7 @@ def _describe(law: type[Law]) -> dict[str, Any]:
         "equations": _equations(law),
         "parameters": constants,
         "source": law.source,
+        "has_z": law.has_z,
         "guarantees": _guarantees(law),
         "with": {form[0]: _changed(law, form) for form in law.structures() if len(form) == 1},
     }
@@ -86,7 +87,8 @@ def _equations(law: type[Law], form: tuple[str, ...] = ()) -> list[dict[str, str
 
 def _guarantees(law: type[Law], form: tuple[str, ...] = ()) -> dict[str, Any]:
     claims = {field.name: getattr(law.claims, field.name) for field in fields(Claims)}
-    return {n: {"if": asdict(condition(c, law, form))} if callable(c) else c for n, c in claims.items()}
+    found = {n: condition(c, law, form) if callable(c) else c for n, c in claims.items()}
+    return {n: {"if": asdict(c)} if isinstance(c, Equation) else c for n, c in found.items()}
 
 
 def _changed(law: type[Law], form: tuple[str, ...]) -> dict[str, Any]:
@@ -103,7 +105,9 @@ def _print(law: dict[str, Any]) -> None:
     for equation in law["equations"]:
         print(f"    {equation['text']}")
     words = _words(law["guarantees"])
-    print(f"  claims     {words or 'no internal state, so none of the five properties'}")
+    print(
+        f"  claims     {words or ('none stated' if law['has_z'] else 'no internal state, so none of the five properties')}"
+    )
     for form, changed in law["with"].items():
         parts = [*(e["text"] for e in changed["equations"]), _words(changed["guarantees"])]
         print(f"  with {form}: {'; '.join(part for part in parts if part)}")

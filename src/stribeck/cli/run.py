@@ -12,9 +12,9 @@ if TYPE_CHECKING:
     from stribeck.simulation import Solution
 
 
-def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c: Path | None) -> int:
+def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c: Path | None, trust: bool) -> int:
     """Simulate, write what was asked for, print the summary."""
-    scenario = show.load(path, assignments)
+    scenario = show.load(path, assignments, trust)
     if out is not None:
         show.check_folder(out)
     with show.progress(scenario.name) as tell:

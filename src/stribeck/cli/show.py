@@ -13,9 +13,9 @@ from stribeck.errors import InputError
 from stribeck.scenario import Scenario, parse_assignment
 
 
-def load(path: Path, assignments: list[str]) -> Scenario:
+def load(path: Path, assignments: list[str], trust: bool) -> Scenario:
     """The scenario of the command line: the file with every --set applied."""
-    return Scenario.load(path, dict(parse_assignment(text) for text in assignments))
+    return Scenario.load(path, dict(parse_assignment(text) for text in assignments), trust=trust)
 
 
 def print_json(data: Any) -> None:

@@ -21,9 +21,10 @@ def sweep(
     assignments: list[str],
     threads: int | None,
     json: bool,
+    trust: bool,
 ) -> int:
     """Simulate every lane, in parts; go on where an earlier run stopped."""
-    scenario = show.load(path, assignments)
+    scenario = show.load(path, assignments, trust)
     problems, ranges = [], []
     for text in vary:
         try:

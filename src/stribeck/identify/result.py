@@ -127,19 +127,17 @@ class Fit:
         """The parameters that the data do not determine."""
         return tuple(n for n, e in {**self.estimates, **self.body}.items() if not e.identifiable)
 
-    def fitted_law(self) -> Law:
-        """The law with the numbers the fitted curve uses, unidentifiable ones too."""
-        found = laws.find(self.law)
-        return found({n: v for n, v in {**self.fixed, **self.used}.items() if n in found.constants()})
+    def as_law(self, *, guessing: bool = False) -> Law:
+        """The law of the fitted curve.
 
-    def as_law(self) -> Law:
-        """The law with what is known.
+        Args:
+            guessing: take for what the data do not determine the number that the curve happens to use: for plots.
 
         Raises:
             InputError: a parameter that the law needs is not determined by the data, with the experiment that would.
         """
         missing = [n for n in self.unidentified if n in self.estimates]
-        if missing:
+        if missing and not guessing:
             raise InputError(
                 [
                     f"{n}: not determined by the data: {self.estimates[n].why}; {self.estimates[n].experiment}"
@@ -147,7 +145,7 @@ class Fit:
                 ]
             )
         found = laws.find(self.law)
-        return found({n: v for n, v in self.values.items() if n in found.constants()})
+        return found({n: v for n, v in {**self.fixed, **self.used, **self.values}.items() if n in found.constants()})
 
     def to_json(self) -> dict[str, Any]:
         """What ``stribeck fit --json`` prints."""

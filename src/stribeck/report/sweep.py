@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.codegen import source
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.files import write_json, write_with
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, simulate_ensemble
@@ -57,15 +57,15 @@ class Range:
             first, last = float(words[0]), float(words[1])
             count = int(words[2]) if len(words) > 2 or not drawn else 1
         except (ValueError, IndexError):
-            raise InputError(f"--vary {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log") from None
+            raise InputError(f"{arg('ranges')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log") from None
         if not sign or not path.strip() or len(words) > 3:
-            raise InputError(f"--vary {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log")
+            raise InputError(f"{arg('ranges')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log")
         if not (math.isfinite(first) and math.isfinite(last)):
-            raise InputError(f"--vary {text!r}: FIRST and LAST must be finite numbers")
+            raise InputError(f"{arg('ranges')} {text!r}: FIRST and LAST must be finite numbers")
         if not 1 <= count <= _MOST_LANES:
-            raise InputError(f"--vary {text!r}: COUNT must be a whole number from 1 to {_MOST_LANES}")
+            raise InputError(f"{arg('ranges')} {text!r}: COUNT must be a whole number from 1 to {_MOST_LANES}")
         if log and not (first > 0 and last > 0):
-            raise InputError(f"--vary {text!r}: FIRST and LAST must be > 0 for log")
+            raise InputError(f"{arg('ranges')} {text!r}: FIRST and LAST must be > 0 for log")
         return cls(path.strip(), first, last, count, log)
 
     @property
@@ -93,12 +93,14 @@ def lanes_of(ranges: Sequence[Range], samples: int | None = None, seed: int = 0)
     """
     paths = [r.path for r in ranges]
     if not ranges:
-        raise InputError("--vary: missing: must be given at least once, such as law.k_v=1e6:1e8:5:log")
+        raise InputError(f"{arg('ranges')}: missing: must be given at least once, such as law.k_v=1e6:1e8:5:log")
     if twice := [path for path in dict.fromkeys(paths) if paths.count(path) > 1]:
-        raise InputError([f"--vary {path}: given {paths.count(path)} times; must be given once" for path in twice])
+        raise InputError(
+            [f"{arg('ranges')} {path}: given {paths.count(path)} times; must be given once" for path in twice]
+        )
     count = math.prod(r.count for r in ranges) if samples is None else samples
     if not 1 <= count <= _MOST_LANES:
-        what = "the grid has" if samples is None else "--samples"
+        what = "the grid has" if samples is None else arg("samples")
         raise InputError(f"{what} {count} lanes: must be from 1 to {_MOST_LANES}")
     if samples is not None:
         random = np.random.default_rng(seed)
@@ -200,9 +202,11 @@ class Sweep:
                 same = False
             if not same:
                 text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
-                raise InputError(f"--out: {str(self.folder)!r}: {text}")
+                raise InputError(f"{arg('folder')}: {str(self.folder)!r}: {text}")
         elif any(self.folder.glob("part-*.parquet")):
-            raise InputError(f"--out: {str(self.folder)!r}: holds parts of an unknown sweep: must be another folder")
+            raise InputError(
+                f"{arg('folder')}: {str(self.folder)!r}: holds parts of an unknown sweep: must be another folder"
+            )
         else:
             write_json(place, self.manifest)
 
@@ -222,7 +226,7 @@ def _alone(folder: Path) -> Iterator[None]:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
                 text = "another process is at work there: must be another folder, or wait"
-                raise InputError(f"--out: {str(folder)!r}: {text}") from None
+                raise InputError(f"{arg('folder')}: {str(folder)!r}: {text}") from None
         yield
     finally:
         os.close(handle)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.constants import kind_of
 from stribeck.control.cascade import Cascade
 from stribeck.control.servo import ServoSystem
 from stribeck.drives import Drive
@@ -23,6 +24,7 @@ from stribeck.scenario.changes import changed, parse_assignment, plain
 from stribeck.scenario.memory import ROWS_LARGEST
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.servo import Servo
+from stribeck.scenario.trust import named
 from stribeck.signals import Signal
 from stribeck.system import Groups, System
 
@@ -41,26 +43,36 @@ class Scenario:
         data: the tables as in a scenario file; they may also be given as keywords
             (``Scenario(law={...}, plant={...}, drive={...}, solve={...}, output={...})``).
         folder: where relative paths begin; the working directory unless given.
+        trust: execute laws in files wherever these lie (docs/scenario.md); the data are taken for the caller's own. A
+            collection of names trusts these laws only, beside those in the folder.
 
     Raises:
         InputError: whatever is unknown, missing, of the wrong type, not finite or unphysical; one line for each.
     """
 
     def __init__(
-        self, data: Mapping[str, Any] | None = None, *, folder: str | Path | None = None, **tables_: Any
+        self,
+        data: Mapping[str, Any] | None = None,
+        *,
+        folder: str | Path | None = None,
+        trust: bool | Collection[str] = True,
+        **tables_: Any,
     ) -> None:
         self.data: dict[str, Any] = plain({"schema": 1, **tables_} if data is None else {**data, **tables_})
         self.folder = Path(folder) if folder is not None else Path()
         self.law: Law
         self.drive: type[Drive] | type[Cascade]
         self.signal: Signal
-        problems = Reader(self).read()
-        if problems:
-            raise InputError([f"{path}: {text}" for path, text in problems])
+        _refuse(Reader(self, _trusted(trust)).read())
 
     @classmethod
-    def load(cls, path: str | Path, changes: Mapping[str, Any] | None = None) -> Scenario:
+    def load(
+        cls, path: str | Path, changes: Mapping[str, Any] | None = None, *, trust: bool | Collection[str] = False
+    ) -> Scenario:
         """The scenario in a TOML file, with the values at some paths replaced (``{"law.k_v": 1e6}``).
+
+        A law in a file (``FILE.py:NAME``) is a program: it is executed when everything else is valid, and only from the
+        scenario's folder or below it, unless ``changes`` name it or ``trust`` is given (docs/scenario.md).
 
         Raises:
             InputError: the file cannot be read, is not TOML, or is no valid scenario; one line for each problem.
@@ -70,11 +82,37 @@ class Scenario:
         if not data:
             raise InputError(f"{path}: is empty; 'stribeck new' writes a scenario to start from")
         data.setdefault("name", path.stem)
-        return cls(changed(data, changes or {}, path.parent), folder=path.parent)
+        changes, folder, trusted = changes or {}, path.parent, _trusted(trust)
+        strange = named(data).values()
+        if strange and any(place.startswith("law.parameters.") for place in changes):
+            # to unfold the set's name the law must be known, and so executed: see first whether that is allowed
+            bare = object.__new__(cls)
+            others = {place: x for place, x in changes.items() if not place.startswith("law.parameters.")}
+            bare.data, bare.folder = changed(data, others, folder), folder
+            own = set(named(bare.data).values()) - set(strange)
+            _refuse(Reader(bare, None if trusted is None else {*trusted, *own}).judge())
+        new = changed(data, changes, folder)
+        own = set(named(new).values()) - set(strange)
+        return cls(new, folder=folder, trust=True if trusted is None else {*trusted, *own})
+
+    @classmethod
+    def of(cls, given: Scenario | str | Path | Mapping[str, Any]) -> Scenario:
+        """A scenario as it is, from the path of its file or from its tables.
+
+        Raises:
+            InputError: it is something else, or no valid scenario.
+        """
+        if isinstance(given, Scenario):
+            return given
+        if isinstance(given, str | Path):
+            return cls.load(given)
+        if isinstance(given, Mapping):
+            return cls(given if "schema" in given else {"schema": 1, **given})
+        raise InputError(f"scenario: must be a Scenario, the path of its file or its tables, not {kind_of(given)}")
 
     def with_changes(self, changes: Mapping[str, Any]) -> Scenario:
         """This scenario with the values at some paths replaced: ``{"law.name": "lugre", "drive.signal.rate": 0.1}``."""
-        return Scenario(changed(self.data, changes, self.folder), folder=self.folder)
+        return Scenario(changed(self.data, changes, self.folder), folder=self.folder, trust=True)
 
     # -- filled in by Reader ---------------------------------------------------------------------------------------
 
@@ -154,6 +192,16 @@ class Scenario:
             natural |= dict(zip((s.name for s in self.drive.states), own, strict=True))
         rtol = self.solve.rtol
         return {s.name: self.solve.atol.get(s.name, _ATOL_SHARE * rtol * natural[s.name]) for s in self.system.states}
+
+
+def _trusted(trust: bool | Collection[str]) -> Collection[str] | None:
+    """Names of laws that may lie anywhere; None: all."""
+    return (None if trust else ()) if isinstance(trust, bool) else trust
+
+
+def _refuse(problems: list[tables.Problem]) -> None:
+    if problems:
+        raise InputError([f"{path}: {text}" for path, text in problems])
 
 
 def _row_count(t_end: float, step: float) -> int:

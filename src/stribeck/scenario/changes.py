@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stribeck import laws
-from stribeck.errors import InputError, note
+from stribeck.errors import InputError, arg, note
 from stribeck.laws.base import PARAMETERS
 
 _DEEPEST = 8
@@ -25,7 +25,7 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     path, sign, value = text.partition("=")
     path = path.strip()
     if not sign or not all(path.split(".")):
-        raise InputError(f"--set {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
+        raise InputError(f"{arg('changes')} {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
     try:
         read = tomllib.loads(f"x = {value}")
     except (ValueError, RecursionError):
@@ -34,13 +34,15 @@ def parse_assignment(text: str) -> tuple[str, Any]:
 
 
 def plain(value: Any, path: str = "", depth: int = 0) -> Any:
-    """A copy made of plain Python values, as a file gives them: NumPy's become numbers and lists.
+    """A copy made of plain Python values, as a file gives them: NumPy's become numbers and lists, a law its table.
 
     Raises:
         InputError: the value is nested deeper than any scenario.
     """
     if depth > _DEEPEST:
         raise InputError(f"{path}: nested too deeply: must be at most {_DEEPEST} tables or lists deep")
+    if isinstance(value, laws.Law):
+        return laws.table(value)
     if isinstance(value, Mapping):
         return {str(key): plain(inner, path or str(key), depth + 1) for key, inner in value.items()}
     if isinstance(value, np.ndarray | np.generic):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 from stribeck import laws
@@ -11,7 +11,7 @@ from stribeck.control.cascade import Cascade
 from stribeck.control.observer import SCALES
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import PARAMETERS, Law
-from stribeck.scenario import memory, servo, tables
+from stribeck.scenario import memory, servo, tables, trust
 from stribeck.scenario.signal import read_signal
 from stribeck.system import System
 
@@ -23,14 +23,30 @@ _TABLES = ("law", "plant", "drive", "solve", "output")
 
 
 class Reader:
-    """Reads a scenario's data, collecting every problem."""
+    """Reads a scenario's data, collecting every problem; ``trusted``: laws in files that lie anywhere (None: all)."""
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, trusted: Collection[str] | None = None) -> None:
         self.scenario, self.data, self.folder = scenario, scenario.data, scenario.folder
         self.problems: list[tables.Problem] = []
+        self.trusted, self.executes = trusted, False
 
     def read(self) -> list[tables.Problem]:
         """Fill in the scenario; the problems found."""
+        if trust.named(self.data):
+            if self.judge():
+                return self.problems
+            self.executes = True
+        return self._everything()
+
+    def judge(self) -> list[tables.Problem]:
+        """The problems found without executing a law in a file."""
+        self.executes = False
+        self._everything()
+        if not self.problems and self.trusted is not None:
+            self.problems += trust.problems(self.data, self.folder, self.trusted)
+        return self.problems
+
+    def _everything(self) -> list[tables.Problem]:
         self._top()
         self._law()
         self._drive()
@@ -107,11 +123,17 @@ class Reader:
         if "name" not in table:
             self.problems.append(("law.name", "missing: must be given (the name of a law, or FILE.py:NAME)"))
             return None
+        if self._waits(table):
+            return None
         try:
             return laws.find(table["name"], self.folder)
         except InputError as error:
             self.problems += [("law.name", text) for text in error.problems]
             return None
+
+    def _waits(self, table: dict[str, Any]) -> bool:
+        """True for a law in a file, which is executed when everything else is valid."""
+        return not self.executes and trust.in_a_file(table.get("name"))
 
     def _parameters(self, table: dict[str, Any], law: type[Law] | None) -> dict[str, Any] | None:
         """The machine's parameters; None where they are missing or cannot be read, which is then said."""
@@ -209,8 +231,11 @@ class Reader:
         values, table = getattr(self, "drive_table", None), self.data["drive"].get("observer")
         plant = self._table(tables.cylinder_table(), "plant")
         law = getattr(self.scenario, "law", None)
-        observer, found = servo.read_observer(table, law, self.folder) if isinstance(table, dict) else (None, [])
-        found += servo.misplaced(values, ... if found else observer) if values is not None else []
+        observer, found, known = None, list[tables.Problem](), True
+        if isinstance(table, dict):
+            known = not self._waits(table)
+            observer, found = servo.read_observer(table, law, self.folder) if known else (None, [])
+        found += servo.misplaced(values, observer if known and not found else ...) if values is not None else []
         self.problems += found
         if plant is not None and values is not None and not found:
             self.scenario.initial = {**dict(plant.initial), **{scale.name: 1.0 for scale in SCALES}}

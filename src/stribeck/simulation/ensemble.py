@@ -5,6 +5,8 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,7 +88,7 @@ class Ensemble:
 
 
 def simulate_ensemble(
-    scenario: Scenario,
+    scenario: Scenario | str | Path | Mapping[str, Any],
     values: Mapping[str, ArrayLike],
     *,
     threads: int | None = None,
@@ -100,7 +102,7 @@ def simulate_ensemble(
     lane's numbers are the same from run to run.
 
     Args:
-        scenario: what the lanes share.
+        scenario: what the lanes share: a scenario, the path of its file, or its tables.
         values: numbers by path, as many for each path as there are lanes; a single number holds for all.
         threads: how many to use; all of the machine's unless given.
         progress: called now and then with the share of the lanes done, 0 to 1.
@@ -111,7 +113,7 @@ def simulate_ensemble(
     Raises:
         InputError: a path is none that can be varied, its values are no numbers, or the rows do not fit into memory.
     """
-    variations = vary(scenario, values)
+    variations = vary(Scenario.of(scenario), values)
     scenario, count = variations.scenario, len(variations)
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads: {threads}: must be a whole number >= 1")
@@ -147,8 +149,7 @@ def _library(scenario: Scenario) -> ctypes.CDLL | None:
     if chosen is None:
         return None
     try:
-        library, _ = cache.library(source(scenario.system, lanes=True), chosen.for_lanes())
-        lanes.check(library)
+        library, _ = cache.library(source(scenario.system, lanes=True), chosen.for_lanes(), lanes.check)
     except (BuildError, OSError):
         return None  # the single runs will say why
     return library

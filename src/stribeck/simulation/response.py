@@ -18,6 +18,19 @@ Array = NDArray[np.float64]
 _STEPS_A_SAMPLE = 1000
 
 
+def _check(library: ctypes.CDLL) -> None:
+    """Make sure that the library answers to a motion, and say how it is called."""
+    pointer, whole = POINTER(c_double), c_int64
+    try:
+        call = library.stribeck_respond
+    except AttributeError:
+        raise BuildError("the library built is no compiled response") from None
+    call.argtypes = [
+        whole, pointer, pointer, pointer, whole, pointer, pointer, pointer, c_double, whole, pointer, pointer, pointer,
+    ]  # fmt: skip
+    call.restype = c_int
+
+
 class Response:
     """The compiled answer of a law to a velocity: F(t) for v(t) given by samples and smooth between them.
 
@@ -36,13 +49,8 @@ class Response:
                 "a simulation-error fit needs a C compiler, and none was found (pip install 'stribeck[compiler]')"
             )
         self.names = parameters(law, structure)
-        library = cache.library(response_source(law, structure), chosen)[0]
+        library = cache.library(response_source(law, structure), chosen, _check)[0]
         self._call = library.stribeck_respond
-        pointer, whole = POINTER(c_double), c_int64
-        self._call.argtypes = [
-            whole, pointer, pointer, pointer, whole, pointer, pointer, pointer, c_double, whole, pointer, pointer, pointer,
-        ]  # fmt: skip
-        self._call.restype = c_int
 
     def lanes(self, sets: Sequence[Mapping[str, float]]) -> Array:
         """Sets of constants as rows in the order that the compiled code takes."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.drives.base import Column
-from stribeck.errors import nearest
+from stribeck.errors import nearest, needed
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
 
@@ -74,9 +75,24 @@ class Solution:
             raise KeyError(f"{name!r}: no such column{nearest(name, known) or ' (known: ' + ', '.join(known) + ')'}")
         return self._columns[name]
 
+    def __contains__(self, name: object) -> bool:
+        return name in self.keys()
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def keys(self) -> tuple[str, ...]:
+        """The names of the columns, t first: ``dict(solution)`` holds the arrays by name."""
+        return ("t", *(column.name for column in self.columns))
+
     def to_pandas(self) -> pandas.DataFrame:
-        """The columns as a pandas data frame, t first (needs pandas)."""
-        import pandas
+        """The columns as a pandas data frame, t first.
+
+        Raises:
+            MissingExtra: pandas is not installed.
+        """
+        with needed("to_pandas()", "pandas"):
+            import pandas
 
         return pandas.DataFrame({"t": self.t, **self._columns})
 

@@ -34,6 +34,7 @@ _WORDS = """
 """
 _LOCALS = "p v z s l dt a b x y u w real R FN exp log sqrt sin cos atan tanh fabs pow sign_of rate force dv_dt"
 WORDS = frozenset(_WORDS.split())
+ARGUMENTS = frozenset({"K", "error"})  # of the equations below: no constant can be called so
 _TAKEN = WORDS | frozenset(_LOCALS.split())
 
 _labels = threading.Lock()  # nodes are shared, and so are the names they carry

@@ -8,6 +8,7 @@ from importlib.resources import files as resources
 from types import SimpleNamespace
 from typing import Any
 
+from stribeck.errors import InputError
 from stribeck.export.c import c99, cascade
 from stribeck.export.c.ccode import expression, render
 from stribeck.export.c.sampling import resolution
@@ -102,6 +103,8 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
         add(name, unit, f"rate of {name[4]}", "local", c, derivative_of=state, settable=False, calculated_from=known)
     if body:
         add("mass", "kg", Mass.constants["mass"].meaning, "parameter", "m->mass", start=mass, minimum=0.0)
+    if bad := [key for key in request.constants if key in {variable.name for variable in found}]:
+        raise InputError([f"{key}: the FMU has a variable of this name: rename the constant" for key in bad])
     for key, value in request.constants.items():
         constant = law.constants()[key]
         least = constant.above if constant.above is not None else constant.at_least

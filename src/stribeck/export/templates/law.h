@@ -52,6 +52,12 @@ typedef struct {
 } {{ P }}_body;
 {% endif %}
 
+/* What a friction compensation is set to. */
+typedef struct {
+    {{ P }}_real gain; /* 1: share of the friction that is compensated, 0 to 1 */
+    {{ P }}_real dt; /* s: time from sample to sample, > 0 */
+} {{ P }}_compensator;
+
 enum {
     {{ P }}_OK = 0,
     {{ P }}_NOT_FINITE, /* an argument, the state or the result is inf or nan */
@@ -95,9 +101,13 @@ int {{ P }}_steady_force(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_re
  * at the end of it. */
 int {{ P }}_step(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real dt, {{ P }}_real *force);
 
-/* Friction compensation: the force in N to add to the drive's, gain (0 to 1) times the friction after one sample at v.
+/* Friction compensation: the force in N to add to the drive's, c->gain times the friction after one sample at v (m/s).
  * With v the reference velocity it is a feedforward, and cannot destabilise the loop; with v measured it also acts on
  * what the reference does not know, but a gain of 1 leaves no margin: an F_s or F_c set too high makes it hunt. */
+int {{ P }}_compensate(const {{ P }}_parameters *p, const {{ P }}_compensator *c, {{ P }}_state *s, {{ P }}_real v,
+    {{ P }}_real *force);
+
+/* The same with gain and dt as arguments, as earlier exports had it. Mind their order: v, gain, dt. */
 int {{ P }}_compensation(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real gain, {{ P }}_real dt,
     {{ P }}_real *force);
 {% if with_observer %}

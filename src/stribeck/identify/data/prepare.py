@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import Columns, read
 from stribeck.identify.log import Log
+from stribeck.recorded import is_table
 
 Array = NDArray[np.float64]
 _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
@@ -43,14 +44,15 @@ class Preparation:
     sharp: bool = False
 
 
-def load(paths: Sequence[str | Path], columns: Columns, how: Preparation | None = None) -> Log:
-    """The log in one file or several of the same layout, each file a run of its own.
+def load(sources: Sequence[Any], columns: Columns, how: Preparation | None = None) -> Log:
+    """The log in one file or table, or in several of the same layout, each a run of its own.
 
     Raises:
         InputError: a file cannot be read or used; a line for each problem.
     """
-    cleaned = [clean(read(Path(path), columns), Path(path).name) for path in paths]
-    return prepare(cleaned, how or Preparation(), [Path(path).name for path in paths])
+    names = [f"table {i}" if is_table(each) else Path(each).name for i, each in enumerate(sources, start=1)]
+    cleaned = [clean(read(each, columns), name) for each, name in zip(sources, names, strict=True)]
+    return prepare(cleaned, how or Preparation(), names)
 
 
 def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ()) -> Log:
@@ -58,7 +60,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     step = parts[0].step
     if any(abs(p.step - step) > 0.02 * step for p in parts):
         steps = ", ".join(f"{p.step:.4g} s" for p in parts)
-        raise InputError(f"DATA: the files are sampled at different steps ({steps}); must be alike within 2 %")
+        raise InputError(f"{arg('data')}: the files are sampled at different steps ({steps}); must be alike within 2 %")
     roles = list(parts[0].columns)
     notes = [note for part in parts for note in part.notes]
     measured = "position" if "position" in roles else "velocity"
@@ -75,11 +77,11 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
             )
     elif cutoff > 0:
         if cutoff >= 0.5 / step:
-            raise InputError(f"--cutoff: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")
+            raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")
         notes.append(f"motion filtered at {cutoff:g} Hz, as given")
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
-        raise InputError(f"--trim: {trim}: must be a whole number >= 0")
+        raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
     columns, lengths = _columns(parts, roles, measured, step, cutoff, trim)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
@@ -121,7 +123,7 @@ def _columns(
 
 def _enough(rows: int, trim: int) -> int:
     if rows < FEWEST:
-        raise InputError(f"--trim: {trim}: leaves less than {FEWEST} rows of every run")
+        raise InputError(f"{arg('trim')}: {trim}: leaves less than {FEWEST} rows of every run")
     return rows
 
 

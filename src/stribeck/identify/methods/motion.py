@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from stribeck.errors import InputError, StribeckError
+from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_of
 from stribeck.identify.methods.optimise import multistart, starting_points
@@ -129,7 +129,9 @@ def fit_motion(
     if output not in _OUTPUTS:
         problems.append(f"output: {output!r}: must be 'position' or 'velocity'")
     allowed = {"offset"} if drive.get("kind") == "force" else set()
-    problems += [f"--term: {name!r}: has no place in a fit of the motion" for name in body if name not in allowed]
+    problems += [
+        f"{arg('terms')}: {name!r}: has no place in a fit of the motion" for name in body if name not in allowed
+    ]
     if problems:
         raise InputError(problems)
     inverse, first, low, high = velocity_problem(

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck import laws
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.data.segments import constant_speed
 from stribeck.identify.features.levels import levels
 from stribeck.identify.log import Log
@@ -189,15 +189,15 @@ def check_motion(log: Log) -> None:
     v = log.velocity
     fastest = float(np.max(abs(v)))
     if fastest <= 0:
-        raise InputError("--velocity: 0 throughout: nothing moves, so there is no friction to fit")
+        raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
     low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
         raise InputError(
-            f"--velocity: constant ({middle:.4g} m/s within {high - low:.1g}): friction, offset and inertia cannot be "
+            f"{arg('velocity')}: constant ({middle:.4g} m/s within {high - low:.1g}): friction, offset and inertia cannot be "
             "told apart; measure several speeds in both directions"
         )
     if not np.ptp(log.force) > 0:
-        raise InputError(f"--force: {log.force[0]:.6g} N throughout: there is no friction to fit")
+        raise InputError(f"{arg('force')}: {log.force[0]:.6g} N throughout: there is no friction to fit")
     every = max(len(log) // 1_000_000, 1)
     thin = v[::every]
     rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), np.ones(len(thin))])
@@ -209,7 +209,8 @@ def check_motion(log: Log) -> None:
     against = float(np.sum((coefficients[1] * thin / fastest + coefficients[2] * np.sign(thin)) * thin))
     if both and against < 0 and coefficients[1] + coefficients[2] < 0 and coefficients[2] < 0:
         raise InputError(
-            "--force: acts against the motion: friction would put energy in; the sign is wrong (--force-gain -1 turns it)"
+            f"{arg('force')}: acts against the motion: friction would put energy in; the sign is wrong "
+            f"({arg('force_gain')} -1 turns it)"
         )
 
 
@@ -239,8 +240,8 @@ def _physical(made: Model, solution: Solution) -> None:
     own = [n for n in whole.wanted if n in values]
     if own and whole.wanted and all(values[n] <= 2 * whole.least for n in own) and "F_c" in own:
         raise InputError(
-            "--force: friction comes out as 0 or negative, Coulomb and viscous: check the sign and gain of the force "
-            "(--force-gain), and what it holds beside friction (--term)"
+            f"{arg('force')}: friction comes out as 0 or negative, Coulomb and viscous: check the sign and gain of the force "
+            f"({arg('force_gain')}), and what it holds beside friction ({arg('terms')})"
         )
 
 

