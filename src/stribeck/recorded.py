@@ -227,7 +227,7 @@ def _table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
     Instruments write titles, dates and settings first: the table is where lines of numbers, all with as many cells, begin.
     """
     for i, line in enumerate(lines[:_LONGEST_PREAMBLE]):
-        separator = max("\t;,", key=line.count)
+        separator = _separator(line)
         cells = line.split(separator)
         if (
             not line.strip()
@@ -245,8 +245,13 @@ def _table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
             return i - 1, True, separator
         return i, False, separator
     first = lines[0]
-    separator = max("\t;,", key=first.count)
+    separator = _separator(first)
     return 0, not all(_is_number(cell) for cell in first.split(separator)), separator
+
+
+def _separator(line: str) -> str:
+    """The separator of a line: a comma only where there is neither a tab nor a semicolon, as it may be the decimal mark."""
+    return next((s for s in "\t;" if s in line), ",")
 
 
 def _is_units(line: str, separator: str, count: int) -> bool:
