@@ -55,11 +55,29 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
 
         command = "stribeck " + shlex.join(sys.argv[1:])
         summary["files"] = write(result, log, out, command, ", ".join(p.name for p in data))
+        summary["files"].append(_save(result, options, columns, out))
     if json:
         show.print_json(summary)
     else:
         _print(result, log, summary["files"])
     return 0
+
+
+def _save(result: Fit | Choice, options: Options, columns: dict[str, str], out: Path) -> str:
+    """Write what ``stribeck predict`` needs; the path."""
+    from stribeck.files import write_text
+    from stribeck.identify import predict
+
+    reading = {
+        "columns": columns, "units": _units(options.units), "force_gain": options.force_gain, "cutoff": options.cutoff
+    }  # fmt: skip
+    write_text(out / predict.FILE, predict.saved(result.best if isinstance(result, Choice) else result, reading))
+    return str(out / predict.FILE)
+
+
+def units(texts: list[str]) -> dict[str, str]:
+    """``COL=UNIT`` as a mapping."""
+    return _units(texts)
 
 
 def drive(text: str) -> dict[str, Any]:

@@ -29,6 +29,7 @@ _RAISED, _NOISE_ALLOWED = 4.0, 1e-3
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
 _ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
 _STILL = 0.01  # of the fastest speed
+_LOST = 0.01  # of the motion's variance: less may go
 _MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
 _SETTLED = 5.0  # periods of the cut-off dropped at the start of a run
 
@@ -234,7 +235,7 @@ def choose_cutoff(measured: str, frequency: Array, power: Array, floor: float, s
 
 
 def keeping_all(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:
-    """The cut-off, raised until what the filter takes away is no more than the noise.
+    """The cut-off, raised until what the filter takes away is no more than the noise, or little of the motion.
 
     Small reversals on a long slow motion, such as presliding, stand high in no part of the spectrum; yet they are no noise.
     """
@@ -248,7 +249,8 @@ def keeping_all(parts: Sequence[Clean], measured: str, floor: float, cutoff: flo
     highest = _HIGHEST / step
     while cutoff < highest:
         taken = (x - low_pass(x, cutoff, step))[edge : len(x) - edge]
-        if float(np.mean(taken**2)) <= _MORE_THAN_NOISE * floor * (0.5 / step - cutoff):
+        lost = float(np.mean(taken**2))
+        if lost <= max(_MORE_THAN_NOISE * floor * (0.5 / step - cutoff), _LOST * float(np.var(x))):
             break
         cutoff = min(cutoff * 1.5, highest)
     return float(cutoff)

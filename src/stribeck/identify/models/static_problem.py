@@ -24,7 +24,7 @@ _MOST_RAW, _BLOCKS, _SHORTEST_BLOCK = (
     24,
     600,
 )  # of a record: more tell nothing new; blocks of a run, rows of one
-_FEWEST = 300  # rows that a band lowered for the mass's sake leaves
+_FEWEST = 150  # rows that a band lowered for the mass's sake leaves
 _MOVES = 0.03  # of the mass: what half the band may change it by
 _HEAVY = 0.05  # of the force: less inertia tells nothing of the band
 _LITTLE_REST = 0.02  # of the rows: less rest stays in

@@ -91,7 +91,10 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     rows = rows_of(log, setting.decimate)
     found, steps = _forward(rows, law, settle(rows, law, setting), tell)
     fit = finished(rows, found)
-    return replace(fit, details={**fit.details, "selection": steps, "candidates": baselines(rows, setting, found)})
+    return replace(
+        fit,
+        details={**fit.details, "selection": steps, "candidates": [*baselines(rows, setting), _row("this fit", found)]},
+    )
 
 
 def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
@@ -101,7 +104,7 @@ def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
     rows = rows_of(log, setting.decimate)
     settled = settle(rows, law, setting)
     fit = finished(rows, settled)
-    found = baselines(rows, setting, settled)
+    found = [*baselines(rows, setting), _row("this fit", settled)]
     least = min(found, key=lambda r: r["cross_validated_error"])
     notes = fit.notes
     if least["cross_validated_error"] < (1 - _WORTH) * settled.left_out.error:
@@ -140,11 +143,11 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
                 failed.setdefault(law, str(error).splitlines()[0])
     settled = {**plain, **{f"{law}, selected": s for law, (s, _) in wider.items() if _differs(s, plain[law])}}
     picked = _lowest({n: s.left_out for n, s in settled.items()})
-    fits = {}
+    fits, plainer = {}, baselines(rows, setting)
     for name, each in settled.items():
         law = name.removesuffix(", selected")
         fit = finished(rows, each, profiles=name == picked)
-        details = {**fit.details, "candidates": baselines(rows, setting, each)}
+        details = {**fit.details, "candidates": [*plainer, _row("this fit", each)]}
         if name != law:
             details["selection"] = wider[law][1]
         fits[name] = replace(fit, details=details)
@@ -163,7 +166,7 @@ def _lowest(candidates: Mapping[str, crossvalidate.LeftOut]) -> str:
     return min(near, key=lambda n: (candidates[n].parameters, candidates[n].error))
 
 
-def baselines(rows: Rows, setting: Setting, best: Settled) -> list[dict[str, Any]]:
+def baselines(rows: Rows, setting: Setting) -> list[dict[str, Any]]:
     """What least squares and a tanh-Stribeck curve come to on the same parts, with the asked-for terms only."""
     found = []
     for name, law in BASELINES.items():
@@ -175,14 +178,16 @@ def baselines(rows: Rows, setting: Setting, best: Settled) -> list[dict[str, Any
             folds=setting.folds,
         )
         try:
-            at = settle(rows, law, plain)
+            found.append(_row(name, settle(rows, law, plain)))
         except StribeckError:
             continue
-        found.append(
-            {**_step("", at), "name": name, "numbers": at.left_out.parameters, "law": law, "values": _numbers(at)}
-        )
-    own = {**_step("", best), "name": "this fit", "numbers": best.left_out.parameters, "law": best.model.law.name}
-    return [*found, {**own, "values": _numbers(best)}]
+    return found
+
+
+def _row(name: str, at: Settled) -> dict[str, Any]:
+    told = {**_step("", at), "name": name, "numbers": at.left_out.parameters, "law": at.model.law.name}
+    del told["added"]
+    return {**told, "values": _numbers(at)}
 
 
 def _numbers(at: Settled) -> dict[str, float]:
