@@ -114,7 +114,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     sources = _sources(roles, measured, cutoff, parts)
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if how.trim is None and cutoff > 0:
-        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)))
+        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)), how.sharp)
     return Log(
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
         files=tuple(names[i] for i in files) if names else (), spectrum=seen,
@@ -145,22 +145,22 @@ def _columns(
     return out, kept
 
 
-def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int) -> dict[str, Any]:
-    """The columns without the last rows of the runs that end in motion: there the filter goes astray."""
-    v = columns["velocity"]
-    fastest = float(max(v.max(), -v.min()))
-    stops = np.cumsum(lengths).tolist()
-    moving = [
-        abs(float(v[stop - 1])) > _STILL * fastest and n > 4 * end for stop, n in zip(stops, lengths, strict=True) if n
-    ]
-    if not any(moving) or end < 1:
+def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, always: bool) -> dict[str, Any]:
+    """The columns without the last rows of the runs that end in motion, where the filter goes astray.
+
+    Unless ``always``, only where it shows: the acceleration there exceeds all others of the run.
+    """
+    v, a = abs(columns["velocity"]), abs(columns["acceleration"])
+    fastest = float(v.max())
+    keep = np.ones(len(v), bool)
+    for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
+        if n > 4 * end and end > 0 and v[stop - 1] > _STILL * fastest:
+            rest = float(a[stop - n : stop - end].max())
+            keep[stop - end : stop] = not (always or float(a[stop - end : stop].max()) > rest)
+    if keep.all():
         return columns
-    if len(lengths) == 1:
+    if len(lengths) == 1:  # a view: nothing is copied
         return {name: x[:-end] for name, x in columns.items()}
-    keep = np.ones(stops[-1], bool)
-    for stop, n in zip(stops, lengths, strict=True):
-        if n > 4 * end and abs(float(v[stop - 1])) > _STILL * fastest:
-            keep[stop - end : stop] = False
     return {name: x[keep] for name, x in columns.items()}
 
 
