@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,8 @@ from stribeck.identify.log import Log
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics.choose import Choice
 from stribeck.scenario import parse_assignment
+
+_READ = 0.05  # of the work
 
 
 @dataclass(frozen=True)
@@ -43,8 +46,9 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
             data, columns, _units(options.units), options.force_gain, options.cutoff, options.trim, sharp
         )
         if tell is not None:
-            tell(0.1)
-        result = fitting.fit(log, laws[0] if len(laws) == 1 else laws or None, constants=constants, **options.request)
+            tell(_READ)
+        law = laws[0] if len(laws) == 1 else laws or None
+        result = fitting.fit(log, law, constants=constants, progress=_rest_of(tell), **options.request)
     summary = result.to_json()
     summary["data"] = {
         "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
@@ -60,7 +64,13 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
         show.print_json(summary)
     else:
         _print(result, log, summary["files"])
-    return 0
+    stopped = (result.best if isinstance(result, Choice) else result).status == "stopped"
+    return 130 if stopped else 0
+
+
+def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | None:
+    """The progress of what follows the reading."""
+    return None if tell is None else lambda share: tell(_READ + (1 - _READ) * share)
 
 
 def _save(result: Fit | Choice, options: Options, columns: dict[str, str], out: Path) -> str:

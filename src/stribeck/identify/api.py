@@ -26,6 +26,7 @@ from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.choose import Choice, choose, fit_with_baselines, select_law, select_terms
 from stribeck.identify.statistics.crossvalidate import FOLDS
+from stribeck.identify.work import Work
 from stribeck.recorded import is_table
 
 _POOR = 0.25  # of the force, left by the fit
@@ -56,6 +57,7 @@ def fit(
     seed: int = 0,
     output: str = "force",
     drive: Mapping[str, Any] | None = None,
+    progress: Callable[[float], None] | None = None,
     **named: str,
 ) -> Fit | Choice:
     """Fit a friction law, or several, to a measured log.
@@ -85,6 +87,8 @@ def fit(
         output: what the simulation is to meet: "force" for the measured motion, or "velocity" or "position" for the
             measured force or command (dynamic; one law).
         drive: what moves the body then, as ``[drive]`` of a scenario without its signal; the measured force unless given.
+        progress: called with the share done of fits by simulation, 0 to 1, in any thread. Ctrl-C ends such a fit; what it
+            found until then is returned, with status "stopped".
         **named: columns by role; a name that is no role is refused.
 
     Returns:
@@ -100,6 +104,7 @@ def fit(
         mass, method, dict(constants or {}), tuple(free), tuple(terms), select, decimate, robust, folds, starts, seed,
         output, drive,
     )  # fmt: skip
+    ask.work = Work(progress)
     if output != "force" and len(names) != 1:
         raise InputError(f"{arg('output')}: laws are compared by the force they predict; must be given with one law")
     if not names:
@@ -110,7 +115,7 @@ def fit(
         ask.method = "dynamic"  # errors compare within one method only
     ask.cross = folds
     known = {constant for name in names for constant in laws.find(name).constants()}
-    return compare(log, names, lambda log, name: ask.of_law(name, known).fit(log, name))
+    return compare(log, names, lambda log, name: ask.of_law(name, known, names).fit(log, name))
 
 
 def is_simulated(names: Sequence[str], method: str | None) -> bool:
@@ -141,8 +146,8 @@ def read_log(
     return load(sources, Columns(dict(columns), dict(units or {}), force_gain), Preparation(cutoff, trim, sharp))
 
 
-def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> Choice:
-    """Fit each law and pick one."""
+def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> Fit | Choice:
+    """Fit each law and pick one; the fit that Ctrl-C stopped."""
     if len(set(names)) < len(names):
         raise InputError(
             f"{arg('law')}: {max(names, key=list(names).count)!r}: given twice; must differ from the others"
@@ -153,6 +158,8 @@ def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> 
         laws.find(name)
         try:
             fits[name] = each(log, name)
+            if fits[name].status == "stopped":
+                return fits[name]
         except StribeckError as error:
             failed[name] = str(error).splitlines()[0]
     return choose(fits, failed)
@@ -172,12 +179,14 @@ class _Request:
         self.terms, self.select, self.decimate, self.robust = tuple(terms), select, decimate, robust
         self.folds, self.starts, self.seed = folds, starts, seed
         self.output, self.drive = output, drive
+        self.work = Work()
         self.cross = 0  # folds of a simulation-error fit: costly, and wanted for comparison only
 
-    def of_law(self, law: str, known: Collection[str]) -> _Request:
+    def of_law(self, law: str, known: Collection[str], among: Sequence[str]) -> _Request:
         """The request without the constants that only other laws have."""
         foreign = set(known) - set(laws.find(law).constants())
         other = copy.copy(self)
+        other.work = self.work.part(among.index(law), len(among))
         other.constants = {n: v for n, v in self.constants.items() if n not in foreign}
         other.free = tuple(n for n in self.free if n not in foreign)
         return other
@@ -255,8 +264,9 @@ class _Request:
     def presliding(self, log: Log, law: str) -> Fit:
         """From small reversals."""
         return fit_presliding(
-            log, law, fixed=self.constants, mass=self.mass or 0.0, starts=min(self.starts, 8), seed=self.seed
-        )
+            log, law, fixed=self.constants, mass=self.mass or 0.0, starts=min(self.starts, 8), seed=self.seed,
+            work=self.work,
+        )  # fmt: skip
 
     def dynamic(self, log: Log, law: str) -> Fit:
         """By simulation of the law along the measured motion, or of the motion under the measured force or command."""
@@ -265,17 +275,19 @@ class _Request:
             return fit_motion(
                 log, law, self.drive, output=self.output, fixed=self.constants, free=self.free_of(law), mass=self.mass,
                 body=tuple(dict.fromkeys((*offset, *self.terms))), starts=self.starts, seed=self.seed,
+                work=self.work,
             )  # fmt: skip
         return fit_dynamic(
             log, law, fixed=self.constants, free=self.free_of(law), mass=self.mass,
             body=tuple(dict.fromkeys(("offset", *self.terms))), starts=self.starts, seed=self.seed, folds=self.cross,
+            work=self.work,
         )  # fmt: skip
 
 
 def _with_warning(fit: Fit) -> Fit:
     """The fit, with a note where the law explains little of the force."""
     share = fit.relative_force_error
-    if not share > _POOR:
+    if not share > _POOR or "output" in fit.details:  # a fit of the motion is judged by the motion
         return fit
     text = (
         f"the fit misses {share:.0%} of the force: the law or the terms lack something that the data hold (the residuals "
