@@ -206,7 +206,12 @@ def fit(
     data: Annotated[
         list[Path], typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs.")
     ],
-    law: Annotated[list[str], typer.Option("--law", metavar="NAME", help="A law; of several, one is picked.")],
+    law: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--law", metavar="NAME", help="A law; of several, or of all static ones without it, one is picked."
+        ),
+    ] = None,
     time: Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")] = None,
     position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")] = None,
     velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Column of the velocity.")] = None,
@@ -242,8 +247,12 @@ def fit(
         typer.Option("--term", metavar="TERM", help="What the force holds beside mass and offset (docs/fit.md)."),
     ] = None,
     select: Annotated[
-        bool, typer.Option("--select", help="Add the terms that lower the error over data left out.")
-    ] = False,
+        bool | None,
+        typer.Option(
+            "--select/--no-select",
+            help="Add the terms that lower the error over data left out (the default without --term and --free).",
+        ),
+    ] = None,
     cutoff: Annotated[
         float | None,
         typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter; else from the data; 0: none."),
@@ -281,7 +290,66 @@ def fit(
         "output": output, "drive": None if drive is None else work.drive(drive),
     }  # fmt: skip
     options = work.Options(columns, unit or [], force_gain, set_ or [], cutoff, trim, request)
-    return work.fit(data, law, options, out, json)
+    return work.fit(data, law or [], options, out, json)
+
+
+@app.command()
+def predict(
+    data: Annotated[list[Path], typer.Argument(metavar="DATA...", help="A record that the fit has not seen.")],
+    fit: Annotated[Path, typer.Option("--fit", metavar="DIR", help="The folder that stribeck fit --out wrote.")],
+    time: Annotated[
+        str | None, typer.Option("--time", metavar="COL", help="Columns: as in the fit unless given.")
+    ] = None,
+    position: Annotated[str | None, typer.Option("--position", metavar="COL")] = None,
+    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL")] = None,
+    force: Annotated[str | None, typer.Option("--force", metavar="COL")] = None,
+    force_gain: Annotated[str | None, typer.Option("--force-gain", metavar="X")] = None,
+    load: Annotated[str | None, typer.Option("--load", metavar="COL")] = None,
+    pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL")] = None,
+    unit: Annotated[list[str] | None, typer.Option("--unit", metavar="COL=UNIT")] = None,
+    cutoff: Annotated[float | None, typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter.")] = None,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """The force that a fitted model predicts for another record: error, overlay and page."""
+    from stribeck.cli import fit as words
+    from stribeck.cli import predict as command
+
+    columns = {
+        "time": time, "position": position, "velocity": velocity, "force": force, "load": load, "pressure": pressure,
+    }  # fmt: skip
+    given = {"columns": columns, "units": words.units(unit or []), "force_gain": force_gain, "cutoff": cutoff}
+    return command.predict(data, fit, given, out, json)
+
+
+@app.command()
+def validate(
+    scenario: ScenarioFile,
+    log: Annotated[Path, typer.Option("--log", metavar="FILE", help="The measured record.")],
+    time: Annotated[str | None, typer.Option("--time", metavar="COL")] = None,
+    position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Compared with y.")] = None,
+    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Compared with v.")] = None,
+    force: Annotated[
+        str | None, typer.Option("--force", metavar="COL", help="Measured friction, compared with F.")
+    ] = None,
+    force_gain: Annotated[str | None, typer.Option("--force-gain", metavar="X")] = None,
+    command: Annotated[
+        str | None,
+        typer.Option("--command", metavar="COL", help="What drove the rig: it replaces the scenario's signal."),
+    ] = None,
+    unit: Annotated[list[str] | None, typer.Option("--unit", metavar="COL=UNIT")] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """A scenario against a measured record: overlay, error, residuals."""
+    from stribeck.cli import fit as words
+    from stribeck.cli import predict as work
+
+    columns = {"time": time, "position": position, "velocity": velocity, "force": force, "command": command}
+    given = {"columns": columns, "units": words.units(unit or []), "force_gain": force_gain}
+    return work.validate(scenario, log, given, set_ or [], out, json, trust)
 
 
 @app.command()

@@ -48,9 +48,8 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
         )
         if tell is not None:
             tell(_READ)
-        result = fitting.fit(
-            log, laws if len(laws) > 1 else laws[0], constants=constants, progress=_rest_of(tell), **options.request
-        )
+        law = laws[0] if len(laws) == 1 else laws or None
+        result = fitting.fit(log, law, constants=constants, progress=_rest_of(tell), **options.request)
     summary = result.to_json()
     summary["data"] = {
         "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
@@ -61,6 +60,7 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
 
         command = "stribeck " + shlex.join(sys.argv[1:])
         summary["files"] = write(result, log, out, command, ", ".join(p.name for p in data))
+        summary["files"].append(_save(result, options, columns, out))
     if json:
         show.print_json(summary)
     else:
@@ -72,6 +72,23 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
 def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | None:
     """The progress of what follows the reading."""
     return None if tell is None else lambda share: tell(_READ + (1 - _READ) * share)
+
+
+def _save(result: Fit | Choice, options: Options, columns: dict[str, str], out: Path) -> str:
+    """Write what ``stribeck predict`` needs; the path."""
+    from stribeck.files import write_text
+    from stribeck.identify import predict
+
+    reading = {
+        "columns": columns, "units": _units(options.units), "force_gain": options.force_gain, "cutoff": options.cutoff
+    }  # fmt: skip
+    write_text(out / predict.FILE, predict.saved(result.best if isinstance(result, Choice) else result, reading))
+    return str(out / predict.FILE)
+
+
+def units(texts: list[str]) -> dict[str, str]:
+    """``COL=UNIT`` as a mapping."""
+    return _units(texts)
 
 
 def drive(text: str) -> dict[str, Any]:
@@ -114,6 +131,8 @@ def _units(texts: list[str]) -> dict[str, str]:
 def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
     if isinstance(result, Choice):
         _print_choice(result)
+    elif result.details.get("candidates"):
+        _print_candidates(result.details["candidates"])
     best = result.best if isinstance(result, Choice) else result
     left_out = best.cross_validated_error
     beyond = "" if left_out is None else f", on data left out {_percent(left_out)}"
@@ -137,6 +156,11 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
         say(text, 6, "  note: ")
     for file in files:
         print(f"  wrote {file}")
+
+
+def _print_candidates(candidates: list[dict[str, Any]]) -> None:
+    told = ", ".join(f"{c['name']} {_percent(c['cross_validated_error'])}" for c in candidates)
+    print(f"error on data left out: {told}")
 
 
 def _print_choice(choice: Choice) -> None:
