@@ -38,13 +38,15 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
     constants = _constants(options.assignments)
     if out is not None:
         show.check_folder(out)
-    with show.progress("fit") as tell:
+    with show.stages("fit") as tell:
+        if tell is not None:
+            tell(None, "reading")
         sharp = fitting.is_simulated(laws, options.request["method"])
         log = fitting.read_log(
             data, columns, _units(options.units), options.force_gain, options.cutoff, options.trim, sharp
         )
         if tell is not None:
-            tell(0.1)
+            tell(None, ", ".join(laws))
         result = fitting.fit(log, laws if len(laws) > 1 else laws[0], constants=constants, **options.request)
     summary = result.to_json()
     summary["data"] = {

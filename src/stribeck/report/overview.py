@@ -73,6 +73,8 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
     known = {"t", *(column.name for column in solution.columns)}
     if solution.scenario.servo is not None:
         return _SERVO
+    if solution.scenario.rig is not None:
+        return _by_kind(solution)
     if "I" in known:
         error = Panel("e", "control error after the transient", settled=True)
         first = [Panel("y", "position", also=", and its setpoint", beside=("r",)), error]
@@ -84,6 +86,16 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
         rest.append(Panel("z", "mean bristle deflection"))
     energy = [_ENERGY] if "E_in" in known else []
     return (*first, *rest, *_FRICTION, *energy)
+
+
+def _by_kind(solution: Solution) -> tuple[Panel, ...]:
+    """Of a machine of many parts: a panel for what its columns have in common, such as the velocities of its bodies."""
+    kinds: dict[tuple[str, str], list[str]] = {}
+    for column in solution.columns:
+        kinds.setdefault((column.meaning, column.unit), []).append(column.name)
+    return tuple(
+        Panel(first, meaning, beside=tuple(others), alone=True) for (meaning, _), (first, *others) in kinds.items()
+    )
 
 
 def overview(solutions: Mapping[str, Solution], name: str = "plot", caption: str = "") -> FigureSvg:
@@ -125,6 +137,8 @@ def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> Non
 
 def _speed(solution: Solution) -> float:
     """The speed below which a body counts as near rest."""
+    if solution.scenario.rig is not None:
+        return 0.0
     law = solution.scenario.law
     return solution.scenario.threshold or float(law.scales(law.p).speed)
 

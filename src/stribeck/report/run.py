@@ -18,7 +18,8 @@ def write(solution: Solution, folder: Path, summary: dict[str, Any], command: st
     """Write trajectory.csv and .parquet, plot.svg, .png and .pdf, report.html and, last, summary.json; the paths."""
     paths = write_table(solution, folder, "trajectory")
     with left_out("the plot and the page"):
-        figure = overview({solution.scenario.law.name: solution})
+        rig = solution.scenario.rig
+        figure = overview({solution.scenario.name if rig is not None else solution.scenario.law.name: solution})
         paths += write_figure(figure, folder)
         paths.append(_page(solution, figure, folder, command))
     paths.append(folder / "summary.json")
@@ -29,10 +30,14 @@ def write(solution: Solution, folder: Path, summary: dict[str, Any], command: st
 
 def _page(solution: Solution, figure: FigureSvg, folder: Path, command: str) -> Path:
     scenario = solution.scenario
-    drive = scenario.drive.kind
-    introduction = [f"Law {scenario.law.name}, drive {drive}: {solution.status}."]
-    found = [
-        chapters.result(solution), *chapters.plots([figure]), chapters.of_law(scenario.law),
-        chapters.of_scenario(scenario),
-    ]  # fmt: skip
+    if scenario.rig is None:
+        introduction = [f"Law {scenario.law.name}, drive {scenario.drive.kind}: {solution.status}."]
+        laws = [chapters.of_law(scenario.law)]
+    else:
+        contacts = scenario.rig.machine.contacts
+        introduction = [f"{len(contacts)} contacts with friction: {solution.status}."]
+        laws = [
+            chapters.of_law(scenario.rig.laws[c.law_path], f"law-{i}", f" of {c.name}") for i, c in enumerate(contacts)
+        ]
+    found = [chapters.result(solution), *chapters.plots([figure]), *laws, chapters.of_scenario(scenario)]
     return chapters.write_page(folder, scenario.name, introduction, found, command)
