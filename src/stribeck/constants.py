@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Any
 
@@ -32,6 +32,10 @@ class Constant:
     rotary_unit: str | None = None
     example: float | None = None  # a value that makes sense, for documentation and tests
     choices: tuple[str, ...] = ()
+
+    def of_motion(self, rotary: bool) -> Constant:
+        """The declaration as a linear or a rotary machine has it: its unit and its words."""
+        return replace(self, unit=self.unit_for(True), meaning=rotary_words(self.meaning)) if rotary else self
 
     def unit_for(self, rotary: bool) -> str:
         """The unit, for a linear or a rotary machine."""

@@ -11,8 +11,9 @@ import stribeck
 
 app = typer.Typer(
     help="Friction models that you can simulate, prove, fit and ship.",
+    epilog="Example: stribeck new my_rig; stribeck run my_rig.toml --out first",
     no_args_is_help=True,
-    add_completion=False,
+    rich_markup_mode=None,  # plain help: nothing folds within a word
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
@@ -60,7 +61,7 @@ def _common(
     pass
 
 
-@app.command()
+@app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
 def run(
     scenario: ScenarioFile,
     out: Out = None,
@@ -92,7 +93,7 @@ def show(
     return command.draw(machine, out, set_ or [], json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck compare my_rig.toml --law lugre --law lugre_majorant:k_v=1e6")
 def compare(
     scenario: ScenarioFile,
     law: Annotated[
@@ -114,7 +115,7 @@ def compare(
     return command.compare(scenario, law, out, set_ or [], json, trust, contact)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
 def sweep(
     scenario: ScenarioFile,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the parts; made if need be.")],
@@ -142,7 +143,7 @@ def sweep(
     return command.sweep(scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck laws lugre_majorant")
 def laws(
     law: Annotated[
         list[str] | None, typer.Argument(metavar="[LAW]...", help="Only these; FILE.py:NAME is one too.")
@@ -159,7 +160,7 @@ def laws(
     return command.laws(law or [], json, test, sets)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck advise lugre_sobczyk --parameters canudas1995 --creep 1e-6")
 def advise(
     law: Annotated[str, typer.Argument(metavar="LAW", help="A bristle law with k_v.")],
     parameters: Annotated[
@@ -201,7 +202,7 @@ def advise(
     return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck fit log.csv --law lugre --time t --position y --force F --out fit")
 def fit(
     data: Annotated[
         list[Path], typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs.")
@@ -352,7 +353,7 @@ def validate(
     return work.validate(scenario, log, given, set_ or [], out, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck rig --stroke 0.05 --speed 0.1 --force 50 --out plan")
 def rig(
     stroke: Annotated[float, typer.Option("--stroke", metavar="M", help="The rig's travel, m.")],
     speed: Annotated[float, typer.Option("--speed", metavar="M/S", help="Its highest speed, m/s.")],
@@ -381,7 +382,7 @@ def rig(
     return command.rig(limits, simulate, law, parameters, set_ or [], seed, out, json)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck check lugre_sobczyk --parameters canudas1995 --set k_v=1e7")
 def check(
     law: Annotated[str | None, typer.Argument(metavar="LAW", help="A law; FILE.py:NAME is one too.")] = None,
     parameters: Annotated[
@@ -416,7 +417,7 @@ def check(
     return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck new my_rig")
 def new(
     name: Annotated[
         str, typer.Argument(metavar="[NAME]", help="A name for it, or that of a built-in example.")
@@ -430,7 +431,7 @@ def new(
     return command.new(name, out, examples)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck paper --out report")
 def paper(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the report.")] = Path("stribeck-report"),
     json: Json = False,
@@ -441,7 +442,7 @@ def paper(
     return command.paper(out, json)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck export lugre --parameters canudas1995 --target c --out firmware")
 def export(
     target: Annotated[
         str, typer.Option("--target", metavar="NAME", help="The tool: c, fmu, modelica, mujoco, st or table.")
@@ -484,7 +485,7 @@ def export(
     return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck gains servo.toml --out gains")
 def gains(
     scenario: ScenarioFile,
     v_max: Annotated[
@@ -503,7 +504,7 @@ def gains(
     return command.gains(scenario, v_max, set_ or [], out, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck doctor --json")
 def doctor(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""
     from stribeck.cli import doctor as command

@@ -87,15 +87,14 @@ def _print(comparison: Comparison, files: list[str]) -> None:
     say(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak", 2)
     wide = max(map(len, comparison.solutions))
     beside = wide if wide <= width() - _NUMBERS else 0  # the labels' column; none where they would fold the table
-    column = max(4, *(len(name) + 1 for found in comparison.deviations.values() for name in found)) if others else 4
     if others:
-        print(f"  {'law' if beside else '':{beside}}      {'deviation':>{column + 8}} {'':6}{'share':>12}")
+        print(f"  {'law' if beside else '':{beside}}{'deviation':>14}{'share':>12}  of")
     for label, deviations in comparison.deviations.items():
         if not beside:
             print(f"  {label}")
         for i, (name, d) in enumerate(deviations.items()):
             named = label if beside and not i else ""
-            print(f"  {named:{beside}}  {name:{column}}{d['max']:12.4g} {units[name]:6}{_percent(d['max_relative']):>12}")
+            print(f"  {named:{beside}}{d['max']:14.4g}{_percent(d['max_relative']):>12}  {name} ({units[name]})")
     for file in files:
         print(f"  wrote {file}")
 

@@ -73,11 +73,12 @@ def of_laws(scenario: Scenario) -> list[Chapter]:
     """The law, or the laws of a machine's contacts."""
     if scenario.rig is None:
         return [of_law(scenario.law)]
-    return [of_law(law, path.replace(".", "-")) for path, law in scenario.rig.laws.items()]
+    laws, contacts = scenario.rig.laws, scenario.rig.machine.contacts
+    return [of_law(laws[c.law_path], f"law-{i}", f" of {c.name}") for i, c in enumerate(contacts)]
 
 
-def of_law(law: Law, key: str = "law") -> Chapter:
-    """A law: its equations and its constants."""
+def of_law(law: Law, key: str = "law", of: str = "") -> Chapter:
+    """A law: its equations and its constants; ``of``: words for where it acts."""
     declared = law.constants()
     values: dict[str, Any] = {n: x for n, x in law.values.items() if x is not None} | law.choices
     words = rotary_words if law.rotary else str
@@ -93,7 +94,7 @@ def of_law(law: Law, key: str = "law") -> Chapter:
     about = " ".join((type(law).__doc__ or "").split())
     lines = "\n".join(each.text for each in equations(type(law), law.structure))
     table = Table(["constant", "value", "unit", "meaning"], rows, prose=True)
-    return Chapter(key, f"The law {law.name}", [about, f"Source: {law.source}."], [table], code=lines)
+    return Chapter(key, f"The law {law.name}{of}", [about, f"Source: {law.source}."], [table], code=lines)
 
 
 def of_scenario(scenario: Scenario) -> Chapter:
