@@ -14,8 +14,8 @@ from stribeck.properties.verify_certificate import verify
 from tests.properties.nasty import MILD
 
 LAWS: dict[str, dict[str, Any]] = {
-    "lugre": {}, "dahl": {}, "lugre_sobczyk": {"k_v": 1e6}, "lugre_arctan": {"k_v": 1e6, "sigma_1": 0.0},
-    "lugre_majorant": {"k_v": 1e6}, "elastoplastic": {"z_ba": 7e-6}, "elastoplastic_majorant": {"k_v": 1e6, "z_ba": 7e-6},
+    "lugre": {}, "dahl": {}, "lugre_arctan": {"k_v": 1e6, "sigma_1": 0.0}, "lugre_majorant": {"k_v": 1e6},
+    "elastoplastic": {"z_ba": 7e-6},
 }  # fmt: skip
 NEEDED = ("inward", "lipschitz", "finite", "power", "elastic")
 
@@ -45,7 +45,7 @@ def test_each_yes_is_confirmed(name):
 def test_each_claim_is_needed(name):
     for certificate in certificates(name).values():
         chosen = [i for i, c in enumerate(certificate["claims"]) if c["about"] in NEEDED]
-        for i in random.Random(1).sample(chosen, min(5, len(chosen))):
+        for i in random.Random(1).sample(chosen, min(3, len(chosen))):
             less = {**certificate, "claims": [c for k, c in enumerate(certificate["claims"]) if k != i]}
             assert verify(less) != [], certificate["claims"][i]
 

@@ -81,11 +81,11 @@ def points(rng: random.Random, box: dict[str, Any], n: int) -> Any:
         yield at
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_range_holds_every_value(seed):
     rng, decided = random.Random(seed), 0
     with mpmath.workdps(40):
-        for _ in range(250):
+        for _ in range(150):
             x = read(expression(rng, 4), NAMES)
             box = region(rng).given
             try:
@@ -97,7 +97,7 @@ def test_a_range_holds_every_value(seed):
                 y = value(x, at)
                 assert lo is None or y >= mpmath.mpf(int(lo.p)) / int(lo.q) - 1e-30 * (1 + abs(y))
                 assert hi is None or y <= mpmath.mpf(int(hi.p)) / int(hi.q) + 1e-30 * (1 + abs(y))
-    assert decided > 100
+    assert decided > 60
 
 
 def atoms_for(rng: random.Random, x: Node) -> list[Any]:
@@ -123,11 +123,11 @@ def atoms_for(rng: random.Random, x: Node) -> list[Any]:
     return made
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(5))
 def test_what_a_leaf_accepts_is_true(seed):
     rng, accepted = random.Random(100 + seed), 0
     with mpmath.workdps(40):
-        for _ in range(250):
+        for _ in range(150):
             x = read(expression(rng, 3), NAMES)
             where = region(rng)
             relation = rng.choice([">=0", ">0", "!=0", "=0"])
@@ -144,14 +144,14 @@ def test_what_a_leaf_accepts_is_true(seed):
                 small = mpmath.mpf(10) ** -25 * (1 + abs(y))
                 true = {">=0": y >= -small, ">0": y > -small, "!=0": len(signs) == 1, "=0": abs(y) <= small}[relation]
                 assert true, (x, relation, at, y)
-    assert accepted > 5
+    assert accepted > 3
 
 
 @pytest.mark.parametrize("seed", range(3))
 def test_equal_keys_are_equal_functions(seed):
     rng, found = random.Random(200 + seed), 0
     with mpmath.workdps(40):
-        for _ in range(300):
+        for _ in range(150):
             a, b = (read(expression(rng, 3), NAMES) for _ in range(2))
             both = [a, written_out(a), b]
             normal = Normal()
@@ -171,14 +171,14 @@ def test_equal_keys_are_equal_functions(seed):
                     if not (mpmath.isfinite(y) and mpmath.isfinite(other)):
                         continue
                     assert abs(y - other) <= 1e-25 * (1 + abs(y))
-    assert found > 50
+    assert found > 30
 
 
 def test_derivatives_are_those_of_differences():
     rng, compared = random.Random(7), 0
     with mpmath.workdps(60):
         step = mpmath.mpf(10) ** -25
-        for _ in range(200):
+        for _ in range(100):
             x = read(expression(rng, 3), NAMES)
             d = derivative(x, W)
             for at in points(rng, {"u": (fmpq(1), fmpq(2)), "w": (fmpq(1), fmpq(2))}, 2):
@@ -192,5 +192,5 @@ def test_derivatives_are_those_of_differences():
                     continue
                 compared += 1
                 assert abs(own - slope) <= 1e-12 * (1 + abs(slope))
-    assert compared > 150
+    assert compared > 70
     assert replace(U, {U: W}) is W
