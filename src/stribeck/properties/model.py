@@ -92,7 +92,7 @@ class Model:
             if value and value > 0:
                 speeds |= {1 / value} if c.unit == "s/m" else {value} if c.unit == "m/s" else set()
                 lengths |= {value} if c.unit == "m" else set()
-        lengths.add(self.bound[1])
+        lengths |= {self.bound[1], 2 * self.bound[1]}  # strictly beyond Z cases are settled
         own = sorted(own_speeds(self.law))
         for u in (own[-1] * 1e6, own[0] * 1e-6):  # where z settles when slid fast, and slowly
             z = abs(float(self.law.steady_deflection(u)))

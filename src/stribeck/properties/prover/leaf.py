@@ -14,6 +14,7 @@ from stribeck.properties.prover.bernstein import POSITIVE, UNIT, UNKNOWN, Signs,
 from stribeck.properties.prover.ring import ATOMS, Quotient, Ring, Unclear
 
 _SHARES = 12
+_LONG = 120  # terms beyond which denominators are not cleared
 _FAR = Fraction(10) ** 300
 End = Fraction | None  # None: no end
 
@@ -435,6 +436,8 @@ class Leaf:
         if any(self.places[i] is None for i in used):
             return None
         uneven = [i for i in used if self.below[i] is not None]
+        if uneven and len(polynomial) > _LONG:
+            return None
         one = self._number(Fraction(1))
         if not uneven:
             zero = self._number(Fraction(0))
