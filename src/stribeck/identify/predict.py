@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from stribeck import laws
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.files import finite
+from stribeck.identify.data.filters import shifted
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
@@ -27,7 +28,6 @@ from stribeck.identify.result import Fit, Prediction
 Array = NDArray[np.float64]
 FILE = "fit.json"
 _FORMAT = 1
-_NOT_FRICTION = "beside friction"
 
 
 @dataclass(frozen=True)
@@ -202,8 +202,11 @@ def _simulated(model: Model, log: Log) -> Array:
     """The law simulated along the measured motion, and the body's terms."""
     law = laws.find(model.law)
     values = {"mass": 0.0, **{n: v for n, v in model.values.items() if n in law.constants() or n in TERMS}}
+    delay = float(values.pop("delay", 0.0))
     body = tuple(n for n in values if n in TERMS)
     force = VelocityProblem(log, law, [], values, {}, body).force(np.zeros((1, 0)))
     if force is None:
         raise StribeckError(f"law '{model.law}': its simulation along this record fails")
+    if delay:
+        return np.concatenate([shifted(force[0][rows], delay / log.step) for rows in log.runs()])
     return np.asarray(force[0])

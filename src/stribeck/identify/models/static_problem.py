@@ -25,7 +25,7 @@ _MOST_RAW, _BLOCKS, _SHORTEST_BLOCK = (
     600,
 )  # of a record: more tell nothing new; blocks of a run, rows of one
 _FEWEST = 150  # rows that a band lowered for the mass's sake leaves
-_MOVES = 0.03  # of the mass: what half the band may change it by
+_MOVES = 0.015  # of the mass: what half the band may change it by
 _HEAVY = 0.05  # of the force: less inertia tells nothing of the band
 _LITTLE_REST = 0.02  # of the rows: less rest stays in
 
@@ -109,7 +109,7 @@ def _by_effect(log: Log, q: int, why: str, rest: NDArray[np.bool_]) -> tuple[int
     shortest = min(r.stop - r.start for r in log.runs())
     allowed = [r for r in _RATES if r >= q and len(log) / r >= _FEWEST and shortest >= 30 * r]
     before: tuple[int, float] | None = None
-    for rate in allowed[:6]:
+    for rate in allowed:
         mass, share = _mass_at(log, rate, rest)
         if before is not None and (share < _HEAVY or abs(mass - before[1]) <= _MOVES * abs(mass)):
             break

@@ -114,7 +114,9 @@ def judge(rows: Rows, model: Model, solution: Solution, profiles: bool = True) -
         if why := verdicts.get(name):
             held = details.get("held_force") if name == "F_s" else None
             first, last = (held, None) if held and x < held else (first, last)
-            estimates[name] = Estimate(None, first, last, unit, False, why, experiment_for(name, values, sizes))
+            estimates[name] = Estimate(
+                None, first, last, unit, False, why, experiment_for(name, values, sizes), float(x)
+            )
         else:
             estimates[name] = Estimate(float(x), first, last, unit)
     estimates |= _unfitted(rows, model, solution, at)
