@@ -180,22 +180,9 @@ End Glue.
 Lemma C1_1_ext h k : (forall x, h x = k x) -> C1_1 h -> C1_1 k.
 Proof. intros E (d & D & C). exists d. split; [|exact C]. intros x. apply (is_derive_ext h); auto. Qed.
 
-Lemma C1_glue c f1 f2 : C1_1 f1 -> C1_1 f2 -> f1 c = f2 c ->
-  (forall d1 d2, is_derive f1 c d1 -> is_derive f2 c d2 -> d1 = d2) ->
-  C1_1 (fun x => if Rle_dec x c then f1 x else f2 x).
-Proof.
-  intros (d1 & D1 & K1) (d2 & D2 & K2) E ED.
-  apply (C1_1_ext (glued c f1 f2)).
-  - intros x. destruct (Rle_dec x c); [apply glued_low; assumption|apply glued_high; auto; lra].
-  - apply (C1_glued c f1 f2 d1 d2); auto.
-Qed.
-
 (* --- the terms --- *)
 (* Coquelicot's names of R are R. *)
 Ltac real_eq := match goal with |- @eq _ ?a ?b => change (@eq R a b) end.
-
-Definition C1_0 (c : R) : C1_1 (fun _ => c) .
-Proof. apply (C1_of (fun _ => c) (fun _ => 0)); intros x; auto_derive; auto. Qed.
 
 Lemma C1_glue_slopes c f1 f2 d1 d2 : (forall x, is_derive f1 x (d1 x)) -> (forall x, is_derive f2 x (d2 x)) ->
   (forall x, continuous (T := R_UniformSpace) (U := R_UniformSpace) d1 x) ->
@@ -430,9 +417,13 @@ Proof.
   assert (K : ex_derive Rabs 0).
   { apply (ex_derive_ext (fun v => (v - lugre.dz_dt p v z) * (g p v * / z))).
     - intros v. unfold lugre.dz_dt. real_eq. field. split; [exact Hz|apply G].
-    - apply (ex_derive_mult (fun v => v - lugre.dz_dt p v z) (fun v => g p v * / z)).
-      + apply (ex_derive_minus (fun v => v)); [apply ex_derive_id|eexists; exact D].
-      + apply (ex_derive_mult (g p) (fun _ => / z)); [exact Dg|apply ex_derive_const]. }
+    - destruct Dg as [dg Dg]. eexists.
+      apply (@is_derive_mult R_AbsRing (fun v => v - lugre.dz_dt p v z) (fun v => g p v * / z) 0 (1 - l) (dg * / z)).
+      + apply (@is_derive_minus R_AbsRing R_NormedModule (fun v => v) (fun v => lugre.dz_dt p v z) 0 1 l); [|exact D].
+        apply (@is_derive_id R_AbsRing).
+      + apply (is_derive_ext (fun v => / z * g p v)); [intros v; apply Rmult_comm|].
+        evar_last; [apply (is_derive_scal (g p) 0 (/ z) dg Dg)|]. apply Rmult_comm.
+      + intros; apply Rmult_comm. }
   destruct K as [k K]. apply is_derive_Reals in K.
   destruct (K (1 / 2)) as [d Hd]; [lra|]. pose proof (cond_pos d) as P.
   assert (A : Rabs ((Rabs (0 + d / 2) - Rabs 0) / (d / 2) - k) < 1 / 2) by (apply Hd; [lra|rewrite Rabs_pos_eq; lra]).

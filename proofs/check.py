@@ -20,7 +20,7 @@ HERE = Path(__file__).parent
 # each after those that it needs
 FILES = (
     "Laws", "Motion", "Power", "Terms", "Continuous", "Relaxation", "Passive", "Level", "Extract", "Necessary",
-    "Machine", "Contacts", "Unique",
+    "Machine", "Contacts", "Unique", "Smooth",
 )  # fmt: skip
 # What Coq's real numbers are built on, and no more: two instances of the excluded middle (a search through the natural
 # numbers ends or not; not not P or not P), the excluded middle itself, and that equal functions are equal.
@@ -32,13 +32,12 @@ INSTALL = "apt-get install coq libcoq-coquelicot libcoq-interval"
 NO_COQ = 3
 
 
-def theorems() -> dict[str, str]:
-    """The file of every theorem and lemma outside of sections by name."""
-    found = {}
-    for name in FILES:
-        text = (HERE / f"{name}.v").read_text()
-        found |= dict.fromkeys(re.findall(r"^(?:Theorem|Lemma) (\w+)", text, re.MULTILINE), name)
-    return found
+def theorems() -> list[tuple[str, str]]:
+    """The file and the name of every theorem and lemma."""
+    texts = {name: (HERE / f"{name}.v").read_text() for name in FILES}
+    return [
+        (f, name) for f, text in texts.items() for name in re.findall(r"^(?:Theorem|Lemma) (\w+)", text, re.MULTILINE)
+    ]
 
 
 def compiled(coqc: str, folder: Path, name: str) -> str:
@@ -84,7 +83,7 @@ def main() -> None:
             compiled(coqc, folder, file)
         stated = theorems()
         lines = [f"From Stribeck Require {' '.join(FILES)}.", "From Coq Require Import List."]
-        every = ", ".join(f"@Stribeck.{file}.{theorem}" for theorem, file in stated.items())
+        every = ", ".join(f"@Stribeck.{file}.{theorem}" for file, theorem in stated)
         lines += [f"Definition every := ({every}).", "Print Assumptions every."]
         (folder / "Assumptions.v").write_text("\n".join(lines) + "\n")
         used = axioms(compiled(coqc, folder, "Assumptions"))
