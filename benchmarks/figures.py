@@ -9,8 +9,8 @@ from typing import Any
 
 from measure import RESULTS, say
 
+from stribeck.files import write_text
 from stribeck.report import plots
-from stribeck.report.files import write_text
 
 MARKERS = "osDv^PX"
 

@@ -22,8 +22,8 @@ from measure import RESULTS, machine
 
 import stribeck
 from stribeck.export import export
-from stribeck.export.mujoco import files
 from stribeck.export.request import Request
+from stribeck.export.text.mujoco import files
 
 STEPS = (1e-4, 1e-3, 4e-3)
 WAYS = (

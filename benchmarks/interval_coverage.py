@@ -21,10 +21,10 @@ from typing import Any
 
 import numpy as np
 
-from stribeck.identify.dynamic import fit_dynamic
-from stribeck.identify.experiment import Experiment, Sensors, experiment
-from stribeck.identify.programme import Test, motion
+from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.laws import find
+from stribeck.rig.plan import Test, motion
+from stribeck.rig.synthetic import Experiment, Sensors, experiment
 
 LAWS: dict[str, dict[str, float]] = {
     "lugre": {},

@@ -78,8 +78,8 @@ PASSIVE = {  # by what the table says: the verdicts with these three
 
 
 def test_table_of_laws_is_what_check_finds():
-    from stribeck.analysis.properties import check
-    from stribeck.analysis.properties.matrix import every_law
+    from stribeck.properties import check
+    from stribeck.properties.matrix import every_law
 
     rows = re.findall(r"^\| `(\w+)`[^|]*\| (\w+) \| (\w+) \| ([^|]+) \| ([^|]+) \|$", README, re.M)
     fails, holds, undamped = (

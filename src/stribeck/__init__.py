@@ -8,22 +8,22 @@ from typing import TYPE_CHECKING, Any
 from stribeck.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from stribeck.analysis.advise import Advice, advise
-    from stribeck.analysis.properties import Verdict, Verdicts, check, storage_interval
-    from stribeck.analysis.properties.margins import margins
-    from stribeck.analysis.properties.matrix import check_all
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
     from stribeck.export import export
-    from stribeck.identify.fitting import fit
+    from stribeck.identify.api import fit
     from stribeck.laws import law
-    from stribeck.parameter_sets import parameters
+    from stribeck.parameter_sets import allow_undetermined, parameters
+    from stribeck.properties import Verdict, Verdicts, check, storage_interval
+    from stribeck.properties.margins import margins
+    from stribeck.properties.matrix import check_all
     from stribeck.scenario import Scenario
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
+    from stribeck.steepness import Advice, advise
 
 __all__ = [
     "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
-    "StribeckNote", "Verdict", "Verdicts", "advise", "check", "check_all", "export", "fit", "law", "margins",
-    "parameters", "simulate", "simulate_ensemble", "storage_interval",
+    "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "export", "fit",
+    "law", "margins", "parameters", "simulate", "simulate_ensemble", "storage_interval",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -31,22 +31,26 @@ _HOME = {
     **dict.fromkeys(
         ("BuildError", "InputError", "NotDifferentiable", "StribeckError", "StribeckNote"), "stribeck.errors"
     ),
-    **dict.fromkeys(("Advice", "advise"), "stribeck.analysis.advise"),
+    **dict.fromkeys(("Advice", "advise"), "stribeck.steepness"),
     "export": "stribeck.export",
-    "fit": "stribeck.identify.fitting",
-    **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.analysis.properties"),
-    "check_all": "stribeck.analysis.properties.matrix",
+    "fit": "stribeck.identify.api",
+    **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),
+    "check_all": "stribeck.properties.matrix",
     "law": "stribeck.laws",
-    "margins": "stribeck.analysis.properties.margins",
-    "parameters": "stribeck.parameter_sets",
+    "margins": "stribeck.properties.margins",
+    **dict.fromkeys(("allow_undetermined", "parameters"), "stribeck.parameter_sets"),
     "Scenario": "stribeck.scenario",
     **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),
 }
+_EXTRA = {"export": "export", "fit": "fit"}  # where one package alone would not be enough
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOME:
-        return getattr(importlib.import_module(_HOME[name]), name)
+        from stribeck.errors import needed
+
+        with needed(f"stribeck.{name}", _EXTRA.get(name, "")):
+            return getattr(importlib.import_module(_HOME[name]), name)
     raise AttributeError(f"module 'stribeck' has no attribute {name!r}")
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from stribeck import InputError, Scenario, simulate
 from stribeck.control.sampled import Filter
-from stribeck.paths import PointToPoint, Spline
+from stribeck.signals import PointToPoint, Spline
 from tests.control.servos import data, last, servo, solved
 from tests.simulation.rig import needs_compiler
 

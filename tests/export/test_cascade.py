@@ -11,10 +11,10 @@ import stribeck
 from stribeck import examples
 from stribeck.cli import _status
 from stribeck.control import sampled
-from stribeck.export import binaries
-from stribeck.export.cascade import INPUTS, OUTPUTS, PATH, Cascade
+from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, Cascade
+from stribeck.export.c.selftest import sampled as expected
+from stribeck.export.fmu import binaries
 from stribeck.export.request import Request
-from stribeck.export.selftest import sampled as expected
 from tests.export.harness import SANITIZE, STRICT, need
 
 EPS, EPS_FLOAT = 2.0**-52, 2.0**-23

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.export.control import response
+from stribeck.export.python.python_control import response
 from stribeck.laws import builtin
 from tests.laws.test_claims import make
 

@@ -8,7 +8,7 @@ import pytest
 import stribeck
 from stribeck.cli import _status
 from stribeck.export import PARTS, TARGETS
-from stribeck.export.sampling import radius
+from stribeck.export.c.sampling import radius
 from tests.export.harness import law
 
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from stribeck.identify.crossvalidate import LeftOut, choose, cross_validate, groups
-from stribeck.identify.dynamic import fit_dynamic
-from stribeck.identify.dynamic_problem import velocity_problem
-from stribeck.identify.optimise import descend
+from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.methods.optimise import descend
+from stribeck.identify.models.dynamic_problem import velocity_problem
+from stribeck.identify.statistics.crossvalidate import LeftOut, choose, cross_validate, groups
 from tests.identify import rig
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.identify.dynamic_problem import velocity_problem
-from stribeck.identify.filtering import leeway
+from stribeck.identify.features.filtering import leeway
+from stribeck.identify.models.dynamic_problem import velocity_problem
 from tests.identify import rig
 
 SLOW = [rig.loop(size, rate, 3) for size in (8e-6, 2e-5, 3e-5) for rate in (0.5, 3.0)]

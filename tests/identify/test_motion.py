@@ -6,7 +6,7 @@ import pytest
 import stribeck
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
-from stribeck.identify.motion import fit_motion
+from stribeck.identify.methods.motion import fit_motion
 
 PARAMETERS = {"sigma_0": 1e5, "sigma_1": 3e2, "sigma_2": 30.0, "F_c": 10.0, "F_s": 14.0, "v_s": 5e-3}
 STEP = 2e-3

@@ -5,10 +5,10 @@ import pytest
 
 import stribeck
 from stribeck import InputError
-from stribeck.identify.experiment import Sensors, experiment
+from stribeck.identify.data.segments import constant_speed, distinct_speeds
 from stribeck.identify.log import Log
-from stribeck.identify.presliding import fit_presliding, loops, turning_points
-from stribeck.identify.segments import constant_speed, distinct_speeds
+from stribeck.identify.methods.presliding import fit_presliding, loops, turning_points
+from stribeck.rig.synthetic import Sensors, experiment
 from tests.shared import SHARED
 
 EMPS = SHARED / "data" / "emps" / "DATA_EMPS.mat"
@@ -64,8 +64,8 @@ def test_the_published_model_of_emps_with_friction_by_direction():
 @emps
 def test_a_better_model_of_emps_predicts_blocks_left_out():
     terms = ["sigma_2_by_direction", "delay", "stiffness", "F_c_by_position"]
-    from stribeck.identify.fitting import read_log
-    from stribeck.identify.static import Setting, fit_static
+    from stribeck.identify.api import read_log
+    from stribeck.identify.methods.static import Setting, fit_static
 
     log = read_log(EMPS, COLUMNS, force_gain="gtau")
     setting = Setting({}, free=("F_c", "sigma_2", "k_v"), body=("offset", *terms))
@@ -163,9 +163,9 @@ def test_no_stribeck_effect_in_the_data_is_said_and_not_made_up():
 @pytest.mark.parametrize(
     ("velocity", "force", "said"),
     [
-        (np.full(2000, 0.1), lambda t, y, v, a: 5 + 0 * t, "--velocity: constant"),
-        (np.zeros(2000), lambda t, y, v, a: 5 + 0 * t, "--velocity: 0 throughout"),
-        (_sweep(4000), lambda t, y, v, a: 0 * t, "--force: 0 N throughout"),
+        (np.full(2000, 0.1), lambda t, y, v, a: 5 + 0 * t, "velocity: constant"),
+        (np.zeros(2000), lambda t, y, v, a: 5 + 0 * t, "velocity: 0 throughout"),
+        (_sweep(4000), lambda t, y, v, a: 0 * t, "force: 0 N throughout"),
         (_sweep(4000), lambda t, y, v, a: -5 * np.sign(v) - 20 * v, "the sign is wrong"),
     ],
 )
@@ -200,7 +200,7 @@ def test_presliding_gives_the_stiffness_within_five_per_cent(small_reversals):
 
 
 def _sizes(log):
-    from stribeck.identify.guess import scales
+    from stribeck.identify.features.guess import scales
 
     return scales(log)
 

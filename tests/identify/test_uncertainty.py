@@ -9,11 +9,11 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
-from stribeck.identify import uncertainty
-from stribeck.identify.dynamic import fit_dynamic
-from stribeck.identify.dynamic_problem import velocity_problem
-from stribeck.identify.experiment import LABEL
-from stribeck.identify.optimise import descend
+from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.methods.optimise import descend
+from stribeck.identify.models.dynamic_problem import velocity_problem
+from stribeck.identify.statistics import uncertainty
+from stribeck.rig.synthetic import LABEL
 from tests.identify import rig
 
 BENCHMARKS = Path(__file__).parent.parent.parent / "benchmarks"

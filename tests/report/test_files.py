@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stribeck.report.files import write_json, write_with
+from stribeck.files import write_json, write_with
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.report.plots import thin
 

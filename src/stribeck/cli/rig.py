@@ -8,10 +8,10 @@ from pathlib import Path
 
 from stribeck.cli import show
 from stribeck.errors import InputError
-from stribeck.identify import rig as made
-from stribeck.identify.experiment import LABEL
-from stribeck.identify.programme import Limits, programme
 from stribeck.parameter_sets import load
+from stribeck.rig import report as made
+from stribeck.rig.plan import Limits, programme
+from stribeck.rig.synthetic import LABEL
 from stribeck.scenario import parse_assignment
 
 

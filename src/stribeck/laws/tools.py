@@ -28,7 +28,7 @@ class ToTools:
         Raises:
             InputError: the mass is no finite number > 0.
         """
-        return _exporter("control").to_control(self, mass)
+        return _exporter("python_control").to_control(self, mass)
 
     def to_casadi(self, free: Sequence[str] = ()) -> casadi.Function:
         """The law as a CasADi function (v, z) -> (dz_dt, F); static laws have no z and give F alone.
@@ -46,10 +46,10 @@ class ToTools:
     def to_jax(self) -> Any:
         """The law in JAX: ``rate(v, z, **constants)`` and ``force(v, z, **constants)``, for grad, jit and vmap.
 
-        See :class:`stribeck.export.jax.JaxLaw`.
+        See :class:`stribeck.export.python.jax.JaxLaw`.
         """
         return _exporter("jax").to_jax(self)
 
 
 def _exporter(tool: str) -> Any:
-    return importlib.import_module(f"stribeck.export.{tool}")
+    return importlib.import_module(f"stribeck.export.python.{tool}")

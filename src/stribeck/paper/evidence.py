@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 
 from stribeck import laws
-from stribeck.analysis.advise.search import with_k_v
-from stribeck.analysis.advise.steady import Creep
-from stribeck.analysis.properties.cycles import integrate
 from stribeck.laws.terms import g
 from stribeck.paper.common import BRISTLES, STEEPNESSES, Done, Variant, solve
 from stribeck.paper.statements import passivity_cycle
+from stribeck.properties.cycles import integrate
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg
 from stribeck.scenario import Scenario
+from stribeck.steepness.search import with_k_v
+from stribeck.steepness.steady import Creep
 
 _SHARE = 0.95
 Numbers = dict[str, Any]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 from stribeck import examples
-from stribeck.analysis.advise import Advice, advise
 from stribeck.paper.common import Done
 from stribeck.report.advise import figure
 from stribeck.report.page import Chapter, Table
 from stribeck.scenario import Scenario
+from stribeck.steepness import Advice, advise
 
 _TOLERATED: dict[str, Any] = {
     "creep": 1e-6, "steady_error": 0.01, "speed": 1e-4, "presliding_error": 0.02, "force_rate": 0.1425, "mass": 1.0,

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from stribeck.analysis.advise import Advice
+from stribeck.files import write_json, write_text
 from stribeck.report import plots
-from stribeck.report.files import write_json, write_text
 from stribeck.report.page import FigureSvg
+from stribeck.steepness import Advice
 
 
 def write(advices: Mapping[str, Advice], folder: Path, summary: dict[str, Any]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
-from stribeck import drives, paths, signals
+from stribeck import drives, signals
 from stribeck.constants import Constant, kind_of, show
 from stribeck.control.cascade import Cascade
 from stribeck.control.observer import Adaptation
@@ -18,7 +18,7 @@ from stribeck.plants.mass import Mass
 Problem = tuple[str, str]  # path, message
 
 DRIVES: dict[str, type[drives.Drive] | type[Cascade]] = {**drives.KINDS, Cascade.kind: Cascade}
-SIGNALS: dict[str, type[signals.Signal]] = {**signals.KINDS, **paths.KINDS}
+SIGNALS: dict[str, type[signals.Signal]] = signals.KINDS
 
 RTOL_SMALLEST, RTOL_LARGEST = 1e-13, 0.1
 
@@ -160,7 +160,7 @@ def signal_table(kind: str) -> type[Table]:
     """The model of [drive.signal] for a kind of signal."""
     signal = SIGNALS[kind]
     fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=signal.meaning))}
-    if issubclass(signal, paths.Curve):
+    if issubclass(signal, signals.Curve):
         fields["t"] = (list[float], Field(description="times of the points, s; must increase"))
         fields["value"] = (list[float], Field(description="the signal at these times"))
     else:
@@ -169,9 +169,12 @@ def signal_table(kind: str) -> type[Table]:
         fields["t"] = (list[float], Field(description="times, s; must not decrease, two equal times make a jump"))
         fields["value"] = (list[float], Field(description="the signal at these times"))
     if signal is signals.File:
-        fields["path"] = (str, Field(min_length=1, description="CSV or Parquet file, relative to the scenario file"))
-        fields["time"] = (str, Field(description="name of the column of times, s"))
+        kinds = "CSV, Parquet, MAT or NPZ file, relative to the scenario file"
+        fields["path"] = (str, Field(min_length=1, description=kinds))
+        fields["time"] = (str, Field(description="name of the column of times"))
+        fields["time_unit"] = (str, Field("s", description="unit of that column, such as ms"))
         fields["value"] = (str, Field(description="name of the column of values"))
+        fields["unit"] = (str | None, Field(None, description="unit of that column, such as mm; SI unless given"))
     return create_model(f"{kind.capitalize()}Signal", __base__=Table, __doc__=signal.meaning, **fields)
 
 
@@ -222,11 +225,13 @@ def _declared(model: type[Table], where: tuple[Any, ...]) -> dict[str, Any]:
 def _allowed(declared: dict[str, Any]) -> str:
     if "const" in declared:
         return repr(declared["const"])
+    if "enum" in declared:
+        return f"one of {', '.join(map(str, declared['enum']))}"
     words = {
         "number": "a finite number", "integer": "a whole number", "string": "text", "boolean": "true or false",
         "array": "a list", "object": "a table",
     }  # fmt: skip
     signs = {"exclusiveMinimum": ">", "minimum": ">=", "maximum": "<="}
     bounds = " and ".join(f"{sign} {declared[key]:g}" for key, sign in signs.items() if key in declared)
-    empty = "that is not empty" if "minLength" in declared else ""
+    empty = "that is not empty" if {"minLength", "minProperties"} & declared.keys() else ""
     return f"{words[declared['type']]} {bounds}{empty}".rstrip()

@@ -1,0 +1,79 @@
+"""``--target c``: one header and one source of C99."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stribeck.errors import InputError, NotDifferentiable, arg
+from stribeck.export.c import cascade
+from stribeck.export.c.ccode import ARGUMENTS, WORDS, Equations, condition, render
+from stribeck.export.request import Request
+from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
+
+
+def files(request: Request) -> dict[str, str | bytes]:
+    """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
+    if request.part == "cascade":
+        return cascade.files(request)
+    values = context(request)
+    name = request.name
+    content: dict[str, str | bytes] = {
+        f"{name}.h": render("law.h", **values),
+        f"{name}.c": render("law.c", **values),
+    }
+    if request.self_test:
+        from stribeck.export.c.selftest import cases
+
+        content[f"{name}_test.c"] = render("law_test.c", **values, cases=cases(request))
+    return content
+
+
+def context(request: Request) -> dict[str, Any]:
+    """What the templates need."""
+    law, equations = request.law, Equations(request.law)
+    if request.part == "observer" and not equations.observable:
+        what = "no sigma_0 to weigh the tracking error by" if law.has_z else "no internal state to observe"
+        raise InputError(f"{arg('part')}: 'observer': law '{law.name}' has {what}")
+    if bad := [name for name in request.constants if name in WORDS | ARGUMENTS or not name.isascii()]:
+        raise InputError([f"{name}: a constant of this name cannot be exported to C: rename it" for name in bad])
+    declared = request.declared
+    return {
+        "u": request.unit,
+        "w": request.words,
+        "P": request.name,
+        "about": request.about(),
+        "law": law,
+        "constants": {name: (declared[name], value) for name, value in request.constants.items()},
+        "relations": _relations(law, request.constants),
+        "eq": equations,
+        "smooth": is_smooth(law),
+        "with_body": request.part in ("law", "body"),
+        "with_observer": equations.observable and request.part in ("law", "observer"),
+        "proven_observer": equations.observable and equations.linear,
+    }
+
+
+def is_smooth(law: Law) -> bool:
+    """True where F has a time derivative wherever v has one."""
+    if law.has_z:
+        return bool(law.guarantees()["smooth"])
+    try:
+        law.force_rate(0.0, 0.0, 1.0)
+    except NotDifferentiable:
+        return False
+    return True
+
+
+def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, str]]:
+    """(the constant to blame, what is allowed, the condition in C) for every relation of the law."""
+    found = dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB))
+    return [(r.key, r.allowed, condition(r.holds, law)) for r in found if all(need in constants for need in r.needs)]
+
+
+def notes(request: Request) -> list[str]:
+    """What is lost at the time step that was given."""
+    if request.part == "cascade":
+        return cascade.notes(request)
+    from stribeck.export.c.sampling import unstable
+
+    return unstable(request)

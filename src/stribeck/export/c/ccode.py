@@ -1,0 +1,151 @@
+"""The equations of a law as C functions of double or float: what the exports in C share."""
+
+from __future__ import annotations
+
+import re
+import threading
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from stribeck.control.observer import correction
+from stribeck.errors import needed
+from stribeck.expressions.emit import Dialect, Writer
+from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
+from stribeck.laws.base import Law
+
+_FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
+DIALECT = Dialect(
+    declare="const real ",
+    functions={name: f"FN({name})" for name in _FUNCTIONS} | {"abs": "FN(fabs)", "sign": "sign_of"},
+    both="&&",
+    either="||",
+    where="{0} ? {1} : {2}",
+    statement_end=";",
+)
+
+# Of C and of the templates' macros: neither a variable nor a member can be called so.
+_WORDS = """
+    auto break case char const continue default do double else enum extern float for goto if inline int long register
+    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+    EPSILON SLOWEST NAN INFINITY unix linux
+"""
+_LOCALS = "p v z s l dt a b x y u w real R FN exp log sqrt sin cos atan tanh fabs pow sign_of rate force dv_dt"
+WORDS = frozenset(_WORDS.split())
+ARGUMENTS = frozenset({"K", "error"})  # of the equations below: no constant can be called so
+_TAKEN = WORDS | frozenset(_LOCALS.split())
+
+_labels = threading.Lock()  # nodes are shared, and so are the names they carry
+
+
+class CWriter(Writer):
+    """Writes numbers as R(x), so that float code holds no double."""
+
+    def _format(self, node: Expr) -> tuple[str, int]:
+        text, precedence = super()._format(node)
+        if node.op != "constant":
+            return text, precedence
+        assert isinstance(node.value, float)
+        sign, size = ("-", text[1:]) if text.startswith("-") else ("", text)
+        return (f"{sign}R({size})" if size[0].isdigit() else f"(real)({text})"), precedence
+
+
+def labelled(build: Callable[[], dict[str, Expr]]) -> dict[str, Expr]:
+    """What ``build`` makes, with no other names of variables than it gives itself."""
+    with _labels:
+        for node in ordered(build().values()):
+            node.label = None
+        return build()
+
+
+def statements(outputs: Sequence[tuple[str, Expr]], inputs: Mapping[str, str]) -> str:
+    """Lines of C that assign expressions to their targets; the target ``return`` returns."""
+    roots = {re.split(r"\W", text)[0] for text in (*inputs.values(), *(target for target, _ in outputs))}
+    written = CWriter(DIALECT, inputs, taken=_TAKEN | roots).write(outputs)
+    return "\n".join(f"    {line.replace('return = ', 'return ', 1)}" for line in written)
+
+
+@dataclass(frozen=True)
+class Equations:
+    """A law's equations and their derivatives as expressions of v, z and the constants' names; ``rate`` is dz/dt as
+    an argument of the force."""
+
+    law: Law
+
+    @cached_property
+    def expressions(self) -> dict[str, Expr]:
+        """dz/dt, F, F for a given dz/dt, their derivatives by v and z, and the bound of z where the law has one."""
+        return labelled(self._build)
+
+    def _build(self) -> dict[str, Expr]:
+        law, v, z, rate = self.law, symbol("v"), symbol("z"), symbol("rate")
+        p = law.symbolic(symbol, law.structure)
+        found = {"rate": wrap(law.dz_dt(p, v, z) if law.has_z else 0.0)}
+        found["force_at_rate"] = wrap(law.friction(p, v, z, rate if law.has_z else wrap(0.0)))
+        found["force"] = wrap(law.friction(p, v, z, found["rate"]))
+        found |= {f"{of}_{by.value}": derivative(found[of], by) for of in ("rate", "force") for by in (v, z)}
+        if self.observable:
+            found["pull"] = wrap(correction(p, symbol("K"), symbol("error")))
+        # a law linear in z: dz/dt = a z + b at held v
+        found["a"], found["b"] = found["rate_z"], substitute([found["rate"]], {z: wrap(0.0)})[0]
+        if self.bounded:
+            found["bound"] = wrap(law.z_bound(p))
+        return found
+
+    @property
+    def linear(self) -> bool:
+        """True where dz/dt is linear in z: the zero-order hold is exact then."""
+        return "z" not in symbols([self.expressions["rate_z"]])
+
+    @property
+    def bounded(self) -> bool:
+        """True where the law claims a bound of z."""
+        return bool(self.law.has_z and self.law.guarantees()["bounded"])
+
+    @property
+    def observable(self) -> bool:
+        """True where the tracking error can correct z: it is weighed by sigma_0."""
+        return self.law.has_z and "sigma_0" in self.law.constants()
+
+    def body(self, outputs: Sequence[tuple[str, str]], arguments: Sequence[str]) -> str:
+        """Statements that assign expressions, given as (target, name), for a function that has these arguments."""
+        found = self.expressions
+        inputs = {name: f"p->{name}" for name in self.law.numbers(self.law.structure)}
+        inputs |= {name: name for name in arguments if name != "p"}
+        used = symbols(found[name] for _, name in outputs)
+        unused = [name for name in arguments if name != "p" and name not in used]
+        if not used & set(self.law.numbers(self.law.structure)):
+            unused.insert(0, "p")
+        written = statements([(target, found[name]) for target, name in outputs], inputs)
+        return "\n".join([*(f"    (void){name};" for name in unused), written])
+
+    def uses(self, *operations: str) -> bool:
+        """True where any expression needs one of these operations."""
+        return any(node.op in operations for node in ordered(self.expressions.values()))
+
+
+def condition(holds: Callable[[Any], Any], law: Law, place: str = "p->") -> str:
+    """A relation between the constants as a condition in C; ``place``: of what they are members."""
+    writer = CWriter(DIALECT, {name: f"{place}{name}" for name in law.constants()}, taken=_TAKEN)
+    line = writer.write([("result", wrap(holds(law.symbolic(symbol, law.structure))))])[-1]
+    return line.removeprefix("result = ").removesuffix(";")
+
+
+def expression(node: Expr, names: Iterable[str]) -> str:
+    """An expression of these symbols in C, on one line."""
+    line = CWriter(DIALECT, {name: name for name in names}, taken=_TAKEN).write([("result", node)])[-1]
+    return line.removeprefix("result = ").removesuffix(";")
+
+
+def render(template: str, **values: Any) -> str:
+    """A template of this package, filled in."""
+    with needed("an export", "export"):
+        import jinja2
+
+    environment = jinja2.Environment(
+        loader=jinja2.PackageLoader("stribeck.export"), trim_blocks=True, lstrip_blocks=True,
+        keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
+        comment_start_string="{##", autoescape=False,
+    )  # fmt: skip
+    return environment.get_template(template).render(repr=repr, **values)

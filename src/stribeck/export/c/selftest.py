@@ -1,0 +1,146 @@
+"""Values that the exported C must reproduce: computed here by the law's NumPy equations and by SciPy."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from stribeck.control.sampled import phi_1
+from stribeck.errors import needed
+from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, Cascade
+from stribeck.export.c.ccode import Equations
+from stribeck.export.request import Request
+from stribeck.expressions import ops
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import Expr, ordered, partials, wrap
+from stribeck.laws.base import Law
+
+
+def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
+    """Rows of numbers as C writes them, by function; the last number of a row is the sum of the absolute terms."""
+    law, equations = request.law, Equations(request.law)
+    scales, rng = law.scales(law.p), np.random.default_rng(1)
+    speeds = scales.speed * np.array([0.0, 1e-9, -1e-3, 0.3, -1.0, 2.5, -30.0, 1e4])
+    z = scales.length * rng.uniform(-1, 1, speeds.size) if law.has_z else np.zeros(speeds.size)
+    v, z = (x.astype(np.float32).astype(float) for x in (speeds, z))  # the same numbers in single precision
+    size = terms(equations, ("rate", "force"))
+    rates, forces = law.rate(v, z), law.force(v, z)
+    found: dict[str, list[tuple[str, ...]]] = {"points": [], "steps": []}
+    for i in range(v.size):
+        rate_terms, force_terms = size(v[i], z[i])
+        row = (v[i], z[i], rates[i], rate_terms, forces[i], force_terms, law.steady_force(v[i]))
+        found["points"].append(_row(row))
+    for i in range(1, v.size - 1):
+        dt = float(np.float32(0.05 * scales.length / abs(v[i])))
+        after = advance(law, v[i], z[i], dt)
+        found["steps"].append(_row((v[i], z[i], dt, after, scales.length)))
+    return found
+
+
+def terms(equations: Equations, names: tuple[str, ...]) -> Any:
+    """A function (v, z) -> for each expression the sum of its absolute terms: what its rounding is measured by."""
+    known: dict[Expr, Expr] = {}
+    outputs = [equations.expressions[name] for name in names]
+    for node in ordered(outputs):
+        known[node] = _magnitude(node, known)
+    p = equations.law
+    symbols = list(p.numbers(p.structure))
+    function = python_function([*symbols, "v", "z"], [known[node] for node in outputs])
+    values = [p.values[name] for name in symbols]
+
+    def at(v: float, z: float) -> tuple[float, ...]:
+        with np.errstate(all="ignore"):
+            return tuple(float(x) for x in function(*values, v, z))
+
+    return at
+
+
+def samples(cascade: Cascade) -> list[tuple[str, ...]]:
+    """Rows for the test of a cascade controller: path, measurements, states, dt; then what must come out, each number
+    with its :func:`spread`: the outputs, and the states afterwards."""
+    m, law, rng = cascade.servo.model, cascade.servo.observer, np.random.default_rng(1)
+    z = law.scales(law.p).length if law and law.has_z else 0.0
+    gas = (m["atmospheric_pressure"], m["supply_pressure"])
+    ranges = {"y": (0.1 * m["stroke"], 0.9 * m["stroke"]), "v": (-0.5, 0.5), "p_1": gas, "p_2": gas,
+              "acceleration": (-5.0, 5.0), "z_hat": (-z, z), "eta": (-z, z)}  # fmt: skip
+    function, rows = sampled(cascade), []
+    for _ in range(24):
+        x = {c.name: rng.uniform(*ranges.get(c.name, (0.5, 2.0))) for c in (*INPUTS, *(c for c, _ in cascade.states))}
+        near = {"y": x["y"], "v": x["v"], "a": 0.0, "jerk": 0.0}
+        x = {f"path.{c.name}": near[c.name] + 0.01 * rng.standard_normal() for c in PATH} | x
+        x = {name: float(np.float32(value)) for name, value in x.items()}  # the same numbers in single precision
+        dt = float(np.float32(10 ** rng.uniform(-4, -2)))
+        rows.append(_row((*x.values(), dt, *(number for pair in function(x, dt) for number in pair))))
+    return rows
+
+
+def sampled(cascade: Cascade) -> Callable[[dict[str, float], float], list[tuple[float, float]]]:
+    """A function of path, measurements and states by name, and dt: value and :func:`spread` of each output, then of
+    each state afterwards."""
+    states, values = [column.name for column, _ in cascade.states], cascade.constants
+    names = [column.name for column in OUTPUTS]
+    names += [f"{kind}.{state}" for kind in ("rate", "slope") for state in states]
+    wanted = [cascade.expressions[name] for name in names]
+    constants = {f"{g}.{n}": value for g, group in values.items() for n, (_, value) in group.items()}
+    inputs = [f"path.{column.name}" for column in PATH] + [column.name for column in INPUTS] + states
+    function = python_function([*constants, *inputs], [*wanted, *spread(wanted)])
+
+    def at(given: dict[str, float], dt: float) -> list[tuple[float, float]]:
+        found = [float(x) for x in function(*constants.values(), *(given[name] for name in inputs))]
+        value, by = (dict(zip(names, found[i:], strict=False)) for i in (0, len(names)))
+        rows = [(value[column.name], by[column.name]) for column in OUTPUTS]
+        for n in states:
+            rate, slope = f"rate.{n}", f"slope.{n}"
+            moved = dt * phi_1(value[slope] * dt)  # phi_1 falls by less than its value where its argument falls by 1
+            size = abs(given[n]) + moved * (by[rate] + abs(value[rate]) * dt * by[slope])
+            rows.append((given[n] + moved * value[rate], size))
+        return rows
+
+    return at
+
+
+def spread(outputs: list[Expr]) -> list[Expr]:
+    """By how much each output can change where every symbol and constant is wrong by a share of itself, per share, to
+    first order: the sum of the absolute terms, where terms pass through functions. Rounding is measured by it."""
+    known: dict[Expr, Expr] = {}
+    for node in ordered(outputs):
+        total = wrap(0.0)
+        for slope, arg in zip(partials(node), node.args, strict=False):
+            total = total + abs(slope) * known[arg]
+        known[node] = total if node.args else abs(node)
+    return [known[node] for node in outputs]
+
+
+def _magnitude(node: Expr, known: dict[Expr, Expr]) -> Expr:
+    parts = [known[arg] for arg in node.args]
+    if node.op in ("add", "sub"):
+        return parts[0] + parts[1]
+    if node.op == "mul":
+        return parts[0] * parts[1]
+    if node.op == "div":
+        return parts[0] / abs(node.args[1])
+    if node.op == "neg":
+        return parts[0]
+    if node.op == "where":
+        return wrap(ops.where(node.args[0], parts[1], parts[2]))
+    return node if node.op in ("lt", "le", "both", "either") else abs(node)
+
+
+def advance(law: Law, v: float, z: float, dt: float) -> float:
+    """z after dt with v held, by SciPy at tolerances near rounding."""
+    with needed("a self-test", "export"):
+        from scipy.integrate import solve_ivp
+
+    if not law.has_z:
+        return z
+    length = law.scales(law.p).length
+    solution = solve_ivp(
+        lambda t, x: [float(law.rate(v, x[0]))], (0, dt), [z], method="DOP853", rtol=1e-13, atol=1e-13 * length
+    )
+    return float(solution.y[0, -1])
+
+
+def _row(numbers: Any) -> tuple[str, ...]:
+    return tuple(repr(float(x)) for x in numbers)

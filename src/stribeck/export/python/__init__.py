@@ -1,0 +1,1 @@
+"""Laws as objects of other Python libraries."""

@@ -1,0 +1,1 @@
+"""Targets that are one text: Structured Text, tables, Modelica, MuJoCo."""

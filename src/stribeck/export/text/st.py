@@ -1,0 +1,101 @@
+"""``--target st``: a function block in IEC 61131-3 Structured Text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from stribeck.errors import InputError
+from stribeck.export.c.ccode import ARGUMENTS, Equations, render
+from stribeck.export.c.sampling import resolution
+from stribeck.export.request import Request
+from stribeck.expressions.emit import Dialect, Writer
+from stribeck.expressions.graph import Expr
+
+_OWN = ("v", "dt", "reset", "f", "z", "ok")  # of the block itself; the language knows no case
+_PARTS = 16  # of a step, for laws whose dz/dt is not linear in z
+
+# EXP, TANH and SIGN are functions of the file: the standard has no TANH, and controllers may stop on an overflow.
+_DIALECT = Dialect(
+    declare="",
+    functions={
+        "exp": "{n}_exp", "tanh": "{n}_tanh", "sign": "{n}_sign", "abs": "ABS", "atan": "ATAN", "sqrt": "SQRT",
+        "sin": "SIN", "cos": "COS", "log": "LN", "pow": "EXPT",
+    },
+    both="AND",
+    either="OR",
+    where="SEL({0}, {2}, {1})",
+    statement_end=";",
+    where_precedence=0,
+)  # fmt: skip
+
+
+class _Writer(Writer):
+    """Variables are called w_..., unique whatever the case of letters; they are listed for their declaration."""
+
+    def __init__(self, request: Request, inputs: dict[str, str]) -> None:
+        functions = {op: name.format(n=request.name) for op, name in _DIALECT.functions.items()}
+        super().__init__(Dialect(**{**vars(_DIALECT), "functions": functions}), inputs)
+        self.variables: list[str] = []
+
+    def begin(self) -> None:
+        """A new section: nothing that an earlier one computed can be used."""
+        self.lines, self._text = [], {}
+
+    def _name(self, label: str | None) -> str:
+        base = name = f"w_{label or 't'}"
+        count = 1
+        while name.lower() in self.taken:
+            count += 1
+            name = f"{base}_{count}"
+        self.taken.add(name.lower())
+        self.variables.append(name)
+        return name
+
+    def _format(self, node: Expr) -> tuple[str, int]:
+        text, precedence = super()._format(node)
+        return (number(node.value), precedence) if isinstance(node.value, float) else (text, precedence)
+
+
+def number(x: float) -> str:
+    """A number as the standard writes it: with a point."""
+    mantissa, e, exponent = repr(float(x)).partition("e")
+    return f"{mantissa if '.' in mantissa else mantissa + '.0'}{'E' if e else ''}{int(exponent) if e else ''}"
+
+
+def files(request: Request) -> dict[str, str | bytes]:
+    """The function block, with the functions that it needs."""
+    law, equations = request.law, Equations(request.law)
+    names = [*_OWN, *(name.lower() for name in request.constants)]
+    if bad := [
+        name for name in request.constants if names.count(name.lower()) > 1 or name in ARGUMENTS or not name.isascii()
+    ]:
+        text = "a constant of this name cannot be exported to Structured Text: rename it"
+        raise InputError([f"{name}: {text}" for name in bad])
+    inputs = {name: name for name in request.constants} | {"v": "v", "z": "z", "rate": "w_rate"}
+    writer = _Writer(request, inputs)
+    writer.taken.update(("w_rate", "w_slope", "w_drive", "w_x", "w_dz", "w_bound", "w_h"))
+
+    def statements(outputs: Sequence[tuple[str, str]]) -> list[str]:
+        writer.begin()
+        lines = writer.write([(target, equations.expressions[name]) for target, name in outputs])
+        return [line.replace(" = ", " := ", 1) for line in lines]
+
+    hold = [("w_slope", "rate_z"), ("w_rate", "rate")]
+    sections = {
+        "equations": statements(hold) if law.has_z else [],
+        "bound": statements([("w_bound", "bound")]) if equations.bounded else [],
+        "force": [*(statements([("w_rate", "rate")]) if law.has_z else []), *statements([("F", "force_at_rate")])],
+    }
+    declared = request.declared
+    constants = [(n, number(x), declared[n]) for n, x in request.constants.items()]
+    text = render(
+        "law.st", name=request.name, about=request.about(), law=law, eq=equations, constants=constants,
+        u=request.unit, w=request.words,
+        variables=list(dict.fromkeys(writer.variables)), parts=1 if equations.linear else _PARTS, **sections,
+    )  # fmt: skip
+    return {f"{request.name}.st": text}
+
+
+def notes(request: Request) -> list[str]:
+    """What is lost at the time step that was given."""
+    return resolution(request)

@@ -1,0 +1,96 @@
+"""Zero-phase filters in MATLAB's conventions, on arrays of any length within little memory."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from stribeck.errors import InputError, arg
+
+Array = NDArray[np.float64]
+_CHUNK = 1_000_000
+_STAGE = 13  # the most that one Chebyshev filter of order 8 is to reduce the rate by
+_FORGOTTEN = 1e-10
+_ENDS = 1.2  # periods of the cut-off
+
+
+def zero_phase(b: Array, a: Array, x: Array, padding: int = 0) -> Array:
+    """filtfilt with MATLAB's padding, 3 (order), or more; long arrays in overlapping pieces, so that no copy is as long;
+    the rows of a matrix each by itself."""
+    padding = max(3 * (max(len(a), len(b)) - 1), padding)
+    if x.ndim > 1 or len(x) <= 2 * _CHUNK:
+        return np.asarray(signal.filtfilt(b, a, x, padlen=min(padding, x.shape[-1] - 1)))
+    slowest = float(np.max(abs(np.roots(a))))
+    overlap = min(int(np.log(_FORGOTTEN) / np.log(slowest)) + padding, _CHUNK)
+    out = np.empty(len(x))
+    for first in range(0, len(x), _CHUNK):
+        last = min(first + _CHUNK, len(x))
+        low, high = max(first - overlap, 0), min(last + overlap, len(x))
+        out[first:last] = signal.filtfilt(b, a, x[low:high], padlen=padding)[first - low : last - low]
+    return out
+
+
+def low_pass(x: Array, cutoff: float, step: float) -> Array:
+    """Butterworth of order 4 at ``cutoff`` Hz, there and back.
+
+    MATLAB's padding of 12 samples is too short for a cut-off far below the sampling rate: it is 1.2 periods at least.
+    """
+    return zero_phase(*signal.butter(4, 2 * cutoff * step), x, round(_ENDS / (cutoff * step)))
+
+
+def stages(q: int) -> list[int]:
+    """A reduction of the rate as a product of small ones.
+
+    Raises:
+        InputError: it has a prime factor that one filter cannot do.
+    """
+    found = []
+    while q > 1:
+        part = next((s for s in range(_STAGE, 1, -1) if q % s == 0), None)
+        if part is None:
+            raise InputError(f"{arg('decimate')}: {q}: must be a product of whole numbers up to {_STAGE}")
+        found.append(part)
+        q //= part
+    return found
+
+
+@lru_cache
+def _anti_alias(q: int) -> tuple[Array, Array]:
+    b, a = signal.cheby1(8, 0.05, 0.8 / q)
+    return b, a
+
+
+def decimate(x: Array, q: int) -> Array:
+    """Samples 1, 1 + q, 1 + 2 q, ... (from 0) behind a Chebyshev filter of type 1 (order 8, 0.05 dB, 0.8/q)."""
+    for part in stages(q):
+        x = zero_phase(*_anti_alias(part), x)[..., 1::part].copy()  # and not a view, which would hold all of it
+    return x
+
+
+def decimated_rows(count: int, q: int) -> NDArray[np.intp]:
+    """The rows that :func:`decimate` keeps."""
+    rows = np.arange(count)
+    for part in stages(q):
+        rows = rows[1::part]
+    return rows
+
+
+def shifted(x: Array, shift: float) -> Array:
+    """x at times later by ``shift`` samples, by cubics through four samples; the ends are held."""
+    whole = int(np.floor(shift))
+    s = shift - whole
+    weights = np.array(
+        [
+            -s * (s - 1) * (s - 2) / 6,
+            (s + 1) * (s - 1) * (s - 2) / 2,
+            -s * (s + 1) * (s - 2) / 2,
+            s * (s + 1) * (s - 1) / 6,
+        ]
+    )
+    before, after = max(1 - whole, 0), max(whole + 2, 0)
+    padded = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
+    start = before + whole - 1
+    return np.asarray(sum(w * padded[start + k : start + k + len(x)] for k, w in enumerate(weights)))

@@ -1,0 +1,302 @@
+"""From raw columns to a log: even steps, zero-phase filtering with a cut-off from the data, derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from hashlib import file_digest
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from stribeck.errors import InputError, arg
+from stribeck.identify.data.clocks import on_one_clock, pieces, released
+from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.quality import FEWEST, Clean, clean
+from stribeck.identify.data.read import Columns, read
+from stribeck.identify.log import Log
+from stribeck.recorded import is_table
+
+Array = NDArray[np.float64]
+_LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+_ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
+_LONGEST_LOOK = 1 << 18  # samples from which a spectrum is taken
+_HIGHEST = 0.4  # of the sampling rate
+_RAISED, _NOISE_ALLOWED = 4.0, 1e-3
+_SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
+_ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
+_STILL = 0.01  # of the fastest speed
+_LOST = 0.01  # of the motion's variance: less may go
+_MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
+_SETTLED = 5.0  # periods of the cut-off dropped at the start of a run
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """How raw columns become a log; None chooses from the data.
+
+    Attributes:
+        cutoff: of the zero-phase Butterworth filter (order 4, there and back), Hz; 0 takes the motion as it is.
+        trim: samples dropped at the start of each run, where the filter has not settled.
+        sharp: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
+            cut-off chosen from the data is raised.
+    """
+
+    cutoff: float | None = None
+    trim: int | None = None
+    sharp: bool = False
+
+
+def load(sources: Sequence[Any], columns: Columns, how: Preparation | None = None) -> Log:
+    """The log in one file or table, or in several of the same layout, each a run of its own.
+
+    Raises:
+        InputError: a file cannot be read or used; a line for each problem.
+    """
+    names = [f"table {i}" if is_table(each) else Path(each).name for i, each in enumerate(sources, start=1)]
+    cleaned, owners = [], []
+    for each, name in zip(sources, names, strict=True):
+        notes: list[str] = []
+        for part in pieces(read(each, columns), name, notes):
+            released(part, name, notes)
+            found = clean(part, name)
+            cleaned.append(replace(found, notes=[*notes, *found.notes]))
+            owners.append(name)
+            notes = []
+    hashes = tuple(_hash(Path(each)) for each in sources if not is_table(each))
+    log = prepare(on_one_clock(cleaned), how or Preparation(), owners)
+    return log.with_columns(hashes=hashes if len(hashes) == len(sources) else ())
+
+
+def _hash(path: Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as file:
+        return file_digest(file, "sha256").hexdigest()
+
+
+def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ()) -> Log:
+    """One log from cleaned columns."""
+    step = parts[0].step
+    roles = list(parts[0].columns)
+    notes = [note for part in parts for note in part.notes]
+    measured = "position" if "position" in roles else "velocity"
+    seen = _measured_spectrum(parts, measured, step)
+    cutoff, chosen = how.cutoff, 0.0
+    if cutoff is None:
+        cutoff, why = choose_cutoff(measured, *seen, step)
+        notes.append(why)
+        if (kept := keeping_all(parts, measured, seen[2], cutoff, step)) > cutoff:
+            cutoff = kept
+            notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
+        if how.sharp and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
+            chosen, cutoff = cutoff, higher
+            notes.append(
+                f"position and velocity only at {cutoff:.3g} Hz, as a simulation averages their noise out and needs sharp "
+                "reversals"
+            )
+    elif cutoff > 0:
+        if cutoff >= 0.5 / step:
+            raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")
+        notes.append(f"motion filtered at {cutoff:g} Hz, as given")
+    trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
+    if trim < 0:
+        raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
+    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.sharp)
+    if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
+        for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
+            rows = slice(last - count, last)
+            columns["acceleration"][rows] = low_pass(columns["acceleration"][rows], chosen, step)
+    run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
+    files = [i for i, part in enumerate(parts) for _ in part.runs]
+    sources = _sources(roles, measured, cutoff, parts)
+    if how.sharp:
+        sources["unfiltered"] = measured
+    parts_of_log: dict[str, Any] = {**columns, "run": run}
+    if how.trim is None and cutoff > 0:
+        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)), how.sharp)
+    return Log(
+        **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
+        files=tuple(names[i] for i in files) if names else (), spectrum=seen,
+    )  # fmt: skip
+
+
+def _columns(
+    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, keep: bool
+) -> tuple[dict[str, Array], list[int]]:
+    """Every column of the log, one after the other so that little is held twice; and the rows of each run."""
+    if len(parts) == 1 and len(parts[0].runs) == 1:  # however long: nothing is copied that need not be
+        grid = _grid(parts[0], parts[0].runs[0], step)
+        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured if keep else "")
+        parts[0].columns.clear()
+        return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]) - trim, trim)]
+    grids = [_grid(part, r, step) for part in parts for r in part.runs]
+    kept = [max(len(grid) - trim, 0) for grid in grids]
+    _enough(max(kept), trim)
+    place = np.concatenate([[0], np.cumsum(kept)])
+    names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
+    names += ["unfiltered"] if keep else []
+    out = {name: np.empty(place[-1]) for name in names}
+    number = 0
+    for part in parts:
+        for r in part.runs:
+            rows = slice(place[number], place[number + 1])
+            for name, x in _run(part, r, grids[number], step, cutoff, measured if keep else "").items():
+                out[name][rows] = x[trim:]
+            number += 1
+    return out, kept
+
+
+def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, always: bool) -> dict[str, Any]:
+    """The columns without the last rows of the runs that end in motion, where the filter goes astray.
+
+    Unless ``always``, only where it shows: the acceleration there exceeds all others of the run.
+    """
+    v, a = abs(columns["velocity"]), abs(columns["acceleration"])
+    fastest = float(v.max())
+    keep = np.ones(len(v), bool)
+    for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
+        if n > 4 * end and end > 0 and v[stop - 1] > _STILL * fastest:
+            rest = float(a[stop - n : stop - end].max())
+            keep[stop - end : stop] = not (always or float(a[stop - end : stop].max()) > rest)
+    if keep.all():
+        return columns
+    if len(lengths) == 1:  # a view: nothing is copied
+        return {name: x[:-end] for name, x in columns.items()}
+    return {name: x[keep] for name, x in columns.items()}
+
+
+def _enough(rows: int, trim: int) -> int:
+    if rows < FEWEST:
+        raise InputError(f"{arg('trim')}: {trim}: leaves less than {FEWEST} rows of every run")
+    return rows
+
+
+_MOTION = ("time", "position", "velocity", "acceleration")
+
+
+def _grid(part: Clean, rows: slice, step: float) -> Array:
+    """The times of a run: as measured where they are even, else on an even grid."""
+    time = part.columns["time"][rows]
+    return time if part.even else time[0] + step * np.arange(int((time[-1] - time[0]) / step * (1 + 1e-12)) + 1)
+
+
+def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep: str) -> dict[str, Array]:
+    time = part.columns["time"][rows]
+    found = {"time": grid}
+    for name, column in part.columns.items():
+        if name != "time":
+            found[name] = column[rows] if part.even else np.interp(grid, time, column[rows])
+    if keep:
+        found["unfiltered"] = found[keep]
+    for name in ("position", "velocity", "acceleration"):
+        if name in found and cutoff > 0:
+            found[name] = low_pass(found[name], cutoff, step)
+    if "velocity" not in found:
+        found["velocity"] = np.gradient(found["position"], step)
+    if "position" not in found:
+        found["position"] = np.concatenate(
+            [[0.0], np.cumsum((found["velocity"][1:] + found["velocity"][:-1]) * step / 2)]
+        )
+    if "acceleration" not in found:
+        found["acceleration"] = np.gradient(found["velocity"], step)
+    return found
+
+
+def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean]) -> dict[str, str]:
+    filtered = f", low-pass {cutoff:g} Hz, zero phase" if cutoff > 0 else ""
+    resampled = "" if all(part.even for part in parts) else ", resampled"
+    found = {name: f"measured{resampled}{filtered if name in _MOTION[1:] else ''}" for name in roles}
+    found.setdefault("position", "the integral of the velocity")
+    found.setdefault("velocity", "central differences of the position")
+    found.setdefault("acceleration", "central differences of the velocity")
+    return found
+
+
+def _measured_spectrum(parts: Sequence[Clean], measured: str, step: float) -> tuple[Array, Array, float]:
+    """The spectrum of the measured motion in the longest run, and its noise floor."""
+    part, rows = max(((p, r) for p in parts for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
+    rows = slice(rows.start, min(rows.stop, rows.start + _LONGEST_LOOK))
+    x = part.columns[measured][rows]
+    if not part.even:
+        x = np.interp(_grid(part, rows, step), part.columns["time"][rows], x)
+    frequency, power = spectrum(x, step)
+    return frequency, power, noise_floor(frequency, power, step)
+
+
+def choose_cutoff(measured: str, frequency: Array, power: Array, floor: float, step: float) -> tuple[float, str]:
+    """The frequency (Hz) up to which the motion's spectrum stands clear of its noise floor, and that in words."""
+    highest = _HIGHEST / step
+    buried = np.flatnonzero(power < _ABOVE_NOISE * floor)
+    edge = float(frequency[buried[0]]) if len(buried) else highest
+    cutoff = min(_rounded(max(edge, _SLOWEST_FILTER * frequency[0])), highest)
+    if edge >= highest:
+        return highest, f"{measured}: no noise floor in sight; low-pass at {highest:.4g} Hz, 0.4 of the sampling rate"
+    return cutoff, (
+        f"{measured}: its spectrum stands {_ABOVE_NOISE:g} times above the noise floor up to {edge:.3g} Hz; "
+        f"low-pass at {cutoff:g} Hz, zero phase"
+    )
+
+
+def keeping_all(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:
+    """The cut-off, raised until what the filter takes away is no more than the noise, or little of the motion.
+
+    Small reversals on a long slow motion, such as presliding, stand high in no part of the spectrum; yet they are no noise.
+    """
+    part, rows = max(((p, r) for p in parts for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
+    rows = slice(rows.start, min(rows.stop, rows.start + _LONGEST_LOOK))
+    x = part.columns[measured][rows]
+    if not part.even:
+        grid = _grid(part, rows, step)
+        x = np.interp(grid, part.columns["time"][rows], x)
+    edge = min(round(_SETTLED / (cutoff * step)), len(x) // 4)
+    highest = _HIGHEST / step
+    while cutoff < highest:
+        taken = (x - low_pass(x, cutoff, step))[edge : len(x) - edge]
+        lost = float(np.mean(taken**2))
+        if lost <= max(_MORE_THAN_NOISE * floor * (0.5 / step - cutoff), _LOST * float(np.var(x))):
+            break
+        cutoff = min(cutoff * 1.5, highest)
+    return float(cutoff)
+
+
+def raised(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:
+    """The cut-off for simulations: up to four times as high, while the velocity's noise stays below a thousandth of the
+    largest speed."""
+    part = parts[0]
+    x = part.columns[measured][part.runs[0]][:_LONGEST_LOOK]
+    smooth = low_pass(x, cutoff, step)
+    if measured == "velocity":
+        highest = (_NOISE_ALLOWED * float(np.max(abs(smooth)))) ** 2 / max(floor, 1e-300)
+    else:
+        fastest = float(np.max(abs(np.diff(smooth)))) / step
+        highest = np.cbrt(3 * (_NOISE_ALLOWED * fastest / (2 * np.pi)) ** 2 / max(floor, 1e-300))
+    return float(max(min(highest, _RAISED * cutoff, _HIGHEST / step), cutoff))
+
+
+def spectrum(x: Array, step: float) -> tuple[Array, Array]:
+    """Frequencies (Hz) and power spectral density in sixths of an octave; trends do not leak into it."""
+    rate = np.diff(x) / step
+    f, p = signal.welch(signal.detrend(rate), 1 / step, nperseg=min(len(rate), 4096))
+    f, p = f[1:], p[1:]
+    p = p / (2 * np.sin(np.pi * f * step) / step) ** 2  # undoes the difference
+    band = np.round(6 * np.log2(f / f[0])).astype(int)
+    bands = np.unique(band)
+    return (
+        np.array([np.exp(np.mean(np.log(f[band == b]))) for b in bands]),
+        np.array([np.mean(p[band == b]) for b in bands]),
+    )
+
+
+def noise_floor(frequency: Array, power: Array, step: float) -> float:
+    """The lowest level in the upper part of a spectrum: what is measured where nothing moves any more."""
+    return float(np.min(power[frequency > 0.15 / step]))
+
+
+def _rounded(x: float) -> float:
+    """The nearest number of a short ladder, on a logarithmic scale."""
+    exponent = np.floor(np.log10(x))
+    choices = [rung * 10.0**e for e in (exponent, exponent + 1) for rung in _LADDER]
+    return float(min(choices, key=lambda c: abs(np.log(c / x))))

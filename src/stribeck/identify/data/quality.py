@@ -1,0 +1,185 @@
+"""What is wrong with raw columns, and what is done about it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.errors import InputError, arg
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+FEWEST = 50
+_EVEN = 1e-2  # of the step: what times may be off and still count as evenly spaced
+_GAP = 5.5  # steps without a sample that end a run
+_BLOCK = 1_000_000
+_STUCK = 50  # samples of one and the same value, while the others move
+_AT_LIMIT = 5  # samples in a row at the largest or smallest value
+_LEVELS = 100  # a sensor with fewer different values is too coarse to tell clipping from rest
+
+
+@dataclass(frozen=True)
+class Clean:
+    """Columns whose time rises, as runs (first and last row) that may be filtered, all else left out."""
+
+    columns: dict[str, Array]
+    runs: list[slice]
+    step: float
+    even: bool
+    notes: list[str]
+
+
+def clean(columns: dict[str, Array], number: str) -> Clean:
+    """Look for what spoils a fit: empty cells, repeated times, gaps, uneven sampling, stuck and clipped sensors.
+
+    Args:
+        columns: by role, SI; they may be changed.
+        number: what to call the file in messages.
+
+    Raises:
+        InputError: too few rows, time that goes backwards, a column of empty cells.
+    """
+    notes: list[str] = []
+    _enough(columns, number)
+    columns = _without_empty(columns, number, notes)
+    time, own = columns["time"], columns.pop("run", None)
+    steps = np.diff(time)
+    new_run = np.zeros(len(steps), bool) if own is None else np.diff(own) != 0
+    if (back := np.flatnonzero((steps < 0) & ~new_run)).size:
+        row = int(back[0]) + 1
+        raise InputError(
+            f"{arg('time')}: {number}: time goes backwards in row {row + 1} ({time[row - 1]:.9g} s, then {time[row]:.9g} s); "
+            f"must rise within a run (name the runs' column with {arg('run')})"
+        )
+    if not steps.any():
+        raise InputError(f"{arg('time')}: {number}: {time[0]:.9g} s in every row; must rise")
+    repeated = np.append(False, (steps == 0) & ~new_run)
+    if count := int(repeated.sum()):
+        notes.append(f"{number}: {count} rows repeat the time of the row before; the first of each was kept")
+        columns = {name: x[~repeated] for name, x in columns.items()}
+        own = None if own is None else own[~repeated]
+        time = columns["time"]
+        steps = np.diff(time)
+        new_run = np.zeros(len(steps), bool) if own is None else np.diff(own) != 0
+    _enough(columns, number)
+    some = steps[:: max(len(steps) // 1_000_000, 1)]
+    step = float(np.median(some[some > 0]))
+    near = steps < 1.5 * step
+    near &= steps > 0.5 * step
+    step = float(np.mean(steps, where=near & ~new_run))  # to more digits than a single difference has
+    gaps = (steps > _GAP * step) & ~new_run
+    if count := int(gaps.sum()):
+        notes.append(
+            f"{number}: {count} gaps in time, the longest {steps[gaps].max():.3g} s (step {step:.3g} s); "
+            "the log is cut there, and nothing is filtered across a gap"
+        )
+    bad = _clipped(columns, number, notes)
+    bad |= _stuck(columns, number, notes, bad)
+    breaks = new_run | gaps | (bad[1:] != bad[:-1])
+    cuts = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(time)]
+    pieces = [slice(a, b) for a, b in pairwise(cuts) if not bad[a]]
+    runs = [r for r in pieces if r.stop - r.start >= FEWEST]
+    if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST):
+        notes.append(f"{number}: {lost} rows stand in pieces shorter than {FEWEST} rows and were left out")
+    if not runs:
+        raise InputError(f"{arg('data')}: {number}: no piece without a gap has {FEWEST} rows or more")
+    off = max(_jitter(time[r]) for r in runs)
+    even = off <= _EVEN
+    if not even:
+        notes.append(
+            f"{number}: samples are not evenly spaced (up to {off:.3g} steps off; the step is {step:.3g} s); "
+            "resampled to even steps by straight lines"
+        )
+    return Clean(columns, runs, step, even, notes)
+
+
+def _jitter(time: Array) -> float:
+    """How far times are from an even grid of their own, in steps."""
+    step = float(time[-1] - time[0]) / (len(time) - 1)
+    blocks = range(0, len(time), _BLOCK)
+    off = (time[b : b + _BLOCK] - time[0] - step * np.arange(b, min(b + _BLOCK, len(time))) for b in blocks)
+    return max(float(np.max(abs(x))) for x in off) / step
+
+
+def _enough(columns: dict[str, Array], number: str) -> None:
+    rows = len(columns["time"])
+    if rows < FEWEST:
+        raise InputError(f"{arg('data')}: {number}: has {rows} rows; a fit needs {FEWEST} or more")
+
+
+def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> dict[str, Array]:
+    keep = np.ones(len(columns["time"]), bool)
+    for role, x in columns.items():
+        empty = ~np.isfinite(x)
+        if count := int(empty.sum()):
+            if count > len(x) / 2:
+                raise InputError(f"{arg(role)}: {number}: {count} of {len(x)} cells are empty or no finite numbers")
+            notes.append(f"{number}: {role}: {count} cells are empty or no finite numbers; their rows were left out")
+            keep &= ~empty
+    return columns if keep.all() else {role: x[keep] for role, x in columns.items()}
+
+
+def _repeats(x: Array) -> tuple[NDArray[np.intp], NDArray[np.intp], float, int]:
+    """First rows and lengths of the stretches of one value, two rows or longer; the usual length (nine in ten stretches
+    are no longer), and the number of stretches of any length."""
+    same = x[1:] == x[:-1]
+    edges = np.flatnonzero(np.diff(same, prepend=False, append=False))
+    starts, lengths = edges[::2], edges[1::2] - edges[::2] + 1
+    count = len(x) - int(same.sum())
+    rank = (0.9 * count - (count - len(lengths))) / max(len(lengths), 1)
+    return starts, lengths, float(np.quantile(lengths, rank)) if rank > 0 else 1.0, count
+
+
+def _stuck(columns: dict[str, Array], number: str, notes: list[str], known: Mask) -> Mask:
+    """A sensor that repeats one value for long, though it does not do so by its nature and the body moves."""
+    bad = np.zeros(len(columns["time"]), bool)
+    motion = columns["position"] if "position" in columns else np.cumsum(columns["velocity"])
+    for role in ("force", "velocity", "load", "pressure"):
+        if role not in columns:
+            continue
+        starts, lengths, usual, count = _repeats(columns[role])
+        candidates = np.flatnonzero(lengths > max(_STUCK, 20 * usual)).tolist()
+        still = 0.02 * float(np.ptp(motion))
+        long = [
+            i
+            for i in candidates
+            if abs(motion[starts[i] + lengths[i] - 1] - motion[starts[i]]) > still and not known[starts[i]]
+        ]
+        if not long or count < _LEVELS:
+            continue
+        rows = int(sum(lengths[i] for i in long))
+        first = columns["time"][starts[long[0]]]
+        notes.append(
+            f"{number}: {role}: the sensor repeats one value while the body moves, {rows} rows in all "
+            f"(first at {first:.6g} s); the log is cut there, without them"
+        )
+        for i in long:
+            bad[starts[i] : starts[i] + lengths[i]] = True
+    return bad
+
+
+def _clipped(columns: dict[str, Array], number: str, notes: list[str]) -> Mask:
+    """A sensor at the end of its range: its largest or smallest value again and again, and not by coarse steps."""
+    bad = np.zeros(len(columns["time"]), bool)
+    for role in ("force", "velocity"):
+        x = columns.get(role)
+        if x is None:
+            continue
+        starts, lengths, usual, count = _repeats(x)
+        if count < _LEVELS or usual > 2:
+            continue
+        values = x[starts]
+        for end, word in ((x.max(), "largest"), (x.min(), "smallest")):
+            at = np.flatnonzero((values == end) & (lengths >= _AT_LIMIT))
+            rows = int(lengths[at].sum())
+            if rows:
+                notes.append(
+                    f"{number}: {role}: clipped at its {word} value {end:.6g} in {rows} rows "
+                    f"(first at {columns['time'][starts[at[0]]]:.6g} s); the log is cut there, without them"
+                )
+                for i in at:
+                    bad[starts[i] : starts[i] + lengths[i]] = True
+    return bad

@@ -1,0 +1,162 @@
+"""The raw columns of a log by role, converted to SI."""
+
+from __future__ import annotations
+
+import math
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.constants import show
+from stribeck.errors import InputError, arg, nearest
+from stribeck.identify.data.units import ROLES, factor, is_drive
+from stribeck.parameter_sets import read_toml
+from stribeck.recorded import Source, is_table, listed, no_column, opened
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Which column of a file is what.
+
+    Attributes:
+        names: the column's name in the file by role: time, position, velocity, acceleration, force, load, pressure,
+            command, run. The columns of a CSV file without a head are called 1, 2, 3, ...
+        units: the unit of a column by its name; SI unless given.
+        force_gain: force per unit of the force column: a number, or the name of a constant in the file.
+    """
+
+    names: dict[str, str] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    force_gain: float | str | None = None
+
+    def over(self, other: Columns) -> Columns:
+        """These where given, the other's elsewhere."""
+        gain = self.force_gain if self.force_gain is not None else other.force_gain
+        return Columns({**other.names, **self.names}, {**other.units, **self.units}, gain)
+
+
+def beside(path: Path) -> Columns:
+    """What the TOML file of the same name beside the data says: tables [columns] and [units], and force_gain."""
+    return from_toml(path.with_suffix(".toml")) if path.with_suffix(".toml").is_file() else Columns()
+
+
+def from_toml(path: Path) -> Columns:
+    """The columns that a TOML file names.
+
+    Raises:
+        InputError: the file cannot be read or holds something else.
+    """
+    data = read_toml(path)
+    problems = [
+        f"{path}: {key}: unknown key{nearest(key, ('columns', 'units', 'force_gain'))} (known: columns, units, force_gain)"
+        for key in data
+        if key not in ("columns", "units", "force_gain")
+    ]
+    for table in ("columns", "units"):
+        given = data.get(table, {})
+        if not isinstance(given, dict) or not all(isinstance(v, str | int) for v in given.values()):
+            problems.append(f"{path}: {table}: {show(given)}: must be a table of names")
+        elif table == "columns":
+            problems += [
+                f"{path}: columns.{key}: unknown key{nearest(key, ROLES)} (known: {', '.join(ROLES)})"
+                for key in given
+                if key not in ROLES
+            ]
+    gain = data.get("force_gain")
+    if gain is not None and not isinstance(gain, str | int | float):
+        problems.append(f"{path}: force_gain: {show(gain)}: must be a number or the name of a constant in the data")
+    if problems:
+        raise InputError(problems)
+    names, units = ({str(k): str(v) for k, v in data.get(table, {}).items()} for table in ("columns", "units"))
+    return Columns(names, units, gain)
+
+
+def read(data: Any, columns: Columns, needs_force: bool = True) -> dict[str, Array]:
+    """The columns of a file or table by role, in SI units, as long as each other; NaN where a cell is empty.
+
+    Args:
+        data: a file or table.
+        columns: which of its columns is what.
+        needs_force: refuse a record without a force.
+
+    Raises:
+        InputError: the file or a column is not there, or holds no numbers; an unknown unit; a line for each problem.
+    """
+    source = opened(data)
+    path = source.path
+    columns = columns if is_table(data) else columns.over(beside(Path(data)))
+    problems: list[str] = []
+    if "time" not in columns.names:
+        problems.append(
+            f"{arg('time')}: must be given, the name of the time column ({path} has {listed(source.names)})"
+        )
+    if needs_force and not {"position", "velocity"} & set(columns.names):
+        problems.append(
+            f"{arg('position')} or {arg('velocity')}: must be given (columns of {path}: {listed(source.names)})"
+        )
+    if needs_force and "force" not in columns.names:
+        problems.append(
+            f"{arg('force')}: must be given, the column of the driving force ({path} has {listed(source.names)})"
+        )
+    wanted = {}
+    for role, name in columns.names.items():
+        if name in source.names:
+            wanted[role] = name
+        else:
+            problems.append(no_column(role, name, source))
+    used = set(columns.names.values())
+    problems += [
+        f"{arg('units')}: {name!r}: no column of that name is used{nearest(name, used)}"
+        for name in columns.units
+        if name not in used
+    ]
+    factors: dict[str, float] = {}
+    for role, name in wanted.items():
+        try:
+            factors[role] = factor(role, name, columns.units[name]) if name in columns.units else 1.0
+        except InputError as error:
+            problems += error.problems
+    gain = _gain(columns, source, problems)
+    if problems:
+        raise InputError(problems)
+    found = source.columns(wanted)
+    if (arrow := sys.modules.get("pyarrow")) is not None:
+        arrow.default_memory_pool().release_unused()  # it would keep as much as the columns take
+    lengths = {len(x) for x in found.values()}
+    if len(lengths) > 1:
+        raise InputError(
+            [f"{arg(r)}: {wanted[r]!r}: has {len(x)} rows, others of {path} have not" for r, x in found.items()]
+        )
+    if "force" in factors:
+        factors["force"] *= gain
+    for role, column in found.items():
+        if factors[role] != 1.0:
+            np.multiply(column, factors[role], out=column)
+    return found
+
+
+def _gain(columns: Columns, source: Source, problems: list[str]) -> float:
+    gain = columns.force_gain
+    if gain is None:
+        unit = columns.units.get(columns.names.get("force", ""), "N")
+        if is_drive(unit):
+            problems.append(f"{arg('force_gain')}: must be given: the force column is in {unit}, not in N or N m")
+        return 1.0
+    if isinstance(gain, str):
+        try:
+            gain = float(gain)
+        except ValueError:
+            if gain not in source.constants:
+                known = f" (it has {', '.join(source.constants)})" if source.constants else ""
+                problems.append(f"{arg('force_gain')}: {gain!r}: must be a number, or a constant in the file{known}")
+                return 1.0
+            gain = source.constants[gain]
+    if not math.isfinite(gain) or gain == 0:
+        problems.append(f"{arg('force_gain')}: {show(gain)}: must be a finite number other than 0")
+    return float(gain)

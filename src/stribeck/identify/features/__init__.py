@@ -1,0 +1,1 @@
+"""What a log shows by itself: levels, stretches, rough values."""

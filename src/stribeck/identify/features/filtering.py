@@ -1,0 +1,61 @@
+"""How far the estimates hang on the filter of the measured motion.
+
+A cut-off that is too low rounds off reversals, one that is too high leaves noise and encoder steps in the velocity; both
+bias what the bristles' damping shows, and neither is seen in the residuals. With a cut-off lower by the square root of
+two the first error about doubles and the second falls to a third, so that either shows as a shift of the estimates.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.data.filters import low_pass
+from stribeck.identify.log import Log
+from stribeck.identify.models.dynamic_problem import VelocityProblem
+from stribeck.identify.models.problem import Problem
+
+Array = NDArray[np.float64]
+_LOWER = float(np.sqrt(0.5))
+_WHOLE = 1.5  # of the shift: the error of the motion as it is, by noise; more than it, by rounding off
+
+
+def leeway(problem: Problem, u: Array, slopes: Array) -> Array:
+    """How far each inner coordinate may be off because of the motion's filter; 0 where there was none.
+
+    One step of Gauss and Newton from the optimum ``u`` with its ``slopes`` towards that of the smoother motion.
+    """
+    nothing = np.zeros(len(u))
+    if not isinstance(problem, VelocityProblem) or problem.log.bandwidth is None:
+        return nothing
+    before, after = problem.outputs(u[None, :]), problem.moving(_smoother(problem.log)).outputs(u[None, :])
+    if before is None or after is None:
+        return nothing
+    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
+    shift = np.linalg.lstsq(slopes / size, after[0] - before[0], rcond=1e-9)[0] / size
+    return np.asarray(_WHOLE * abs(shift))
+
+
+def smoother_log(log: Log) -> Log:
+    """The log with velocity and acceleration of a lower cut-off."""
+    acceleration = _smoothed(log, log.acceleration, "differences" in log.sources.get("acceleration", ""))
+    return log.with_columns(velocity=_smoother(log), acceleration=acceleration)
+
+
+def _smoother(log: Log) -> Array:
+    """The velocity with a lower cut-off, as it is at the ends of runs."""
+    return _smoothed(log, log.velocity, "differences" in log.sources.get("velocity", ""))
+
+
+def _smoothed(log: Log, x: Array, differences: bool) -> Array:
+    """A column with a lower cut-off; differences with their error, of the second order, once more."""
+    assert log.bandwidth is not None
+    found = x.copy()
+    edge = round(1 / (log.bandwidth * log.step))
+    for rows in log.runs():
+        inside = slice(rows.start + edge, rows.stop - edge)
+        if inside.stop - inside.start > edge:
+            found[inside] = low_pass(x[rows], _LOWER * log.bandwidth, log.step)[edge:-edge]
+            if differences:
+                found[inside][1:-1] += np.diff(found[inside], 2) / 6
+    return found

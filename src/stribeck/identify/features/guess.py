@@ -1,0 +1,130 @@
+"""Where to start: rough values of a law's constants from a log, and the ranges they may have."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.errors import InputError
+from stribeck.identify.log import Log
+from stribeck.laws.base import Law
+
+Array = NDArray[np.float64]
+_REVERSALS_LOOKED_AT = 200
+_REST = 0.01  # of the largest speed
+_FEWEST_AT_REST = 8  # samples
+_TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
+
+
+@dataclass(frozen=True)
+class Range:
+    """A rough value, the range for starts, and the bounds of the fit."""
+
+    value: float
+    low: float
+    high: float
+    reach: float = 1e3
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """How far a fit may go: beyond the range by the factor ``reach``, and down by a thousand."""
+        return self.low / 1e3, self.high * self.reach
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Natural sizes of a log: friction level (N), offset (N), largest and typical slow speed (m/s), stiffness after
+    reversals (N/m)."""
+
+    force: float
+    offset: float
+    fast: float
+    slow: float
+    stiffness: float
+
+
+def scales(log: Log, mass: float = 0.0) -> Scales:
+    """The natural sizes of a log.
+
+    Raises:
+        InputError: nothing moves, or there is no force.
+    """
+    speed, force = abs(log.velocity), log.force - mass * log.acceleration
+    fast = float(np.max(speed, initial=0.0))
+    if fast <= 0:
+        raise InputError("velocity: 0 throughout: nothing moves, so there is no friction to fit")
+    moving = speed > 0.02 * fast
+    ahead, back = force[moving & (log.velocity > 0)], force[moving & (log.velocity < 0)]
+    offset = float(np.median(ahead) + np.median(back)) / 2 if len(ahead) and len(back) else 0.0
+    level = float(np.quantile(abs(force - offset), 0.9))
+    if level <= 0:
+        raise InputError("force: 0 throughout: there is no friction to fit")
+    slow = float(np.quantile(speed[speed > 1e-6 * fast], 0.1))
+    return Scales(level, offset, fast, min(max(slow, 1e-5 * fast), 0.1 * fast), _stiffness(log, force, level))
+
+
+def reversals(v: Array) -> list[tuple[int, int]]:
+    """First and last row of the motion after each reversal or rest of a run, until the next."""
+    turns = np.flatnonzero(np.diff(np.sign(v)) != 0).tolist()
+    return list(zip(turns, [*turns[1:], len(v) - 1], strict=True)) if turns else []
+
+
+def _stiffness(log: Log, force: Array, level: float) -> float:
+    """The stiffness that a contact shows where it holds: the median over stretches of rest and over reversals."""
+    found = [*_at_rest(log, force, level), *_after_reversals(log, force, level)]
+    if not found:
+        return level / max(_TYPICAL_BREAK_AWAY * float(np.ptp(log.position)), 1e-12)
+    return float(np.median(found))
+
+
+def _at_rest(log: Log, force: Array, level: float) -> list[float]:
+    """Force over way by least squares in each stretch of rest in which the force changes much."""
+    fast = float(np.max(abs(log.velocity)))
+    found = []
+    for rows in log.runs():
+        v, y, f = log.velocity[rows], log.position[rows], force[rows]
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], abs(v) < _REST * fast, [0]])))
+        for first, last in edges.reshape(-1, 2)[:_REVERSALS_LOOKED_AT].tolist():
+            margin = (last - first) // 8
+            inside = slice(first + margin, last - margin)
+            if inside.stop - inside.start < _FEWEST_AT_REST or np.ptp(f[inside]) < 0.3 * level:
+                continue
+            way, push = y[inside] - y[inside].mean(), f[inside] - f[inside].mean()
+            if (both := float(way @ push)) > 0:
+                found.append(float(push @ push) / both)
+    return found
+
+
+def _after_reversals(log: Log, force: Array, level: float) -> list[float]:
+    """Force over way on the first half of the rise that follows a reversal, where it takes a few samples."""
+    found = []
+    for rows in log.runs():
+        v, y, f = log.velocity[rows], log.position[rows], force[rows]
+        for first, last in reversals(v)[:_REVERSALS_LOOKED_AT]:
+            rise = abs(f[first : last + 1] - f[first])
+            if len(rise) > 4 and rise.max() > 0.3 * level:
+                half = int(np.argmax(rise >= rise.max() / 2))
+                way = abs(y[first + half] - y[first])
+                found += [rise[half] / way] if way > 0 and half else []
+    return found
+
+
+def ranges(law: type[Law], sizes: Scales) -> dict[str, Range]:
+    """A range for each constant of the law that a fit may free."""
+    f, fast, slow, k = sizes.force, sizes.fast, sizes.slow, sizes.stiffness
+    middle = float(np.sqrt(slow * fast))
+    known = {
+        "sigma_0": Range(k, k / 20, k * 20),
+        "sigma_1": Range(0.03 * f / middle, 1e-3 * f / middle, f / middle),
+        "sigma_2": Range(0.1 * f / fast, 1e-3 * f / fast, f / fast),
+        "F_c": Range(0.8 * f, 0.3 * f, 1.2 * f, reach=5),
+        "F_s": Range(1.2 * f, 0.5 * f, 2 * f, reach=5),
+        "v_s": Range(middle, slow, fast, reach=10),
+    }
+    for name, constant in law.constants().items():
+        if name not in known:
+            value = constant.example or constant.default or 1.0
+            known[name] = Range(value, value / 100, value * 100)
+    return known

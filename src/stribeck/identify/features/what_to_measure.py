@@ -1,0 +1,43 @@
+"""Which experiment would determine a parameter that the data leave open."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from stribeck.identify.features.guess import Scales
+
+_WORDS = {
+    "sigma_0": "small reversals: move to and fro by {small} to {large} (total way), slower than {slow}, at least 20 "
+    "samples in each, with a position resolution of {fine} or better",
+    "sigma_1": "small and fast reversals: {small} to {large} (total way) at several frequencies, so that the speed in "
+    "them reaches {slow} to {middle}; or steps of force from rest, rising at {rate} or faster",
+    "sigma_2": "constant speeds in both directions up to {fast} or more, at least three of them above a third of that",
+    "F_c": "constant speeds in both directions from {middle} up, long enough for the force to settle",
+    "F_s": "constant speeds in both directions from {slowest} to {middle}, evenly spaced in the logarithm; or force "
+    "ramps from rest at {gentle} or slower",
+    "v_s": "constant speeds in both directions from {slowest} to {fast}, at least ten, evenly spaced in the logarithm",
+    "mass": "accelerations at which mass * acceleration exceeds half the friction level ({half}), in both directions",
+    "stiffness": "slow strokes over the whole travel, in both directions",
+    "sigma_2_by_direction": "at least three constant speeds up to {fast}, the same in both directions",
+    "offset": "the same constant speeds in both directions",
+}
+
+
+def experiment_for(name: str, values: Mapping[str, float], sizes: Scales) -> str:
+    """What to measure, in words and numbers; from the log's scales where the fit has none."""
+    length = sizes.force / sizes.stiffness
+    numbers = {
+        "small": _show(0.2 * length, "m"), "large": _show(5 * length, "m"), "fine": _show(0.01 * length, "m"),
+        "slowest": _show(sizes.fast * 1e-3, "m/s"), "slow": _show(0.01 * sizes.fast, "m/s"),
+        "middle": _show(0.1 * sizes.fast, "m/s"), "fast": _show(sizes.fast, "m/s"),
+        "rate": _show(100 * sizes.force, "N/s"), "gentle": _show(0.1 * sizes.force, "N/s"),
+        "half": _show(0.5 * sizes.force, "N"),
+    }  # fmt: skip
+    if "_by_" in name and name not in _WORDS:
+        return f"the same motions at three levels of {name.partition('_by_')[2]} or more, evenly over its range"
+    words = _WORDS.get(name, "motions in which the force depends on it: reversals of several sizes and speeds")
+    return words.format(**numbers)
+
+
+def _show(value: float, unit: str) -> str:
+    return f"{value:.2g} {unit}"

@@ -1,0 +1,153 @@
+"""What a static fit of a law is made of: which constants it is linear in, which shape its curve, which it cannot see."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.errors import InputError, arg
+from stribeck.identify.features.guess import Scales, ranges, scales
+from stribeck.identify.features.sliding import Sliding
+from stribeck.identify.log import thinned
+from stribeck.identify.models.dynamic_problem import free_constants
+from stribeck.identify.models.separable import Separable, Shape
+from stribeck.identify.models.static_problem import Rows
+from stribeck.identify.models.terms import TERMS
+from stribeck.laws.base import Law
+
+Array = NDArray[np.float64]
+_SHARP = 1e9  # s/m
+_DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
+
+
+@dataclass(frozen=True)
+class Model:
+    """A law and the terms of the body against a record.
+
+    Attributes:
+        whole: the model.
+        free: the law's constants that were to be fitted; ``given``: those that were not.
+        unseen: those that the data show nothing of, and why.
+        notes: for the reader.
+    """
+
+    law: type[Law]
+    whole: Separable
+    free: tuple[str, ...]
+    given: dict[str, float]
+    unseen: dict[str, str]
+    notes: list[str] = field(default_factory=list)
+
+
+def model(
+    rows: Rows,
+    law: type[Law],
+    fixed: Mapping[str, float],
+    free: Sequence[str] | None,
+    mass: float | None,
+    body: Sequence[str],
+) -> Model:
+    """The model of a static fit.
+
+    Args:
+        rows: of the record.
+        law, fixed, free, mass: as in :class:`stribeck.identify.methods.static.Setting`.
+        body: the terms beside mass.
+
+    Raises:
+        InputError: a constant is unknown or missing.
+    """
+    notes: list[str] = []
+    held_terms = {n: v for n, v in fixed.items() if n in TERMS}
+    given = {n: v for n, v in fixed.items() if n not in TERMS}
+    free = _with_steepness(law, given, free, body, held_terms, notes)
+    wanted = free_constants(law, given, {}, free)
+    if "k_v" in given and "k_v" not in fixed:  # a default: the force changes sign at once then, as in the literature
+        given["k_v"] = _SHARP
+    sizes = scales(thinned(rows.log), mass or 0.0)
+    sliding = Sliding(law, given, _typical(law, sizes, given))
+    own = law.own_constants()
+    unseen = {
+        n: "a static fit sees sliding at held speeds only, and there this constant plays no part"
+        for n in wanted
+        if n not in sliding.seen and n not in own
+    }
+    terms = [n for n in dict.fromkeys([*(["mass"] if mass is None else []), *body]) if n not in held_terms]
+    if any(TERMS[n].level for n in terms) and "F_c" not in sliding.linear:
+        raise InputError(
+            f"{arg('terms')}: in law '{law.name}' no friction level F_c multiplies the force, so none can vary"
+        )
+    terms = _told_apart(rows, terms, unseen, notes)
+    linear = [n for n in wanted if n in sliding.linear and n not in unseen]
+    shapes = [Shape(n, *_span(n, law, sizes)) for n in wanted if n not in sliding.linear and n not in unseen]
+    if "delay" in terms:
+        step = rows.log.step
+        longest = min(_DELAY_STEPS * step, max(_LONGEST_DELAY, 2 * step))
+        shapes.append(Shape("delay", -longest, longest, log=False))
+    held = {**{n: sliding.base[n] for n in unseen if n in sliding.base}, **given, "delay": 0.0, **held_terms}
+    if "delay" in terms:
+        del held["delay"]
+    if mass is not None:
+        held["mass"] = mass
+    whole = Separable(rows.columns(sliding), held, linear, terms, shapes, rows.weight)
+    return Model(law, whole, tuple(wanted), dict(fixed), unseen, notes)
+
+
+def _with_steepness(
+    law: type[Law], given: Mapping[str, float], free: Sequence[str] | None, body: Sequence[str],
+    held: Mapping[str, float], notes: list[str],
+) -> Sequence[str] | None:  # fmt: skip
+    """k_v too, where a static law needs it, and where a delay does: with an exact sign it finds nothing."""
+    own = law.own_constants()
+    if law.has_z or "k_v" not in own or "k_v" in given or "k_v" in (free or ()):
+        return free
+    late = "delay" in body and "delay" not in held
+    if not (own["k_v"].required or late):
+        return free
+    if late and not own["k_v"].required:
+        notes.append("k_v is fitted too: a delay cannot be told with a sign that jumps")
+    usual = free if free is not None else [n for n in law.uses if n not in given]
+    return [*usual, "k_v"]
+
+
+def _told_apart(rows: Rows, terms: Sequence[str], unseen: dict[str, str], notes: list[str]) -> list[str]:
+    """The terms without an offset where all motion is one way."""
+    v = rows.log.velocity
+    fastest = float(np.max(abs(v)))
+    if "offset" not in terms or min(-float(v.min()), float(v.max())) > 0.02 * fastest:
+        return list(terms)
+    why = "all motion is in one direction: friction and an offset (gravity, a sensor's zero) cannot be told apart there"
+    unseen["offset"] = why
+    notes.append(f"{why}; the offset is taken as 0, so that the levels hold both")
+    return [n for n in terms if n != "offset"]
+
+
+def _typical(law: type[Law], sizes: Scales, given: Mapping[str, float]) -> dict[str, float]:
+    """Rough values that the law allows."""
+    found = {n: r.value for n, r in ranges(law, sizes).items()}
+    if "F_c" in given or "F_s" in given:
+        level = given.get("F_c", 0.8 * given.get("F_s", 1.0))
+        found |= {"F_c": level, "F_s": given.get("F_s", 1.5 * level)}
+    z_ba = given.get("z_ba", found.get("z_ba"))
+    if z_ba is not None and "sigma_0" in found:
+        found["sigma_0"] = min(found["sigma_0"], 0.5 * found["F_c"] / z_ba)
+    return found
+
+
+def _span(name: str, law: type[Law], sizes: Scales) -> tuple[float, float]:
+    """Where a constant that shapes the curve is looked for."""
+    constant = law.constants()[name]
+    if constant.unit == "s/m":
+        return 0.3 / sizes.fast, 1e4 / sizes.fast
+    if constant.unit == "m/s":
+        return 1e-3 * sizes.fast, 0.7 * sizes.fast
+    middle = constant.example or constant.default or ranges(law, sizes)[name].value
+    return 0.2 * middle, 5 * middle
+
+
+def unit_of(law: type[Law], name: str) -> str:
+    """The unit of a constant of the law or of a term of the body."""
+    return TERMS[name].unit if name in TERMS else law.constants()[name].unit

@@ -1,0 +1,1 @@
+"""What is fitted: problems with their residuals."""

@@ -1,0 +1,184 @@
+"""Which rows a static fit compares: the band of the force, filtered and thinned, without rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal
+
+from stribeck.identify.data import filters
+from stribeck.identify.features.rest import at_rest
+from stribeck.identify.features.sliding import Sliding
+from stribeck.identify.log import Log
+from stribeck.identify.models.columns import Columns, Reduce
+
+Array = NDArray[np.float64]
+_POWER_KEPT = 0.999  # of the force's, by the band that is fitted
+_RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+_MOST_ROWS = 25_000
+_MOST_RAW, _BLOCKS, _SHORTEST_BLOCK = (
+    200_000,
+    24,
+    600,
+)  # of a record: more tell nothing new; blocks of a run, rows of one
+_FEWEST = 150  # rows that a band lowered for the mass's sake leaves
+_MOVES = 0.015  # of the mass: what half the band may change it by
+_HEAVY = 0.05  # of the force: less inertia tells nothing of the band
+_LITTLE_REST = 0.02  # of the rows: less rest stays in
+
+
+@dataclass
+class Rows:
+    """A record as a static fit compares it; trials of one record share this.
+
+    Attributes:
+        log: the record, with a velocity of 0 where the body rests; of a very long one stretches evenly over it.
+        source: all of it.
+        q: one row in so many is kept behind the filter; ``why`` in words.
+        kept: the rows of the log that are; ``weight``: 0 for those in which the body rests.
+        rest: the rows of the log in which it does.
+    """
+
+    log: Log
+    source: Log
+    q: int
+    why: list[str]
+    kept: NDArray[np.intp]
+    weight: Array
+    rest: NDArray[np.bool_]
+    _columns: dict[Any, Columns] = field(default_factory=dict)
+
+    def columns(self, sliding: Sliding) -> Columns:
+        """The columns for a law."""
+        key = (sliding.law, tuple(sorted((n, str(x)) for n, x in sliding.base.items())))
+        if key not in self._columns:
+            self._columns[key] = Columns(self.log, sliding, thinning(self.log, self.q))
+        return self._columns[key]
+
+
+def rows_of(log: Log, decimate: int | None = None) -> Rows:
+    """The rows that a static fit of a record compares."""
+    notes, source = [], log
+    if len(log) > _MOST_RAW:
+        log = _stretches(log)
+        notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
+    rest = at_rest(log)
+    share = float(np.mean(rest))
+    if share <= _LITTLE_REST or share > 0.98:
+        rest[:] = False
+    else:
+        log = log.with_columns(velocity=np.where(rest, 0.0, log.velocity))
+        notes.append(
+            f"the body rests in {share:.0%} of the rows: they are left out, as friction takes any value there up to break-away"
+        )
+    if decimate:
+        q, why = decimate, f"one row in {decimate} is fitted"
+    else:
+        q, why = _by_effect(log, *decimation(log), rest)
+    kept = kept_rows(log, q)
+    near = rest
+    if q > 1 and rest.any():  # the filter spreads a jump over some rows
+        near = np.convolve(rest, np.ones(2 * q + 1), mode="same") > 0.5
+    return Rows(log, source, q, [why, *notes], kept, np.where(near[kept], 0.0, 1.0), rest)
+
+
+def decimation(log: Log) -> tuple[int, str]:
+    """By what the rate can be lowered and still hold the force's band; and why."""
+    longest = max(log.runs(), key=lambda r: r.stop - r.start)
+    x = log.force[longest.start : min(longest.stop, longest.start + (1 << 18))]
+    f, p = signal.welch(x - x.mean(), 1 / log.step, nperseg=min(len(x), 4096))
+    share = np.cumsum(p) / max(float(np.sum(p)), 1e-300)
+    band = max(float(f[np.searchsorted(share, _POWER_KEPT)]), float(f[1]))
+    q = max((r for r in _RATES if r <= max(0.4 / (band * log.step), 1)), default=1)
+    shortest = min(r.stop - r.start for r in log.runs())
+    while q > 1 and shortest < 30 * q:
+        q = _RATES[_RATES.index(q) - 1]
+    while len(log) / q > _MOST_ROWS and q < _RATES[-1]:
+        q = next(r for r in _RATES if r > q)
+    return q, f"{100 * _POWER_KEPT:g} % of the force's power lies below {band:.3g} Hz: one row in {q} is fitted"
+
+
+def _by_effect(log: Log, q: int, why: str, rest: NDArray[np.bool_]) -> tuple[int, str]:
+    """A lower band where the mass hangs on it: noise of the acceleration makes the mass too small.
+
+    Force and motion pass the same filter, so that a band that is too low costs rows and biases nothing.
+    """
+    shortest = min(r.stop - r.start for r in log.runs())
+    allowed = [r for r in _RATES if r >= q and len(log) / r >= _FEWEST and shortest >= 30 * r]
+    before: tuple[int, float] | None = None
+    for rate in allowed:
+        mass, share = _mass_at(log, rate, rest)
+        if before is not None and (share < _HEAVY or abs(mass - before[1]) <= _MOVES * abs(mass)):
+            break
+        before = rate, mass
+    if before is None or before[0] == q:
+        return q, why
+    band = 0.4 / (before[0] * log.step)
+    return before[0], (
+        f"below {band:.3g} Hz the mass no longer hangs on the filter (noise of the acceleration makes it too small above): "
+        f"force and motion pass that filter, and one row in {before[0]} is fitted"
+    )
+
+
+def _mass_at(log: Log, q: int, rest: NDArray[np.bool_]) -> tuple[float, float]:
+    """The mass of a plain regression in a band, and what share of the force it makes."""
+    reduce = thinning(log, q)
+    columns = [log.acceleration, np.sign(log.velocity), log.velocity, np.ones(len(log)), np.where(rest, log.force, 0.0)]
+    matrix = np.column_stack([reduce(x) for x in columns])
+    size = np.maximum(np.sqrt(np.mean(matrix**2, axis=0)), 1e-300)
+    force = reduce(log.force)
+    found = np.linalg.lstsq(matrix / size, force, rcond=1e-10)[0] / size
+    return float(found[0]), float(abs(found[0]) * size[0] / max(np.sqrt(np.mean(force**2)), 1e-300))
+
+
+def thinning(log: Log, q: int) -> Reduce:
+    """Filter and decimation of each run; runs of one length at once."""
+    filters.stages(q)
+    if q == 1:
+        return lambda x: x
+    rows = list(log.runs())
+    lengths = np.array([r.stop - r.start for r in rows])
+    counts = [len(filters.decimated_rows(int(n), q)) for n in lengths]
+    ends = np.concatenate([[0], np.cumsum(counts)])
+
+    def reduce(x: Array) -> Array:
+        out = np.empty(ends[-1])
+        for length in np.unique(lengths).tolist():
+            same = np.flatnonzero(lengths == length).tolist()
+            if len(same) == 1:
+                out[ends[same[0]] : ends[same[0] + 1]] = filters.decimate(x[rows[same[0]]], q)
+                continue
+            made = filters.decimate(np.stack([x[rows[k]] for k in same]), q)
+            for k, row in zip(same, made, strict=True):
+                out[ends[k] : ends[k + 1]] = row
+        return out
+
+    return reduce
+
+
+def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
+    """The rows of the log that :func:`thinning` keeps."""
+    return np.concatenate([r.start + filters.decimated_rows(r.stop - r.start, q) for r in log.runs()])
+
+
+def _stretches(log: Log) -> Log:
+    """Stretches of a long record, evenly over every run, as runs of their own."""
+    parts, owner = [], []
+    runs = list(log.runs())
+    shares = [max(int(_MOST_RAW * (r.stop - r.start) / len(log)), 1) for r in runs]
+    counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, _BLOCKS)) for share in shares]
+    usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
+    for number, (rows, count) in enumerate(zip(runs, counts, strict=True)):
+        length = min(usual, rows.stop - rows.start)  # of one length where it can be: they are filtered together
+        if count * length >= rows.stop - rows.start:
+            count, length = 1, rows.stop - rows.start
+        starts = np.linspace(rows.start, rows.stop - length, count).astype(int).tolist()
+        parts += [slice(a, a + length) for a in starts]
+        owner += [number] * count
+    every = np.concatenate([np.arange(p.start, p.stop) for p in parts])
+    run = np.repeat(np.arange(len(parts), dtype=np.int32), [p.stop - p.start for p in parts])
+    files = tuple(log.files[i] for i in owner) if log.files else ()
+    return log.rows(every).with_columns(run=run, files=files)

@@ -1,0 +1,76 @@
+"""What the force holds beside the law's friction: inertia, spring, offset, pressure's push, levels that vary."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.errors import InputError, arg, nearest
+from stribeck.identify.log import Log
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Term:
+    """A coefficient times a column of the log.
+
+    Attributes:
+        unit: of the coefficient.
+        meaning: in a line.
+        column: the log's column; None for a delay, which shifts the motion instead.
+        level: multiplies the law's sliding level instead of standing alone: F_c (and F_s) grow by it.
+        needs: the optional column of the log that it takes.
+        positive: the coefficient must be so.
+        friction: it is part of friction, and not of the rig.
+    """
+
+    unit: str
+    meaning: str
+    column: Callable[[Log], Array] | None
+    level: bool = False
+    needs: str = ""
+    positive: bool = False
+    friction: bool = False
+
+
+TERMS: dict[str, Term] = {
+    "mass": Term("kg", "inertia", lambda log: log.acceleration, positive=True),
+    "offset": Term("N", "constant force, such as gravity", lambda log: np.ones(len(log))),
+    "stiffness": Term("N/m", "spring to ground", lambda log: log.position),
+    "gravity_sin": Term("N", "what the sine of the position (rad) multiplies: an arm's weight", lambda log: np.sin(log.position)),
+    "gravity_cos": Term("N", "what its cosine multiplies", lambda log: np.cos(log.position)),
+    "area": Term("m^2", "area that the pressure pushes on", lambda log: _get(log.pressure), needs="pressure"),
+    "sigma_2_by_direction": Term(
+        "N s/m", "half of what viscous friction is more forwards", lambda log: abs(log.velocity), friction=True
+    ),
+    "F_c_by_position": Term("N/m", "growth of the friction level with position", lambda log: log.position, level=True),
+    "F_c_by_load": Term("1", "growth of the friction level with load", lambda log: _get(log.load), True, "load"),
+    "F_c_by_pressure": Term("m^2", "growth of the level with pressure", lambda log: _get(log.pressure), True, "pressure"),
+    "delay": Term("s", "time by which the measured motion lags the force", None),
+}  # fmt: skip
+
+
+def _get(column: Array | None) -> Array:
+    assert column is not None
+    return column
+
+
+def check(names: tuple[str, ...], log: Log) -> None:
+    """Refuse terms that are unknown or lack their column.
+
+    Raises:
+        InputError: a line for each.
+    """
+    problems = []
+    for name in names:
+        if name not in TERMS:
+            guess = nearest(name, TERMS) or f" (known: {', '.join(TERMS)})"
+            problems.append(f"{arg('terms')}: {name!r}: no such term{guess}")
+        elif (needs := TERMS[name].needs) and getattr(log, needs) is None:
+            problems.append(f"{arg('terms')}: {name!r}: needs a column: {arg(needs)}")
+    if problems:
+        raise InputError(problems)

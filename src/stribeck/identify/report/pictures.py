@@ -1,0 +1,199 @@
+"""The figures of a fit's report."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2
+
+from stribeck.identify.log import Log
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.result import Fit
+from stribeck.report import plots
+from stribeck.report.page import FigureSvg
+
+Array = NDArray[np.float64]
+_DOTS = 2500  # points of a cloud: more make the page heavy and show nothing new
+_LOOPS = 6
+_FALL = float(chi2.ppf(0.95, 1))
+
+
+def data(log: Log) -> list[FigureSvg]:
+    """The columns against time, and the spectrum that the cut-off is from."""
+    columns = {"position": "m", "velocity": "m/s", "force": "N"} | {
+        n: u for n, u in (("pressure", "Pa"), ("load", "N")) if getattr(log, n) is not None
+    }
+    with plots.style():
+        made, axes = plots.figure([[name] for name in columns], 1.5 * len(columns) + 0.4)
+        time, label = _in_a_row(log.time)
+        for name, unit in columns.items():
+            for rows in log.runs():
+                axes[name].plot(
+                    *plots.thin(time[rows], getattr(log, name)[rows]), color=plots.COLOURS[2], linewidth=0.8
+                )
+            axes[name].set_ylabel(f"{name} ({unit})")
+        axes[next(reversed(columns))].set_xlabel(label)
+        found = [plots.finish(made, "data", "The log as it was fitted.")]
+    if log.spectrum is not None:
+        found.append(_spectrum(log, *log.spectrum))
+    return found
+
+
+def _spectrum(log: Log, frequency: Array, power: Array, floor: float) -> FigureSvg:
+    with plots.style():
+        made, axes = plots.figure([["spectrum"]], 2.6)
+        axis = axes["spectrum"]
+        axis.loglog(frequency, power, color=plots.COLOURS[2], label="measured motion")
+        axis.axhline(floor, color=plots.GREY, linestyle=plots.DASHES[2], label="noise floor")
+        if log.bandwidth:
+            axis.axvline(log.bandwidth, color=plots.COLOURS[1], linestyle=plots.DASHES[1], label="cut-off")
+        axis.set_xlabel("frequency (Hz)")
+        axis.set_ylabel("power spectral density (SI/Hz)")
+        plots.legend(made, axis)
+        return plots.finish(
+            made, "spectrum", "Spectrum of the measured motion, its noise floor, and the filter's cut-off."
+        )
+
+
+def _in_a_row(time: Array) -> tuple[Array, str]:
+    """Times that rise throughout, files following each other; and what to call them."""
+    steps = np.diff(time)
+    if np.all(steps >= 0):
+        return time, "t (s)"
+    return np.concatenate([[0.0], np.cumsum(np.maximum(steps, 0.0))]), "t, one file behind the other (s)"
+
+
+def _some(count: int) -> NDArray[np.intp]:
+    return np.linspace(0, count - 1, min(count, _DOTS)).astype(np.intp)
+
+
+def curve(fit: Fit) -> FigureSvg:
+    """Friction against velocity: measured, stretches of constant speed, and the law's steady force."""
+    p = fit.prediction
+    assert p is not None
+    rows = _some(len(p.time))
+    with plots.style():
+        made, axes = plots.figure([["curve"]], 3.6)
+        axis = axes["curve"]
+        axis.plot(p.velocity[rows], p.measured[rows], ".", color=plots.COLOURS[6], markersize=2, label="measured")
+        if segments := fit.details.get("segments"):
+            points = ([s[key] for s in segments] for key in ("velocity", "friction"))
+            axis.plot(*points, "o", color=plots.COLOURS[0], fillstyle="none", markersize=5, label="constant speed")
+        fastest = float(np.max(abs(p.velocity)))
+        half = np.geomspace(1e-5 * fastest, fastest, 400)
+        if any(TERMS[n].level for n in fit.used if n in TERMS):  # the curve is not one line then
+            axis.plot(p.velocity[rows], p.fitted[rows], ".", color=plots.COLOURS[1], markersize=2, label="fitted")
+        else:
+            v = np.concatenate([-half[::-1], half])
+            force = fit.as_law(guessing=True).steady_force(v) + fit.used.get("sigma_2_by_direction", 0.0) * abs(v)
+            axis.plot(v, force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
+        axis.set_xlabel("velocity (m/s)")
+        axis.set_ylabel("friction (N)")
+        plots.legend(made, axis)
+        return plots.finish(made, "curve", "Measured friction and the fitted law at held speeds.")
+
+
+def levels(rows: Sequence[Any]) -> FigureSvg:
+    """The friction level of each file against what it depends on."""
+    name = next(iter(rows[0]["at"]))
+    role = name.removeprefix("F_c_by_")
+    unit = {"pressure": "Pa", "load": "N", "position": "m"}[role]
+    x = np.array([r["at"][name] for r in rows])
+    with plots.style():
+        made, axes = plots.figure([["levels"]], 3.0)
+        axis = axes["levels"]
+        kinds = (
+            ("level", "low", "high", "its own", 0, 0.0),
+            ("predicted", "predicted_low", "predicted_high", "predicted", 1, 0.01),
+        )
+        for key, low, high, label, colour, aside in kinds:
+            if key in rows[0]:
+                y = np.array([r[key] for r in rows])
+                bars = np.array([[r[key] - r[low] for r in rows], [r[high] - r[key] for r in rows]])
+                where = x + aside * float(np.ptp(x))
+                axis.errorbar(
+                    where, y, bars, fmt="os"[colour], color=plots.COLOURS[colour], label=label, capsize=3, markersize=4
+                )
+        axis.set_xlabel(f"{role} ({unit})")
+        axis.set_ylabel("F_c (N)")
+        plots.legend(made, axis)
+        return plots.finish(
+            made, "levels", "Friction level of each file, and its prediction from the others; 95 % intervals."
+        )
+
+
+def loops(found: Sequence[Any]) -> FigureSvg:
+    """The longest hysteresis loops, measured and fitted."""
+    chosen = sorted(found, key=lambda loop: -float(np.ptp(loop["position"])))[:_LOOPS]
+    with plots.style():
+        names = [f"loop {i + 1}" for i in range(len(chosen))]
+        columns = min(len(names), 2)
+        layout = [names[i : i + columns] for i in range(0, len(names), columns)]
+        layout[-1] += [layout[-1][-1]] * (columns - len(layout[-1]))
+        made, axes = plots.figure(layout, 2.6 * len(layout) + 0.3)
+        for name, loop in zip(names, chosen, strict=True):
+            x = 1e6 * (loop["position"] - loop["position"].mean())
+            rows = _some(len(x))
+            plots.line(axes[name], 2, x[rows], loop["measured"][rows], "measured", linewidth=0.8)
+            plots.line(axes[name], 1, x[rows], loop["fitted"][rows], "fitted")
+            axes[name].set_xlabel("position (um)")
+            axes[name].set_ylabel("friction (N)")
+        plots.legend(made, axes[names[0]])
+        return plots.finish(made, "loops", "Friction against position in small reversals.")
+
+
+def residuals(fit: Fit) -> FigureSvg:
+    """Measured less fitted friction, in time and against the velocity."""
+    p = fit.prediction
+    assert p is not None
+    rest = p.measured - p.fitted
+    rows = _some(len(rest))
+    with plots.style():
+        made, axes = plots.figure([["time"], ["velocity"]], 4.2)
+        time, label = _in_a_row(p.time)
+        axes["time"].plot(*plots.thin(time, rest), color=plots.COLOURS[2], linewidth=0.7)
+        axes["time"].set_xlabel(label)
+        axes["velocity"].plot(p.velocity[rows], rest[rows], ".", color=plots.COLOURS[2], markersize=2)
+        axes["velocity"].set_xlabel("velocity (m/s)")
+        for axis in axes.values():
+            axis.set_ylabel("residual (N)")
+        return plots.finish(
+            made, "residuals", "Residuals of the force in time (above) and against the velocity (below)."
+        )
+
+
+def profiles(fit: Fit) -> FigureSvg:
+    """How twice the log-likelihood falls along each parameter."""
+    names = list(fit.profiles)
+    columns = min(len(names), 3)
+    layout = [names[i : i + columns] for i in range(0, len(names), columns)]
+    layout[-1] += [layout[-1][-1]] * (columns - len(layout[-1]))
+    units = {n: e.unit for n, e in {**fit.estimates, **fit.body}.items()}
+    with plots.style():
+        made, axes = plots.figure(layout, 1.9 * len(layout) + 0.3)
+        for name in names:
+            profile = fit.profiles[name]
+            near = profile.fall < 3 * _FALL
+            x, y = profile.values[near], profile.fall[near]
+            fine = np.linspace(x.min(), x.max(), 60)
+            axes[name].plot(fine, _through(x, y, fine), color=plots.COLOURS[2])
+            axes[name].plot(x, y, ".", color=plots.COLOURS[2])
+            axes[name].axhline(_FALL, color=plots.GREY, linestyle=plots.DASHES[2])
+            axes[name].set_ylim(0, 2 * _FALL)
+            axes[name].set_xlabel(f"{name} ({units.get(name) or '1'})")
+            axes[name].locator_params(axis="x", nbins=4)
+        return plots.finish(
+            made, "profiles", "Fall of twice the log-likelihood; the dotted line ends the 95 % interval."
+        )
+
+
+def _through(x: Array, y: Array, fine: Array) -> Array:
+    """A smooth line through a few points of a profile: the root of the fall, signed, is nearly straight."""
+    if len(x) < 3:
+        return np.asarray(np.interp(fine, x, y))
+    best = int(np.argmin(y))
+    root = np.sqrt(y) * np.where(np.arange(len(x)) < best, -1.0, 1.0)
+    return np.asarray(np.interp(fine, x, root) ** 2)

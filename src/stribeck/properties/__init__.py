@@ -1,0 +1,51 @@
+"""What a law with given constants guarantees: proofs, and counterexamples that the simulator replays."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from collections.abc import Callable
+from time import process_time
+
+from stribeck.errors import needed
+from stribeck.laws.base import Law
+from stribeck.properties.checked import Checked
+from stribeck.properties.storage import storage_interval
+from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, undecided
+
+__all__ = ["NAMES", "Verdict", "Verdicts", "check", "storage_interval"]
+
+WORK = 2400.0  # regions looked at for all five properties; it does not depend on the machine's speed
+
+_log = logging.getLogger(__name__)
+
+
+def check(law: Law, v_max: float | None = None, work: float = WORK) -> Verdicts:
+    """Whether a law with its constants has each of the five properties.
+
+    Args:
+        law: the law.
+        v_max: passivity is asked for \\|v\\| <= v_max, m/s; for every v unless given.
+        work: how many regions of (v, z) may be looked at; what is not decided by then is null.
+
+    Returns:
+        The verdicts: each true with a proof, false with a counterexample, or null with the reason. docs/check.md.
+    """
+    started = process_time()
+    if not law.has_z:
+        reason = f"law '{law.name}' has no internal state z, which the properties are about"
+        return Verdicts(law, {name: undecided(reason) for name in NAMES}, v_max)
+    with needed("a proof"):
+        importlib.import_module("flint")
+    checked = Checked(law, v_max, work)
+    found = {name: _safely(getattr(checked, name), name) for name in ("bounded", *NAMES)}
+    return Verdicts(law, {name: found[name] for name in NAMES}, v_max, process_time() - started)
+
+
+def _safely(decide: Callable[[], Verdict], name: str) -> Verdict:
+    """A verdict; undecided where the equations are such that the check itself fails."""
+    try:
+        return decide()
+    except Exception as error:
+        _log.warning("the check of '%s' failed", name, exc_info=True)
+        return undecided(f"the equations cannot be treated: {type(error).__name__}: {error}")

@@ -1,0 +1,134 @@
+"""A bound Z on |z| for every v(t)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.properties import enclosed, replay
+from stribeck.properties.certificate import Certificate
+from stribeck.properties.claims import Claims
+from stribeck.properties.cycles import integrate
+from stribeck.properties.model import Model
+from stribeck.properties.storage import Storage
+from stribeck.properties.unique import prove as prove_unique
+from stribeck.properties.verdicts import Verdict, proved, undecided
+
+_OUTSIDE = "wherever |z| >= Z, dz/dt points inward or is 0, for every v: |z| does not grow there"
+_EDGE = "on |z| = Z dz/dt points inward or is 0, for every v, and solutions are unique up to |z| = 2 Z: none leaves"
+_PASSED = "held speeds that take z past the bound: dz/dt keeps its sign on the way (interval arithmetic)"
+_LEVELS = (2.0, 10.0, 100.0, 1e4, 1e6)
+_REPLAYED = 10.0
+
+
+def prove(model: Model, claims: Claims) -> Certificate | None:
+    """Z is never passed outward."""
+    low, high = model.bound
+    found = claims.inward((low, None))
+    if found is not None:
+        return Certificate("bounded", "outside", found)
+    if low != high:
+        return None
+    found = claims.inward((high, high))
+    if found is None:
+        return None
+    unique = prove_unique(model, claims, None, 2 * high)
+    return Certificate("bounded", "edge", found, {}, {"unique": unique}) if isinstance(unique, Certificate) else None
+
+
+def decide(model: Model, certificate: Certificate | None) -> Verdict:
+    """Whether |z| = Z is never passed outward; a proof that was found is given."""
+    if certificate is not None:
+        method = _OUTSIDE if certificate.theorem == "outside" else _EDGE
+        return proved(model, certificate, method, {"Z": float(model.bound[1])})
+    return _passed(model)
+
+
+def _passed(model: Model) -> Verdict:
+    """Speeds that take z past the bound from z = 0, and how far."""
+    law, z_bound = model.law, float(model.bound[1])
+    levels: list[dict[str, float]] = []
+    for level in (1 + 1e-6, *_LEVELS):
+        found = _fastest(model, level * z_bound)
+        if found is None:
+            break
+        levels.append({"z": level * z_bound, "z_over_Z": level, "v": found[0], "time": found[1]})
+    if not levels:
+        return _from_the_edge(model)
+    farthest = levels[-1]["z_over_Z"]
+    shown = max((x for x in levels if x["z_over_Z"] <= _REPLAYED), key=lambda x: x["z"])
+    if farthest < _LEVELS[-1]:
+        shown = _to_the_end(model, shown, farthest)
+    evidence: dict[str, Any] = {
+        "Z": z_bound, "levels": levels if farthest >= _LEVELS[-1] else [shown],
+        "passes_any_level": farthest >= _LEVELS[-1],
+    }  # fmt: skip
+    way = enclosed.least(model, model.rate * np.sign(shown["z"]), shown["v"], 0.0, shown["z"])
+    if not way > 0:
+        return undecided("held speeds take z past the bound by quadrature, but intervals do not confirm it", **evidence)
+    evidence["enclosed"] = {"v": shown["v"], "z_from": 0.0, "z_to": shown["z"], "dz_dt_at_least": way}
+    drive, end = replay.velocity_drive([shown["v"]], [shown["time"]])
+    tables = replay.scenario_of(law, "bounded", drive, end, {}, energy=True)  # compiled for passive, too
+    solution = replay.run(tables)
+    if solution is None or not abs(solution.final["z"]) > z_bound:
+        return Verdict(False, _PASSED, evidence)
+    evidence["replay"] = {"v": shown["v"], "time": shown["time"], "z": solution.final["z"]}
+    return Verdict(False, _PASSED, evidence, tables, stated={"z": solution.final["z"]})
+
+
+def _from_the_edge(model: Model) -> Verdict:
+    """A held speed, or rest, that moves z outward from the bound itself."""
+    z_bound = float(model.bound[1])
+    speeds = np.append(Storage(model.law, per_decade=4).v, 0.0)
+    for side in (1.0, -1.0):
+        start = z_bound if side > 0 else -z_bound
+        with np.errstate(all="ignore"):
+            outward = side * model.law.rate(speeds, start)
+            size = np.maximum(abs(model.law.rate(speeds, -start)), abs(model.law.rate(speeds, 0.0)))
+            share = np.where(np.isfinite(outward), outward / np.maximum(size, 1e-300), -1.0)
+        v = float(speeds[int(np.argmax(share))])
+        if not share.max() > 1e-6:
+            continue
+        for reach in (1e-2, 1e-4, 1e-6):
+            end = start * (1 + reach)
+            way = enclosed.least(model, model.rate * side, v, start * (1 - reach), end)
+            if way > 0:
+                evidence = {"Z": z_bound, "v": v, "z_start": start, "enclosed": {
+                    "v": v, "z_from": start, "z_to": end, "dz_dt_at_least": way}}  # fmt: skip
+                return Verdict(False, "from |z| = Z a held speed moves z outward (interval arithmetic)", evidence)
+    return undecided("no proof, and no held speed was found that takes z past the bound", Z=z_bound)
+
+
+def _to_the_end(model: Model, shown: dict[str, float], level: float) -> dict[str, float]:
+    """The farthest that held speeds get, within a thousandth: z may have a larger bound."""
+    z_bound = shown["z"] / shown["z_over_Z"]
+    low, high = level, max(2 * level, 2.0)
+    for _ in range(12):
+        middle = 0.5 * (low + high)
+        found = _fastest(model, middle * z_bound)
+        if found is None:
+            high = middle
+        else:
+            low, shown = middle, {"z": middle * z_bound, "z_over_Z": middle, "v": found[0], "time": found[1]}
+    return shown
+
+
+def _fastest(model: Model, level: float) -> tuple[float, float] | None:
+    """The held speed that takes z from 0 to a level soonest, and the time; None where none does."""
+    law = model.law
+    v = Storage(law, per_decade=12).v
+    v = v[v > 0]
+    z = level * np.linspace(0, 1, 41)
+    with np.errstate(all="ignore"):
+        rate = law.rate(v[:, None], z)
+        slowest = rate.min(axis=1)
+        size = np.maximum(abs(law.rate(v, -level)), abs(law.rate(v, 0.0)))
+        time: NDArray[np.float64] = np.where(slowest > 1e-9 * size, (1 / rate).mean(axis=1) * level, np.inf)
+    if not np.isfinite(time).any():
+        return None
+    # not faster than need be: among speeds that take at most ten times as long as ... a second, the slowest
+    enough = np.flatnonzero(time <= max(1.0, 2 * float(time.min())))
+    chosen = float(v[enough[0]])
+    return chosen, integrate(law, chosen, 0.0, level)[0]

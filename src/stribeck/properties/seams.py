@@ -1,0 +1,124 @@
+"""Where the cases of an equation meet, and whether values and derivatives agree there: exact identities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+from stribeck.expressions.graph import Expr, derivative, ordered, rewrite, substitute, wrap
+from stribeck.properties.certificate import Claim
+from stribeck.properties.claims import NULL, Claims
+from stribeck.properties.model import REST, SIGNS, Model, U, W, depends, rational_of
+
+EVERYWHERE: dict[str, tuple[Fraction, Fraction | None]] = {"u": (NULL, None), "w": (NULL, None)}
+
+
+@dataclass(frozen=True)
+class Seam:
+    """A condition of a form of an equation, and the form where it holds and where it does not."""
+
+    sides: tuple[int, int]
+    condition: Expr
+    if_true: Expr
+    if_false: Expr
+
+    @property
+    def text(self) -> str:
+        """For people."""
+        return f"{self.condition!r} changes"
+
+
+def seams(form: Expr, sides: tuple[int, int]) -> Iterator[Seam]:
+    """Every condition of a form."""
+    conditions = dict.fromkeys(node.args[0] for node in ordered([form]) if node.op == "where")
+    for condition in conditions:
+        if condition.op in ("lt", "le"):
+            yield Seam(sides, condition, settled(form, condition, True), settled(form, condition, False))
+
+
+def settled(form: Expr, condition: Expr, holds: bool) -> Expr:
+    """The expression where a condition is known."""
+
+    def rule(node: Expr) -> Expr:
+        if node.op == "where" and node.args[0] is condition:
+            return node.args[1 if holds else 2]
+        return node
+
+    return rewrite([form], rule)[0]
+
+
+class Joints:
+    """Shows that cases meet, for dz/dt or another expression of v and z."""
+
+    def __init__(self, model: Model, claims: Claims, expr: Expr) -> None:
+        self.model, self.claims, self.expr = model, claims, expr
+
+    def at_condition(self, seam: Seam, order: int) -> list[Claim] | None:
+        """Both forms agree where the condition changes: in value, and with order 1 in their first derivatives."""
+        pairs = [(seam.if_true, seam.if_false)]
+        if order:
+            pairs += [(derivative(seam.if_true, x), derivative(seam.if_false, x)) for x in (U, W)]
+        found: list[Claim] = []
+        for a, b in pairs:
+            claims = next((c for c in self._ways(seam, a, b) if c is not None), None)
+            if claims is None:
+                return None
+            found += claims
+        return found
+
+    def _ways(self, seam: Seam, a: Expr, b: Expr) -> Iterator[list[Claim] | None]:
+        less, more = seam.condition.args
+        extra = {"condition": seam.condition}
+        for start, end in ((less, more), (more, less)):
+            if start.op != "constant":
+                yield self._replaced(seam, a, b, start, end, [], extra)
+        difference = less - more
+        for x in (W, U):
+            slope = derivative(difference, x)
+            if depends(difference, x) and not depends(slope, x):
+                steep = self.claims.divisor(seam.sides, slope, "!=0", _present(slope))
+                if steep is not None:
+                    end = -substitute([difference], {x: wrap(0)})[0] / slope
+                    yield self._replaced(seam, a, b, x, end, [steep], extra)
+
+    def _replaced(
+        self, seam: Seam, a: Expr, b: Expr, start: Expr, end: Expr, also: list[Claim], extra: dict[str, Expr]
+    ) -> list[Claim] | None:
+        left, right = substitute([a, b], {start: end})
+        claim = self.claims.identity(seam.sides, left, right, EVERYWHERE, there=[[start, end]], **extra)
+        return [claim, *also] if claim is not None else None
+
+    def at_axis(self, axis: str, side: int, order: int) -> list[Claim] | None:
+        """The forms on both sides of z = 0 (or v = 0) agree there, and with what holds at z = 0 exactly."""
+        here = W if axis == "z" else U
+        sides = [(side, t) if axis == "z" else (t, side) for t in (*SIGNS, 0)]
+        above, below, exact = (self.model.form_of(self.expr, *each) for each in sides)
+        pairs = [(above, exact), (below, exact)]
+        if order:
+            for x in (U, W):
+                a, b = derivative(above, x), derivative(below, x)
+                pairs.append((a, -b if x is here else b))
+        found = []
+        for a, b in pairs:
+            left, right = substitute([a, b], {here: REST})
+            claim = self.claims.identity(sides[0], left, right, EVERYWHERE, axis=axis, side=side)
+            if claim is None:
+                return None
+            found.append(claim)
+        return found
+
+
+def _present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
+    return {n: r for n, r in EVERYWHERE.items() if depends(expr, {"u": U, "w": W}[n])}
+
+
+def constant_of(model: Model, expr: Expr) -> Fraction | None:
+    """The rational number that an expression of the constants is."""
+    from stribeck.properties.prover.leaf import Leaf, Region, Rules
+    from stribeck.properties.prover.ring import Unclear
+
+    try:
+        return rational_of(Leaf(model.ring, Region((), ()), Rules(opaque=True), model.inputs).convert(expr))
+    except Unclear:
+        return None

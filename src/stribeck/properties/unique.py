@@ -1,0 +1,144 @@
+"""Existence and uniqueness of z(t) for every piecewise continuous v(t)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from stribeck.expressions.graph import derivative
+from stribeck.properties.certificate import Certificate, Claim
+from stribeck.properties.claims import NULL, Claims, every
+from stribeck.properties.escape import escape
+from stribeck.properties.model import SIGNS, Model, W, depends
+from stribeck.properties.seams import Joints, seams
+from stribeck.properties.verdicts import Verdict, proved, undecided
+
+METHOD = (
+    "dz/dt is continuous in z (identities where its cases meet) and Lipschitz in z, uniformly over bounded v "
+    "(its derivative by z is bounded, region by region)"
+)
+_POWERS = (1, 2, 4)
+_SLACK = 128.0  # any bound will do: one that is far off is shown with few regions
+
+
+def prove(
+    model: Model, claims: Claims, bounded: Certificate | None, within: Fraction | None = None
+) -> Certificate | str:
+    """The certificate, for all z or for |z| <= within; or why there is none."""
+    found = _continuous(model, claims)
+    if isinstance(found, str):
+        return found
+    w: tuple[Fraction, Fraction | None] = (NULL, within)
+    for growth in _growths(model, within):
+        more = _bounded_slope(claims, growth, w)
+        if more is None:
+            continue
+        rest = every(claims.finite(s, growth, sign) for s in (0, *SIGNS) for sign in SIGNS)
+        if rest is None:
+            return "dz/dt at z = 0 is not shown to be finite"
+        hypotheses = {}
+        if growth["m"] and within is None:
+            if bounded is not None and bounded.theorem == "outside":
+                hypotheses["bounded"] = bounded
+            else:
+                tame = every(claims.grows((s, t), growth) for s in (0, *SIGNS) for t in SIGNS)
+                if tame is None:
+                    continue
+                rest += tame
+        if within is not None and bounded is not None:
+            hypotheses["bounded"] = bounded
+        data = {"within": within} if within is not None else {}
+        return Certificate("unique", "lipschitz", [*found, *more, *rest], data, hypotheses)
+    return "no bound on the derivative of dz/dt by z was found"
+
+
+def _continuous(model: Model, claims: Claims) -> list[Claim] | str:
+    joints = Joints(model, claims, model.rate)
+    found: list[Claim] = []
+    for s in (0, *SIGNS):
+        for t in SIGNS:
+            for seam in seams(model.form(s, t), (s, t)):
+                if not depends(seam.condition.args[0] - seam.condition.args[1], W):
+                    continue
+                shown = joints.at_condition(seam, 0)
+                if shown is None:
+                    return f"dz/dt may jump where {seam.text}"
+                found += shown
+        shown = joints.at_axis("z", s, 0)
+        if shown is None:
+            return "dz/dt may jump at z = 0"
+        found += shown
+    return found
+
+
+def _bounded_slope(
+    claims: Claims, growth: Mapping[str, Any], w: tuple[Fraction, Fraction | None]
+) -> list[Claim] | None:
+    return every(claims.lipschitz((s, t), w, growth, sign) for s in (0, *SIGNS) for t in SIGNS for sign in SIGNS)
+
+
+def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Any]]:
+    """Bounds (a + b u^k)(1 + (w/l)^m) of the derivative that sampling does not contradict, the simplest first."""
+    length = model.bound[1]
+    u, w, slope, size = _samples(model, within)
+    for m in (0, 1, 2, 3, 4, 6) if within is None else (0,):
+        for k in _POWERS:
+            value = np.maximum(slope / (1 + (w / float(length)) ** m), size / np.maximum(w + float(length), 0))
+            if not np.all(np.isfinite(value)):
+                return
+            by_speed = value.max(axis=1)
+            scale = u[len(u) // 2]
+            slow = float(by_speed[u <= scale].max()) * 2
+            with np.errstate(all="ignore"):
+                fast = float((by_speed / (u / scale) ** k).max(where=u > scale, initial=0.0)) * 2
+            tail = by_speed[-1] / max(by_speed[-20], 1e-300) / (u[-1] / u[-20]) ** k
+            steep = (
+                slope[:, -1]
+                / (1 + (w[-1] / float(length)) ** m)
+                / np.maximum(slope[:, -20] / (1 + (w[-20] / float(length)) ** m), 1e-300)
+            )
+            if tail > 1.5 or (within is None and float(steep.max()) > 1.5 and slope[:, -1].max() > 0):
+                continue
+            b = Fraction(_SLACK * max(fast, slow, 1e-300) / scale**k)
+            a = Fraction(_SLACK * max(slow, fast, 1e-300))
+            finite = Fraction(float(max(size[:, 0].max(), 1e-300)))
+            a = max(a, finite / length if finite < 1e300 else a)
+            yield {"a": a, "b": b, "k": k, "l": length, "m": m}
+
+
+def _samples(model: Model, within: Fraction | None) -> tuple[Any, Any, Any, Any]:
+    """|d(dz/dt)/dz| and |dz/dt| on a grid of speeds and deflections."""
+    from stribeck.expressions.emit import python_function
+    from stribeck.properties.storage import own_speeds
+
+    own, length = own_speeds(model.law), float(model.bound[1])
+    u = np.geomspace(own[0] * 1e-4, own[-1] * 1e6, 61)
+    top = float(within) if within is not None else length * 1e4
+    w = np.concatenate([[0.0], np.geomspace(length * 1e-6, top, 60)])
+    names = [n for n in model.values if n.isidentifier()]
+    slope = size = np.zeros((len(u), len(w)))
+    for s in SIGNS:
+        for t in SIGNS:
+            form = model.form(s, t)
+            function = python_function([*names, "u", "w"], [form, derivative(form, W)])
+            with np.errstate(all="ignore"):
+                values = function(*(float(model.values[n]) for n in names), u[:, None], w)
+            first, second = (np.broadcast_to(abs(np.asarray(x)), size.shape) for x in values)
+            size, slope = np.fmax(size, first), np.fmax(slope, second)
+    return u, w, slope, size
+
+
+def decide(model: Model, claims: Claims, bounded: Certificate | None) -> Verdict:
+    """Lipschitz for all z, or within the bound that z keeps; or a speed that takes z to infinity."""
+    certificate = prove(model, claims, bounded)
+    words = "all v and z"
+    if isinstance(certificate, str) and bounded is not None:
+        reason, words = certificate, "all v and |z| <= Z, which z does not leave"
+        certificate = prove(model, claims, bounded, model.bound[1])
+        certificate = reason if isinstance(certificate, str) else certificate
+    if isinstance(certificate, Certificate):
+        return proved(model, certificate, f"{METHOD}, for {words}", {"within": words})
+    return escape(model) or undecided(certificate)

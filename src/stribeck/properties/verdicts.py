@@ -1,0 +1,102 @@
+"""What a check returns."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from stribeck.laws.base import Law
+from stribeck.properties.certificate import FORMAT, Certificate
+
+NAMES = ("unique", "bounded", "smooth", "passive", "drift_free")
+
+
+@dataclass
+class Verdict:
+    """Whether a property holds.
+
+    Attributes:
+        holds: True (proved), False (a counterexample is in the evidence) or None (undecided; the evidence says why).
+        method: how it was decided.
+        evidence: numbers that belong to it, SI units.
+        scenario: of a counterexample, the tables of a scenario that shows it; else None.
+        certificate: of a proof, plain data that ``stribeck check --verify`` and others can check; else None.
+        verified: whether the independent checker, or a second run of the scenario, agreed; None where neither was asked.
+        stated: what the scenario ends with.
+    """
+
+    holds: bool | None
+    method: str
+    evidence: dict[str, Any] = field(default_factory=dict)
+    scenario: dict[str, Any] | None = None
+    verified: bool | None = None
+    certificate: dict[str, Any] | None = field(default=None, repr=False)
+    stated: Mapping[str, float] = field(default_factory=dict, repr=False)
+
+    def to_json(self) -> dict[str, Any]:
+        """The verdict as JSON."""
+        data: dict[str, Any] = {"holds": self.holds, "method": self.method, "evidence": self.evidence}
+        return data if self.verified is None else {**data, "verified": self.verified}
+
+    def verify(self, law: Law, name: str, v_max: float | None = None) -> bool | None:
+        """Check the certificate with code that shares nothing with the prover, or run the scenario again."""
+        from stribeck.properties import replay
+
+        if self.holds:
+            from stribeck.properties.verify_certificate import verify
+
+            self.verified = self.certificate is not None and not verify(self.certificate, law, name, v_max)
+        elif self.scenario is not None and self.stated:
+            self.verified = replay.repeats(self.scenario, self.stated)
+        return self.verified
+
+
+def undecided(reason: str, **evidence: Any) -> Verdict:
+    """Neither proved nor refuted."""
+    return Verdict(None, "undecided", {"reason": reason, **evidence})
+
+
+def proved(model: Any, certificate: Certificate, method: str, evidence: Mapping[str, Any]) -> Verdict:
+    """A proof."""
+    found = {**evidence, "regions": certificate.leaves}
+    return Verdict(True, method, found, certificate=certificate.to_json(model))
+
+
+@dataclass
+class Verdicts:
+    """The verdicts on a law with its constants; ``properties`` holds a :class:`Verdict` by name."""
+
+    law: Law
+    properties: dict[str, Verdict]
+    v_max: float | None = None
+    seconds: float = 0.0
+
+    def __getitem__(self, name: str) -> Verdict:
+        return self.properties[name]
+
+    def verify(self) -> bool:
+        """Check every proof's certificate and replay every counterexample; True where all agree."""
+        found = [
+            verdict.verify(self.law, name, self.v_max) for name, verdict in self.properties.items()
+        ]  # every one, also after one that fails
+        return False not in found
+
+    def certificates(self) -> dict[str, Any]:
+        """The certificates of all proofs, as plain data."""
+        return {
+            "format": FORMAT,
+            "law": self.law.name,
+            "certificates": {
+                n: v.certificate for n, v in self.properties.items() if v.holds and v.certificate is not None
+            },
+        }
+
+    def to_json(self) -> dict[str, Any]:
+        """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and what belongs to it."""
+        return {
+            "law": self.law.name,
+            "properties": {name: verdict.to_json() for name, verdict in self.properties.items()},
+            "constants": {**self.law.values, **self.law.choices},
+            "v_max": self.v_max,
+        }

@@ -1,0 +1,284 @@
+"""Signals of time: what a drive is given. All are continuous from the right."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stribeck.constants import Constant, show
+from stribeck.errors import InputError, nearest
+from stribeck.expressions.ops import Value, pi, sin
+from stribeck.recorded import read_columns
+from stribeck.units import ANGLE, FORCE, LENGTH, PRESSURE, SPEED, TIME
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Segments:
+    """A piecewise linear signal: value + slope (t - start) from each start to the next."""
+
+    start: Array
+    value: Array
+    slope: Array
+
+    def at(self, t: ArrayLike) -> Array:
+        """The signal at the times t, from the right where it jumps."""
+        t = np.asarray(t, float)
+        i = np.clip(np.searchsorted(self.start, t, side="right") - 1, 0, None)
+        p = Segment(self.start[i], self.value[i], self.slope[i])
+        return np.asarray(Segment.equation(p, t))
+
+
+@dataclass(frozen=True)
+class Segment:
+    """One piece of :class:`Segments`, or symbols for it."""
+
+    start: Value
+    value: Value
+    slope: Value
+
+    @staticmethod
+    def equation(p: Any, t: Value) -> Value:
+        """The signal within its current segment."""
+        return p.value + p.slope * (t - p.start)
+
+
+class Signal:
+    """A signal of time. ``smooth`` ones are one equation; the others are straight pieces between breakpoints."""
+
+    kind: ClassVar[str]
+    meaning: ClassVar[str]
+    constants: ClassVar[dict[str, Constant]] = {}
+    smooth: ClassVar[bool] = False
+
+    def __init__(self, values: dict[str, float] | None = None) -> None:
+        self.values = values or {}
+
+    @cached_property
+    def segments(self) -> Segments:
+        """The pieces of a signal that is not smooth."""
+        raise NotImplementedError
+
+    @staticmethod
+    def equation(p: Any, t: Value) -> Value:
+        """The signal at time t, for smooth signals."""
+        raise NotImplementedError
+
+    @property
+    def longest_step(self) -> float:
+        """The longest step in s that cannot miss a wave of the signal."""
+        return math.inf
+
+    @property
+    def pieces(self) -> list[tuple[float, dict[str, float]]]:
+        """When the equation of a smooth signal changes its constants, and to what; one piece unless said."""
+        return [(0.0, self.values)]
+
+    def values_at(self, t: ArrayLike) -> dict[str, Any]:
+        """The constants of a smooth signal's equation at the times t."""
+        return self.values
+
+    def at(self, t: ArrayLike) -> Array:
+        """The signal at the times t (s), as an array of the same shape."""
+        return self.segments.at(t)
+
+    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
+        """The times in (0, t_end] at which \\|signal\\| passes ``level``, each with True where it rises."""
+        s = self.segments
+        times = np.concatenate([[0.0], s.start[(s.start > 0) & (s.start < t_end)], [t_end]])
+        i = np.clip(np.searchsorted(s.start, times[:-1], side="right") - 1, 0, None)
+        left, right = s.at(times[:-1]), s.value[i] + s.slope[i] * (times[1:] - s.start[i])
+        jumps = np.append(False, (abs(left[1:]) >= level) != (abs(right[:-1]) >= level))
+        passes = {side * level: (side * left >= level) != (side * right >= level) for side in (1, -1)}
+        found: list[tuple[float, bool]] = []
+        for j in np.flatnonzero(jumps | passes[level] | passes[-level]):
+            t0, t1, a, b = times[j], times[j + 1], left[j], right[j]
+            cuts = [t0] if jumps[j] else []
+            cuts += [t0 + (target - a) * (t1 - t0) / (b - a) for target, passed in passes.items() if passed[j]]
+            above = (abs(a) >= level) != jumps[j]
+            for cut in sorted(cuts):
+                above = not above
+                found.append((float(cut), bool(above)))
+        return _without_touches(found)
+
+
+def _without_touches(crossings: list[tuple[float, bool]]) -> list[tuple[float, bool]]:
+    """The crossings without those that are undone in the same instant: there the signal only touches the level."""
+    kept: list[tuple[float, bool]] = []
+    for t, rises in crossings:
+        if kept and math.isclose(t, kept[-1][0], rel_tol=1e-14, abs_tol=0.0):
+            kept.pop()
+        else:
+            kept.append((t, rises))
+    return [(t, rises) for t, rises in kept if t > 0]
+
+
+class Ramp(Signal):
+    """rate * t."""
+
+    kind, meaning = "ramp", "rate * t"
+    constants: ClassVar[dict[str, Constant]] = {"rate": Constant("signal/s", "slope of the signal")}
+
+    @cached_property
+    def segments(self) -> Segments:
+        return Segments(np.zeros(1), np.zeros(1), np.array([self.values["rate"]]))
+
+
+class Step(Signal):
+    """0 before ``time``, ``value`` from then on."""
+
+    kind, meaning = "step", "0 before time, value from then on"
+    constants: ClassVar[dict[str, Constant]] = {
+        "value": Constant("signal", "the signal from time on"),
+        "time": Constant("s", "when the signal jumps"),
+    }
+
+    @cached_property
+    def segments(self) -> Segments:
+        return _segments(np.array([self.values["time"]] * 2), np.array([0.0, self.values["value"]]))
+
+
+class Sine(Signal):
+    """offset + amplitude sin(2 pi frequency t + phase)."""
+
+    kind, meaning, smooth = "sine", "offset + amplitude sin(2 pi frequency t + phase)", True
+    constants: ClassVar[dict[str, Constant]] = {
+        "amplitude": Constant("signal", "amplitude"),
+        "frequency": Constant("Hz", "frequency", above=0),
+        "offset": Constant("signal", "mean", default=0.0),
+        "phase": Constant("rad", "phase at t = 0", default=0.0),
+    }
+
+    @staticmethod
+    def equation(p: Any, t: Value) -> Value:
+        """The signal at time t."""
+        return p.offset + p.amplitude * sin(2 * pi * p.frequency * t + p.phase)
+
+    @property
+    def longest_step(self) -> float:
+        return 0.125 / self.values["frequency"]
+
+    def at(self, t: ArrayLike) -> Array:
+        return np.asarray(self.equation(SimpleNamespace(**self.values), np.asarray(t, float)))
+
+    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
+        v = self.values
+        found: list[tuple[float, bool]] = []
+        rate = 2 * np.pi * v["frequency"]
+        for target in (level, -level):
+            x = (target - v["offset"]) / v["amplitude"] if v["amplitude"] else 2.0
+            if abs(x) >= 1:
+                continue
+            for angle in (np.arcsin(x), np.pi - np.arcsin(x)):
+                first = ((angle - v["phase"]) % (2 * np.pi)) / rate
+                rises = bool(v["amplitude"] * np.cos(angle) * np.sign(target) > 0)
+                found += [(float(t), rises) for t in np.arange(first, t_end, 2 * np.pi / rate) if t > 0]
+        return sorted(found)
+
+
+@dataclass
+class Points(Signal):
+    """Straight lines between points, constant outside; two equal times make a jump."""
+
+    t: Array = field(default_factory=lambda: np.zeros(1))
+    value: Array = field(default_factory=lambda: np.zeros(1))
+    kind: ClassVar[str] = "points"
+    meaning: ClassVar[str] = "straight lines between points, constant outside; two equal times make a jump"
+
+    def __post_init__(self) -> None:
+        self.values = {}
+
+    @staticmethod
+    def problems(t: Array, value: Array) -> list[tuple[str, str]]:
+        """What is wrong with such points: (key, message)."""
+        if len(t) == 0:
+            return [("t", "[]: must hold at least one time")]
+        found = []
+        if len(t) != len(value):
+            found.append(("value", f"a list of {len(value)}: must be as long as t ({len(t)})"))
+        for key, x in (("t", t), ("value", value)):
+            bad = np.flatnonzero(~np.isfinite(x))
+            if len(bad):
+                found.append((f"{key}[{bad[0]}]", f"{x[bad[0]]}: must be a finite number"))
+        if not found and (down := np.flatnonzero(np.diff(t) < 0)).size:
+            i = int(down[0]) + 1
+            found.append((f"t[{i}]", f"{show(float(t[i]))}: times must not decrease (the one before is {t[i - 1]})"))
+        return found
+
+    @cached_property
+    def segments(self) -> Segments:
+        return _segments(self.t, self.value)
+
+
+class File(Points):
+    """Two columns of a recorded table, read as points."""
+
+    kind, meaning = "file", "two columns of a recorded file, read as points"
+    constants: ClassVar[dict[str, Constant]] = {
+        "scale": Constant("", "what the values are multiplied by, after their unit", default=1.0)
+    }
+
+    @classmethod
+    def read(
+        cls, path: Path, time: str, value: str, unit: str | None = None, time_unit: str = "s", scale: float = 1.0
+    ) -> File:
+        """The signal in the columns ``time`` and ``value`` of a CSV, Parquet, MAT or NPZ file.
+
+        Args:
+            path: the file; of CSV the separator and the decimal sign are found.
+            time: the name of the column of times; ``time_unit`` is its unit.
+            value: the name of the column of values; ``unit`` is their unit (SI unless given).
+            scale: what the values are multiplied by, after their unit.
+
+        Raises:
+            InputError: the file or a column is not there, or holds what is not a finite number; times decrease; an
+                unknown unit.
+        """
+        known = {"unit": LENGTH | ANGLE | SPEED | FORCE | PRESSURE, "time_unit": TIME}
+        given = {"unit": unit, "time_unit": time_unit}
+        if wrong := [name for name, text in given.items() if text is not None and text not in known[name]]:
+            raise InputError(
+                [f"{name}: {show(given[name])}: no such unit{_some(given[name], known[name])}" for name in wrong]
+            )
+        columns = read_columns(path, {"time": time, "value": value})
+        names = {"time": time, "value": value}
+        if empty := [(key, count) for key, x in columns.items() if (count := int(np.isnan(x).sum()))]:
+            text = f"this column of {path} has {{}} empty or nan cells"
+            raise InputError([f"{key}: {names[key]!r}: {text.format(count)}" for key, count in empty])
+        columns["time"] *= TIME[time_unit]
+        columns["value"] *= scale * (known["unit"][unit] if unit is not None else 1.0)
+        if found := cls.problems(columns["time"], columns["value"]):
+
+            def place(where: str) -> str:
+                key, _, row = where.partition("[")
+                name = names["time" if key == "t" else key]
+                return f"column {name!r}, row {row[:-1]}" if row else f"column {name!r}"
+
+            raise InputError([f"path: {path}: {place(where)}: {text}" for where, text in found])
+        return cls(columns["time"], columns["value"])
+
+
+def _some(unit: str | None, known: Mapping[str, float]) -> str:
+    return nearest(str(unit), known) or f" (known: {', '.join([u for u in known if len(u) < 5][:12])}, ...)"
+
+
+def _segments(t: Array, value: Array) -> Segments:
+    """Pieces of a polyline that is constant outside its points."""
+    length = np.diff(t)
+    inner = np.flatnonzero(length > 0)
+    start = np.concatenate([[min(0.0, t[0])], t[:-1][inner], t[-1:]])
+    levels = np.concatenate([value[:1], value[:-1][inner], value[-1:]])
+    slope = np.concatenate([[0.0], np.diff(value)[inner] / length[inner], [0.0]])
+    return Segments(start, levels, slope)
+
+
+KINDS: dict[str, type[Signal]] = {s.kind: s for s in (Points, Ramp, Sine, Step, File)}

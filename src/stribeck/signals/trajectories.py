@@ -1,0 +1,140 @@
+"""Signals with three derivatives through given points: what a controller can follow that needs the jerk."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stribeck.constants import Constant, show
+from stribeck.errors import needed
+from stribeck.expressions.ops import Value
+from stribeck.signals.piecewise import Points, Signal
+
+Array = NDArray[np.float64]
+
+_COEFFICIENTS = tuple(f"c{n}" for n in range(8))
+_MOVE = (35.0, -84.0, 70.0, -20.0)  # of x^4 to x^7: from 0 to 1 with zero speed, acceleration and jerk at both ends
+
+
+class Curve(Signal):
+    """Polynomials of order seven between points, constant before the first point and after the last."""
+
+    smooth = True
+    constants: ClassVar[dict[str, Constant]] = {
+        "start": Constant("s", "when the current polynomial begins"),
+        **{name: Constant("", f"its coefficient of (t - start)^{n}") for n, name in enumerate(_COEFFICIENTS)},
+    }
+
+    def __init__(self, t: Array, value: Array) -> None:
+        inner = self.between(t, value)
+        rest = np.zeros((2, 8))
+        rest[:, 0] = value[[0, -1]]
+        self._start = np.concatenate([[min(0.0, t[0]) - 1.0], t])
+        self._rows = np.vstack([rest[:1], inner, rest[1:]])
+        super().__init__(self._values(self._rows[0], self._start[0]))
+        self.values = self.pieces[0][1]
+
+    @staticmethod
+    def between(t: Array, value: Array) -> Array:
+        """The coefficients between neighbouring points, lowest first, as rows of eight."""
+        raise NotImplementedError
+
+    @staticmethod
+    def problems(t: Array, value: Array) -> list[tuple[str, str]]:
+        """What is wrong with such points: (key, message)."""
+        found = Points.problems(t, value)
+        if not found and len(t) < 2:
+            found.append(("t", f"{show(t.tolist())}: must hold at least two times"))
+        if not found and (same := np.flatnonzero(np.diff(t) <= 0)).size:
+            i = int(same[0]) + 1
+            found.append(
+                (f"t[{i}]", f"{t[i]}: times must increase, a jump has no derivatives (the one before is {t[i - 1]})")
+            )
+        return found
+
+    @staticmethod
+    def equation(p: Any, t: Value) -> Value:
+        """The current polynomial."""
+        x, total = t - p.start, 0.0 * t
+        for name in reversed(_COEFFICIENTS):
+            total = total * x + getattr(p, name)
+        return total
+
+    @staticmethod
+    def _values(row: Array, start: float) -> dict[str, float]:
+        return {"start": float(start), **dict(zip(_COEFFICIENTS, row.tolist(), strict=True))}
+
+    @cached_property
+    def pieces(self) -> list[tuple[float, dict[str, float]]]:
+        first = max(int(np.searchsorted(self._start, 0.0, side="right")) - 1, 0)
+        return [
+            (float(start), self._values(row, start))
+            for start, row in zip(self._start[first:], self._rows[first:], strict=True)
+        ]
+
+    def values_at(self, t: ArrayLike) -> dict[str, Any]:
+        i = np.clip(np.searchsorted(self._start, np.asarray(t, float), side="right") - 1, 0, None)
+        return {"start": self._start[i], **{name: self._rows[i, n] for n, name in enumerate(_COEFFICIENTS)}}
+
+    def at(self, t: ArrayLike) -> Array:
+        return np.asarray(self.equation(SimpleNamespace(**self.values_at(t)), np.asarray(t, float)))
+
+    def crossings(self, level: float, t_end: float) -> list[tuple[float, bool]]:
+        found: list[tuple[float, bool]] = []
+        ends = [*(start for start, _ in self.pieces[1:]), np.inf]
+        for (start, values), end in zip(self.pieces, ends, strict=True):
+            poly = np.polynomial.Polynomial([values[name] for name in _COEFFICIENTS])
+            for target in (level, -level):
+                roots = (poly - target).roots()
+                real = roots[abs(roots.imag) < 1e-9 * (1 + abs(roots))].real + start
+                slope = poly.deriv()(real - start) * np.sign(target)
+                found += [
+                    (float(at), bool(rise > 0))
+                    for at, rise in zip(real, slope, strict=True) if start <= at < end and 0 < at <= t_end and rise
+                ]  # fmt: skip
+        return sorted(found)
+
+
+class PointToPoint(Curve):
+    """Moves from point to point that begin and end without speed, acceleration and jerk."""
+
+    kind = "point_to_point"
+    meaning = "moves from each point to the next, at rest at every point; polynomials of order seven"
+
+    @staticmethod
+    def between(t: Array, value: Array) -> Array:
+        """value + d (35 x^4 - 84 x^5 + 70 x^6 - 20 x^7), x from 0 to 1."""
+        rows = np.zeros((len(t) - 1, 8))
+        rows[:, 0] = value[:-1]
+        length = np.diff(t)
+        for n, factor in enumerate(_MOVE, start=4):
+            rows[:, n] = factor * np.diff(value) / length**n
+        return rows
+
+
+class Spline(Curve):
+    """A spline through points, at rest at the first and the last."""
+
+    kind = "spline"
+    meaning = (
+        "a spline of order seven through points, at rest at the first and the last; its six derivatives are continuous"
+    )
+
+    @staticmethod
+    def between(t: Array, value: Array) -> Array:
+        """The spline with zero speed, acceleration and jerk at both ends."""
+        with needed("a signal of kind 'spline'"):
+            from scipy.interpolate import PPoly, make_interp_spline
+
+        rest = [(order, 0.0) for order in (1, 2, 3)]
+        spline = make_interp_spline(t, value, k=7, bc_type=(rest, rest))  # type: ignore[arg-type]
+        rows = PPoly.from_spline(spline)  # type: ignore[arg-type]
+        inside = np.flatnonzero(np.diff(rows.x) > 0)
+        return np.asarray(rows.c[::-1, inside].T, float)
+
+
+KINDS: dict[str, type[Curve]] = {curve.kind: curve for curve in (PointToPoint, Spline)}

@@ -1,0 +1,305 @@
+"""Verdicts on cases with known answers, counterexamples replayed by other means, and laws that are wrong on purpose."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+import stribeck
+from stribeck import Scenario
+from stribeck.errors import InputError
+from stribeck.laws.base import PARAMETERS
+from stribeck.properties import NAMES, WORK, check
+from stribeck.properties.checked import Checked
+from stribeck.properties.margins import margins
+from stribeck.properties.matrix import check_all, passive_with
+from stribeck.properties.storage import Storage, largest_speed, storage_interval
+from tests.properties import broken_laws
+
+TABLE_1 = {"sigma_0": 1e5, "sigma_1": 1e5**0.5, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
+NEEDS = {"lugre_arctan": ("k_v",), "lugre_sobczyk": ("k_v",), "lugre_majorant": ("k_v",), "elastoplastic": ("z_ba",),
+         "elastoplastic_sobczyk": ("k_v", "z_ba"), "elastoplastic_majorant": ("k_v", "z_ba")}  # fmt: skip
+# theory, sections 2 and 3: unique, bounded, smooth, drift-free; passive where LuGre's condition holds
+KNOWN = {
+    "lugre": "yyn.n", "lugre_arctan": "yny.n", "lugre_sobczyk": "yyynn", "lugre_majorant": "yyy.n",
+    "elastoplastic": "yyn.y", "elastoplastic_sobczyk": "yyynn", "elastoplastic_majorant": "yyy.y", "dahl": "yynyn",
+}  # fmt: skip
+
+
+def law_with(name, values=TABLE_1, **changes):
+    values = {**values, **changes}
+    own = {"k_v": 1e4 / values["v_s"], "z_ba": 0.7 * values["F_c"] / values["sigma_0"]}
+    own = {n: own[n] for n in NEEDS.get(name, ()) if n not in changes}
+    names = {"dahl": ("sigma_0", "F_c")}.get(name, tuple(PARAMETERS))
+    return stribeck.law(name, {n: x for n, x in values.items() if n in names or n not in PARAMETERS}, **own)
+
+
+def decided(law, name, v_max=None):
+    return getattr(Checked(law, v_max, WORK), name)()
+
+
+def own_energy_serves(law, v_max=None):
+    return Checked(law, v_max, WORK).passive_with_own_energy() is True
+
+
+def word(holds):
+    return {True: "y", False: "n", None: "?"}[holds]
+
+
+@pytest.mark.parametrize("damping", [0.3, 1.5], ids=["not passive", "passive"])
+@pytest.mark.parametrize("name", KNOWN)
+def test_verdicts_with_known_answers(name, damping):
+    threshold = 3e4 * (3.1 - 1.9) / 1.9
+    values = {"sigma_0": 1e9, "sigma_1": 3e4, "sigma_2": damping * threshold, "F_c": 1.9, "F_s": 3.1, "v_s": 1e-8}
+    found = check(law_with(name, values))
+    passive_now = "y" if damping > 1 and name != "lugre_arctan" else "n"
+    assert "".join(word(found[n].holds) for n in NAMES) == KNOWN[name].replace(".", passive_now)
+    assert found.verify()
+    for verdict in found.properties.values():
+        assert verdict.method
+        assert verdict.evidence
+
+
+@pytest.mark.parametrize("smooth_abs", ["sqrt", "compact"])
+@pytest.mark.parametrize("name", ["lugre_majorant", "elastoplastic_majorant"])
+def test_every_majorant_keeps_the_verdicts(name, smooth_abs):
+    found = check(law_with(name, sigma_2=200.0, smooth_abs=smooth_abs))
+    assert "".join(word(found[n].holds) for n in NAMES) == KNOWN[name].replace(".", "y")
+
+
+positive = st.floats(-3, 3).map(lambda x: 10.0**x)
+
+
+@given(positive, positive, positive, st.floats(1.05, 5), st.floats(-8, 0), st.sampled_from([1, -1]))
+@settings(max_examples=25, deadline=None)
+def test_lugre_is_passive_exactly_above_its_condition(sigma_0, sigma_1, F_c, ratio, distance, side):
+    condition = sigma_1 * (ratio * F_c - F_c) / F_c
+    sigma_2 = condition * (1 + side * 10.0**distance) + 1e-300
+    law = law_with(
+        "lugre",
+        {
+            "sigma_0": 1e4 * sigma_0,
+            "sigma_1": sigma_1,
+            "sigma_2": max(sigma_2, 0.0),
+            "F_c": F_c,
+            "F_s": ratio * F_c,
+            "v_s": 1e-3,
+        },
+    )
+    assert own_energy_serves(law) == (side > 0)
+    assert Storage(law, None, law.z_bound(law.p)).exists == (side > 0)
+
+
+def test_up_to_which_speed_table_1_is_passive():
+    law = law_with("lugre")
+    assert largest_speed(law, 1.5e-5) == pytest.approx(0.0382, abs=1e-4)
+    assert [decided(law, "passive", v).holds for v in (0.014, 0.03, 0.0385)] == [True, True, False]
+    assert own_energy_serves(law, 0.0142)  # sigma_0 z^2/2 serves up to 0.0143 m/s,
+    assert not own_energy_serves(law, 0.0144)  # and no further
+    assert decided(law, "passive", 0.037).holds
+
+
+def test_damping_that_falls_with_speed_makes_table_1_passive_up_to_its_threshold():
+    found = margins(law_with("lugre"))
+    assert not found.passive
+    assert found.largest_v_d == pytest.approx(0.0894, abs=1e-4)
+    assert [own_energy_serves(law_with("lugre", v_d=v)) for v in (0.0332, 0.0334)] == [True, False]
+    assert [decided(law_with("lugre", v_d=v), "passive").holds for v in (0.06, 0.095)] == [True, False]
+
+
+def test_margins_land_on_the_condition_of_lugre():
+    found = margins(law_with("lugre", sigma_2=200.0))
+    condition = lambda p: p["sigma_1"] * (p["F_s"] - p["F_c"]) / p["F_c"] / p["sigma_2"]  # noqa: E731
+    ends = {"sigma_1": "high", "sigma_2": "low", "F_s": "high", "F_c": "low"}
+    for name, margin in found.constants.items():
+        assert (margin.low, margin.high).count(None) == (1 if name in ends else 2)
+        if name in ends:
+            at = {**TABLE_1, "sigma_2": 200.0, name: getattr(margin, ends[name])}
+            assert condition(at) == pytest.approx(1, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["lugre", "lugre_majorant"])
+def test_a_set_at_its_very_limit_is_passive(name):
+    law = law_with(name, F_s=1.0, sigma_2=0.0)
+    assert own_energy_serves(law)
+
+
+def test_arctan_with_damping_that_falls_is_passive_though_z_has_no_bound():
+    """docs/theory.md: sigma_1 v_d/sqrt(2 e) <= 4 F_c suffices. Speeds without bound are covered, z too."""
+    values = {"sigma_0": 2e8, "sigma_1": 0.35, "sigma_2": 0.0, "F_c": 35.0, "F_s": 93.0, "v_s": 0.24}
+    v_d = 4 * np.sqrt(2 * np.e) * 35.0 / 0.35
+    assert own_energy_serves(law_with("lugre_arctan", values, v_d=0.99 * v_d))
+    assert decided(law_with("lugre_arctan", values, v_d=4 * v_d), "passive").holds is not True
+
+
+def test_the_storage_interval_holds_the_elastic_energy_where_lugre_is_passive():
+    z = np.linspace(-1.4e-5, 1.4e-5, 29)
+    low, high = storage_interval(law_with("lugre", sigma_2=200.0), z)
+    assert np.all(low <= 1e5 * z + 1e-6)
+    assert np.all(1e5 * z <= high + 1e-6)
+    low, high = storage_interval(law_with("lugre_sobczyk"), np.array([5e-6]))
+    assert low > high
+
+
+def test_nothing_but_sigma_1_0_makes_arctan_passive():
+    assert decided(law_with("lugre_arctan", sigma_1=0.0), "passive").holds is True
+    assert decided(law_with("lugre_arctan", sigma_2=1e4), "passive").holds is False
+
+
+# -- counterexamples, replayed with SciPy on equations written here ---------------------------------------------------
+
+
+def rate(name, v, z, p=TABLE_1, k_v=1e7):
+    g = (p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((v / p["v_s"]) ** 2))) / p["sigma_0"]
+    s = 2 / np.pi * np.arctan(k_v * v)
+    return {
+        "lugre": v - abs(v) / g * z, "lugre_arctan": v - v * s / g * z, "lugre_sobczyk": s**2 * v - v * s / g * z,
+    }[name]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "v_max"), [("lugre", None), ("lugre", 0.04), ("lugre_sobczyk", 1e-5), ("lugre_arctan", None)]
+)
+def test_a_cycle_draws_the_energy_that_it_states(name, v_max):
+    found = decided(law_with(name), "passive", v_max)
+    assert found.holds is False
+    z, energy, p = found.evidence["z_start"], 0.0, TABLE_1
+    for piece in found.evidence["programme"]:
+        v = piece["v"]
+        assert v_max is None or abs(v) <= v_max
+
+        def of(t, x, v=v):
+            dz = rate(name, v, x[0])
+            return [dz, (p["sigma_0"] * x[0] + p["sigma_1"] * dz + p["sigma_2"] * v) * v]
+
+        end = solve_ivp(of, (0, piece["duration"]), [z, energy], method="DOP853", rtol=1e-12, atol=[1e-20, 1e-20]).y[
+            :, -1
+        ]
+        z, energy = float(end[0]), float(end[1])
+    assert -energy == pytest.approx(found.evidence["energy_drawn"], rel=1e-6)
+    assert z == pytest.approx(found.evidence["z_start"], rel=1e-6)
+    assert found.evidence["energy_drawn"] > 0
+    assert found.evidence["time"] < 60
+
+
+def test_the_known_cycle_of_sobczyk():
+    """Charged at 1e-6 m/s until z = 1e-6 m, unwound at -1e-7 m/s: 1.838e-7 J are drawn, 6.02e-8 J were put in."""
+    from stribeck.properties.cycles import integrate
+
+    law = law_with("lugre_sobczyk")
+    (up, put_in), (down, drawn) = integrate(law, 1e-6, 0.0, 1e-6), integrate(law, -1e-7, 1e-6, 0.0)
+    assert put_in == pytest.approx(6.02e-8, rel=2e-3)
+    assert -drawn == pytest.approx(1.838e-7, rel=2e-3)
+    assert up + down == pytest.approx(39, abs=1)
+
+
+def test_z_of_arctan_passes_every_level():
+    found = decided(law_with("lugre_arctan"), "bounded")
+    assert found.evidence["passes_any_level"]
+    for level in found.evidence["levels"]:
+        steady = 1.5e-5 * np.pi / (2 * np.arctan(1e7 * level["v"]))  # g is F_s/sigma_0 at these speeds
+        assert steady > level["z"] * (1 - 1e-6)
+    replayed = stribeck.simulate(Scenario(found.scenario))
+    assert replayed.final["z"] == pytest.approx(found.evidence["replay"]["z"], rel=1e-9)
+    assert replayed.final["z"] == pytest.approx(1.5e-4, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "name", ["lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant", "elastoplastic_sobczyk", "dahl"]
+)
+def test_a_load_below_break_away_moves_what_drifts(name):
+    found = decided(law_with(name), "drift_free")
+    assert found.holds is False
+    assert found.evidence["largest_load"] < found.evidence["F_s"]
+    solution = stribeck.simulate(Scenario(found.scenario))
+    assert solution["u"][-1] == 0
+    assert solution.final["y"] == pytest.approx(found.evidence["distance"], rel=1e-6)
+    assert abs(solution.final["y"]) > 0.01 * found.evidence["elastic_displacement"]
+
+
+def test_one_sided_derivatives_of_lugre():
+    found = decided(law_with("lugre"), "smooth").evidence
+    share = found["z"] / 1.5e-5
+    assert (found["v"], found["from_below"], found["from_above"]) == (
+        0.0,
+        pytest.approx(1 + share),
+        pytest.approx(1 - share),
+    )
+
+
+def test_the_elastic_load_is_reported():
+    for name in ("elastoplastic", "elastoplastic_majorant"):
+        evidence = decided(law_with(name), "drift_free").evidence
+        assert (evidence["z_0"], evidence["F_0"]) == (pytest.approx(7e-6), pytest.approx(0.7))
+
+
+# -- what is wrong on purpose -----------------------------------------------------------------------------------------
+
+CAUGHT = {
+    "NegativeDamping": {"passive"}, "WrongSign": {"bounded", "passive"}, "ReversedSpring": {"passive"},
+    "Below": {"bounded"}, "BelowByAShare": {"bounded"}, "Jumps": {"smooth"}, "Escapes": {"unique", "bounded"}, "Root": set(),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CAUGHT)
+def test_laws_that_are_wrong_are_caught(name):
+    file = Path(broken_laws.__file__)
+    own = {"k_v": 1e7} if name in ("Below", "Root") else {}
+    law = stribeck.law(f"{file}:{name}", parameters=TABLE_1, sigma_2=200.0, **own)
+    found = check(law)
+    false = {n for n in NAMES if found[n].holds is False} - {"drift_free"}
+    assert false >= CAUGHT[name]
+    if name == "Root":
+        assert [found[n].holds for n in NAMES] == [True, True, True, True, False]
+    if name == "Jumps":
+        assert found["unique"].holds is None
+    assert found.verify()
+
+
+def test_a_larger_bound_than_the_claimed_one_is_found():
+    law = stribeck.law(f"{broken_laws.__file__}:BelowByAShare", parameters=TABLE_1)
+    evidence = decided(law, "bounded").evidence
+    assert not evidence["passes_any_level"]
+    assert evidence["levels"][-1]["z"] == pytest.approx(1.5e-5 / 0.9, rel=1e-3)
+
+
+def test_a_law_that_no_file_holds_is_judged_all_the_same():
+    law = type("Anonymous", (broken_laws.Root,), {"__module__": "nowhere"})({**TABLE_1, "k_v": 1e7, "sigma_2": 200.0})
+    assert "nowhere" not in sys.modules
+    assert decided(law, "passive").holds is True
+
+
+# -- the rest -----------------------------------------------------------------------------------------------------------
+
+
+def test_a_law_without_z_gets_null_with_the_reason():
+    found = check(stribeck.law("makkar", {"g1": 0.25, "g2": 100.0, "g3": 10.0, "g4": 0.1, "g5": 100.0, "g6": 0.01}))
+    assert all(v.holds is None and "no internal state" in v.evidence["reason"] for v in found.properties.values())
+
+
+def test_no_work_is_null_and_not_wrong():
+    found = check(law_with("elastoplastic_majorant", sigma_2=200.0), work=0.0)
+    assert all(
+        found[n].holds in (KNOWN["elastoplastic_majorant"][i] == "y", None) for i, n in enumerate(NAMES) if i != 3
+    )
+    assert found["passive"].holds in (True, None)
+
+
+def test_the_json_is_that_of_the_contract():
+    data = check(law_with("lugre")).to_json()
+    assert data["law"] == "lugre"
+    assert list(data["properties"]) == list(NAMES)
+    assert all(set(p) == {"holds", "method", "evidence"} for p in data["properties"].values())
+
+
+def test_the_matrix_knows_which_laws_a_set_suffices_for():
+    values = stribeck.parameters()["liu2015"].values
+    expected = {"lugre", "lugre_majorant", "elastoplastic", "elastoplastic_majorant", "dahl"}
+    assert {n for n, holds in passive_with(values).items() if holds} == expected
+    assert list(check_all({"sigma_0": 1e5, "F_c": 1.0})) == ["dahl"]
+    with pytest.raises(InputError):
+        check_all({**values, "F_s": 1.0})
