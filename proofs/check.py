@@ -20,7 +20,7 @@ HERE = Path(__file__).parent
 # each after those that it needs
 FILES = (
     "Laws", "Motion", "Power", "Terms", "Continuous", "Relaxation", "Passive", "Level", "Extract", "Necessary",
-    "Machine", "Contacts", "Unique", "Smooth",
+    "Machine", "Contacts", "Unique", "Smooth", "Others",
 )  # fmt: skip
 # What Coq's real numbers are built on, and no more: two instances of the excluded middle (a search through the natural
 # numbers ends or not; not not P or not P), the excluded middle itself, and that equal functions are equal.
