@@ -217,9 +217,14 @@ class Leaf:
             weak = self._weak(c, a, b)
             if weak is not None:
                 return weak
+        opposite = node("where", c, node("neg", a), node("neg", b))
         for atom in self.atoms:
-            if atom.rule == "range" and atom.node.op == "where" and self._equal(atom.node, x):
-                return self._value(x, atom)
+            if atom.rule == "range" and atom.node.op == "where":
+                if self._equal(atom.node, x):
+                    return self._value(x, atom)
+                if self._equal(atom.node, opposite):
+                    value = self._value(opposite, atom)
+                    return Quotient(-value.above, value.below)
         share = self._share_of(c)
         if share is None and c.op == "both":
             return self(node("where", c.args[0], node("where", c.args[1], a, b), b))
