@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -9,12 +10,12 @@ import numpy as np
 
 from stribeck.analysis.lyapunov import Along, along
 from stribeck.cli import show
-from stribeck.control.gains import Condition, Proof, Verdict, judge, prove
+from stribeck.control.gains import Condition, Proof, Staying, Verdict, judge, prove, staying
 from stribeck.control.proof import derive
 from stribeck.errors import InputError
 from stribeck.scenario import Scenario
 from stribeck.scenario.servo import not_linear
-from stribeck.simulation import simulate
+from stribeck.simulation import Solution, simulate
 
 
 def gains(path: Path, v_max: float | None, assignments: list[str], json: bool) -> int:
@@ -34,21 +35,41 @@ def gains(path: Path, v_max: float | None, assignments: list[str], json: bool) -
     proof = prove(observer, scenario.drive_values, (-speed, speed))
     found = along(solution) if len(solution.t) else None
     doubts = _doubts(scenario)
+    stays = _staying(scenario, solution, speed) if len(solution.t) else None
     summary: dict[str, Any] = {
         "scenario": scenario.name, "derivative": str(derive().derivative), **verdict.summary(),
         "proof": {"proven": proof.proven, "boxes": proof.boxes, "reason": proof.reason or None},
         "not_covered": doubts, "simulation": {"status": solution.status, "reason": solution.reason},
     }  # fmt: skip
+    if stays is not None:
+        summary["staying"] = asdict(stays)
     if found is not None:
         summary["simulation"] |= found.summary()
     if json:
         show.print_json(summary)
     else:
         _print(scenario, verdict, proof, doubts, found)
+        if stays is not None:
+            _print_staying(stays, speed)
     if solution.status != "done":
         show.failed(scenario.name, solution.reason)
         return 1
     return 0
+
+
+def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
+    """Whether the speed stays where the gains are good; the path's speed is that of the rows, dy_d/dt = v - s + lambda e."""
+    d = scenario.drive_values
+    lag = d["lambda"] * solution["e"]
+    path = float(np.max(np.abs(solution["v"] - solution["s"] + lag)))
+    assert scenario.servo is not None
+    return staying(v_max, scenario.servo.plant["mass"], path, float(solution["V"][0]), float(lag[0]))
+
+
+def _print_staying(stays: Staying, v_max: float) -> None:
+    word = "stays" if stays.holds else "is not shown to stay"
+    print(f"  from this start |v| {word} below {v_max:.4g} m/s (V falls, so |v| <= {stays.bound:.4g} m/s)", end="")
+    print(f"; so it does from every start with V(0) < {stays.largest_V:.4g} J and lambda |e(0)| <= sqrt(2 V(0)/M)")
 
 
 def _doubts(scenario: Scenario) -> list[str]:
@@ -107,4 +128,4 @@ def _print(scenario: Scenario, verdict: Verdict, proof: Proof, doubts: list[str]
 def _print_condition(name: str, c: Condition) -> None:
     holds = "holds" if c.holds else "does not hold"
     speed = "any speed" if c.largest_speed is None else f"{c.largest_speed:.4g} m/s"
-    print(f"  {name}: {holds}; needs K_D >= {c.least_K_D:.4g} (margin {c.margin:.4g}); certifies up to {speed}")
+    print(f"  {name}: {holds}; needs K_D >= {c.least_K_D:.4g} (margin {c.margin:.4g}); dV/dt <= 0 up to {speed}")

@@ -31,7 +31,7 @@ class Exact(float):
         found.tree = tree
         return found
 
-    def __getnewargs__(self) -> tuple[float, Tree]:
+    def __getnewargs__(self) -> tuple[float, Tree]:  # type: ignore[override]
         return float(self), self.tree
 
     def _with(self, op: str, other: Any, swapped: bool = False) -> Any:
@@ -95,9 +95,7 @@ def combined(op: str, a: float, b: float) -> float:
     value = _OPERATIONS[op](x, y)
     if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(value)):
         return value
-    if (
-        not (isinstance(a, Exact) or isinstance(b, Exact)) and _OPERATIONS[op](Fraction(x), Fraction(y)) == value  # type: ignore[arg-type]
-    ):
+    if not (isinstance(a, Exact) or isinstance(b, Exact)) and _OPERATIONS[op](Fraction(x), Fraction(y)) == value:
         return value
     return Exact(value, (op, tree_of(a), tree_of(b)))
 

@@ -125,7 +125,7 @@ def wrap(x: Any) -> Expr:
     if isinstance(x, Expr):
         return x
     if isinstance(x, int | float | np.floating | np.integer):
-        return constant(x)
+        return constant(x if isinstance(x, Exact) else float(x))
     raise TypeError(f"{x!r} does not mix with expressions: {type(x).__name__}")
 
 

@@ -177,7 +177,8 @@ def _tree(tree: Any) -> Range:
         for each in values[1:]:
             found = mul(found, each)
         return found
-    return _apply(op, values)
+    value: Range = _apply(op, values)
+    return value
 
 
 def _apply(op: str, args: list[Range]) -> Any:

@@ -65,7 +65,7 @@ def _passed(model: Model) -> Verdict:
         "Z": z_bound, "levels": levels if farthest >= _LEVELS[-1] else [shown],
         "passes_any_level": farthest >= _LEVELS[-1],
     }  # fmt: skip
-    way = enclosed.least(model, model.rate * np.sign(shown["z"]), shown["v"], *sorted((0.0, shown["z"])))
+    way = enclosed.least(model, model.rate * np.sign(shown["z"]), shown["v"], 0.0, shown["z"])
     if not way > 0:
         return undecided("held speeds take z past the bound by quadrature, but intervals do not confirm it", **evidence)
     evidence["enclosed"] = {"v": shown["v"], "z_from": 0.0, "z_to": shown["z"], "dz_dt_at_least": way}
@@ -93,7 +93,7 @@ def _from_the_edge(model: Model) -> Verdict:
             continue
         for reach in (1e-2, 1e-4, 1e-6):
             end = start * (1 + reach)
-            way = enclosed.least(model, model.rate * side, v, *sorted((start * (1 - reach), end)))
+            way = enclosed.least(model, model.rate * side, v, start * (1 - reach), end)
             if way > 0:
                 evidence = {"Z": z_bound, "v": v, "z_start": start, "enclosed": {
                     "v": v, "z_from": start, "z_to": end, "dz_dt_at_least": way}}  # fmt: skip

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from fractions import Fraction
 
 import numpy as np
 
 from stribeck.expressions.graph import Expr
 from stribeck.expressions.intervals import Evaluator, Interval, interval, point
 from stribeck.expressions.ranges import Box, Range
-from stribeck.properties.model import Model, V, Z
+from stribeck.properties.model import Model
 
 _PANELS = (64, 1024, 16384)
+_PARTS = 400
 _ROUNDING = 1e-12  # of a sum's size: more than its rounding
 
 
@@ -67,9 +67,9 @@ def programme(
     return total
 
 
-def least(model: Model, expr: Expr, v: float, a: float, b: float, parts: int = 400) -> float:
+def least(model: Model, expr: Expr, v: float, a: float, b: float) -> float:
     """A lower bound of an expression of v and z over z in [a, b] at a held speed; what is not above 0 is cut finer."""
-    found, work = math.inf, [(a, b)]
+    found, work, parts = math.inf, [(min(a, b), max(a, b))], _PARTS
     while work and parts > 0:
         low, high = work.pop()
         parts -= 1
@@ -82,13 +82,3 @@ def least(model: Model, expr: Expr, v: float, a: float, b: float, parts: int = 4
             return min(found, value[0])
         work += [(low, middle), (middle, high)]
     return found if not work else -math.inf
-
-
-def exact(x: float) -> Fraction:
-    """The rational number that a float is."""
-    return Fraction(x)
-
-
-def held(v: float, z: Range) -> dict[str, Range]:
-    """A box of one speed."""
-    return {str(V.value): (v, v), str(Z.value): z}

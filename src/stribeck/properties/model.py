@@ -92,7 +92,7 @@ class Model:
             if value and value > 0:
                 speeds |= {1 / value} if c.unit == "s/m" else {value} if c.unit == "m/s" else set()
                 lengths |= {value} if c.unit == "m" else set()
-        lengths.add(self.bound[1])
+        lengths |= {self.bound[1], 2 * self.bound[1]}  # strictly beyond Z cases are settled
         own = sorted(own_speeds(self.law))
         for u in (own[-1] * 1e6, own[0] * 1e-6):  # where z settles when slid fast, and slowly
             z = abs(float(self.law.steady_deflection(u)))
@@ -255,7 +255,7 @@ def _sign_of(x: Expr, values: Mapping[str, Fraction]) -> int:
     if x.op in ("mul", "div"):
         return _sign_of(x.args[0], values) * _sign_of(x.args[1], values)
     value = values.get(str(x.value), 0) if x.op == "symbol" else x.value if isinstance(x.value, float) else 0
-    return (value > 0) - (value < 0)  # type: ignore[operator]
+    return int(value > 0) - int(value < 0)
 
 
 def rational_of(x: Quotient) -> Fraction | None:

@@ -27,7 +27,7 @@ def _pi() -> tuple[Any, Any]:
     from flint import arb, ctx, fmpq
 
     with ctx.workprec(200):
-        digits = int((arb.pi() * arb(10) ** 40).floor().unique_fmpz())
+        digits = int(str((arb.pi() * arb(10) ** 40).floor().unique_fmpz()))
     return fmpq(digits, 10**40), fmpq(digits + 1, 10**40)
 
 
@@ -35,7 +35,7 @@ def _in_pi(powers: dict[int, Any]) -> int | None:
     """The sign of a polynomial in pi; None where it cannot be told."""
     if not any(powers):  # no pi
         c = powers.get(0, 0)
-        return (c > 0) - (c < 0)
+        return int(c > 0) - int(c < 0)
     low = high = 0
     below, above = _pi()
     for k, c in powers.items():

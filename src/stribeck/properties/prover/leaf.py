@@ -14,6 +14,7 @@ from stribeck.properties.prover.bernstein import POSITIVE, UNIT, UNKNOWN, Signs,
 from stribeck.properties.prover.ring import ATOMS, Quotient, Ring, Unclear
 
 _SHARES = 12
+_LONG = 120  # terms beyond which denominators are not cleared
 _FAR = Fraction(10) ** 300
 End = Fraction | None  # None: no end
 
@@ -64,15 +65,15 @@ class Region:
         for share, of, by in (("p", "u", "w"), ("q", "w", "u")):
             if share in found:
                 a, b = found.pop(share), found[by]
-                low, high = Fraction(a[0]) * Fraction(b[0]), INF
+                low, high = _down(Fraction(a[0]) * Fraction(b[0])), INF
                 if a[1] < INF and b[1] < INF:
                     high = _up(Fraction(a[1]) * Fraction(b[1]))
-                found[of] = (_down(low), high)
+                found[of] = (low, high)
         for axis in self.limits:
-            low, high = _floats(axis)
+            least, most = _floats(axis)
             if axis.name in found:
                 a = found[axis.name]
-                found[axis.name] = (max(a[0], low), max(min(a[1], high), max(a[0], low)))
+                found[axis.name] = (max(a[0], least), max(min(a[1], most), max(a[0], least)))
         return found
 
 
@@ -412,7 +413,7 @@ class Leaf:
 
     def _positive_atom(self, factor: Any) -> bool:
         """Whether it is an atom that is > 0 by its nature: exp, or a root of something > 0."""
-        if len(factor) != 1 or not factor.leading_coefficient() == 1:
+        if len(factor) != 1 or factor.leading_coefficient() != 1:
             return False
         powers = factor.monoms()[0]
         used = [i for i, power in enumerate(powers) if power]
@@ -435,6 +436,8 @@ class Leaf:
         if any(self.places[i] is None for i in used):
             return None
         uneven = [i for i in used if self.below[i] is not None]
+        if uneven and len(polynomial) > _LONG:
+            return None
         one = self._number(Fraction(1))
         if not uneven:
             zero = self._number(Fraction(0))

@@ -9,12 +9,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from itertools import count
 from typing import Any
 
 from stribeck.expressions.exact import tree_of
 from stribeck.expressions.graph import Expr
 
 ATOMS = 20
+_serials = count()
 _MOST_TERMS = 250
 _FACTORED = 120  # terms up to which factors are looked for
 
@@ -56,6 +58,7 @@ class Ring:
         from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
         self.values = values
+        self.serial = next(_serials)
         self._fmpq = fmpq
         self.names = ("pi", "u", "w", *(f"x{i}" for i in range(ATOMS)))
         self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)

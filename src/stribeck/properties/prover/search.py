@@ -16,6 +16,7 @@ from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 Tree = list[Any]
 _NARROW = 1e-9  # relative width at which halving ends
 _DEEP = 60
+_TERMS = 40  # of a polynomial: as much work again as a leaf
 _NONE: Mapping[str, int] = {}
 _MANY_ATOMS = 8  # from earlier claims: then they are forgotten
 _LEAP = 16
@@ -100,7 +101,7 @@ class Prover:
             value = self.leaf(region, Rules(opaque=True)).convert(expr)
         except Unclear:
             return None
-        return (str(value.top), str(value.bottom), id(self.ring), relation, region)
+        return (str(value.top), str(value.bottom), self.ring.serial, relation, region)
 
     def leaf(self, region: Region, rules: Rules) -> Leaf:
         """A leaf for that region."""
@@ -210,7 +211,7 @@ class _Search:
         exps = ["range", "far"] if endless else ["range"]
         for cases in ("range", "either") if self.cased else ("either",):
             for wave in waves if self.waves else ("range",):
-                for e in exps if self.exps else ("range",):
+                for e in exps if self.exps and cases == ("range" if self.cased else "either") else ("range",):
                     yield Rules(e, wave, cases)
 
     def leaf(self, region: Region) -> Tree | None:
@@ -219,7 +220,9 @@ class _Search:
             self.work.take()
             leaf = self.prover.leaf(region, rules)
             try:
-                if self.holds(leaf, leaf.convert(self.expr)):
+                value = leaf.convert(self.expr)
+                self.work.take(len(value.top) / _TERMS)
+                if self.holds(leaf, value):
                     return ["leaf", leaf.certificate()]
             except Unclear:
                 continue
