@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from stribeck import laws
 from stribeck.constants import show
@@ -20,22 +21,23 @@ from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.methods.motion import fit_motion
 from stribeck.identify.methods.presliding import fit_presliding
-from stribeck.identify.methods.static import Setting, check_motion, fit_static
+from stribeck.identify.methods.static import Setting, check_motion
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit
-from stribeck.identify.statistics.choose import Choice, choose, select_terms
+from stribeck.identify.statistics.choose import Choice, choose, fit_with_baselines, select_law, select_terms
 from stribeck.identify.statistics.crossvalidate import FOLDS
 from stribeck.identify.work import Work
 from stribeck.recorded import is_table
 
 _POOR = 0.25  # of the force, left by the fit
+PLAIN = "coulomb_viscous"  # least squares itself: nothing is added to it unasked
 
 Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence of paths or frames
 
 
 def fit(
     data: Data,
-    law: str | Sequence[str],
+    law: str | Sequence[str] | None = None,
     *,
     columns: Mapping[str, str] | None = None,
     units: Mapping[str, str] | None = None,
@@ -45,7 +47,7 @@ def fit(
     constants: Mapping[str, float | str] | None = None,
     free: Sequence[str] = (),
     terms: Sequence[str] = (),
-    select: bool = False,
+    select: bool | None = None,
     cutoff: float | None = None,
     trim: int | None = None,
     decimate: int | None = None,
@@ -63,7 +65,8 @@ def fit(
     Args:
         data: a file (CSV, Parquet, MAT, NPZ), a pandas data frame, a mapping of names to arrays, several of these of
             one layout, or a :class:`stribeck.identify.log.Log`.
-        law: its name or FILE.py:NAME; a list of them is compared by the error over data left out, and one picked.
+        law: its name or FILE.py:NAME; a list of them is compared by the error over data left out, and one picked; None
+            picks a static law and its terms.
         columns: the file's column for each role: time, position, velocity, force, ...; also as keywords
             (``time="t"``). A TOML file of the data's name beside it may hold them.
         units: the unit of a column by its name; SI unless given.
@@ -73,7 +76,8 @@ def fit(
         constants: constants of the law that are given (k_v, z_ba, or any other), and terms.
         free: constants of the law's own to fit too (k_v).
         terms: what the force holds beside friction, mass and offset (docs/fit.md).
-        select: add such terms as lower the error over left-out blocks (static).
+        select: add such terms as lower the error over left-out blocks (static); by default where neither terms nor
+            ``free`` are given, but for coulomb_viscous, which is then least squares as published.
         cutoff: of the motion's filter, Hz; chosen from the data unless given; 0 for none.
         trim: samples dropped at the start of a run.
         decimate: one row in so many is fitted (static); chosen from the data unless given.
@@ -93,7 +97,7 @@ def fit(
     Raises:
         InputError: data, columns, units or constants cannot be used; a line for each problem.
     """
-    names = [law] if isinstance(law, str) else list(law)
+    names = [] if law is None else [law] if isinstance(law, str) else list(law)
     sharp = is_simulated(names, method)
     log = read_log(data, {**(columns or {}), **named}, units, force_gain, cutoff, trim, sharp)
     ask = _Request(
@@ -101,8 +105,10 @@ def fit(
         output, drive,
     )  # fmt: skip
     ask.work = Work(progress)
-    if output != "force" and len(names) > 1:
+    if output != "force" and len(names) != 1:
         raise InputError(f"{arg('output')}: laws are compared by the force they predict; must be given with one law")
+    if not names:
+        return ask.any_law(log)
     if len(names) == 1:
         return ask.fit(log, names[0])
     if method is None and any(laws.find(name).has_z for name in names):
@@ -164,7 +170,7 @@ class _Request:
 
     def __init__(
         self, mass: float | None, method: str | None, constants: dict[str, Any], free: Sequence[str],
-        terms: Sequence[str], select: bool, decimate: int | None, robust: bool, folds: int, starts: int, seed: int,
+        terms: Sequence[str], select: bool | None, decimate: int | None, robust: bool, folds: int, starts: int, seed: int,
         output: str, drive: Mapping[str, Any] | None,
     ) -> None:  # fmt: skip
         if method is not None and method not in METHODS:
@@ -224,7 +230,7 @@ class _Request:
         return _with_warning(METHODS[method](self, log, law))
 
     def _only_static(self) -> list[str]:
-        given = {"select": self.select, "decimate": self.decimate, "robust": self.robust}
+        given = {"select": bool(self.select), "decimate": self.decimate, "robust": self.robust}
         return [name for name, value in given.items() if value]
 
     def free_of(self, law: str) -> list[str] | None:
@@ -233,13 +239,27 @@ class _Request:
         usual = list(found.uses or found.own_constants())
         return list(dict.fromkeys([*usual, *self.free])) if self.free else None
 
+    def _setting(self, free: Sequence[str] | None) -> Setting:
+        body = tuple(dict.fromkeys(("offset", *self.terms)))
+        return Setting(self.constants, free, self.mass, body, self.decimate, self.robust, folds=self.folds)
+
     def static(self, log: Log, law: str) -> Fit:
         """By least squares on the force, without memory."""
-        body = tuple(dict.fromkeys(("offset", *self.terms)))
-        setting = Setting(
-            self.constants, self.free_of(law), self.mass, body, self.decimate, self.robust, folds=self.folds
-        )
-        return select_terms(log, law, setting) if self.select else fit_static(log, law, setting)
+        setting, plain = self._setting(self.free_of(law)), law == PLAIN or self.cross
+        select = self.select if self.select is not None else not (self.terms or self.free or plain)
+        with threadpool_limits(1):  # more threads of linear algebra only spin on matrices so small
+            return select_terms(log, law, setting) if select else fit_with_baselines(log, law, setting)
+
+    def any_law(self, log: Log) -> Choice:
+        """The static law and the terms that predict data left out best."""
+        if self.method not in (None, "static") or self.free:
+            option = "free" if self.free else "method"
+            raise InputError(f"{arg(option)}: needs {arg('law')}: without one, static laws are compared")
+        if self.mass is not None and not (np.isfinite(self.mass) and self.mass >= 0):
+            raise InputError(f"{arg('mass')}: {show(self.mass)}: must be a finite number >= 0")
+        with threadpool_limits(1):
+            choice = select_law(log, self._setting(None))
+        return replace(choice, fits={name: _with_warning(each) for name, each in choice.fits.items()})
 
     def presliding(self, log: Log, law: str) -> Fit:
         """From small reversals."""

@@ -29,6 +29,7 @@ class Log:
         noise: standard deviation of a measured column's noise, where it could be told.
         bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
         files: the name of the file that each run is from.
+        hashes: SHA-256 of each file that it was read from.
         spectrum: frequencies (Hz), power spectral density of the measured motion, and its noise floor.
     """
 
@@ -48,6 +49,7 @@ class Log:
     noise: dict[str, float] = field(default_factory=dict)
     bandwidth: float | None = None
     files: tuple[str, ...] = ()
+    hashes: tuple[str, ...] = ()
     spectrum: tuple[Array, Array, float] | None = None
 
     def __len__(self) -> int:
@@ -55,7 +57,9 @@ class Log:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of the columns."""
+        """SHA-256 of the file; of several, of their sums in order; of the columns where there is no file."""
+        if self.hashes:
+            return self.hashes[0] if len(self.hashes) == 1 else sha256("".join(self.hashes).encode()).hexdigest()
         digest = sha256()
         for name, column in self.columns().items():
             digest.update(name.encode())

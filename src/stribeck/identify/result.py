@@ -14,6 +14,16 @@ from stribeck.errors import InputError
 from stribeck.laws.base import Law
 
 Array = NDArray[np.float64]
+_TOLD = (
+    "levels",
+    "selection",
+    "candidates",
+    "friction_error",
+    "rest",
+    "misfit_share",
+    "intervals_over",
+    "output_error",
+)
 
 
 @dataclass(frozen=True)
@@ -160,7 +170,7 @@ class Fit:
             "relative_force_error": self.relative_force_error,
             "cross_validated_error": self.cross_validated_error,
             "unidentified": list(self.unidentified),
-            **{name: self.details[name] for name in ("levels", "selection") if self.details.get(name)},
+            **{name: self.details[name] for name in _TOLD if self.details.get(name) is not None},
             "data_hash": self.data_hash,
             "notes": list(self.notes),
         }

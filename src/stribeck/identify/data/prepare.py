@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from hashlib import file_digest
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from stribeck.errors import InputError, arg
+from stribeck.identify.data.clocks import on_one_clock, pieces, released
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import Columns, read
@@ -25,6 +27,10 @@ _LONGEST_LOOK = 1 << 18  # samples from which a spectrum is taken
 _HIGHEST = 0.4  # of the sampling rate
 _RAISED, _NOISE_ALLOWED = 4.0, 1e-3
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
+_ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
+_STILL = 0.01  # of the fastest speed
+_LOST = 0.01  # of the motion's variance: less may go
+_MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
 _SETTLED = 5.0  # periods of the cut-off dropped at the start of a run
 
 
@@ -51,16 +57,29 @@ def load(sources: Sequence[Any], columns: Columns, how: Preparation | None = Non
         InputError: a file cannot be read or used; a line for each problem.
     """
     names = [f"table {i}" if is_table(each) else Path(each).name for i, each in enumerate(sources, start=1)]
-    cleaned = [clean(read(each, columns), name) for each, name in zip(sources, names, strict=True)]
-    return prepare(cleaned, how or Preparation(), names)
+    cleaned, owners = [], []
+    for each, name in zip(sources, names, strict=True):
+        notes: list[str] = []
+        for part in pieces(read(each, columns), name, notes):
+            released(part, name, notes)
+            found = clean(part, name)
+            cleaned.append(replace(found, notes=[*notes, *found.notes]))
+            owners.append(name)
+            notes = []
+    hashes = tuple(_hash(Path(each)) for each in sources if not is_table(each))
+    log = prepare(on_one_clock(cleaned), how or Preparation(), owners)
+    return log.with_columns(hashes=hashes if len(hashes) == len(sources) else ())
+
+
+def _hash(path: Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as file:
+        return file_digest(file, "sha256").hexdigest()
 
 
 def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ()) -> Log:
     """One log from cleaned columns."""
     step = parts[0].step
-    if any(abs(p.step - step) > 0.02 * step for p in parts):
-        steps = ", ".join(f"{p.step:.4g} s" for p in parts)
-        raise InputError(f"{arg('data')}: the files are sampled at different steps ({steps}); must be alike within 2 %")
     roles = list(parts[0].columns)
     notes = [note for part in parts for note in part.notes]
     measured = "position" if "position" in roles else "velocity"
@@ -69,6 +88,9 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     if cutoff is None:
         cutoff, why = choose_cutoff(measured, *seen, step)
         notes.append(why)
+        if (kept := keeping_all(parts, measured, seen[2], cutoff, step)) > cutoff:
+            cutoff = kept
+            notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
         if how.sharp and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
             notes.append(
@@ -92,9 +114,11 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     sources = _sources(roles, measured, cutoff, parts)
     if how.sharp:
         sources["unfiltered"] = measured
-    parts_of_log: dict[str, Any] = dict(columns)
+    parts_of_log: dict[str, Any] = {**columns, "run": run}
+    if how.trim is None and cutoff > 0:
+        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)), how.sharp)
     return Log(
-        **parts_of_log, run=run, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
+        **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
         files=tuple(names[i] for i in files) if names else (), spectrum=seen,
     )  # fmt: skip
 
@@ -123,6 +147,25 @@ def _columns(
                 out[name][rows] = x[trim:]
             number += 1
     return out, kept
+
+
+def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, always: bool) -> dict[str, Any]:
+    """The columns without the last rows of the runs that end in motion, where the filter goes astray.
+
+    Unless ``always``, only where it shows: the acceleration there exceeds all others of the run.
+    """
+    v, a = abs(columns["velocity"]), abs(columns["acceleration"])
+    fastest = float(v.max())
+    keep = np.ones(len(v), bool)
+    for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
+        if n > 4 * end and end > 0 and v[stop - 1] > _STILL * fastest:
+            rest = float(a[stop - n : stop - end].max())
+            keep[stop - end : stop] = not (always or float(a[stop - end : stop].max()) > rest)
+    if keep.all():
+        return columns
+    if len(lengths) == 1:  # a view: nothing is copied
+        return {name: x[:-end] for name, x in columns.items()}
+    return {name: x[keep] for name, x in columns.items()}
 
 
 def _enough(rows: int, trim: int) -> int:
@@ -195,6 +238,28 @@ def choose_cutoff(measured: str, frequency: Array, power: Array, floor: float, s
         f"{measured}: its spectrum stands {_ABOVE_NOISE:g} times above the noise floor up to {edge:.3g} Hz; "
         f"low-pass at {cutoff:g} Hz, zero phase"
     )
+
+
+def keeping_all(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:
+    """The cut-off, raised until what the filter takes away is no more than the noise, or little of the motion.
+
+    Small reversals on a long slow motion, such as presliding, stand high in no part of the spectrum; yet they are no noise.
+    """
+    part, rows = max(((p, r) for p in parts for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
+    rows = slice(rows.start, min(rows.stop, rows.start + _LONGEST_LOOK))
+    x = part.columns[measured][rows]
+    if not part.even:
+        grid = _grid(part, rows, step)
+        x = np.interp(grid, part.columns["time"][rows], x)
+    edge = min(round(_SETTLED / (cutoff * step)), len(x) // 4)
+    highest = _HIGHEST / step
+    while cutoff < highest:
+        taken = (x - low_pass(x, cutoff, step))[edge : len(x) - edge]
+        lost = float(np.mean(taken**2))
+        if lost <= max(_MORE_THAN_NOISE * floor * (0.5 / step - cutoff), _LOST * float(np.var(x))):
+            break
+        cutoff = min(cutoff * 1.5, highest)
+    return float(cutoff)
 
 
 def raised(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:

@@ -16,6 +16,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_of, judged_of
 from stribeck.identify.methods.horizons import first_values, follow
 from stribeck.identify.methods.optimise import multistart, starting_points
+from stribeck.identify.models.columns import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, first_deflection, velocity_problem
 from stribeck.identify.models.motion_problem import MotionProblem, raw, white_noise
 from stribeck.identify.models.problem import Problem, Tie
@@ -31,6 +32,9 @@ _RTOL = 1e-6
 _STARTS_THERE = 8
 _MISSED = 0.02  # of the output's changes: a fit that leaves more, and more than noise, has missed it
 _OUTPUTS = {"position": "y", "velocity": "v"}
+
+
+_BESIDE = {"offset", "gravity_sin", "gravity_cos", "stiffness", "area", "sigma_2_by_direction"}
 
 
 class RigProblem(Problem):
@@ -81,6 +85,13 @@ class RigProblem(Problem):
                 out[lane, rows] = part
         return out
 
+    def _beside(self, rows: slice, values: Given) -> Array:
+        """What of the measured force neither moves the body nor is the law's: at the measured position and speed."""
+        part = self.log.rows(rows)
+        return np.asarray(
+            sum((values[n] * column(n, part) for n in self.inverse.body if n != "mass"), np.zeros(len(part)))
+        )
+
     def _simulated(self, number: int, rows: slice, values: Given) -> Array | None:
         scenario = copy.copy(self.scenarios[number])  # its numbers change, its structure does not
         scenario.__dict__.pop("threshold", None)
@@ -92,7 +103,9 @@ class RigProblem(Problem):
         z = values.get(first_deflection(number), 0.0) * self.length(values)
         scenario.initial = {**scenario.initial, **({"z": z} if self.law.has_z else {})}
         time = self.log.time[rows] - self.log.time[rows][0]
-        scenario.signal = Points(time, self.signal[rows] - (values.get("offset", 0.0) if self.kind == "force" else 0.0))
+        scenario.signal = Points(
+            time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0)
+        )
         solution = simulate(scenario)
         found = solution[self.column]
         return found if solution.status == "done" and np.isfinite(found).all() else None
@@ -121,7 +134,8 @@ def fit_motion(
         drive: what moves the body, as ``[drive]`` of a scenario without its signal: ``{"kind": "force"}``, the default,
             takes the log's force; ``{"kind": "pid", "K_p": ..., ...}`` and ``{"kind": "spring", ...}`` its command.
         output: the motion that is met, "velocity" or "position".
-        body: "offset" beside mass, for measured forces.
+        body: beside mass, for measured forces: "offset", "gravity_sin", "gravity_cos", "stiffness", "area",
+            "sigma_2_by_direction", all taken at the measured position and speed.
 
     The other arguments, what is returned and raised: as in :func:`stribeck.identify.methods.dynamic.fit_dynamic`;
     ``details["output_error"]`` is norm(residual)/norm(output).
@@ -134,7 +148,7 @@ def fit_motion(
         problems.append(f"drive.kind: {drive['kind']!r}: the log has no column 'command'")
     if output not in _OUTPUTS:
         problems.append(f"output: {output!r}: must be 'position' or 'velocity'")
-    allowed = {"offset"} if drive.get("kind") == "force" else set()
+    allowed = _BESIDE if drive.get("kind") == "force" else set()
     problems += [
         f"{arg('terms')}: {name!r}: has no place in a fit of the motion" for name in body if name not in allowed
     ]
@@ -151,7 +165,8 @@ def fit_motion(
 
     with threadpool_limits(1):
         problem: MotionProblem | RigProblem
-        if drive == {"kind": "force"} and inverse.law.has_z and inverse.values(first)["mass"] > 0:
+        plain = set(inverse.body) <= {"mass", "offset"}
+        if drive == {"kind": "force"} and plain and inverse.law.has_z and inverse.values(first)["mass"] > 0:
             given = (
                 first_values(inverse, starts, seed)
                 if not start
