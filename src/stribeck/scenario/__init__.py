@@ -119,6 +119,8 @@ class Scenario:
         """This scenario with the values at some paths replaced: ``{"law.name": "lugre", "drive.signal.rate": 0.1}``."""
         return Scenario(changed(self.data, changes, self.folder), folder=self.folder, trust=True)
 
+    replace = with_changes
+
     # -- filled in by Reader ---------------------------------------------------------------------------------------
 
     rig: Rig | None = None  # a machine (schema = 2) with its values; it has no law, drive and signal of its own

@@ -53,6 +53,9 @@ class LawReader:
     def read(self) -> Law | None:
         """The law, or None; ``problems`` then says why."""
         table, path = self.table, self.path
+        if isinstance(table, Law):
+            self.law = table
+            return table
         if not isinstance(table, dict):
             text = f"missing: the table [{path}] must be given (with name and parameters)"
             self.problems.append((path, text if table is None else no_table(table)))

@@ -16,6 +16,7 @@ from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK
 from stribeck.errors import BuildError, InputError, StribeckError, arg, nearest
 from stribeck.scenario import Scenario, memory
+from stribeck.scenario.objects import Machine, Varied, scenario_of
 from stribeck.simulation import cache, compiler, lanes
 from stribeck.simulation.result import failure
 from stribeck.simulation.single import simulate
@@ -94,9 +95,11 @@ class Ensemble:
 
 
 def simulate_ensemble(
-    scenario: Scenario | str | Path | Mapping[str, Any],
-    values: Mapping[str, ArrayLike],
+    scenario: Scenario | Machine | Varied | str | Path | Mapping[str, Any],
+    values: Mapping[str, ArrayLike] | None = None,
     *,
+    t_end: float | None = None,
+    step: float | None = None,
     threads: int | None = None,
     device: str = "cpu",
     progress: Callable[[float], None] | None = None,
@@ -109,7 +112,9 @@ def simulate_ensemble(
     lane's numbers are the same from run to run.
 
     Args:
-        scenario: what the lanes share: a scenario, the path of its file, or its tables.
+        scenario: what the lanes share: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)``
+            brings its values with it.
+        t_end, step: as for :func:`simulate`.
         values: numbers by path, as many for each path as there are lanes; a single number holds for all.
         threads: how many to use; all of the machine's unless given.
         device: ``"cuda"`` for a GPU, one trajectory a thread (``pip install 'stribeck[cuda]'``); its lanes agree with
@@ -125,7 +130,10 @@ def simulate_ensemble(
     """
     if device not in ("cpu", "cuda"):
         raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
-    variations = vary(Scenario.of(scenario), values)
+    if isinstance(scenario, Varied):
+        values = {**scenario.values, **(values or {})}
+    shared = scenario.machine if isinstance(scenario, Varied) else scenario
+    variations = vary(scenario_of(shared, t_end, step), values or {})
     scenario, count = variations.scenario, len(variations)
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads: {threads}: must be a whole number >= 1")

@@ -12,21 +12,30 @@ import numpy as np
 from stribeck.codegen import source
 from stribeck.errors import BuildError, note
 from stribeck.scenario import Scenario
+from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import cache, compiler, fallback, native
 from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
 
 
 def simulate(
-    scenario: Scenario | str | Path | Mapping[str, Any], progress: Callable[[float], None] | None = None
+    scenario: Scenario | Machine | str | Path | Mapping[str, Any],
+    progress: Callable[[float], None] | None = None,
+    *,
+    t_end: float | None = None,
+    step: float | None = None,
+    **solve: Any,
 ) -> Solution:
-    """Simulate a scenario.
+    """Simulate a scenario or a machine.
 
     The first simulation of a structure (law, drive, kind of signal) compiles it, some 0.3 s; later ones, in this
     process or another, find it in the cache.
 
     Args:
-        scenario: what to simulate: a scenario, the path of its file, or its tables.
+        scenario: what to simulate: a scenario, a machine, the path of its file, or its tables.
+        t_end: when it ends, s; must be given for a :class:`Machine`.
+        step: time between rows, s; of a :class:`Machine` t_end/1000 unless given.
+        **solve: other values of [solve], such as ``rtol=1e-10``; of a :class:`Machine` ``energy=True`` too.
         progress: called now and then with the share of the time done, 0 to 1.
 
     Returns:
@@ -36,7 +45,7 @@ def simulate(
     Raises:
         InputError: the file or the tables are no valid scenario.
     """
-    scenario = Scenario.of(scenario)
+    scenario = scenario_of(scenario, t_end, step, **solve)
     started = perf_counter()
     library, built, build_seconds = None, False, 0.0
     chosen = compiler.find()
