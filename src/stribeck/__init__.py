@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stribeck.export import export
     from stribeck.identify.api import fit
     from stribeck.laws import law
-    from stribeck.parameter_sets import parameters
+    from stribeck.parameter_sets import allow_undetermined, parameters
     from stribeck.properties import Verdict, Verdicts, check, storage_interval
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
-    "StribeckNote", "Verdict", "Verdicts", "advise", "check", "check_all", "export", "fit", "law", "margins",
-    "parameters", "simulate", "simulate_ensemble", "storage_interval",
+    "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "export", "fit",
+    "law", "margins", "parameters", "simulate", "simulate_ensemble", "storage_interval",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -38,7 +38,7 @@ _HOME = {
     "check_all": "stribeck.properties.matrix",
     "law": "stribeck.laws",
     "margins": "stribeck.properties.margins",
-    "parameters": "stribeck.parameter_sets",
+    **dict.fromkeys(("allow_undetermined", "parameters"), "stribeck.parameter_sets"),
     "Scenario": "stribeck.scenario",
     **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),
 }

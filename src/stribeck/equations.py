@@ -11,6 +11,10 @@ from stribeck.drives.base import Column
 from stribeck.expressions.graph import Expr, symbol
 from stribeck.signals.pieces import STRAIGHT
 
+Events = tuple[str, str, str, str]
+Watched = tuple[str, Events]
+SLIP_AND_STICK: Events = ("slip", "stick", "slip", "stick")
+
 
 @dataclass(frozen=True)
 class Watch:
@@ -22,7 +26,7 @@ class Watch:
 
     element: str
     value: Expr
-    events: tuple[str, str, str, str]
+    events: Events
 
 
 @dataclass(frozen=True)
@@ -35,7 +39,6 @@ class Sample:
     name: str
     output: Expr
     memory: dict[str, Expr]
-    delayed: bool = True
 
 
 class Equations(ABC):
@@ -75,11 +78,19 @@ class Equations(ABC):
         """What a run-time constant is called in the generated code."""
         return name
 
+    @property
+    def watched(self) -> tuple[Watched, ...]:
+        """What events are told by: the element's name, and what happens (see :class:`Watch`)."""
+        return (("", SLIP_AND_STICK),) if any(state.name == "v" for state in self.states) else ()
+
     def watches(self) -> list[Watch]:
-        """What events are told by."""
-        if all(state.name != "v" for state in self.states):
-            return []
-        return [Watch("", symbol("v"), ("slip", "stick", "slip", "stick"))]
+        """The same with the quantities."""
+        return [Watch(name, symbol("v"), events) for name, events in self.watched]
+
+    @property
+    def memory(self) -> dict[str, tuple[str, ...]]:
+        """What each sampled controller remembers, by its name."""
+        return {}
 
     @property
     def held(self) -> tuple[str, ...]:

@@ -7,43 +7,9 @@ from typing import Annotated
 
 import typer
 
-import stribeck
+from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
 
-app = typer.Typer(
-    help="Friction models that you can simulate, prove, fit and ship.",
-    epilog="Example: stribeck new my_rig; stribeck run my_rig.toml --out first",
-    no_args_is_help=True,
-    rich_markup_mode=None,  # plain help: nothing folds within a word
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-ScenarioFile = Annotated[
-    Path, typer.Argument(metavar="SCENARIO.toml", help="Scenario file; 'stribeck new' writes one.")
-]
-Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files; made if need be.")]
-Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Replace a value, such as law.k_v=1e6; may be repeated."),
-]
-Trust = Annotated[
-    bool, typer.Option("--trust", help="Let the scenario run laws (FILE.py:NAME) that lie outside its folder.")
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")]
-
-
-def _version(wanted: bool) -> None:
-    if wanted:
-        print(f"stribeck {stribeck.__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def _common(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
-    ] = False,
-) -> None:
-    pass
+__all__ = ["app"]
 
 
 @app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
@@ -56,11 +22,26 @@ def run(
     keep_c: Annotated[
         Path | None, typer.Option("--keep-c", metavar="FILE", help="Write the generated C here, to read or debug.")
     ] = None,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Simulate one scenario; without --out, print the summary and write nothing."""
     from stribeck.cli import run as command
 
     return command.run(scenario, out, set_ or [], json, keep_c, trust)
+
+
+@app.command(epilog="Example: stribeck show machine.toml --out machine.svg")
+def show(
+    machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file (schema = 2).")],
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE.svg", help="Draw it here, as a picture.")] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+) -> int:
+    """Draw a machine as a schematic: bodies, what is between them and what acts on them, with their numbers."""
+    from stribeck.cli import schematic as command
+
+    return command.draw(machine, out, set_ or [], json, trust)
 
 
 @app.command(epilog="Example: stribeck compare my_rig.toml --law lugre --law lugre_majorant:k_v=1e6")
@@ -70,15 +51,19 @@ def compare(
         list[str],
         typer.Option("--law", metavar="NAME[:KEY=VALUE,...]", help="A law to compare; the first is the reference."),
     ],
+    contact: Annotated[
+        str | None, typer.Option("--contact", metavar="NAME", help="Of a machine, whose law is replaced.")
+    ] = None,
     out: Out = None,
     set_: Set = None,
     trust: Trust = False,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Simulate one scenario under several laws and show where they deviate."""
     from stribeck.cli import compare as command
 
-    return command.compare(scenario, law, out, set_ or [], json, trust)
+    return command.compare(scenario, law, out, set_ or [], json, trust, contact)
 
 
 @app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
@@ -101,6 +86,7 @@ def sweep(
     ] = None,
     trust: Trust = False,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
     from stribeck.cli import sweep as command
@@ -154,6 +140,7 @@ def advise(
     trust: Trust = False,
     out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Which k_v? The smallest that meets what you tolerate, what it costs, and the same for the majorant law."""
     from stribeck.cli import advise as command
@@ -269,6 +256,7 @@ def rig(
     seed: Annotated[int, typer.Option("--seed", help="Of its noise.")] = 0,
     out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Print what to measure to fit a law: speeds, amplitudes, force rates for the limits of a rig."""
     from stribeck.cli import rig as command
@@ -294,18 +282,22 @@ def check(
         bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
     ] = False,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")
+        bool, typer.Option("--verify", help="Check each proof by other code, and replay each counterexample.")
     ] = False,
+    certificate: Annotated[
+        Path | None, typer.Option("--certificate", metavar="FILE", help="Write the proofs here, for others to check.")
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Folder for a page, and for counterexamples as scenarios to run."),
     ] = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
     from stribeck.cli import check as command
 
-    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out)
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate)
 
 
 @app.command(epilog="Example: stribeck new my_rig")
@@ -368,6 +360,7 @@ def export(
     fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
     trust: Trust = False,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
     from stribeck.cli import export as command
@@ -386,6 +379,7 @@ def gains(
     trust: Trust = False,
     out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation."""
     from stribeck.cli import gains as command

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from json import dumps
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +25,13 @@ _WORDS = {True: "yes", False: "no", None: "undecided"}
 def check(
     name: str | None, parameters: str | None, assignments: list[str], v_max: float | None, json: bool,
     every: bool = False, margins: bool = False, verify: bool = False, out: Path | None = None,
+    certificate: Path | None = None,
 ) -> int:  # fmt: skip
     """Check the law named, or every law, and print the verdicts; 0 whatever they are."""
     if every == (name is not None):
         raise InputError("LAW: must be given, or --all for every law, and not both")
-    if every and (margins or out is not None):
-        raise InputError("--all: must stand without --margins and --out, which are for one law")
+    if every and (margins or out is not None or certificate is not None):
+        raise InputError("--all: must stand without --margins, --out and --certificate, which are for one law")
     if v_max is not None and not 0 < v_max < float("inf"):
         raise InputError(f"--v-max: {shown(v_max)}: must be a finite number > 0, in m/s")
     given = dict(parse_assignment(text) for text in assignments)
@@ -56,6 +58,11 @@ def check(
             from stribeck.report import check as report
 
             data["files"] += map(str, report.write(verdicts, out, data, show.command_line()))
+    if certificate is not None:
+        from stribeck.files import write_text
+
+        write_text(certificate, dumps(verdicts.certificates(), indent=1) + "\n")
+        data["files"] = [*data.get("files", ()), str(certificate)]
     if json:
         show.print_json(data)
     else:
@@ -92,7 +99,8 @@ def _all(parameters: str | None, given: Mapping[str, Any], v_max: float | None, 
         _print_matrix(checked, parameters)
         if verify:
             odd = [f"{v.law.name}: {n}" for v in checked for n, p in v.properties.items() if p.verified is False]
-            print(f"NOT CONFIRMED by a second run: {', '.join(odd)}" if odd else "confirmed by a second run of all")
+            fine = "all proofs confirmed by the independent checker, all counterexamples replayed"
+            print(f"NOT CONFIRMED: {', '.join(odd)}" if odd else fine)
     return 0
 
 
@@ -106,7 +114,7 @@ def _margins(verdicts: Verdicts) -> dict[str, Any]:
 
 def _write(verdicts: Verdicts, out: Path) -> list[str]:
     """A scenario for each counterexample that one can show."""
-    from tomli_w import dumps
+    from tomli_w import dumps as toml
 
     from stribeck.files import write_text
 
@@ -116,7 +124,7 @@ def _write(verdicts: Verdicts, out: Path) -> list[str]:
             path = out / f"{name}.toml"
             write_text(
                 path,
-                f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}{dumps(verdict.scenario)}",
+                f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}{toml(verdict.scenario)}",
             )
             files.append(str(path))
     return files
@@ -135,7 +143,7 @@ def _constants(law: Law) -> str:
 def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
     say(f"{verdicts.law.name} with {_constants(verdicts.law)}", 4)
     for name, verdict in verdicts.properties.items():
-        again = {True: ", verified", False: ", NOT CONFIRMED by a second run", None: ""}[verdict.verified]
+        again = {True: ", verified", False: ", NOT CONFIRMED", None: ""}[verdict.verified]
         reason = verdict.evidence.get("reason") if verdict.holds is None else verdict.method
         say(f"{reason}{again}", _BESIDE, f"  {name:11}{_WORDS[verdict.holds]:10}")
         for line in _lines(verdict.evidence):

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from stribeck.equations import Watch
-from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, symbol, total_derivative, wrap
+from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, symbol, total_derivative, wrap
 from stribeck.expressions.ops import both, clip, where
 from stribeck.machine.controllers import Own
 from stribeck.machine.friction import compensation, named, parameters
@@ -128,8 +127,6 @@ class Balance:
         if not isinstance(link.span.start, str):
             self.far = self.far + stored
         plain = wrap(link.kind.stored_energy(link.p, own, tuple(rates)))
-        from stribeck.expressions.graph import substitute
-
         (slope,) = substitute([derivative(plain, own)], {own: d})
         self.lost = self.lost + (f * w - slope * w - total_derivative(plain, rates) if rates else (f - slope) * w)
 
@@ -137,10 +134,7 @@ class Balance:
         for each in self.machine.controllers:
             r = each.signal.reference(T)
             self.k[f"{each.name}.r"] = wrap(r.value)
-            if each.sampling is not None:
-                u = symbol(f"segment.{each.name}_u")
-            else:
-                u = self._continuous(each, r)
+            u = symbol(f"segment.{each.name}_u") if each.sampling is not None else self._continuous(each, r)
             self._name(f"{each.name}.u", u)
             if each.on in self.machine.body:
                 self.net[each.on] = self.net[each.on] + u
@@ -209,8 +203,6 @@ class Balance:
                 m = symbol(f"{body.path}.{body.inertia_name}")
                 self.inertia[leader.name] = self.inertia[leader.name] + m * ratio * ratio
                 self.stored = self.stored + m * self.k[f"{body.name}.v"] ** 2 / 2
-            if leader.driven is not None and body.leader is None:
-                self.k[f"{body.name}.power"] = self.k[f"{body.name}.v"]
         for body in self.machine.bodies:
             if body.driven is not None:  # what drives it supplies the forces on it
                 self.power_in = self.power_in - self.force[body.name] * self.k[f"{body.name}.v"]
@@ -231,21 +223,12 @@ class Balance:
         """The energy of links whose far end is a signal: where that jumps, its work is what they store."""
         return None if is_zero(self.far) else self.far
 
-    def watches(self) -> list[Watch]:
-        """Slip and stick of each contact, the flanks of each play, the limit of each controller."""
-        found = [
-            Watch(contact.name, self.k[f"{contact.name}.w"], ("slip", "stick", "slip", "stick"))
-            for contact in self.machine.contacts
-        ]
-        for link in self.machine.links:
-            if "gap" in link.form:
-                d, _, _ = self.span(link.span, link.path)
-                found.append(Watch(link.name, d, ("flank_up", "flank_up_left", "flank_down", "flank_down_left")))
-        for each in self.machine.controllers:
-            if each.name in self.unlimited and "limit" in each.form:
-                names = ("limit_reached", "limit_left", "limit_reached", "limit_left")
-                found.append(Watch(each.name, self.unlimited[each.name], names))
-        return found
+    def watched(self) -> list[Expr]:
+        """What events are told by, in the order of the machine's ``watched``."""
+        found = [self.k[f"{contact.name}.w"] for contact in self.machine.contacts]
+        found += [self.span(x.span, x.path)[0] for x in self.machine.links if "gap" in x.form]
+        controllers = [x for x in self.machine.controllers if x.sampling is None and "limit" in x.form]
+        return [*found, *(self.unlimited[x.name] for x in controllers)]
 
     def outputs(self) -> dict[str, Expr]:
         """Every column by name."""

@@ -7,7 +7,7 @@ from functools import cached_property
 
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
-from stribeck.equations import Equations, Sample, Watch
+from stribeck.equations import SLIP_AND_STICK, Equations, Sample, Watch, Watched
 from stribeck.expressions.graph import Expr
 from stribeck.machine.balance import Balance
 from stribeck.machine.parts import (
@@ -19,6 +19,7 @@ from stribeck.machine.parts import (
     MotorPart,
     Named,
     SignalUse,
+    Span,
 )  # fmt: skip
 from stribeck.machine.sampled import sampled_states, samples_of
 
@@ -205,10 +206,8 @@ class Machine(Equations):
     def heading(self) -> tuple[str, ...]:
         """What this is, for the head of the generated code."""
         lines = [f"A machine of {len(self.bodies)} bodies: {', '.join(self.body)}."]
-        for link in self.links:
-            lines.append(f"Link {link.name}: {_between(link.span)}.")
-        for contact in self.contacts:
-            lines.append(f"Contact {contact.name}: {_between(contact.span)}, law {contact.law.name}.")
+        lines += [f"Link {link.name}: {_between(link.span)}." for link in self.links]
+        lines += [f"Contact {x.name}: {_between(x.span)}, law {x.law.name}." for x in self.contacts]
         lines += [f"Load {load.name}: {load.kind.kind} on {load.on}." for load in self.loads]
         lines += [f"Motor {motor.name} on {motor.on}." for motor in self.motors]
         for each in self.controllers:
@@ -232,9 +231,18 @@ class Machine(Equations):
         found = self.balance().rates()
         return [found[state.name] for state in self.states]
 
-    def watches(self) -> list[Watch]:
+    @cached_property
+    def watched(self) -> tuple[Watched, ...]:
         """Slip and stick of each contact, the flanks of each play, the limit of each controller."""
-        return self.balance().watches()
+        found = [(contact.name, SLIP_AND_STICK) for contact in self.contacts]
+        found += [(link.name, _FLANKS) for link in self.links if "gap" in link.form]
+        found += [(x.name, _LIMIT) for x in self.controllers if x.sampling is None and "limit" in x.form]
+        return tuple(found)
+
+    def watches(self) -> list[Watch]:
+        """The same with the quantities."""
+        values = self.balance().watched()
+        return [Watch(name, value, events) for (name, events), value in zip(self.watched, values, strict=True)]
 
     def samples(self) -> list[Sample]:
         """What each sampled controller does at its instants."""
@@ -250,6 +258,8 @@ class Machine(Equations):
         return {each.name: sampled_states(each) for each in self.controllers if each.sampling is not None}
 
 
+_FLANKS = ("flank_up", "flank_up_left", "flank_down", "flank_down_left")
+_LIMIT = ("limit_reached", "limit_left", "limit_reached", "limit_left")
 _E_IN = Column("E_in", "J", "energy put in")
 _E_OUT = Column("E_dissipated", "J", "energy dissipated")
 _E_STORED = Column("E_stored", "J", "kinetic energy, and energy of links, pendulums and bristles")
@@ -259,7 +269,6 @@ def _force(rotary: bool) -> str:
     return "N m" if rotary else "N"
 
 
-def _between(span: object) -> str:
-    start = getattr(span.start, "name", None)  # type: ignore[attr-defined]
-    first = f"the signal {start}" if start else span.start  # type: ignore[attr-defined]
-    return f"{first} to {span.end or 'ground'}"  # type: ignore[attr-defined]
+def _between(span: Span) -> str:
+    first = span.start if isinstance(span.start, str) else f"the signal {span.start.name}"
+    return f"{first} to {span.end or 'ground'}"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -37,13 +37,15 @@ def result(solution: Solution) -> Chapter:
         for c in solution.columns
     ]
     tables = [Table(["column", "meaning", "largest magnitude", "at the end", "unit"], rows)]
-    words = {"slip": "|v| rises through v_s (slip)", "stick": "|v| falls through v_s (stick)"}
-    lines = []
-    for name, times in _events(solution.events):
-        more = f" and {len(times) - _EVENTS_SHOWN} more" if len(times) > _EVENTS_SHOWN else ""
-        shown = ", ".join(f"{t:.6g}" for t in times[:_EVENTS_SHOWN]) + more
-        lines.append([words.get(name, name), str(len(times)), shown])
-    if lines:
+    events = _flat(solution.events)
+    if events:
+        words = {"slip": "|v| rises through v_s (slip)", "stick": "|v| falls through v_s (stick)"}
+        lines = []
+        for kind, times in events.items():
+            more = f" and {len(times) - _EVENTS_SHOWN} more" if len(times) > _EVENTS_SHOWN else ""
+            lines.append(
+                [words.get(kind, kind), str(len(times)), ", ".join(f"{t:.6g}" for t in times[:_EVENTS_SHOWN]) + more]
+            )
         tables.append(Table(["event", "times", "at (s)"], lines, prose=True))
     ended = f"It failed: {solution.reason}; the part that was reached is shown." if solution.reason else ""
     text = [
@@ -54,17 +56,28 @@ def result(solution: Solution) -> Chapter:
     return Chapter("result", "Result", text, tables)
 
 
-def _events(events: Mapping[str, Any], of: str = "") -> Iterator[tuple[str, Sequence[float]]]:
-    """What happened at all, with its times; of a machine each element's."""
-    for name, found in events.items():
-        if isinstance(found, Mapping):
-            yield from _events(found, f"{name}: ")
-        elif len(found):
-            yield f"{of}{name}", found
+def _flat(events: Mapping[str, Any]) -> dict[str, Any]:
+    """What happened at all; of a machine under names such as 'mesh: slip'."""
+    found: dict[str, Any] = {}
+    for name, each in events.items():
+        found |= {f"{name}: {kind}": times for kind, times in each.items()} if isinstance(each, dict) else {name: each}
+    return {name: times for name, times in found.items() if len(times)}
 
 
-def of_law(law: Law, key: str = "law", of: str = "") -> Chapter:
-    """A law: its equations and its constants; ``of``: words for where it acts."""
+def slips(solution: Solution) -> int:
+    """How often anything began to slip."""
+    return sum(len(times) for name, times in _flat(solution.events).items() if name.endswith("slip"))
+
+
+def of_laws(scenario: Scenario) -> list[Chapter]:
+    """The law, or the laws of a machine's contacts."""
+    if scenario.rig is None:
+        return [of_law(scenario.law)]
+    return [of_law(law, path.replace(".", "-")) for path, law in scenario.rig.laws.items()]
+
+
+def of_law(law: Law, key: str = "law") -> Chapter:
+    """A law: its equations and its constants."""
     declared = law.constants()
     values: dict[str, Any] = {n: x for n, x in law.values.items() if x is not None} | law.choices
     words = rotary_words if law.rotary else str
@@ -80,7 +93,7 @@ def of_law(law: Law, key: str = "law", of: str = "") -> Chapter:
     about = " ".join((type(law).__doc__ or "").split())
     lines = "\n".join(each.text for each in equations(type(law), law.structure))
     table = Table(["constant", "value", "unit", "meaning"], rows, prose=True)
-    return Chapter(key, f"The law {law.name}{of}", [about, f"Source: {law.source}."], [table], code=lines)
+    return Chapter(key, f"The law {law.name}", [about, f"Source: {law.source}."], [table], code=lines)
 
 
 def of_scenario(scenario: Scenario) -> Chapter:

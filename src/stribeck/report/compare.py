@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
-from stribeck.analysis.comparison import COMPARED, Comparison
+from stribeck.analysis.comparison import Comparison, compared
 from stribeck.errors import left_out
 from stribeck.files import write_json
 from stribeck.report import chapters, overview
@@ -32,22 +32,26 @@ def write(comparison: Comparison, folder: Path, summary: dict[str, Any], command
 
 def _page(comparison: Comparison, figure: FigureSvg, folder: Path, command: str) -> Path:
     reference, *others = comparison.solutions
+    names = compared(comparison.solutions[reference].scenario)
     units = {c.name: c.unit for c in comparison.solutions[reference].columns}
     rows = [
-        [label, *(cell for n in COMPARED for cell in (f"{d[n]['max']:.4g}", chapters.percent(d[n]["max_relative"])))]
+        [label, *(cell for n in names for cell in (f"{d[n]['max']:.4g}", chapters.percent(d[n]["max_relative"])))]
         for label, d in comparison.deviations.items()
     ]
-    head = ["law", *(cell for n in COMPARED for cell in (f"{n} ({units[n]})", "of its peak"))]
+    head = ["law", *(cell for n in names for cell in (f"{n} ({units[n]})", "of its peak"))]
     text = [f"The largest deviation from {reference} over the rows that both reached."]
     if failed := [f"{label} failed: {s.reason}." for label, s in comparison.solutions.items() if s.reason]:
         text += failed
     slips = [
-        [label, str(len(s.events["slip"])), *(f"{s.peaks[n]:.6g}" for n in COMPARED), str(s.stats["accepted"])]
+        [label, str(chapters.slips(s)), *(f"{s.peaks[n]:.6g}" for n in names), str(s.stats["accepted"])]
         for label, s in comparison.solutions.items()
     ]
-    about = Table(["law", "slips", *(f"largest {n} ({units[n]})" for n in COMPARED), "steps"], slips)
+    about = Table(["law", "slips", *(f"largest {n} ({units[n]})" for n in names), "steps"], slips)
     found = [Chapter("deviations", "Deviations", text, [Table(head, rows), about]), *chapters.plots([figure])]
-    found += [chapters.of_law(s.scenario.law, f"law-{i}") for i, s in enumerate(comparison.solutions.values())]
+    if comparison.solutions[reference].scenario.rig is None:
+        found += [chapters.of_law(s.scenario.law, f"law-{i}") for i, s in enumerate(comparison.solutions.values())]
+    else:
+        found += chapters.of_laws(comparison.solutions[reference].scenario)
     introduction = [f"{', '.join(others)} beside {reference}."]
     return chapters.write_page(
         folder, f"{comparison.name}: {len(comparison.solutions)} laws", introduction,

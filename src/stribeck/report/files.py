@@ -71,7 +71,7 @@ def _write_parquet(solution: Solution, path: Path) -> None:
     ]
     about = {
         "scenario": solution.scenario.name,
-        "law": solution.scenario.law.name,
+        "law": solution.scenario.subject.removeprefix("law "),
         "status": solution.status,
         "reason": solution.reason or "",
     }

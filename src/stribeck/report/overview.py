@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stribeck.analysis.comparison import compared
 from stribeck.constants import rotary_words
-from stribeck.report import plots
+from stribeck.report import machines, plots
 from stribeck.report.page import FigureSvg
+from stribeck.report.panels import ENERGY, Panel
 from stribeck.report.quantities import Quantity, Scale, deviations, quantities, scale
 from stribeck.simulation import Solution
 
@@ -25,37 +26,10 @@ _APART = 0.13  # of an axis' width, between two of its numbers
 Quantities = Mapping[str, Quantity]
 
 
-@dataclass(frozen=True)
-class Panel:
-    """One panel: a quantity against another, under a title of words.
-
-    Attributes:
-        y: the quantity drawn, for every solution.
-        title: what it is, in words; ``also``: and what ``beside`` is.
-        x: what it is drawn against.
-        beside: quantities of the same unit drawn with it: a setpoint, a driving force.
-        alone: draw ``beside`` only where there is one solution, as it differs from one to the other.
-        near_rest: stretch the horizontal axis around 0, where it reaches far.
-        log: a logarithmic vertical axis.
-        settled: the vertical axis shows the second half of the time; a transient may leave it.
-    """
-
-    y: str
-    title: str
-    x: str = "t"
-    also: str = ""
-    beside: tuple[str, ...] = ()
-    alone: bool = False
-    near_rest: bool = False
-    log: bool = False
-    settled: bool = False
-
-
 _FRICTION = (
     Panel("F", "friction against velocity", x="v", near_rest=True),
     Panel("F", "friction against position", x="y"),
 )
-_ENERGY = Panel("E_in", "energy put in", also=", dissipated, stored", beside=("E_dissipated", "E_stored"), alone=True)
 _SERVO = (
     Panel("y", "position", also=", and its desired course", beside=("y_d",)),
     Panel("e", "position error after the transient", settled=True),
@@ -71,10 +45,10 @@ _SERVO = (
 def panels(solution: Solution) -> tuple[Panel, ...]:
     """What is worth seeing of a solution, in the order of reading."""
     known = {"t", *(column.name for column in solution.columns)}
+    if solution.scenario.rig is not None:
+        return machines.panels(solution.scenario.rig.machine)
     if solution.scenario.servo is not None:
         return _SERVO
-    if solution.scenario.rig is not None:
-        return _by_kind(solution)
     if "I" in known:
         error = Panel("e", "control error after the transient", settled=True)
         first = [Panel("y", "position", also=", and its setpoint", beside=("r",)), error]
@@ -84,18 +58,8 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
     rest = [Panel("v", "velocity"), force]
     if solution.scenario.law.has_z:
         rest.append(Panel("z", "mean bristle deflection"))
-    energy = [_ENERGY] if "E_in" in known else []
+    energy = [ENERGY] if "E_in" in known else []
     return (*first, *rest, *_FRICTION, *energy)
-
-
-def _by_kind(solution: Solution) -> tuple[Panel, ...]:
-    """Of a machine of many parts: a panel for what its columns have in common, such as the velocities of its bodies."""
-    kinds: dict[tuple[str, str], list[str]] = {}
-    for column in solution.columns:
-        kinds.setdefault((column.meaning, column.unit), []).append(column.name)
-    return tuple(
-        Panel(first, meaning, beside=tuple(others), alone=True) for (meaning, _), (first, *others) in kinds.items()
-    )
 
 
 def overview(solutions: Mapping[str, Solution], name: str = "plot", caption: str = "") -> FigureSvg:
@@ -109,12 +73,13 @@ def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption
     """The overview of several solutions with, beside y, v and F, how far each is from the first."""
     shown = _labelled(solutions)
     reference, *others = shown.items()
+    names = compared(next(iter(solutions.values())).scenario)
     for label, found in others:
-        shown[label] = {**found, **{n: q for n, q in deviations(reference[1], found).items() if n != "t"}}
+        shown[label] = {**found, **{n: q for n, q in deviations(reference[1], found, names).items() if n != "t"}}
     wanted = []
     for panel in panels(next(iter(solutions.values()))):
         wanted.append(panel)
-        if panel.x == "t" and panel.y in ("y", "v", "F") and others:
+        if panel.x == "t" and panel.y in names and others:
             wanted.append(Panel(f"Δ{panel.y}", f"deviation of {panel.y} from {reference[0]}"))
     wanted = [p for p in wanted if p.y not in ("z", "E_in")]
     return draw(shown, wanted, name, caption, slow=_speed(next(iter(solutions.values()))))
@@ -138,7 +103,7 @@ def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> Non
 def _speed(solution: Solution) -> float:
     """The speed below which a body counts as near rest."""
     if solution.scenario.rig is not None:
-        return 0.0
+        return min((law.scales(law.p).speed for law in solution.scenario.rig.laws.values()), default=0.0)
     law = solution.scenario.law
     return solution.scenario.threshold or float(law.scales(law.p).speed)
 
@@ -195,7 +160,7 @@ def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: floa
         x, y = q[panel.x].values, q[panel.y].values
         rows = min(len(x), len(y))
         plots.line(axis, numbers[label], *plots.thin(of_x.of(x[:rows]), of_y.of(y[:rows])), label)
-    axis.set(xlabel=of_x.label, ylabel=of_y.label, title=_title(panel, bool(beside), "rad" in first["y"].unit))
+    axis.set(xlabel=of_x.label, ylabel=of_y.label, title=_title(panel, bool(beside), "rad" in first[panel.y].unit))
     if beside:
         names = [first[panel.y].name, *(q.name for q in beside)]
         plots.key(axis, names if len(lines) == 1 else names[1:], len(beside))

@@ -84,11 +84,13 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
     return found
 
 
-def deviations(reference: Mapping[str, Quantity], other: Mapping[str, Quantity]) -> dict[str, Quantity]:
-    """How far y, v and F are from the reference's, over the rows that both reached; t too."""
+def deviations(
+    reference: Mapping[str, Quantity], other: Mapping[str, Quantity], names: Iterable[str] = ("y", "v", "F")
+) -> dict[str, Quantity]:
+    """How far the columns are from the reference's, over the rows that both reached; t too."""
     rows = min(len(reference["t"].values), len(other["t"].values))
     found = {"t": Quantity("t", "s", "time", reference["t"].values[:rows])}
-    for name in ("y", "v", "F"):
+    for name in names:
         a, b = reference[name], other[name]
         found[f"Δ{name}"] = Quantity(f"Δ{name}", a.unit, f"deviation of {name}", b.values[:rows] - a.values[:rows])
     return found

@@ -18,8 +18,7 @@ def write(solution: Solution, folder: Path, summary: dict[str, Any], command: st
     """Write trajectory.csv and .parquet, plot.svg, .png and .pdf, report.html and, last, summary.json; the paths."""
     paths = write_table(solution, folder, "trajectory")
     with left_out("the plot and the page"):
-        rig = solution.scenario.rig
-        figure = overview({solution.scenario.name if rig is not None else solution.scenario.law.name: solution})
+        figure = overview({solution.scenario.label: solution})
         paths += write_figure(figure, folder)
         paths.append(_page(solution, figure, folder, command))
     paths.append(folder / "summary.json")
@@ -30,14 +29,10 @@ def write(solution: Solution, folder: Path, summary: dict[str, Any], command: st
 
 def _page(solution: Solution, figure: FigureSvg, folder: Path, command: str) -> Path:
     scenario = solution.scenario
-    if scenario.rig is None:
-        introduction = [f"Law {scenario.law.name}, drive {scenario.drive.kind}: {solution.status}."]
-        laws = [chapters.of_law(scenario.law)]
-    else:
-        contacts = scenario.rig.machine.contacts
-        introduction = [f"{len(contacts)} contacts with friction: {solution.status}."]
-        laws = [
-            chapters.of_law(scenario.rig.laws[c.law_path], f"law-{i}", f" of {c.name}") for i, c in enumerate(contacts)
-        ]
-    found = [chapters.result(solution), *chapters.plots([figure]), *laws, chapters.of_scenario(scenario)]
-    return chapters.write_page(folder, scenario.name, introduction, found, command)
+    about = f"Law {scenario.law.name}, drive {scenario.drive.kind}" if scenario.rig is None else scenario.subject
+    found = [
+        chapters.result(solution), *chapters.plots([figure]), *chapters.of_laws(scenario), chapters.of_scenario(scenario),
+    ]  # fmt: skip
+    return chapters.write_page(
+        folder, scenario.name, [f"{about[0].upper()}{about[1:]}: {solution.status}."], found, command
+    )

@@ -141,7 +141,7 @@ class Sweep:
             "format": 1,
             "stribeck": __version__,
             "scenario": scenario.name,
-            "law": scenario.law.name,
+            "law": scenario.subject.removeprefix("law "),
             "varied": list(self.lanes.values),
             "summary": summary,
             "lanes": len(self.lanes),
@@ -157,10 +157,11 @@ class Sweep:
     def _digest(self) -> str:
         """Of all that decides the numbers: the equations and solver as C, every constant, the signal, the values."""
         s, lanes = self.lanes.scenario, self.lanes
-        signal = s.signal.segments if not s.signal.smooth else None
-        pieces = [signal.start, signal.value, signal.slope] if signal else []
+        table = s.pieces()
+        pieces = [table.start, table.rows, table.restart]
+        about = s.data["drive"] if s.rig is None else sorted(s.rig.seeds.items())
         numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.threshold, s.end]
-        settings = [s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values), s.data["drive"]]
+        settings = [s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values), about]
         text = json.dumps([source(s.system, lanes=True), numbers, settings])
         arrays = b"".join(np.ascontiguousarray(x).tobytes() for x in [*pieces, *lanes.values.values()])
         return sha256(text.encode() + arrays).hexdigest()
@@ -281,9 +282,13 @@ def _summary(e: Ensemble, first: int) -> list[Column]:
         found.append((f"peak_{c.name}", c.unit, f"largest magnitude: {c.meaning}", peak))
         found.append((f"final_{c.name}", c.unit, f"at the end: {c.meaning}", e[c.name][lanes, last]))
     late = e.t >= 0.5 * e.t[-1]
-    amplitude, period = amplitude_and_period(e.t[late], e["y"][:, late])
-    found.append(("amplitude", e.columns[0].unit, "half of peak to peak of y in the second half", amplitude))
-    return [*found, ("period", "s", "mean time between upward crossings of y's middle in the second half", period)]
+    y = next(column for column in e.columns if column.name.split(".")[-1] == "y")  # of a machine, the first body's
+    amplitude, period = amplitude_and_period(e.t[late], e[y.name][:, late])
+    found.append(("amplitude", y.unit, f"half of peak to peak of {y.name} in the second half", amplitude))
+    return [
+        *found,
+        ("period", "s", f"mean time between upward crossings of {y.name}'s middle in the second half", period),
+    ]
 
 
 def _write(path: Path, columns: Sequence[Column]) -> None:

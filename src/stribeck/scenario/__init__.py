@@ -21,7 +21,7 @@ from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario import servo, tables
-from stribeck.scenario.changes import changed, parse_assignment, plain
+from stribeck.scenario.changes import changed, parse_assignment, plain, unfolds
 from stribeck.scenario.machine import Rig
 from stribeck.scenario.memory import ROWS_LARGEST
 from stribeck.scenario.reader import Reader
@@ -89,10 +89,10 @@ class Scenario:
         data.setdefault("name", path.stem)
         changes, folder, trusted = changes or {}, path.parent, _trusted(trust)
         strange = named(data).values()
-        if strange and any(place.startswith("law.parameters.") for place in changes):
+        if strange and any(map(unfolds, changes)):
             # to unfold the set's name the law must be known, and so executed: see first whether that is allowed
             bare = object.__new__(cls)
-            others = {place: x for place, x in changes.items() if not place.startswith("law.parameters.")}
+            others = {place: x for place, x in changes.items() if not unfolds(place)}
             bare.data, bare.folder = changed(data, others, folder), folder
             own = set(named(bare.data).values()) - set(strange)
             _refuse(Reader(bare, None if trusted is None else {*trusted, *own}).judge())
@@ -153,6 +153,21 @@ class Scenario:
         self._law = law
 
     @property
+    def subject(self) -> str:
+        """What it is about, in a few words: the law, or the machine."""
+        if self.rig is None:
+            return f"law {self.law.name}"
+        machine = self.rig.machine
+        laws = ", ".join(f"{c.name} {c.law.name}" for c in machine.contacts)
+        bodies = f"{len(machine.bodies)} bod{'y' if len(machine.bodies) == 1 else 'ies'}"
+        return f"{bodies}, contacts: {laws}" if laws else f"{bodies}, no contacts"
+
+    @property
+    def label(self) -> str:
+        """What its line in a plot is called: the law's name, or the machine's."""
+        return self.law.name if self.rig is None else self.name
+
+    @property
     def name(self) -> str:
         """The scenario's name."""
         return str(self.data.get("name", "scenario"))
@@ -204,7 +219,7 @@ class Scenario:
 
     def levels(self) -> list[float]:
         """The level of each watched quantity, 0 for none."""
-        return self.rig.levels() if self.rig is not None else [self.threshold] * len(self.system.watches())
+        return self.rig.levels() if self.rig is not None else [self.threshold] * len(self.system.watched)
 
     def sampling(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed of each sampled controller that is compiled."""

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from stribeck.constants import kind_of, show
 from stribeck.control.cascade import Cascade
 from stribeck.control.observer import SCALES
+from stribeck.equations import Equations
 from stribeck.errors import nearest
 from stribeck.scenario import machine, memory, servo, tables, trust
 from stribeck.scenario.law import LawReader, no_table, unknown
@@ -15,7 +16,6 @@ from stribeck.scenario.signal import read_signal
 from stribeck.system import System
 
 if TYPE_CHECKING:
-    from stribeck.control.servo import ServoSystem
     from stribeck.scenario import Scenario
 
 _TABLES = ("law", "plant", "drive", "solve", "output")
@@ -46,7 +46,7 @@ class Reader:
         return self.problems
 
     def _everything(self) -> list[tables.Problem]:
-        if self.data.get("schema") == 2 and not isinstance(self.data["schema"], bool | float):
+        if self._is_machine():
             return self._machine()
         self._top()
         self._law()
@@ -58,10 +58,15 @@ class Reader:
         self._together()
         return self.problems
 
+    def _is_machine(self) -> bool:
+        """Whether it is a machine file, also where its schema is wrong."""
+        return self.data.get("schema") == 2 or ("bodies" in self.data and "law" not in self.data)
+
     def _machine(self) -> list[tables.Problem]:
         """A machine: bodies, and elements between them."""
         s = self.scenario
         self._unknown(self.data, "", machine.TOP)
+        self._schema(2)
         self._name()
         s.solve = self._table(tables.Solve, "solve")
         s.output = self._table(tables.Output, "output")
@@ -74,6 +79,14 @@ class Reader:
             if s.solve and s.output:
                 self._rows(len(s.system.columns))
         return self.problems
+
+    def _schema(self, version: int) -> None:
+        schema, about = self.data.get("schema"), {1: "a law on a body", 2: "a machine"}[version]
+        if "schema" not in self.data:
+            text = f"missing: must be given (schema = {version}, the version of the file format: {about})"
+            self.problems.append(("schema", text))
+        elif schema != version or isinstance(schema, bool | float):
+            self.problems.append(("schema", f"{show(schema)}: must be {version} ({about})"))
 
     def _name(self) -> None:
         name = self.data.get("name", "")
@@ -102,11 +115,7 @@ class Reader:
 
     def _top(self) -> None:
         self._unknown(self.data, "", ("schema", "name", "rotary", *_TABLES))
-        schema = self.data.get("schema")
-        if "schema" not in self.data:
-            self.problems.append(("schema", "missing: must be given (schema = 1, the version of the file format)"))
-        elif schema != 1 or isinstance(schema, bool | float):
-            self.problems.append(("schema", f"{show(schema)}: must be 1 (a body) or 2 (a machine)"))
+        self._schema(1)
         if not isinstance(rotary := self.data.get("rotary", False), bool):
             self.problems.append(("rotary", f"{show(rotary)}: must be true or false, not {kind_of(rotary)}"))
         self._name()
@@ -214,12 +223,13 @@ class Reader:
             self.problems.append(("plant.initial.z", f"{initial['z']}: law '{law.name}' has no z; leave it out"))
         if law is None or drive is None:
             return
+        system: Equations
         if drive is Cascade:
             if s.output is not None and s.output.energy:
                 self.problems.append(("output.energy", "true: must be false for a servo, whose energy is the column V"))
             if s.servo is None or not hasattr(s, "signal") or self.problems:
                 return
-            system: System | ServoSystem = s.system
+            system = s.system
             if s.solve:
                 self.problems += servo.judge(s.servo, law, s.signal, s.solve.t_end, s.initial)
         else:

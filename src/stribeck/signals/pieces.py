@@ -110,7 +110,7 @@ def _cut_at_turns(signal: Signal, whole: Pieces, t_end: float) -> Pieces:
     turns = _turns(signal, whole, t_end)
     start = np.union1d(whole.start, turns)
     at = np.searchsorted(whole.start, start, side="right") - 1
-    ends = np.append(start[1:], max(start[-1] + 1.0, t_end if np.isfinite(t_end) else 0.0))
+    ends = np.append(start[1:], start[-1] + 1.0)
     middle = 0.5 * (np.maximum(start, 0.0) + ends)
     rate = _rates(signal, whole.rows[at], middle)
     direction = np.sign(rate)
@@ -153,7 +153,7 @@ def _turns(signal: Signal, whole: Pieces, t_end: float) -> Array:
         p = signal.values
         first = (0.5 - p["phase"] / np.pi) / (2 * p["frequency"])
         half = 0.5 / p["frequency"]
-        return np.arange(first % half, t_end, half)
+        return np.arange(first % half, t_end + half, half)  # to beyond the end: the last piece is judged by its middle
     return np.zeros(0)
 
 

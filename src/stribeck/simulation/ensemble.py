@@ -13,9 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stribeck.codegen import source
 from stribeck.drives.base import Column
-from stribeck.equations import Watch
-from stribeck.errors import BuildError, InputError, nearest
-from stribeck.expressions.graph import ZERO
+from stribeck.equations import SLIP_AND_STICK
+from stribeck.errors import BuildError, InputError, StribeckError, arg, nearest
 from stribeck.scenario import Scenario, memory
 from stribeck.simulation import cache, compiler, lanes
 from stribeck.simulation.result import failure
@@ -99,6 +98,7 @@ def simulate_ensemble(
     values: Mapping[str, ArrayLike],
     *,
     threads: int | None = None,
+    device: str = "cpu",
     progress: Callable[[float], None] | None = None,
 ) -> Ensemble:
     """Simulate a scenario once for each value of some of its numbers.
@@ -112,6 +112,8 @@ def simulate_ensemble(
         scenario: what the lanes share: a scenario, the path of its file, or its tables.
         values: numbers by path, as many for each path as there are lanes; a single number holds for all.
         threads: how many to use; all of the machine's unless given.
+        device: ``"cuda"`` for a GPU, one trajectory a thread (``pip install 'stribeck[cuda]'``); its lanes agree with
+            those of the processor within the tolerances.
         progress: called now and then with the share of the lanes done, 0 to 1.
 
     Returns:
@@ -119,7 +121,10 @@ def simulate_ensemble(
 
     Raises:
         InputError: a path is none that can be varied, its values are no numbers, or the rows do not fit into memory.
+        StribeckError: ``device="cuda"`` where there is no GPU, or for what runs lane by lane.
     """
+    if device not in ("cpu", "cuda"):
+        raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
     variations = vary(Scenario.of(scenario), values)
     scenario, count = variations.scenario, len(variations)
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
@@ -133,13 +138,21 @@ def simulate_ensemble(
     width = len(scenario.system.states) + len(scenario.system.held)
     states = np.full((count, scenario.rows, width), np.nan)
     counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected")}
-    counts["happened"] = np.zeros((count, max(1, len(scenario.system.watches())), 4), np.int64)
+    counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
     if len(possible):
-        library = _library(scenario) if isinstance(variations, Variations) else None
+        on_gpu = device == "cuda"
+        if on_gpu and not isinstance(variations, Variations):
+            raise StribeckError("device 'cuda': this scenario runs lane by lane, which a GPU cannot; use the processor")
+        library = _library(scenario) if isinstance(variations, Variations) and not on_gpu else None
         threads = threads or lanes.threads_of_this_machine()
-        if library is not None and isinstance(variations, Variations):
+        if (on_gpu or library is not None) and isinstance(variations, Variations):
             some = variations if len(possible) == count else variations.part(possible)
-            found = lanes.solve(library, some, threads, progress)
+            if library is None:
+                from stribeck.simulation import cuda
+
+                found = cuda.solve(some, progress)
+            else:
+                found = lanes.solve(library, some, threads, progress)
             states[possible] = found.states
             watched = found.counts["happened"].shape[1]
             for name, x in counts.items():
@@ -222,9 +235,8 @@ def _count_crossings(
 def happened(scenario: Scenario, counts: NDArray[np.int64]) -> dict[str, dict[str, NDArray[np.int64]]]:
     """How often each event came in each lane, by element; a single body has no name."""
     found: dict[str, dict[str, NDArray[np.int64]]] = {}
-    watches = scenario.system.watches() or [Watch("", ZERO, ("slip", "stick", "slip", "stick"))]
-    for j, watch in enumerate(watches):
-        mine = found.setdefault(watch.element, {})
-        for i, event in enumerate(watch.events):
+    for j, (name, events) in enumerate(scenario.system.watched or (("", SLIP_AND_STICK),)):
+        mine = found.setdefault(name, {})
+        for i, event in enumerate(events):
             mine[event] = mine.get(event, np.zeros(len(counts), np.int64)) + counts[:, j, i]
     return found

@@ -31,6 +31,8 @@ _STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
 # What one step may err by, as a share of the tolerances: errors made while a contact creeps towards break-away grow up
 # to a hundredfold before it slips, and the solution is to keep what the tolerances promise.
 _STEP_SHARE = 0.01
+# The same under a sampled controller, whose every output starts the motion anew: many short steps, each good.
+_SAMPLED_SHARE = 0.1
 _RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
 
 _DONE, _MORE, _EVENTS_FULL, _NOT_FINITE = 0, 1, 2, -2
@@ -51,7 +53,8 @@ class Run(ctypes.Structure):
 
 def step_share(scenario: Scenario) -> float:
     """What one step may err by, as a share of the scenario's tolerances."""
-    return max(_STEP_SHARE, min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
+    share = _SAMPLED_SHARE if scenario.system.held else _STEP_SHARE
+    return max(share, min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -82,7 +85,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
         "atol": share * np.array([atol[state.name] for state in system.states]),
         "x": x, "out": out, "event_time": event_time, "levels": np.array(scenario.levels()),
         "piece_start": np.ascontiguousarray(pieces.start), "piece_rows": np.ascontiguousarray(pieces.rows),
-        "held": np.zeros(held), "memory": np.zeros(sum(len(each.memory) for each in system.samples())),
+        "held": np.zeros(held), "memory": np.zeros(sum(map(len, system.memory.values()))),
         "queue": np.zeros((held, room)), "noise": noise,
     }  # fmt: skip
     counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}

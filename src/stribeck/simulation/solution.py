@@ -45,7 +45,7 @@ class Solution:
         self.states, self._log = result.states[:, :count], result.log
         self._held = dict(zip(scenario.system.held, result.states[:, count:].T, strict=True))
         self.events = _events(scenario, result.events)
-        self.counts = np.zeros((max(1, len(scenario.system.watches())), 4), np.int64)  # of each event
+        self.counts = np.zeros((max(1, len(scenario.system.watched)), 4), np.int64)  # of each event
         for _, what in result.events:
             self.counts[what >> 2, what & 3] += 1
 
@@ -109,17 +109,21 @@ class Solution:
         """The last row."""
         return {name: float(self[name][-1]) for name in ("t", *self._columns)} if len(self.t) else {}
 
+    @property
+    def laws(self) -> dict[str, Any]:
+        """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
+        rig = self.scenario.rig
+        if rig is None:
+            return {"law": _about(self.scenario.law)}
+        return {"contacts": {c.name: {"law": _about(rig.laws[c.law_path])} for c in rig.machine.contacts}}
+
     def summary(self) -> dict[str, Any]:
         """What ``stribeck run --json`` prints, without the files."""
-        rig = self.scenario.rig
-        laws = {"law": _about(self.scenario.law)} if rig is None else {
-            "contacts": {c.name: {"law": _about(rig.laws[c.law_path])} for c in rig.machine.contacts}
-        }  # fmt: skip
         return {
             "status": self.status,
             "reason": self.reason,
             "scenario": self.scenario.name,
-            **laws,
+            **self.laws,
             "rows": len(self.t),
             "steps": self.stats,
             "events": _lists(self.events),
@@ -138,12 +142,12 @@ def _lists(events: dict[str, Any]) -> dict[str, Any]:
 
 def _events(scenario: Scenario, found: list[tuple[float, int]]) -> dict[str, Any]:
     """The times of what happened; of a machine by element, of a single body without its name."""
-    watches = scenario.system.watches()
+    watched = scenario.system.watched
     if scenario.rig is None:
         times = {"slip": [t for t, what in found if not what & 1], "stick": [t for t, what in found if what & 1]}
         return {name: np.array(each) for name, each in times.items()}
-    events: dict[str, dict[str, list[float]]] = {w.element: {name: [] for name in w.events} for w in watches}
+    events: dict[str, dict[str, list[float]]] = {name: {kind: [] for kind in kinds} for name, kinds in watched}
     for t, what in sorted(found):
-        watch = watches[what >> 2]
-        events[watch.element][watch.events[what & 3]].append(t)
-    return {element: {name: np.array(x) for name, x in each.items()} for element, each in events.items()}
+        name, kinds = watched[what >> 2]
+        events[name][kinds[what & 3]].append(t)
+    return {name: {kind: np.array(x) for kind, x in each.items()} for name, each in events.items()}

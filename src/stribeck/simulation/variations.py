@@ -138,7 +138,7 @@ class Variations:
 
     def levels(self) -> Array:
         """The level of each watched quantity, 0 for none."""
-        return np.repeat(self.threshold()[:, np.newaxis], len(self.scenario.system.watches()), axis=1)
+        return np.repeat(self.threshold()[:, np.newaxis], len(self.scenario.system.watched), axis=1)
 
     def sampling(self) -> list[list[dict[str, float]]]:
         """Period, delay, noise and seed of the sampled controllers of each lane."""

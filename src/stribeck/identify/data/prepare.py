@@ -82,7 +82,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
-    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim)
+    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.sharp)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
             rows = slice(last - count, last)
@@ -90,6 +90,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
     sources = _sources(roles, measured, cutoff, parts)
+    if how.sharp:
+        sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = dict(columns)
     return Log(
         **parts_of_log, run=run, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
@@ -98,11 +100,12 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
 
 
 def _columns(
-    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int
+    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, keep: bool
 ) -> tuple[dict[str, Array], list[int]]:
     """Every column of the log, one after the other so that little is held twice; and the rows of each run."""
     if len(parts) == 1 and len(parts[0].runs) == 1:  # however long: nothing is copied that need not be
-        whole = _run(parts[0], parts[0].runs[0], _grid(parts[0], parts[0].runs[0], step), step, cutoff)
+        grid = _grid(parts[0], parts[0].runs[0], step)
+        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured if keep else "")
         parts[0].columns.clear()
         return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]) - trim, trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
@@ -110,12 +113,13 @@ def _columns(
     _enough(max(kept), trim)
     place = np.concatenate([[0], np.cumsum(kept)])
     names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
+    names += ["unfiltered"] if keep else []
     out = {name: np.empty(place[-1]) for name in names}
     number = 0
     for part in parts:
         for r in part.runs:
             rows = slice(place[number], place[number + 1])
-            for name, x in _run(part, r, grids[number], step, cutoff).items():
+            for name, x in _run(part, r, grids[number], step, cutoff, measured if keep else "").items():
                 out[name][rows] = x[trim:]
             number += 1
     return out, kept
@@ -136,12 +140,14 @@ def _grid(part: Clean, rows: slice, step: float) -> Array:
     return time if part.even else time[0] + step * np.arange(int((time[-1] - time[0]) / step * (1 + 1e-12)) + 1)
 
 
-def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float) -> dict[str, Array]:
+def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep: str) -> dict[str, Array]:
     time = part.columns["time"][rows]
     found = {"time": grid}
     for name, column in part.columns.items():
         if name != "time":
             found[name] = column[rows] if part.even else np.interp(grid, time, column[rows])
+    if keep:
+        found["unfiltered"] = found[keep]
     for name in ("position", "velocity", "acceleration"):
         if name in found and cutoff > 0:
             found[name] = low_pass(found[name], cutoff, step)

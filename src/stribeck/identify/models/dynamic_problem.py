@@ -55,7 +55,7 @@ class VelocityProblem(Problem):
         self.rows = np.ones(len(log), bool) if rows is None else rows
         size = float(np.sqrt(np.mean(log.force**2)))
         super().__init__(law, coordinates, fixed, tied, log.force[self.rows], size)
-        self.response = Response(law, _structure(law, fixed))
+        self.response = Response(law, structure(law, fixed))
         self.runs = list(log.runs())
         self.levels = [name for name in body if TERMS[name].level]
         self.body = [name for name in body if not TERMS[name].level]
@@ -129,7 +129,7 @@ class VelocityProblem(Problem):
         return out
 
 
-def _structure(law: type[Law], given: Given) -> tuple[str, ...]:
+def structure(law: type[Law], given: Given) -> tuple[str, ...]:
     """The form of the law's equations: optional constants that are given, and words."""
     words = {
         n: f"{n}={given[n]}"

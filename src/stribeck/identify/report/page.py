@@ -108,7 +108,7 @@ def _data(log: Log, data: str) -> Chapter:
         else f"{len(log)} rows, one every {log.step:.6g} s.",
         *log.quality,
     ]
-    table = Table(["column", "from"], [[n, s] for n, s in log.sources.items()], prose=True)
+    table = Table(["column", "from"], [[n, s] for n, s in log.sources.items() if n != "unfiltered"], prose=True)
     return Chapter("data", "Data", text, [table], pictures.data(log))
 
 

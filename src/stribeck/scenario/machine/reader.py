@@ -69,6 +69,7 @@ class MachineReader:
         contacts = self._each("contacts", self._contact)
         controllers_ = self._each("controllers", self._controller)
         self.problems += wiring.problems(bodies, links, contacts, loads_, motors, controllers_, self.named)
+        self.problems += wiring.that_jump(contacts, bodies, self.laws)
         if not self.problems:
             parts = (bodies, links, contacts, loads_, motors, controllers_)
             machine = Machine(*parts, tuple(self.signals), self.energy)
@@ -246,7 +247,12 @@ class MachineReader:
         ok = True
         if isinstance(start, dict):
             self.problems += unknown(start, f"{path}.from", ("signal",))
-            found = self._signal(start.get("signal"), f"{path}.from.signal", name)
+            if "signal" not in start:
+                self.problems.append(
+                    (f"{path}.from.signal", "missing: must be given (a table with kind and its constants)")
+                )
+                return None
+            found = self._signal(start["signal"], f"{path}.from.signal", name)
             start, ok = found, found is not None
         else:
             ok = self.refer(f"{path}.from", start, ["bodies"])
@@ -319,13 +325,14 @@ class MachineReader:
             self.problems.append((where, no_table(table)))
             return None
         found = wiring.level_problems(table, where, contact, law)
-        values, more = common.validate(tables.level_table(), table, where)
-        self.problems += found or more
+        values, more = common.validate(tables.level_table(isinstance(table.get("force"), dict)), table, where)
+        self.problems += more or found
         if values is None or found:
             return None
         weights = {values.force: 1.0} if isinstance(values.force, str) else values.force
         sections = ("links", "motors", "loads")
-        if not all([self.refer(f"{where}.force", source, sections) for source in weights]):
+        there = [self.refer(f"{where}.force", source, sections) for source in weights]  # each is told
+        if not all(there):
             return None
         weighted = isinstance(values.force, dict)
         gains = tuple(n for n in ("F_c", "F_s") if n in table and (law is None or n in law.constants()))

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stribeck.expressions.emit import python_function
 from stribeck.laws.base import Law, Scales
-from stribeck.machine.parts import SignalUse
+from stribeck.machine.parts import LinkPart, LoadPart, SignalUse
 from stribeck.machine.system import Machine
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
@@ -42,7 +42,8 @@ class Rig:
         """The states at t = 0 that are not 0."""
         names = {state.name for state in self.machine.states}
         found = {name: x for name, x in self.initial.items() if name in names and x}
-        for part in (*self.machine.links, *self.machine.loads):
+        parts: tuple[LinkPart | LoadPart, ...] = (*self.machine.links, *self.machine.loads)
+        for part in parts:
             found |= {f"{part.name}.{s.name}": s.start for s in part.kind.states if s.start}
         return found
 
@@ -122,13 +123,16 @@ class Rig:
         return {body.name: found.get(body.name, Scales(_LENGTH, _SPEED, _FORCE)) for body in self.machine.bodies}
 
     def _joints(self) -> list[tuple[str, str, float]]:
-        found = []
-        for link in self.machine.links:
-            if isinstance(link.span.start, str) and link.span.end is not None:
-                found.append((link.span.start, link.span.end, abs(self.values.get((link.path, "ratio"), 1.0))))
-        for body in self.machine.bodies:
-            if body.leader is not None:
-                found.append((body.leader, body.name, abs(self.values.get((body.path, "ratio"), 1.0))))
+        ratio = self.values.get
+        found = [
+            (link.span.start, link.span.end, abs(ratio((link.path, "ratio"), 1.0)))
+            for link in self.machine.links
+            if isinstance(link.span.start, str) and link.span.end is not None
+        ]
+        found += [
+            (body.leader, body.name, abs(ratio((body.path, "ratio"), 1.0)))
+            for body in self.machine.bodies if body.leader is not None
+        ]  # fmt: skip
         return found
 
     def natural(self) -> dict[str, float]:
@@ -167,7 +171,7 @@ def evaluate(
     """Every column by name, from constants, numbers of the signals' pieces and held outputs, times and states; whatever
     shapes go together."""
     inputs: dict[str, Any] = {f"{path}.{name}": values[path, name] for path, name in machine.parameters}
-    inputs |= {f"segment.{name}": x for name, x in segment.items()} | {"t": t} | states
+    inputs |= {f"segment.{name}": x for name, x in segment.items()} | {"t": t, **states}
     function = output_function(machine, tuple(inputs))
     with np.errstate(all="ignore"):
         return dict(zip((c.name for c in machine.columns), function(*inputs.values()), strict=True))

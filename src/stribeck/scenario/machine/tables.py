@@ -10,14 +10,13 @@ from pydantic import ConfigDict, Field, create_model
 from stribeck.constants import Constant
 from stribeck.machine import controllers, loads
 from stribeck.machine.element import Element
-from stribeck.machine.links import Link
 from stribeck.machine.motors import Motor
 from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, SAMPLING
 from stribeck.scenario.tables import Table, number
 
 GROUND = "ground"
 SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
-RATIO = Field(None, description="how far `from` counts: d = ratio y_from - y_to; 1 unless given")
+RATIO = "how far `from` counts: d = ratio y_from - y_to; 1 unless given"
 _SIGNAL = (dict[str, Any], Field(description="the signal: a table with kind and its constants"))
 _SOME_SIGNAL = (dict[str, Any] | None, Field(None, description="the signal: a table with kind and its constants"))
 
@@ -93,13 +92,16 @@ def _list(constant: Constant, name: str) -> Any:
 
 
 @cache
-def level_table() -> type[Table]:
-    """The model of an entry of a contact's loads."""
+def level_table(weighted: bool) -> type[Table]:
+    """The model of an entry of a contact's loads; ``weighted``: several forces count."""
     gain = (float, Field(0.0, ge=0, description=GAIN.meaning))
     fields: dict[str, Any] = {
-        "force": (str | dict[str, float], Field(description="a link, motor or load, or a table of weights of these")),
+        "force": (str, Field(description="a link, motor or load, or a table of weights of these")),
         "F_c": gain, "F_s": gain,
     }  # fmt: skip
+    if weighted:
+        weights = Field(min_length=1, description="the weight of each link, motor or load")
+        fields["force"] = (dict[str, float], weights)
     return create_model("Level", __base__=Table, **fields)
 
 
@@ -110,12 +112,12 @@ def _ends(signal: bool) -> dict[str, Any]:
     return {
         "from_": (start, Field(alias="from", description=what)),
         "to": (str, to),
-        "ratio": (float | None, RATIO),
+        "ratio": (float | None, Field(None, description=RATIO)),
     }
 
 
 @cache
-def link_table(kind: type[Link]) -> type[Table]:
+def link_table(kind: Any) -> type[Table]:
     """The model of [links.NAME]."""
     fields: dict[str, Any] = {"kind": (str, Field(kind.kind, description="'link', or FILE.py:NAME"))}
     return create_model("LinkTable", __base__=_Aliased, **fields, **_ends(True), **_element(kind))
@@ -138,7 +140,7 @@ def contact_table() -> type[Table]:
 
 
 @cache
-def load_table(kind: type[loads.Load]) -> type[Table]:
+def load_table(kind: Any) -> type[Table]:
     """The model of [loads.NAME]."""
     fields: dict[str, Any] = {
         "on": (str, Field(description="the body")),
@@ -157,7 +159,7 @@ def motor_table() -> type[Table]:
 
 
 @cache
-def controller_table(kind: type[controllers.Controller]) -> type[Table]:
+def controller_table(kind: Any) -> type[Table]:
     """The model of [controllers.NAME]."""
     fields: dict[str, Any] = {
         "kind": (str, Field(description=f"one of {', '.join(controllers.KINDS)}, or FILE.py:NAME")),

@@ -63,11 +63,55 @@ def problems(
         if motor.signal is not None and motor.name in by_motor:
             text = f"must be left out: controllers.{by_motor[motor.name]} drives the motor"
             found.append((f"motors.{motor.name}.signal", f"a signal: {text}"))
-    return found + _jumps(contacts)
+    return found + _fights(bodies, motors, controllers)
 
 
-def _jumps(contacts: tuple[ContactPart, ...]) -> list[Problem]:
-    return []
+def _leader(bodies: tuple[Body, ...], name: str) -> Body | None:
+    known, seen = {body.name: body for body in bodies}, set()
+    while name in known and name not in seen:
+        seen.add(name)
+        if (leader := known[name].leader) is None:
+            return known[name]
+        name = leader
+    return None
+
+
+def _fights(
+    bodies: tuple[Body, ...], motors: tuple[MotorPart, ...], controllers: tuple[ControllerPart, ...]
+) -> list[Problem]:
+    """Two drives on one body: two controllers, or one where the velocity is given."""
+    found: list[Problem] = []
+    first: dict[str, str] = {}
+    names = {body.name for body in bodies}
+    driving: tuple[MotorPart | ControllerPart, ...] = (*motors, *controllers)
+    for each in driving:
+        leader = _leader(bodies, each.on)
+        if leader is not None and leader.driven is not None:
+            text = (
+                f"{show(each.on)}: must be another body: the velocity of {leader.name} is given, and nothing acts on it"
+            )
+            found.append((f"{each.path}.on", text))
+        if isinstance(each, ControllerPart) and each.on in names:
+            if each.on in first:
+                text = f"{show(each.on)}: must be another body: controllers.{first[each.on]} drives it already"
+                found.append((f"{each.path}.on", text))
+            first.setdefault(each.on, each.name)
+    return found
+
+
+def that_jump(contacts: tuple[ContactPart, ...], bodies: tuple[Body, ...], laws: dict[str, Law]) -> list[Problem]:
+    """Laws whose force jumps at rest, under bodies that obey forces."""
+    found: list[Problem] = []
+    for contact in contacts:
+        ends = [_leader(bodies, name) for name in (contact.span.start, contact.span.end) if isinstance(name, str)]
+        law = laws[contact.law_path]
+        if law.jumps_at_rest and any(body is not None and body.driven is None for body in ends):
+            text = f"the force of law '{law.name}' jumps at v = 0, and a body under it cannot come to rest"
+            if "k_v" in law.constants():
+                found.append((f"{contact.law_path}.k_v", f"missing: {text}; give k_v > 0 for a smooth sign"))
+            else:
+                found.append((f"{contact.law_path}.name", f"{show(law.name)}: {text}"))
+    return found
 
 
 def _tables(section: dict[str, Any]) -> list[dict[str, Any]]:
@@ -108,8 +152,6 @@ def level_problems(table: dict[str, Any], where: str, contact: str, law: Law | N
     names = [force] if isinstance(force, str) else list(force) if isinstance(force, dict) else []
     if contact in names:
         return [(f"{where}.force", f"{show(contact)}: names itself: must be a link, a motor or a load")]
-    if isinstance(force, dict) and not force:
-        return [(f"{where}.force", "{}: must name at least one link, motor or load")]
     if not any(n in table for n in ("F_c", "F_s")):
         return [(f"{where}.F_c", "missing: must be given (the rise of the level by the force; F_s likewise)")]
     if law is not None and not any(n in law.constants() for n in ("F_c", "F_s")):
