@@ -6,23 +6,94 @@ import errno
 import json
 import math
 import os
+import secrets
+import shutil
 import stat
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 
 def write_with(path: Path, write: Callable[[Path], Any]) -> None:
-    """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind.
+
+    A link stays one, and its target is written; devices and pipes such as /dev/stdout are written as they are.
+    """
+    path = path.resolve()
+    if path.exists() and not path.is_file() and not path.is_dir():
+        write(path)
+        return
+    beside = path.with_name(f".{os.getpid()}-{secrets.token_hex(4)}.tmp")  # short: a long name has no room for more
     try:
-        write(beside)
-        beside.replace(path)
+        with _named(beside, path):
+            write(beside)
+            beside.replace(path)
     except BaseException:
         with suppress(OSError):
             beside.unlink()
         raise
+
+
+@contextmanager
+def together(folder: Path, last: str = "summary.json") -> Iterator[Path]:
+    """A folder for the files of one result, which all move into ``folder`` when the block ends well.
+
+    The file ``last`` says that the result is whole: it is taken away first and put back last, so that it never stands
+    beside files of another run. On any failure, Ctrl-C too, what was there stays as it was.
+    """
+    existed = folder.exists()
+    beside = folder / f".{os.getpid()}-{secrets.token_hex(4)}.tmp"
+    try:
+        with _named(beside, folder):
+            folder.mkdir(parents=True, exist_ok=True)
+            beside.mkdir()
+            yield beside
+            files = [file.relative_to(beside) for file in beside.rglob("*") if file.is_file()]
+            (folder / last).unlink(missing_ok=True)
+            for name in sorted(files, key=lambda name: (name == Path(last), name)):
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                (beside / name).replace(folder / name)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+        if not existed:
+            with suppress(OSError):  # not empty: all is well
+                folder.rmdir()
+
+
+@contextmanager
+def _named(beside: Path, path: Path) -> Iterator[None]:
+    """Within, errors speak of the path that the user knows."""
+    try:
+        yield
+    except OSError as error:
+        text = (error.strerror or str(error)).replace(str(beside), str(path)).replace(beside.name, path.name)
+        name = str(error.filename or path).replace(str(beside), str(path))
+        raise OSError(error.errno, text, name) from None
+
+
+def trouble(path: Path, folder: bool = False, parents: bool = True) -> str | None:
+    """Why a file (or a folder of files) cannot be written there, or None; nothing is made.
+
+    ``parents``: folders that are missing on the way will be made.
+    """
+    try:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            mode = path.stat().st_mode
+            if folder is not stat.S_ISDIR(mode):
+                is_, must = ("file", "folder") if folder else ("folder", "file")
+                text = f"is a {is_}; must be a {must} or a new name"
+                return None if not folder and not stat.S_ISDIR(mode) else text
+        existing = next(p for p in (path if folder else path.parent, *path.absolute().parents) if os.path.lexists(p))
+        if not existing.is_dir():
+            return f"{existing} is a file, not a folder"
+        if not parents and existing.absolute() != path.absolute().parent:
+            return f"there is no folder {path.absolute().parent}"
+        with tempfile.TemporaryFile(dir=existing):
+            return None
+    except (OSError, ValueError) as error:
+        return f"cannot be written: {getattr(error, 'strerror', None) or error}"
 
 
 def read_file(path: Path) -> bytes:

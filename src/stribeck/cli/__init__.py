@@ -2,16 +2,35 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 import warnings
+from contextlib import suppress
 from typing import Any, NoReturn
 
 from stribeck.errors import InputError, StribeckError, StribeckNote
 
+_WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+
+
+class _Stop(KeyboardInterrupt):
+    """A signal that ends the process, taken as Ctrl-C is: what has been begun is cleared away."""
+
+    last: int = signal.SIGINT
+
 
 def main(arguments: list[str] | None = None) -> NoReturn:
-    """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 interrupted."""
+    """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 or 143 interrupted."""
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:  # nohup ignores it, and so do we
+            signal.signal(number, _stop)
     sys.exit(_status(arguments))
+
+
+def _stop(number: int, frame: object) -> NoReturn:
+    _Stop.last = number
+    raise _Stop
 
 
 def _status(arguments: list[str] | None) -> int:
@@ -32,10 +51,14 @@ def _status(arguments: list[str] | None) -> int:
         print(f"stribeck: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        print("stribeck: interrupted", file=sys.stderr)
-        return 130
+        with suppress(OSError):  # the terminal may have gone
+            print(f"stribeck: {_WORDS.get(_Stop.last, 'ended')}", file=sys.stderr)
+        return 128 + _Stop.last
     except BrokenPipeError:
         sys.stderr.close()  # the reader has gone: nothing is left to tell
+        return 1
+    except MemoryError as error:
+        print(f"stribeck: not enough memory{f': {error}' if str(error) else ''}", file=sys.stderr)
         return 1
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""

@@ -9,7 +9,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from stribeck.constants import show as shown
 from stribeck.errors import InputError
+from stribeck.files import trouble
 from stribeck.scenario import Scenario, parse_assignment
 
 
@@ -31,13 +33,22 @@ def check_folder(out: Path) -> None:
     Raises:
         InputError: with the reason.
     """
-    existing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
-    if not existing.is_dir():
-        raise InputError(f"--out: {str(out)!r}: {existing} is a file; must be a folder or a new name")
+    if text := trouble(out, folder=True):
+        raise InputError(f"--out: {shown(str(out))}: {text}")
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"--out: {str(out)!r}: cannot be made: {error.strerror}") from None
+        raise InputError(f"--out: {shown(str(out))}: cannot be made: {error.strerror}") from None
+
+
+def check_file(option: str, path: Path) -> None:
+    """Refuse, before anything runs, a file that cannot be written.
+
+    Raises:
+        InputError: with the reason.
+    """
+    if text := trouble(path, parents=False):
+        raise InputError(f"{option}: {shown(str(path))}: {text}")
 
 
 @contextmanager

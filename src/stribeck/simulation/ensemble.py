@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Mapping
 from functools import cached_property
+from threading import Event
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -168,8 +169,14 @@ def _one_by_one(
     scenario = variations.scenario
     columns = {c.name: np.full(states.shape[:2], np.nan) for c in scenario.system.columns}
 
+    stopped = Event()
+
+    def go_on(share: float) -> None:
+        if stopped.is_set():
+            raise KeyboardInterrupt
+
     def run(lane: int) -> Solution:
-        return simulate(scenario.with_changes(variations.changes(lane)))
+        return simulate(scenario.with_changes(variations.changes(lane)), go_on)
 
     with ThreadPoolExecutor(threads) as pool:
         try:
@@ -185,6 +192,7 @@ def _one_by_one(
                 if progress is not None:
                     progress((done + 1) / len(places))
         except BaseException:
+            stopped.set()
             pool.shutdown(cancel_futures=True)
             raise
     return columns
