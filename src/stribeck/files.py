@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 
 def write_with(path: Path, write: Callable[[Path], Any]) -> None:
@@ -21,10 +21,10 @@ def write_with(path: Path, write: Callable[[Path], Any]) -> None:
 
     A link stays one, and its target is written; devices and pipes such as /dev/stdout are written as they are.
     """
-    path = path.resolve()
     if path.exists() and not path.is_file() and not path.is_dir():
         write(path)
         return
+    path = path.resolve()
     beside = path.with_name(f".{os.getpid()}-{secrets.token_hex(4)}.tmp")  # short: a long name has no room for more
     try:
         with _named(beside, path):
@@ -102,8 +102,17 @@ def read_file(path: Path) -> bytes:
     Raises:
         OSError: it cannot be read; or it is no file but a device or a pipe by name, which would be waited for.
     """
-    with open(path, "rb", opener=_open_at_once) as file:
+    with open_file(path) as file:
         return file.read()
+
+
+def open_file(path: Path) -> BinaryIO:
+    """A file to read, as :func:`read_file` takes it.
+
+    Raises:
+        OSError: as there.
+    """
+    return open(path, "rb", opener=_open_at_once)
 
 
 def _open_at_once(path: str, flags: int) -> int:
@@ -138,11 +147,18 @@ def arrow_array(values: Any) -> Any:
 def write_columns(path: Path, columns: Mapping[str, Any]) -> None:
     """Columns of equal length as a Parquet file."""
     import pyarrow
-    from pyarrow import parquet
 
     arrays = [arrow_array(values) for values in columns.values()]
     table = pyarrow.Table.from_arrays(arrays, names=list(columns))
-    write_with(path, lambda beside: parquet.write_table(table, beside))
+    write_with(path, lambda beside: write_parquet(table, beside))
+
+
+def write_parquet(table: Any, path: Path, **options: Any) -> None:
+    """An Arrow table as a Parquet file; pyarrow itself takes no name that is not text."""
+    from pyarrow import parquet
+
+    with path.open("wb") as file:
+        parquet.write_table(table, file, **options)
 
 
 def finite(data: Any) -> Any:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import io
+import os
 import signal
 import sys
+import threading
+import time
 import warnings
 from contextlib import suppress
 from typing import Any, NoReturn
 
-from stribeck.errors import InputError, StribeckError, StribeckNote
+from stribeck.errors import InputError, StribeckError, StribeckNote, one_line
 
+_GRACE = 5.0  # s, to clear away what has been begun
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
@@ -21,11 +26,33 @@ class _Stop(KeyboardInterrupt):
 
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 or 143 interrupted."""
+    watched = []
     for name in ("SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is signal.SIG_DFL:  # nohup ignores it, and so do we
             signal.signal(number, _stop)
+            watched.append(number)
+    _see_to_the_end(watched)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # names of files need not be text
     sys.exit(_status(arguments))
+
+
+def _see_to_the_end(numbers: list[int]) -> None:
+    """End the process some seconds after one of these signals, where a library never comes back to Python."""
+    read, write = os.pipe()
+    os.set_blocking(write, False)
+    signal.set_wakeup_fd(write, warn_on_full_buffer=False)
+
+    def watch() -> None:
+        while not set(got := os.read(read, 64)) & set(numbers):
+            if not got:
+                return
+        time.sleep(_GRACE)
+        os._exit(128 + got[0])
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def _stop(number: int, frame: object) -> NoReturn:
@@ -48,7 +75,7 @@ def _status(arguments: list[str] | None) -> int:
             print(line, file=sys.stderr)
         return 2
     except StribeckError as error:
-        print(f"stribeck: {error}", file=sys.stderr)
+        print(f"stribeck: {one_line(str(error))}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may have gone
@@ -62,7 +89,7 @@ def _status(arguments: list[str] | None) -> int:
         return 1
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        print(f"stribeck: {where}{error.strerror or error}", file=sys.stderr)
+        print(f"stribeck: {one_line(f'{where}{error.strerror or error}')}", file=sys.stderr)
         return 1
     except Exception as error:
         usage = getattr(error, "format_message", None)

@@ -39,10 +39,9 @@ def new(name: str, out: Path | None, show_list: bool) -> int:
     target = out or Path(f"{name}.toml")
     copies = {target.parent / data.name: data for data in (examples.companions(name) if known else [])}
     for path in (target, *copies):
+        show.check_file("--out", path)
         if path.exists():
             raise InputError(f"--out: {str(path)!r}: exists already; must be a new file")
-    for path in (target, *copies):
-        show.check_file("--out", path)
     for path, data in copies.items():
         write_text(path, data.read_text(encoding="utf-8"))
         print(f"wrote {path}")

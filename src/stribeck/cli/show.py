@@ -75,7 +75,7 @@ def rate(what: str, unit: str = "") -> Iterator[Callable[[float, float], None] |
             from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
             columns = (
-                TextColumn("{task.description}"),
+                TextColumn("{task.description}", markup=False),
                 BarColumn(),
                 TimeRemainingColumn(),
                 TextColumn("{task.fields[speed]}"),

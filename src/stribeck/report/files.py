@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stribeck.files import arrow_array, write_with
+from stribeck.files import arrow_array, write_parquet, write_with
 from stribeck.simulation import Solution
 
 
 def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
     """The solution's columns as ``stem.csv`` (full double precision) and ``stem.parquet`` (units in the metadata)."""
     import pyarrow
-    from pyarrow import csv, parquet
+    from pyarrow import csv
 
     fields = [pyarrow.field("t", pyarrow.float64(), metadata={"unit": "s", "meaning": "time"})]
     fields += [
@@ -34,5 +34,5 @@ def write_table(solution: Solution, folder: Path, stem: str) -> list[Path]:
             csv.write_csv(table, file, csv.WriteOptions(include_header=False))
 
     write_with(paths[0], write_csv)
-    write_with(paths[1], lambda beside: parquet.write_table(table, beside))
+    write_with(paths[1], lambda beside: write_parquet(table, beside))
     return paths

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.codegen import source
 from stribeck.errors import InputError
-from stribeck.files import write_json, write_with
+from stribeck.files import write_json, write_parquet, write_with
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.simulation.variations import vary
@@ -300,7 +300,6 @@ def _summary(e: Ensemble, first: int) -> list[Column]:
 
 def _write(path: Path, columns: Sequence[Column]) -> None:
     import pyarrow
-    from pyarrow import parquet
 
     fields, arrays = [], []
     for name, unit, meaning, values in columns:
@@ -309,7 +308,7 @@ def _write(path: Path, columns: Sequence[Column]) -> None:
         arrays.append(array)
         fields.append(pyarrow.field(name, array.type, metadata={"unit": unit, "meaning": meaning}))
     table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
-    write_with(path, lambda beside: parquet.write_table(table, beside, compression="zstd"))
+    write_with(path, lambda beside: write_parquet(table, beside, compression="zstd"))
 
 
 def _digest(path: Path) -> str:

@@ -114,7 +114,7 @@ class Reader:
             self._evaluate(law({**parameters, **own}))
 
     def _evaluate(self, law: Law) -> None:
-        if ".py:" in self.data["law"]["name"] and (trouble := laws.trouble(law)):
+        if trouble := laws.trouble(law) if trust.in_a_file(self.data["law"]["name"]) else laws.overflow(law):
             self.problems.append(("law.name", f"{show(self.data['law']['name'])}: {trouble}"))
         else:
             self.scenario.law = law

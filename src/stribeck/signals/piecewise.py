@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value, pi, sin
+from stribeck.files import open_file
 
 Array = NDArray[np.float64]
 
@@ -247,9 +248,10 @@ def read_columns(path: Path, wanted: dict[str, str]) -> dict[str, Array]:
 
     try:
         is_parquet = path.suffix.lower() in (".parquet", ".pq")
-        table = parquet.read_table(path) if is_parquet else csv.read_csv(path)
-    except (OSError, pyarrow.ArrowException) as error:
-        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
+        with open_file(path) as file:
+            table = parquet.read_table(file) if is_parquet else csv.read_csv(file)
+    except (OSError, ValueError, MemoryError, pyarrow.ArrowException) as error:
+        reason = getattr(error, "strerror", None) or (str(error).splitlines() or [type(error).__name__])[0]
         raise InputError(f"path: {str(path)!r}: cannot be read: {reason}") from None
     problems, result = [], {}
     for key, name in wanted.items():

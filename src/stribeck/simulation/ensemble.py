@@ -207,6 +207,6 @@ def _count_crossings(
     for i, lane in enumerate(places):
         if threshold[i] > 0:
             done = found.counts["status"][i] == 0
-            end = scenario.end if done else float(found.counts["rows_reached"][i]) * scenario.output.step
+            end = scenario.end if done else max(float(found.counts["rows_reached"][i]) - 1, 0.0) * scenario.output.step
             rises = [up for _, up in signals[which[i]].crossings(float(threshold[i]), end)]
             counts["slips"][lane], counts["sticks"][lane] = sum(rises), len(rises) - sum(rises)

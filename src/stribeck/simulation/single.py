@@ -72,6 +72,6 @@ def _solve(library: object, scenario: Scenario, progress: Callable[[float], None
     )
     if scenario.drive.sets_velocity and scenario.threshold > 0:
         # the velocity is no state then: its events are those of the signal, as far as the run came
-        reached = scenario.end if result.reason is None else len(result.states) * scenario.output.step
+        reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
         result.events.extend(scenario.signal.crossings(scenario.threshold, reached))
     return result
