@@ -21,6 +21,7 @@ from stribeck.errors import InputError
 from stribeck.files import write_json, write_parquet, write_with
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, simulate_ensemble
+from stribeck.simulation.native import step_share
 from stribeck.simulation.variations import vary
 from stribeck.version import __version__
 
@@ -152,7 +153,15 @@ class Sweep:
         signal = s.signal.segments if not s.signal.smooth else None
         pieces = [signal.start, signal.value, signal.slope] if signal else []
         numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.threshold, s.end]
-        settings = [s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values), s.data["drive"]]
+        settings = [
+            s.solve.rtol,
+            step_share(s),
+            s.solve.max_steps,
+            s.output.step,
+            s.rows,
+            list(lanes.values),
+            s.data["drive"],
+        ]
         text = json.dumps([source(s.system, lanes=True), numbers, settings])
         arrays = b"".join(np.ascontiguousarray(x).tobytes() for x in [*pieces, *lanes.values.values()])
         return sha256(text.encode() + arrays).hexdigest()
