@@ -6,17 +6,26 @@ READY := $(VENV)/.ready
 
 .PHONY: setup demo test bench clean
 
+# install EXTRA: the package with an extra, by uv where there is one
+define install
+	@if command -v uv >/dev/null 2>&1; then \
+	    uv venv --quiet --allow-existing $(VENV) && uv pip install --quiet --python $(BIN)/python -e '.[$(1)]'; \
+	else \
+	    $(PYTHON) -m venv $(VENV) && $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[$(1)]'; \
+	fi
+	@touch $@
+endef
+
 setup: $(READY)
 
 $(READY): pyproject.toml
-	@if command -v uv >/dev/null 2>&1; then \
-	    uv venv --quiet --allow-existing $(VENV) && uv pip install --quiet --python $(BIN)/python -e '.[dev]'; \
-	else \
-	    $(PYTHON) -m venv $(VENV) && $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'; \
-	fi
-	@touch $(READY)
+	$(call install,dev)
 
-demo: setup
+# what the paper's report needs; a developer's .venv has it too
+$(VENV)/.demo: pyproject.toml
+	$(call install,paper)
+
+demo: $(if $(wildcard $(READY)),$(READY),$(VENV)/.demo)
 	$(BIN)/stribeck paper --out stribeck-report
 
 test: setup

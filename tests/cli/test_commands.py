@@ -33,7 +33,7 @@ def test_compare_prints_a_table(stribeck, scenario):
     ("law", "line"),
     [
         ("lugr", "law.name: 'lugr': no such law (did you mean 'lugre'?)"),
-        ("lugre:k_v=1e6", "law.k_v: 1000000.0: law 'lugre' has no such constant (it has v_d)"),
+        ("lugre:k_v=1e6", "law.k_v: 1000000.0: law 'lugre' has no such constant (it has v_d, delta)"),
         ("lugre:k_v", "--law: 'lugre:k_v': must be NAME or NAME:KEY=VALUE,..."),
         ("lugre_majorant:k_v=-1", "law.k_v: -1: must be"),
     ],

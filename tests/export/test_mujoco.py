@@ -225,7 +225,7 @@ def test_the_body_is_the_scenarios(tmp_path):
     export(LUGRE, "mujoco", tmp_path, part="body", scenario=scenario)
     for name in ("lugre", "lugre_dcmotor"):
         assert mujoco.MjModel.from_xml_path(str(tmp_path / f"{name}.xml")).body("body").mass[0] == 2.5
-    with pytest.raises(stribeck.InputError, match="--scenario"):
+    with pytest.raises(stribeck.InputError, match=r"^scenario: "):
         export(LUGRE, "mujoco", tmp_path / "none", part="body")
     assert not (tmp_path / "none").exists()
 

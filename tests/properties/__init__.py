@@ -1,0 +1,1 @@
+"""Attacks on ``stribeck check``: laws whose truth is known by hand."""

@@ -30,6 +30,21 @@ Trust = Annotated[
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")]
 
 
+def _allow(allowed: bool) -> None:
+    from stribeck.parameter_sets import allow_undetermined
+
+    allow_undetermined(allowed)
+
+
+Undetermined = Annotated[
+    bool,
+    typer.Option(
+        "--allow-undetermined", callback=_allow,
+        help="Use the best values of a fit's parameters.toml that its data do not determine.",
+    ),
+]  # fmt: skip
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         print(f"stribeck {stribeck.__version__}")
@@ -55,6 +70,7 @@ def run(
     keep_c: Annotated[
         Path | None, typer.Option("--keep-c", metavar="FILE", help="Write the generated C here, to read or debug.")
     ] = None,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Simulate one scenario; without --out, print the summary and write nothing."""
     from stribeck.cli import run as command
@@ -73,6 +89,7 @@ def compare(
     set_: Set = None,
     trust: Trust = False,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Simulate one scenario under several laws and show where they deviate."""
     from stribeck.cli import compare as command
@@ -93,17 +110,19 @@ def sweep(
     ] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="What the random points are drawn by.", min=0)] = 0,
     summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Write CSV in the place of Parquet.")] = False,
     set_: Set = None,
     threads: Annotated[
         int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
     ] = None,
     trust: Trust = False,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
     from stribeck.cli import sweep as command
 
-    return command.sweep(scenario, vary or [], samples, seed, summary, out, set_ or [], threads, json, trust)
+    return command.sweep(scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust)
 
 
 @app.command()
@@ -152,6 +171,7 @@ def advise(
     trust: Trust = False,
     out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Which k_v? The smallest that meets what you tolerate, what it costs, and the same for the majorant law."""
     from stribeck.cli import advise as command
@@ -267,6 +287,7 @@ def rig(
     seed: Annotated[int, typer.Option("--seed", help="Of its noise.")] = 0,
     out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Print what to measure to fit a law: speeds, amplitudes, force rates for the limits of a rig."""
     from stribeck.cli import rig as command
@@ -292,17 +313,22 @@ def check(
         bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
     ] = False,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")
+        bool, typer.Option("--verify", help="Check each proof by other code, and replay each counterexample.")
     ] = False,
+    certificate: Annotated[
+        Path | None, typer.Option("--certificate", metavar="FILE", help="Write the proofs here, for others to check.")
+    ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write counterexamples here, as scenarios to run.")
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder for a page, and for counterexamples as scenarios to run."),
     ] = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
     from stribeck.cli import check as command
 
-    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out)
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate)
 
 
 @app.command()
@@ -365,6 +391,7 @@ def export(
     fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
     trust: Trust = False,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
     from stribeck.cli import export as command
@@ -381,12 +408,14 @@ def gains(
     ] = None,
     set_: Set = None,
     trust: Trust = False,
+    out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation."""
     from stribeck.cli import gains as command
 
-    return command.gains(scenario, v_max, set_ or [], json, trust)
+    return command.gains(scenario, v_max, set_ or [], out, json, trust)
 
 
 @app.command()

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 from typing import Any
 
 from stribeck.analysis.comparison import Comparison, compare_laws
 from stribeck.cli import show
-from stribeck.errors import InputError
+from stribeck.cli.text import say, width
+from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import parse_assignment
 
+_NUMBERS = 40  # columns of a row beside the label
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
 
 
 def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool, trust: bool) -> int:
     """Simulate the scenario under each law, print the deviations from the first, write an overlay."""
     scenario = show.load(path, assignments, trust)
-    variants = {text: scenario.with_changes(_changes(text)) for text in laws}
+    with warnings.catch_warnings():  # that a law without smoothing takes no k_v is what it is compared for
+        warnings.filterwarnings("ignore", r"law\.(parameters\.)?k_v: dropped", StribeckNote)
+        variants = {text: scenario.with_changes(_changes(text)) for text in laws}
     if len(variants) < len(laws):
         raise InputError(f"--law: {max(laws, key=laws.count)!r}: given twice; must differ from the others")
     if out is not None:
@@ -29,7 +34,7 @@ def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str
     if out is not None:
         from stribeck.report.compare import write
 
-        summary["files"] = write(comparison, out, summary)
+        summary["files"] = write(comparison, out, summary, show.command_line())
     if json:
         show.print_json(summary)
     else:
@@ -56,13 +61,19 @@ def _changes(text: str) -> dict[str, Any]:
 
 
 def _print(comparison: Comparison, files: list[str]) -> None:
-    reference = next(iter(comparison.solutions))
-    print(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak")
-    width = max(map(len, comparison.solutions))
-    print(f"  {'law':{width}}" + "".join(f"{name:>24}" for name in ("y", "v", "F")))
+    reference, *others = comparison.solutions
+    units = {column.name: column.unit for column in comparison.solutions[reference].columns}
+    say(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak", 2)
+    wide = max(map(len, comparison.solutions))
+    beside = wide if wide <= width() - _NUMBERS else 0  # the labels' column; none where they would fold the table
+    if others:
+        print(f"  {'law' if beside else '':{beside}}      {'deviation':>12} {'':6}{'share':>12}")
     for label, deviations in comparison.deviations.items():
-        cells = "".join(f"{d['max']:13.4g} {_percent(d['max_relative']):>10}" for d in deviations.values())
-        print(f"  {label:{width}}{cells}")
+        if not beside:
+            print(f"  {label}")
+        for i, (name, d) in enumerate(deviations.items()):
+            named = label if beside and not i else ""
+            print(f"  {named:{beside}}  {name:4}{d['max']:12.4g} {units[name]:6}{_percent(d['max_relative']):>12}")
     for file in files:
         print(f"  wrote {file}")
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from stribeck.analysis.lyapunov import Along, along
 from stribeck.cli import show
+from stribeck.cli.text import say
 from stribeck.control.gains import Condition, Proof, Verdict, judge, prove
 from stribeck.control.proof import derive
 from stribeck.errors import InputError
@@ -17,7 +18,7 @@ from stribeck.scenario.servo import not_linear
 from stribeck.simulation import simulate
 
 
-def gains(path: Path, v_max: float | None, assignments: list[str], json: bool, trust: bool) -> int:
+def gains(path: Path, v_max: float | None, assignments: list[str], out: Path | None, json: bool, trust: bool) -> int:
     """Print whether V decreases for the scenario's gains: conditions, proof, and V along the simulation."""
     scenario = show.load(path, assignments, trust)
     if v_max is not None and not 0 < v_max < np.inf:
@@ -28,7 +29,10 @@ def gains(path: Path, v_max: float | None, assignments: list[str], json: bool, t
     if text := not_linear(observer):
         raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
     assert observer is not None
-    solution = simulate(scenario)
+    if out is not None:
+        show.check_folder(out)
+    with show.progress(scenario.name) as tell:
+        solution = simulate(scenario, tell)
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
     verdict = judge(observer, scenario.drive_values, speed)
     proof = prove(observer, scenario.drive_values, (-speed, speed))
@@ -41,10 +45,16 @@ def gains(path: Path, v_max: float | None, assignments: list[str], json: bool, t
     }  # fmt: skip
     if found is not None:
         summary["simulation"] |= found.summary()
+    if out is not None:
+        from stribeck.report.gains import write
+
+        summary["files"] = write(solution, verdict, proof, found, summary, out, show.command_line())
     if json:
         show.print_json(summary)
     else:
         _print(scenario, verdict, proof, doubts, found)
+        for file in summary.get("files", ()):
+            print(f"  wrote {file}")
     if solution.status != "done":
         show.failed(scenario.name, solution.reason)
         return 1
@@ -57,7 +67,7 @@ def _doubts(scenario: Scenario) -> list[str]:
     assert servo is not None
     assert observer is not None
     found = []
-    if type(observer) is not type(scenario.law) or observer.values != scenario.law.values:
+    if not observer.same_as(scenario.law):
         found.append(
             "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
         )
@@ -74,26 +84,25 @@ def _doubts(scenario: Scenario) -> list[str]:
 
 def _print(scenario: Scenario, verdict: Verdict, proof: Proof, doubts: list[str], found: Along | None) -> None:
     d, v = scenario.drive_values, verdict
-    print(
-        f"{scenario.name}: K_D = {d['K_D']:g} N s/m, K = {d['K']:g} m/N, |v| <= {v.v_max:.4g} m/s, w <= {v.w_max:.4g} 1/s"
-    )
-    print(f"  dV/dt = {derive().derivative}")
+    given = f"K_D = {d['K_D']:g} N s/m, K = {d['K']:g} m/N, |v| <= {v.v_max:.4g} m/s, w <= {v.w_max:.4g} 1/s"
+    say(f"{scenario.name}: {given}", 4)
+    _line(f"dV/dt = {derive().derivative}")
     _print_condition("exact condition", v.exact)
     _print_condition("corrected (21)", v.sufficient)
-    print(f"  corrected (21) also needs K < {v.largest_K_sufficient:.4g} m/N")
+    _line(f"corrected (21) also needs K < {v.largest_K_sufficient:.4g} m/N")
     if not v.exact.holds:
-        print(
-            f"  gains that hold with a factor of two to spare: K_D = {v.proposed['K_D']:.4g}, or K = {v.proposed['K']:.4g}"
+        _line(
+            f"gains that hold with a factor of two to spare: K_D = {v.proposed['K_D']:.4g}, or K = {v.proposed['K']:.4g}"
         )
     word = {True: "proven", False: "refuted", None: "not settled"}[proof.proven]
     why = f" ({proof.reason})" if proof.reason else ""
-    print(f"  dV/dt <= 0 for all errors and |v| <= {v.v_max:.4g} m/s, by intervals: {word}{why}, {proof.boxes} boxes")
-    print("  not covered: " + "; ".join(doubts))
+    _line(f"dV/dt <= 0 for all errors and |v| <= {v.v_max:.4g} m/s, by intervals: {word}{why}, {proof.boxes} boxes")
+    _line("not covered: " + "; ".join(doubts))
     if found is None:
         return
     s = found.summary()
-    print(f"  along the simulation V goes from {s['V_0']:.4g} to {s['V_end']:.4g} J", end="")
-    print(f", rises by more than 1e-9 V(0) after {s['rises']} rows, by at most {s['largest_rise']:.3g} J")
+    rises = f"rises by more than 1e-9 V(0) after {s['rises']} rows, by at most {s['largest_rise']:.3g} J"
+    _line(f"along the simulation V goes from {s['V_0']:.4g} to {s['V_end']:.4g} J, {rises}")
     for what, key in (
         ("V rises", "rise_times"),
         ("dV/dt above (19)", "excess_times"),
@@ -101,10 +110,14 @@ def _print(scenario: Scenario, verdict: Verdict, proof: Proof, doubts: list[str]
     ):
         if spans := s[key]:
             more = f" and {len(spans) - 4} more" if len(spans) > 4 else ""
-            print(f"  {what}: t = " + ", ".join(f"{a:g} to {b:g}" for a, b in spans[:4]) + f" s{more}")
+            _line(f"{what}: t = " + ", ".join(f"{a:g} to {b:g}" for a, b in spans[:4]) + f" s{more}")
 
 
 def _print_condition(name: str, c: Condition) -> None:
     holds = "holds" if c.holds else "does not hold"
     speed = "any speed" if c.largest_speed is None else f"{c.largest_speed:.4g} m/s"
-    print(f"  {name}: {holds}; needs K_D >= {c.least_K_D:.4g} (margin {c.margin:.4g}); certifies up to {speed}")
+    _line(f"{name}: {holds}; needs K_D >= {c.least_K_D:.4g} (margin {c.margin:.4g}); certifies up to {speed}")
+
+
+def _line(text: str) -> None:
+    say(text, 4, "  ")

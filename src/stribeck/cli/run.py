@@ -31,7 +31,7 @@ def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c
     if out is not None:
         from stribeck.report.run import write
 
-        summary["files"] += write(solution, out, summary)
+        summary["files"] += write(solution, out, summary, show.command_line())
     if json:
         show.print_json(summary)
     else:

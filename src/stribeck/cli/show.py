@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -25,6 +26,11 @@ def print_json(data: Any) -> None:
     from stribeck.files import finite
 
     print(json.dumps(finite(data), allow_nan=False))
+
+
+def command_line() -> str:
+    """The command as it was given, for pages."""
+    return "stribeck " + shlex.join(sys.argv[1:])
 
 
 def check_folder(out: Path) -> None:

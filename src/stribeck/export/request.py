@@ -7,7 +7,7 @@ import unicodedata
 from dataclasses import dataclass
 
 from stribeck.constants import Constant
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.render import equations
 from stribeck.parameter_sets import parameters
@@ -41,7 +41,7 @@ class Request:
         """
         mass = getattr(self.scenario, "mass", None)
         if mass is None:
-            raise InputError(f"--scenario: part '{self.part}' needs one with a mass (plant.mass)")
+            raise InputError(f"{arg('scenario')}: part '{self.part}' needs one with a mass (plant.mass)")
         return float(mass)
 
     @property

@@ -12,7 +12,7 @@ import numpy as np
 
 from stribeck import laws
 from stribeck.constants import show
-from stribeck.errors import InputError, StribeckError, nearest
+from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.identify.data.prepare import Preparation, load
 from stribeck.identify.data.read import Columns
 from stribeck.identify.data.units import ROLES
@@ -25,10 +25,11 @@ from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.choose import Choice, choose, select_terms
 from stribeck.identify.statistics.crossvalidate import FOLDS
+from stribeck.recorded import is_table
 
 _POOR = 0.25  # of the force, left by the fit
 
-Data = str | Path | Log | Sequence[str | Path]
+Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence of paths or frames
 
 
 def fit(
@@ -58,7 +59,8 @@ def fit(
     """Fit a friction law, or several, to a measured log.
 
     Args:
-        data: a file (CSV, Parquet, MAT, NPZ), several of one layout, or a :class:`stribeck.identify.log.Log`.
+        data: a file (CSV, Parquet, MAT, NPZ), a pandas data frame, a mapping of names to arrays, several of these of
+            one layout, or a :class:`stribeck.identify.log.Log`.
         law: its name or FILE.py:NAME; a list of them is compared by the error over data left out, and one picked.
         columns: the file's column for each role: time, position, velocity, force, ...; also as keywords
             (``time="t"``). A TOML file of the data's name beside it may hold them.
@@ -79,7 +81,7 @@ def fit(
         output: what the simulation is to meet: "force" for the measured motion, or "velocity" or "position" for the
             measured force or command (dynamic; one law).
         drive: what moves the body then, as ``[drive]`` of a scenario without its signal; the measured force unless given.
-        **named: columns by role.
+        **named: columns by role; a name that is no role is refused.
 
     Returns:
         The fit, or for several laws a :class:`Choice`.
@@ -95,7 +97,7 @@ def fit(
         output, drive,
     )  # fmt: skip
     if output != "force" and len(names) > 1:
-        raise InputError("--output: laws are compared by the force they predict; must be given with one law")
+        raise InputError(f"{arg('output')}: laws are compared by the force they predict; must be given with one law")
     if len(names) == 1:
         return ask.fit(log, names[0])
     if method is None and any(laws.find(name).has_z for name in names):
@@ -120,18 +122,25 @@ def read_log(
     sharp: bool = False,
 ) -> Log:
     """The log in files, ready to be fitted; a log as it is."""
-    if isinstance(data, Log):
-        return data
     if unknown := [n for n in columns if n not in ROLES]:
         raise InputError([f"{n}: {show(columns[n])}: unknown argument{nearest(n, ROLES)}" for n in unknown])
-    paths = [data] if isinstance(data, str | Path) else list(data)
-    return load(paths, Columns(dict(columns), dict(units or {}), force_gain), Preparation(cutoff, trim, sharp))
+    if isinstance(data, Log):
+        asked = {**columns, "units": units, "force_gain": force_gain, "cutoff": cutoff, "trim": trim}
+        if given := [name for name, value in asked.items() if value is not None]:
+            raise InputError(
+                [f"{arg(n)}: {show(asked[n])}: is for columns of a file; a Log is taken as it is" for n in given]
+            )
+        return data
+    sources = [data] if isinstance(data, str | Path) or is_table(data) else list(data)
+    return load(sources, Columns(dict(columns), dict(units or {}), force_gain), Preparation(cutoff, trim, sharp))
 
 
 def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> Choice:
     """Fit each law and pick one."""
     if len(set(names)) < len(names):
-        raise InputError(f"--law: {max(names, key=list(names).count)!r}: given twice; must differ from the others")
+        raise InputError(
+            f"{arg('law')}: {max(names, key=list(names).count)!r}: given twice; must differ from the others"
+        )
     fits: dict[str, Fit] = {}
     failed: dict[str, str] = {}
     for name in names:
@@ -152,7 +161,7 @@ class _Request:
         output: str, drive: Mapping[str, Any] | None,
     ) -> None:  # fmt: skip
         if method is not None and method not in METHODS:
-            raise InputError(f"--method: {method!r}: must be {', '.join(METHODS)}{nearest(method, METHODS)}")
+            raise InputError(f"{arg('method')}: {method!r}: must be {', '.join(METHODS)}{nearest(method, METHODS)}")
         self.mass, self.method, self.constants, self.free = mass, method, constants, tuple(free)
         self.terms, self.select, self.decimate, self.robust = tuple(terms), select, decimate, robust
         self.folds, self.starts, self.seed = folds, starts, seed
@@ -171,43 +180,43 @@ class _Request:
         """The fit of one law."""
         found = laws.find(law)
         problems = [
-            f"{option}: {name}: law '{law}' has no such constant{nearest(name, found.constants())}"
-            for option, names in (("--set", self.constants), ("--free", self.free))
+            f"{arg(argument)}: {name}: law '{law}' has no such constant{nearest(name, found.constants())}"
+            for argument, names in (("constants", self.constants), ("free", self.free))
             for name in names
-            if name not in found.constants() and not (option == "--set" and name in TERMS)
+            if name not in found.constants() and not (argument == "constants" and name in TERMS)
         ]
         problems += [
-            f"--set {name}: {show(value)}: {text}"
+            f"{arg(f'constants.{name}')}: {show(value)}: {text}"
             for name, value in self.constants.items()
             if name in found.constants() and (text := found.constants()[name].problem(value))
         ]
         problems += [
-            f"--set {name}: {show(value)}: must be a finite number"
+            f"{arg(f'constants.{name}')}: {show(value)}: must be a finite number"
             for name, value in self.constants.items()
             if name in TERMS and (isinstance(value, str) or not np.isfinite(value))
         ]
         problems += [
-            f"--free: {name}: is a word, not a number; must be given with --set"
+            f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"
             for name in self.free
             if name in found.constants() and found.constants()[name].choices
         ]
         if self.mass is not None and not (np.isfinite(self.mass) and self.mass >= 0):
-            problems.append(f"--mass: {show(self.mass)}: must be a finite number >= 0")
+            problems.append(f"{arg('mass')}: {show(self.mass)}: must be a finite number >= 0")
         if problems:
             raise InputError(problems)
         method = self.method or ("dynamic" if found.has_z else "static")
         if method != "static" and (wrong := self._only_static()):
-            raise InputError([f"{option}: belongs to --method static, not {method}" for option in wrong])
+            raise InputError([f"{arg(name)}: belongs to {arg('method')} static, not {method}" for name in wrong])
         if method != "dynamic" and (self.output != "force" or self.drive):
-            raise InputError(f"--output, --drive: belong to --method dynamic, not {method}")
+            raise InputError(f"{arg('output')}, {arg('drive')}: belong to {arg('method')} dynamic, not {method}")
         if self.drive and self.output == "force":
-            raise InputError("--drive: needs --output velocity or position")
+            raise InputError(f"{arg('drive')}: needs {arg('output')} velocity or position")
         check_motion(log)
         return _with_warning(METHODS[method](self, log, law))
 
     def _only_static(self) -> list[str]:
-        given = {"--select": self.select, "--decimate": self.decimate, "--robust": self.robust}
-        return [option for option, value in given.items() if value]
+        given = {"select": self.select, "decimate": self.decimate, "robust": self.robust}
+        return [name for name, value in given.items() if value]
 
     def free_of(self, law: str) -> list[str] | None:
         """The machine's constants and what is freed beside them; None for the machine's alone."""

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-_COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "run")
+_COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "unfiltered", "run")
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,7 @@ class Log:
     direction of positive motion: mass * acceleration + friction + spring, gravity and offset.
 
     Attributes:
+        unfiltered: the measured position, or the velocity where that was measured, before any filter.
         sources: where each column is from: "measured", "from position, cut-off 20 Hz", ...
         quality: what was found in the raw data and what was done about it, a line each.
         noise: standard deviation of a measured column's noise, where it could be told.
@@ -40,6 +41,7 @@ class Log:
     load: Array | None = None
     pressure: Array | None = None
     command: Array | None = None
+    unfiltered: Array | None = None
     step: float = 0.0
     sources: dict[str, str] = field(default_factory=dict)
     quality: tuple[str, ...] = ()

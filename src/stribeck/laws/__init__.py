@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import inspect
 import pkgutil
 import sys
 import threading
@@ -11,6 +12,7 @@ from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
@@ -22,10 +24,11 @@ from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Sc
 
 __all__ = [
     "BristleLaw", "Claims", "Law", "Relation", "Scales", "StaticLaw", "builtin", "find", "law", "parameters_for",
-    "trouble",
+    "table", "trouble",
 ]  # fmt: skip
 
 _loading = threading.RLock()  # another thread must not meet a module that is half loaded
+_OF_FILE = "_stribeck_user_"  # how the modules of users' files are called
 _LISTED_FIRST = ("lugre", "elastoplastic", "dahl", "static")
 
 
@@ -49,6 +52,26 @@ def _laws_of(module: ModuleType) -> dict[str, type[Law]]:
     }  # fmt: skip
 
 
+_in_memory: dict[str, type[Law]] = {}  # laws that a program defined, by the name that their tables carry
+
+
+def table(law: Law) -> dict[str, Any]:
+    """The table ``[law]`` of a scenario that describes this law: its name, every constant and choice.
+
+    A law of a file of the user's is named ``FILE.py:NAME``; one that a program defined is known to this process only.
+    """
+    kind = type(law)
+    name = kind.name
+    if kind.__module__.startswith(_OF_FILE):
+        name = f"{inspect.getfile(kind)}:{kind.__name__}"
+    elif builtin().get(name) is not kind:
+        name = f"{kind.__module__}:{kind.__qualname__}"
+        _in_memory[name] = kind
+    own = {n: x for n, x in law.values.items() if n not in PARAMETERS and x is not None}
+    machine = {n: x for n, x in law.values.items() if n in PARAMETERS and x is not None} | law.machine
+    return {"name": name, **own, **law.choices, **({"parameters": machine} if machine else {})}
+
+
 def find(name: str, folder: Path | None = None) -> type[Law]:
     """The law called ``name``: a built-in one, or ``FILE.py:NAME`` with FILE relative to ``folder``.
 
@@ -57,6 +80,8 @@ def find(name: str, folder: Path | None = None) -> type[Law]:
     """
     if not isinstance(name, str):
         raise InputError(f"{show(name)}: must be the name of a law, not {kind_of(name)}")
+    if name in _in_memory:
+        return _in_memory[name]
     if ".py:" in name:
         return _from_file(name, folder)
     if name not in builtin():
@@ -65,14 +90,23 @@ def find(name: str, folder: Path | None = None) -> type[Law]:
     return builtin()[name]
 
 
-def _from_file(name: str, folder: Path | None) -> type[Law]:
+def load_module(name: str, folder: Path | None) -> tuple[ModuleType, Path, str]:
+    """The module, the path and the name behind ``FILE.py:NAME``.
+
+    Raises:
+        InputError: the file cannot be read or does not load.
+    """
     file, _, wanted = name.rpartition(":")
     path = (folder or Path()) / file
     try:
         text = read_file(path)
     except (OSError, ValueError) as error:
         raise InputError(f"{name!r}: cannot read {path}: {getattr(error, 'strerror', None) or error}") from None
-    module = _module(name, path, text)
+    return _module(name, path, text), path, wanted
+
+
+def _from_file(name: str, folder: Path | None) -> type[Law]:
+    module, path, wanted = load_module(name, folder)
     laws = _laws_of(module)
     by_class = {cls.__name__: cls for cls in laws.values()}
     if wanted in laws or wanted in by_class:
@@ -85,7 +119,7 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
 def _module(name: str, path: Path, text: bytes) -> ModuleType:
     """The module of a user's file: these very bytes, executed once; no byte code that lies beside them is taken."""
     # the content is part of the name: an edited file is loaded anew
-    module_name = f"_stribeck_user_{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
+    module_name = f"{_OF_FILE}{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
     with _loading:
         if module_name not in sys.modules:
             module = ModuleType(module_name)
@@ -158,4 +192,5 @@ def law(name: str, parameters: str | Mapping[str, float] | None = None, **consta
     """
     found = find(name)
     values = parameters_for(found, parameters) if isinstance(parameters, str) else parameters or {}
-    return found({**values, **constants})
+    rotary = isinstance(parameters, str) and parameter_sets.load(parameters).rotary
+    return found({**values, **constants}, rotary)

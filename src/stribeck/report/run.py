@@ -5,19 +5,35 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-from stribeck.files import together, write_json, write_text
-from stribeck.report import plots
-from stribeck.report.files import write_table
+from stribeck.errors import left_out
+from stribeck.files import together, write_json
+from stribeck.report import chapters
+from stribeck.report.files import write_figure, write_table
+from stribeck.report.overview import overview
+from stribeck.report.page import FigureSvg
 from stribeck.simulation import Solution
 
 
-def write(solution: Solution, folder: Path, summary: dict[str, Any]) -> list[str]:
-    """Write trajectory.csv and .parquet, plot.svg and, last, summary.json; the paths."""
+def write(solution: Solution, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
+    """Write trajectory.csv and .parquet, plot.svg, .png and .pdf, report.html and, last, summary.json; the paths."""
     with together(folder) as place:
         paths = write_table(solution, place, "trajectory")
-        paths.append(place / "plot.svg")
-        write_text(paths[-1], plots.overview({solution.scenario.law.name: solution}))
+        with left_out("the plot and the page"):
+            figure = overview({solution.scenario.law.name: solution})
+            paths += write_figure(figure, place)
+            paths.append(_page(solution, figure, place, command))
         paths.append(place / "summary.json")
         files = [str(folder / path.name) for path in paths]
         write_json(paths[-1], {**summary, "files": [*summary["files"], *files]})
     return files
+
+
+def _page(solution: Solution, figure: FigureSvg, folder: Path, command: str) -> Path:
+    scenario = solution.scenario
+    drive = scenario.drive.kind
+    introduction = [f"Law {scenario.law.name}, drive {drive}: {solution.status}."]
+    found = [
+        chapters.result(solution), *chapters.plots([figure]), chapters.of_law(scenario.law),
+        chapters.of_scenario(scenario),
+    ]  # fmt: skip
+    return chapters.write_page(folder, scenario.name, introduction, found, command)

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from stribeck import laws
-from stribeck.errors import InputError, note
+from stribeck import laws, parameter_sets
+from stribeck.errors import InputError, arg, note
 from stribeck.laws.base import PARAMETERS
 
 _DEEPEST = 8
@@ -25,7 +25,7 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     path, sign, value = text.partition("=")
     path = path.strip()
     if not sign or not all(path.split(".")):
-        raise InputError(f"--set {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
+        raise InputError(f"{arg('changes')} {text!r}: must be PATH=VALUE, such as law.parameters.F_s=2.0")
     try:
         read = tomllib.loads(f"x = {value}")
     except (ValueError, RecursionError):
@@ -34,13 +34,15 @@ def parse_assignment(text: str) -> tuple[str, Any]:
 
 
 def plain(value: Any, path: str = "", depth: int = 0) -> Any:
-    """A copy made of plain Python values, as a file gives them: NumPy's become numbers and lists.
+    """A copy made of plain Python values, as a file gives them: NumPy's become numbers and lists, a law its table.
 
     Raises:
         InputError: the value is nested deeper than any scenario.
     """
     if depth > _DEEPEST:
         raise InputError(f"{path}: nested too deeply: must be at most {_DEEPEST} tables or lists deep")
+    if isinstance(value, laws.Law):
+        return laws.table(value)
     if isinstance(value, Mapping):
         return {str(key): plain(inner, path or str(key), depth + 1) for key, inner in value.items()}
     if isinstance(value, np.ndarray | np.generic):
@@ -82,20 +84,36 @@ def _unfold_parameters(data: dict[str, Any], folder: Path) -> bool:
     except InputError:
         known = None
     try:
+        rotary = parameter_sets.load(law["parameters"], folder).rotary
         law["parameters"] = laws.parameters_for(known, law["parameters"], folder)
     except InputError:
         return False
+    if rotary:
+        data.setdefault("rotary", True)  # the set's name said so
     return True
 
 
 def _set(data: dict[str, Any], path: str, value: Any) -> None:
+    """Put a value at a path; a number in the path counts the entries of a list from 0."""
     *parents, last = path.split(".")
     table: Any = data
     for i, name in enumerate(parents):
-        table = table.setdefault(name, {})
-        if not isinstance(table, dict):
+        if isinstance(table, list):
+            table = table[_entry(table, name, path)]
+        else:
+            table = table.setdefault(name, {})
+        if not isinstance(table, dict | list):
             raise InputError(f"{path}: {'.'.join(parents[: i + 1])} is not a table, so it has no key '{last}'")
-    table[last] = value
+    if isinstance(table, list):
+        table[_entry(table, last, path)] = value
+    else:
+        table[last] = value
+
+
+def _entry(table: list[Any], name: str, path: str) -> int:
+    if not (name.isdigit() and int(name) < len(table)):
+        raise InputError(f"{path}: {name!r}: must be a number from 0 to {len(table) - 1}, an entry of the list")
+    return int(name)
 
 
 def _drop_of_observer(table: dict[str, Any], folder: Path) -> None:

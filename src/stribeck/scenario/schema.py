@@ -38,6 +38,7 @@ def json_schema() -> Node:
             {
                 "schema": {"const": 1, "description": "the version of the file format"},
                 "name": {"type": "string", "description": "the scenario's name; the file's unless given"},
+                "rotary": {"type": "boolean", "description": "the machine turns: N m for N, rad for m, kg m^2 for kg"},
                 "law": {"oneOf": [*map(_law, laws.builtin().values()), _own_law()], "description": "the friction law"},
                 "plant": {"description": "what friction acts on"},
                 "drive": {"oneOf": [_drive(kind) for kind in tables.DRIVES], "description": "what moves it"},

@@ -170,9 +170,12 @@ def signal_table(kind: str) -> type[Table]:
         fields["t"] = (list[float], Field(description="times, s; must not decrease, two equal times make a jump"))
         fields["value"] = (list[float], Field(description="the signal at these times"))
     if signal is signals.File:
-        fields["path"] = (str, Field(min_length=1, description="CSV or Parquet file, relative to the scenario file"))
-        fields["time"] = (str, Field(description="name of the column of times, s"))
+        kinds = "CSV, Parquet, MAT or NPZ file, relative to the scenario file"
+        fields["path"] = (str, Field(min_length=1, description=kinds))
+        fields["time"] = (str, Field(description="name of the column of times"))
+        fields["time_unit"] = (str, Field("s", description="unit of that column, such as ms"))
         fields["value"] = (str, Field(description="name of the column of values"))
+        fields["unit"] = (str | None, Field(None, description="unit of that column, such as mm; SI unless given"))
     return create_model(f"{kind.capitalize()}Signal", __base__=Table, __doc__=signal.meaning, **fields)
 
 

@@ -6,7 +6,7 @@ import json
 from importlib.resources import files as resources
 from typing import Any
 
-from stribeck.errors import InputError, NotDifferentiable
+from stribeck.errors import InputError, NotDifferentiable, arg
 from stribeck.export.c import cascade
 from stribeck.export.c.ccode import ARGUMENTS, WORDS, Equations, condition, render
 from stribeck.export.request import Request
@@ -36,7 +36,7 @@ def context(request: Request) -> dict[str, Any]:
     law, equations = request.law, Equations(request.law)
     if request.part == "observer" and not equations.observable:
         what = "no sigma_0 to weigh the tracking error by" if law.has_z else "no internal state to observe"
-        raise InputError(f"--part: 'observer': law '{law.name}' has {what}")
+        raise InputError(f"{arg('part')}: 'observer': law '{law.name}' has {what}")
     if bad := [name for name in request.constants if name in WORDS | ARGUMENTS or not name.isascii()]:
         raise InputError([f"{name}: a constant of this name cannot be exported to C: rename it" for name in bad])
     declared = law.constants()

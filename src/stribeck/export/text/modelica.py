@@ -8,7 +8,7 @@ from collections.abc import Mapping
 
 from stribeck.constants import Constant
 from stribeck.export.request import Request
-from stribeck.expressions.emit import _ADD, _ATOM, _UNARY, Dialect, Writer
+from stribeck.expressions.emit import ADD, ATOM, UNARY, Dialect, Writer
 from stribeck.expressions.graph import Expr, symbol, wrap
 from stribeck.laws.base import Law
 from stribeck.version import __version__
@@ -20,7 +20,7 @@ MODELICA = Dialect(
     either="or",
     where="noEvent(if {0} then {1} else {2})",  # the branches meet: no event is needed
     statement_end=";",
-    where_precedence=_ATOM,
+    where_precedence=ATOM,
 )
 _KEYWORDS = frozenset(  # and the names that the block itself uses
     """algorithm and annotation block break class connect connector constant constrainedby der discrete each else elseif
@@ -44,9 +44,9 @@ class _Writer(Writer):
 
     def _format(self, node: Expr) -> tuple[str, int]:
         if node.op == "pow":
-            return "^".join(self._arg(arg, _ATOM) for arg in node.args), _UNARY
+            return "^".join(self._arg(arg, ATOM) for arg in node.args), UNARY
         text, precedence = super()._format(node)
-        return text, _ADD if text.startswith("-") else precedence
+        return text, ADD if text.startswith("-") else precedence
 
 
 def files(request: Request) -> dict[str, str]:

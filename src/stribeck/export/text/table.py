@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.export.request import Request
 from stribeck.laws.base import Law
 
@@ -38,7 +38,7 @@ def notes(request: Request) -> list[str]:
     """What every table loses, whatever the step."""
     if not request.law.has_z or request.step is None:
         return []
-    return ["--step: a table keeps none of the law's dynamics at any step: it is the steady friction alone"]
+    return [f"{arg('step')}: a table keeps none of the law's dynamics at any step: it is the steady friction alone"]
 
 
 def fit(law: Law) -> tuple[Array, Array, float]:
@@ -51,10 +51,12 @@ def fit(law: Law) -> tuple[Array, Array, float]:
     y = np.asarray(law.steady_force(x))
     size = np.max(abs(y))
     if not np.isfinite(size) or np.max(abs(y + law.steady_force(-x))) > 1e-9 * size:
-        raise InputError(f"--target: 'table': the steady friction of law '{law.name}' must be finite and odd in v")
+        raise InputError(
+            f"{arg('target')}: 'table': the steady friction of law '{law.name}' must be finite and odd in v"
+        )
     if abs(y[0]) > 10 * np.max(abs(y[x > 1e-3 * x[-1]])):
         raise InputError(
-            f"--target: 'table': the steady friction of law '{law.name}' grows without limit as v goes to 0"
+            f"{arg('target')}: 'table': the steady friction of law '{law.name}' grows without limit as v goes to 0"
         )
     low, high = 0.0, float(size)
     for _ in range(60):

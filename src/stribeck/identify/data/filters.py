@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 
 Array = NDArray[np.float64]
 _CHUNK = 1_000_000
@@ -50,7 +50,7 @@ def stages(q: int) -> list[int]:
     while q > 1:
         part = next((s for s in range(_STAGE, 1, -1) if q % s == 0), None)
         if part is None:
-            raise InputError(f"--decimate: {q}: must be a product of whole numbers up to {_STAGE}")
+            raise InputError(f"{arg('decimate')}: {q}: must be a product of whole numbers up to {_STAGE}")
         found.append(part)
         q //= part
     return found

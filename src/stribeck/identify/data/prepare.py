@@ -11,11 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import Columns, read
 from stribeck.identify.log import Log
+from stribeck.recorded import is_table
 
 Array = NDArray[np.float64]
 _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
@@ -43,14 +44,15 @@ class Preparation:
     sharp: bool = False
 
 
-def load(paths: Sequence[str | Path], columns: Columns, how: Preparation | None = None) -> Log:
-    """The log in one file or several of the same layout, each file a run of its own.
+def load(sources: Sequence[Any], columns: Columns, how: Preparation | None = None) -> Log:
+    """The log in one file or table, or in several of the same layout, each a run of its own.
 
     Raises:
         InputError: a file cannot be read or used; a line for each problem.
     """
-    cleaned = [clean(read(Path(path), columns), Path(path).name) for path in paths]
-    return prepare(cleaned, how or Preparation(), [Path(path).name for path in paths])
+    names = [f"table {i}" if is_table(each) else Path(each).name for i, each in enumerate(sources, start=1)]
+    cleaned = [clean(read(each, columns), name) for each, name in zip(sources, names, strict=True)]
+    return prepare(cleaned, how or Preparation(), names)
 
 
 def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ()) -> Log:
@@ -58,7 +60,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     step = parts[0].step
     if any(abs(p.step - step) > 0.02 * step for p in parts):
         steps = ", ".join(f"{p.step:.4g} s" for p in parts)
-        raise InputError(f"DATA: the files are sampled at different steps ({steps}); must be alike within 2 %")
+        raise InputError(f"{arg('data')}: the files are sampled at different steps ({steps}); must be alike within 2 %")
     roles = list(parts[0].columns)
     notes = [note for part in parts for note in part.notes]
     measured = "position" if "position" in roles else "velocity"
@@ -75,12 +77,12 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
             )
     elif cutoff > 0:
         if cutoff >= 0.5 / step:
-            raise InputError(f"--cutoff: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")
+            raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")
         notes.append(f"motion filtered at {cutoff:g} Hz, as given")
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
-        raise InputError(f"--trim: {trim}: must be a whole number >= 0")
-    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim)
+        raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
+    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.sharp)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
             rows = slice(last - count, last)
@@ -88,6 +90,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
     sources = _sources(roles, measured, cutoff, parts)
+    if how.sharp:
+        sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = dict(columns)
     return Log(
         **parts_of_log, run=run, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
@@ -96,11 +100,12 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
 
 
 def _columns(
-    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int
+    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, keep: bool
 ) -> tuple[dict[str, Array], list[int]]:
     """Every column of the log, one after the other so that little is held twice; and the rows of each run."""
     if len(parts) == 1 and len(parts[0].runs) == 1:  # however long: nothing is copied that need not be
-        whole = _run(parts[0], parts[0].runs[0], _grid(parts[0], parts[0].runs[0], step), step, cutoff)
+        grid = _grid(parts[0], parts[0].runs[0], step)
+        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured if keep else "")
         parts[0].columns.clear()
         return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]) - trim, trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
@@ -108,12 +113,13 @@ def _columns(
     _enough(max(kept), trim)
     place = np.concatenate([[0], np.cumsum(kept)])
     names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
+    names += ["unfiltered"] if keep else []
     out = {name: np.empty(place[-1]) for name in names}
     number = 0
     for part in parts:
         for r in part.runs:
             rows = slice(place[number], place[number + 1])
-            for name, x in _run(part, r, grids[number], step, cutoff).items():
+            for name, x in _run(part, r, grids[number], step, cutoff, measured if keep else "").items():
                 out[name][rows] = x[trim:]
             number += 1
     return out, kept
@@ -121,7 +127,7 @@ def _columns(
 
 def _enough(rows: int, trim: int) -> int:
     if rows < FEWEST:
-        raise InputError(f"--trim: {trim}: leaves less than {FEWEST} rows of every run")
+        raise InputError(f"{arg('trim')}: {trim}: leaves less than {FEWEST} rows of every run")
     return rows
 
 
@@ -134,12 +140,14 @@ def _grid(part: Clean, rows: slice, step: float) -> Array:
     return time if part.even else time[0] + step * np.arange(int((time[-1] - time[0]) / step * (1 + 1e-12)) + 1)
 
 
-def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float) -> dict[str, Array]:
+def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep: str) -> dict[str, Array]:
     time = part.columns["time"][rows]
     found = {"time": grid}
     for name, column in part.columns.items():
         if name != "time":
             found[name] = column[rows] if part.even else np.interp(grid, time, column[rows])
+    if keep:
+        found["unfiltered"] = found[keep]
     for name in ("position", "velocity", "acceleration"):
         if name in found and cutoff > 0:
             found[name] = low_pass(found[name], cutoff, step)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck import laws
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Scales, scales
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
@@ -104,7 +104,7 @@ def fit_presliding(
     """
     found = laws.find(law)
     if "sigma_0" not in found.constants():
-        raise InputError(f"--method presliding: law '{law}' has no sigma_0; must be a law with bristles")
+        raise InputError(f"{arg('method')}: 'presliding': law '{law}' has no sigma_0; must be a law with bristles")
     sizes = scales(log, mass or 0.0)
     small = loops(log, sizes)
     if not small:
@@ -128,7 +128,7 @@ def fit_presliding(
     notes = [note]
     if {"sigma_1", "sigma_2"} <= set(found.uses) and "sigma_2" not in (fixed or {}):
         notes.append(
-            "sigma_1 stands for sigma_1 + sigma_2, which are one in presliding; --set sigma_2=VALUE takes it off"
+            "sigma_1 stands for sigma_1 + sigma_2, which are one in presliding; giving the constant sigma_2 takes it off"
         )
     told = [i for i, n in enumerate(fit.names) if n not in unseen]
     return replace(

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck import laws
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.data.segments import constant_speed, distinct_speeds
 from stribeck.identify.features.guess import scales
 from stribeck.identify.features.levels import levels
@@ -121,15 +121,15 @@ def check_motion(log: Log) -> None:
     v = log.velocity
     fastest = float(np.max(abs(v)))
     if fastest <= 0:
-        raise InputError("--velocity: 0 throughout: nothing moves, so there is no friction to fit")
+        raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
     low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
         raise InputError(
-            f"--velocity: constant ({middle:.4g} m/s within {high - low:.1g}): friction, offset and inertia cannot be "
+            f"{arg('velocity')}: constant ({middle:.4g} m/s within {high - low:.1g}): friction, offset and inertia cannot be "
             "told apart; measure several speeds in both directions"
         )
     if not np.ptp(log.force) > 0:
-        raise InputError(f"--force: {log.force[0]:.6g} N throughout: there is no friction to fit")
+        raise InputError(f"{arg('force')}: {log.force[0]:.6g} N throughout: there is no friction to fit")
     every = max(len(log) // 1_000_000, 1)
     thin = v[::every]
     rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), np.ones(len(thin))])
@@ -137,7 +137,8 @@ def check_motion(log: Log) -> None:
     both = v.min() < -0.1 * fastest and v.max() > 0.1 * fastest
     if both and coefficients[1] + coefficients[2] < 0 and coefficients[2] < 0:
         raise InputError(
-            "--force: acts against the motion: friction would put energy in; the sign is wrong (--force-gain -1 turns it)"
+            f"{arg('force')}: acts against the motion: friction would put energy in; the sign is wrong "
+            f"({arg('force_gain')} -1 turns it)"
         )
 
 

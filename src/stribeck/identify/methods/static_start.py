@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 from scipy.stats import qmc
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Scales, ranges, scales
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log, thinned
@@ -73,6 +73,7 @@ def solve(
     wanted = free_constants(law, given, {}, free)
     if "k_v" in given and "k_v" not in fixed:  # a default: the force changes sign at once then, as in the literature
         given["k_v"] = _SHARP
+        fixed = {**fixed, "k_v": _SHARP}  # said and written as a given constant: the law has it from now on
     sizes = scales(thinned(log), mass or 0.0)
     sliding = Sliding(law, given, _typical(law, sizes, given))
     own = law.own_constants()
@@ -84,7 +85,7 @@ def solve(
     terms = [n for n in dict.fromkeys([*(["mass"] if mass is None else []), *body]) if n not in held_terms]
     shapes = [n for n in wanted if n not in sliding.linear and n not in unseen]
     if any(TERMS[n].level for n in terms) and "F_c" not in sliding.linear:
-        raise InputError(f"--term: law '{law.name}' has no friction level F_c that could vary")
+        raise InputError(f"{arg('terms')}: law '{law.name}' has no friction level F_c that could vary")
     held = {**{n: sliding.base[n] for n in unseen}, **given, "delay": delay, **held_terms}
     if mass is not None:
         held["mass"] = mass
@@ -189,8 +190,14 @@ def _start(
     values = {**best, **linear}
     level = linear.get("F_c")
     if level is not None and level < _NOTHING * force:
-        hint = "; where all strokes have nearly one speed, give --set sigma_2=0" if "sigma_2" in linear else ""
-        raise InputError(f"--force: friction comes out as 0 or negative; check its sign and gain (--force-gain){hint}")
+        hint = (
+            f"; where all strokes have nearly one speed, give {arg('constants.sigma_2')}=0"
+            if "sigma_2" in linear
+            else ""
+        )
+        raise InputError(
+            f"{arg('force')}: friction comes out as 0 or negative; check its sign and gain ({arg('force_gain')}){hint}"
+        )
     if "F_s" in linear and level is not None and linear["F_s"] - level < 1e-4 * level:
         tied["F_s"] = Tie("F_c", 1.0)
         why = "friction does not rise towards low speed in these data"

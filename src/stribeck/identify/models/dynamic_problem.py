@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck import laws
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.features.guess import Range, ranges, scales
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
@@ -55,7 +55,7 @@ class VelocityProblem(Problem):
         self.rows = np.ones(len(log), bool) if rows is None else rows
         size = float(np.sqrt(np.mean(log.force**2)))
         super().__init__(law, coordinates, fixed, tied, log.force[self.rows], size)
-        self.response = Response(law, _structure(law, fixed))
+        self.response = Response(law, structure(law, fixed))
         self.runs = list(log.runs())
         self.levels = [name for name in body if TERMS[name].level]
         self.body = [name for name in body if not TERMS[name].level]
@@ -129,7 +129,7 @@ class VelocityProblem(Problem):
         return out
 
 
-def _structure(law: type[Law], given: Given) -> tuple[str, ...]:
+def structure(law: type[Law], given: Given) -> tuple[str, ...]:
     """The form of the law's equations: optional constants that are given, and words."""
     words = {
         n: f"{n}={given[n]}"
@@ -183,7 +183,8 @@ def velocity_problem(
     """
     if len(log) > _MOST_ROWS:
         raise InputError(
-            f"DATA: {len(log)} rows: a simulation takes at most {_MOST_ROWS}; cut the log, or use --method static"
+            f"{arg('data')}: {len(log)} rows: a simulation takes at most {_MOST_ROWS}; cut the log, or use "
+            f"{arg('method')} static"
         )
     law, fixed, tied = laws.find(law_name), dict(fixed or {}), dict(tied or {})
     held = {name: fixed.pop(name) for name in list(fixed) if name in TERMS}
@@ -191,11 +192,13 @@ def velocity_problem(
     body = list(dict.fromkeys(["mass", *body, *held]))
     terms.check(tuple(body), log)
     if "delay" in body:
-        raise InputError("--term: 'delay': the dynamic method shifts nothing: align force and motion beforehand")
+        raise InputError(
+            f"{arg('terms')}: 'delay': the dynamic method shifts nothing: align force and motion beforehand"
+        )
     if mass is not None:
         held["mass"] = mass
     if any(TERMS[name].level for name in body) and "F_c" not in law.constants():
-        raise InputError(f"--term: law '{law.name}' has no friction level F_c that could vary")
+        raise InputError(f"{arg('terms')}: law '{law.name}' has no friction level F_c that could vary")
     sizes = scales(log, mass or 0.0)
     found: list[tuple[Coordinate, float, float, float]] = []
     for name in free:

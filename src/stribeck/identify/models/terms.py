@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.log import Log
 
 Array = NDArray[np.float64]
@@ -67,8 +67,8 @@ def check(names: tuple[str, ...], log: Log) -> None:
     for name in names:
         if name not in TERMS:
             guess = nearest(name, TERMS) or f" (known: {', '.join(TERMS)})"
-            problems.append(f"--term: {name!r}: no such term{guess}")
+            problems.append(f"{arg('terms')}: {name!r}: no such term{guess}")
         elif (needs := TERMS[name].needs) and getattr(log, needs) is None:
-            problems.append(f"--term: {name!r}: needs a column: --{needs} COL")
+            problems.append(f"{arg('terms')}: {name!r}: needs a column: {arg(needs)}")
     if problems:
         raise InputError(problems)

@@ -65,7 +65,6 @@ def _result(fit: Fit) -> Chapter:
         relation = [
             [n, *(f"{x:.2f}" if np.isfinite(x) else "-" for x in row)]
             for n, row in zip(fit.names, fit.correlations.tolist(), strict=True)
-            for n, row in zip(fit.names, fit.correlations.tolist(), strict=True)
         ]
         tables.append(Table(["correlation", *fit.names], relation))
     return Chapter("result", "Parameters", list(fit.notes), tables)
@@ -109,7 +108,7 @@ def _data(log: Log, data: str) -> Chapter:
         else f"{len(log)} rows, one every {log.step:.6g} s.",
         *log.quality,
     ]
-    table = Table(["column", "from"], [[n, s] for n, s in log.sources.items()], prose=True)
+    table = Table(["column", "from"], [[n, s] for n, s in log.sources.items() if n != "unfiltered"], prose=True)
     return Chapter("data", "Data", text, [table], pictures.data(log))
 
 

@@ -88,7 +88,7 @@ def curve(fit: Fit) -> FigureSvg:
             axis.plot(p.velocity[rows], p.fitted[rows], ".", color=plots.COLOURS[1], markersize=2, label="fitted")
         else:
             v = np.concatenate([-half[::-1], half])
-            force = fit.fitted_law().steady_force(v) + fit.used.get("sigma_2_by_direction", 0.0) * abs(v)
+            force = fit.as_law(guessing=True).steady_force(v) + fit.used.get("sigma_2_by_direction", 0.0) * abs(v)
             axis.plot(v, force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
         axis.set_xlabel("velocity (m/s)")
         axis.set_ylabel("friction (N)")

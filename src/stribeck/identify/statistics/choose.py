@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from stribeck import laws
-from stribeck.errors import InputError, StribeckError
+from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.log import Log
 from stribeck.identify.methods.static import Setting, fit_static
 from stribeck.identify.models.terms import TERMS
@@ -61,7 +61,8 @@ def choose(fits: dict[str, Fit], failed: dict[str, str]) -> Choice:
     candidates = {n: f.details["left_out"] for n, f in fits.items() if "left_out" in f.details}
     if not candidates:
         raise InputError(
-            [f"--law: {name!r}: {why}" for name, why in failed.items()] or "--law: no law could be compared"
+            [f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()]
+            or f"{arg('law')}: no law could be compared"
         )
     picked, reason = crossvalidate.choose(candidates)
     return Choice(fits, picked, reason, failed)

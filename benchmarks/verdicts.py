@@ -1,0 +1,299 @@
+"""Is a verdict of ``stribeck check`` ever wrong? Laws written to mislead it, and built-in laws with random and extreme constants.
+
+The truth of the former is derived by hand (tests/properties/nasty); that of the latter follows from the exact
+conditions of docs/theory.md, evaluated here with rational numbers. A counterexample to passivity is integrated anew.
+
+    python benchmarks/verdicts.py [--sets 20] [--seed 0] [--nasty | --builtin] [--list]
+
+prints a table: laws, verdicts, wrong ones, crashes, undecided (of natural laws and ordinary sets apart), CPU seconds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import mpmath
+from scipy.integrate import solve_ivp
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+
+from tests.properties.nasty import PROPERTIES, cases
+
+import stribeck
+
+MAJORANTS = [f"{law}/{m}" for law in ("lugre_majorant", "elastoplastic_majorant") for m in ("atan", "sqrt", "compact")]
+BUILTIN = ["lugre", "lugre_arctan", "lugre_sobczyk", "elastoplastic", "elastoplastic_sobczyk", "dahl", *MAJORANTS]
+DIGITS = 60
+
+
+@dataclass
+class Row:
+    """A line of the table."""
+
+    name: str
+    laws: int = 0
+    verdicts: int = 0
+    undecided: int = 0
+    seconds: float = 0.0
+    slowest: float = 0.0
+    wrong: list[str] = field(default_factory=list)
+    crashes: list[str] = field(default_factory=list)
+    open: list[str] = field(default_factory=list)
+
+    def judge(self, name: str, law: Any, truth: dict[str, bool | None]) -> None:
+        """Check a law and count its verdicts."""
+        self.laws += 1
+        start = time.process_time()
+        try:
+            found = stribeck.check(law)
+        except Exception as error:
+            self.crashes.append(f"{name}: {type(error).__name__}: {error}")
+            return
+        finally:
+            spent = time.process_time() - start
+            self.seconds, self.slowest = self.seconds + spent, max(self.slowest, spent)
+        for what in PROPERTIES:
+            verdict = found[what]
+            self.verdicts += 1
+            if verdict.holds is None:
+                self.undecided += 1
+                self.open.append(f"{name}: {what}")
+            elif truth[what] is not None and verdict.holds is not truth[what]:
+                self.wrong.append(f"{name}: {what}: {verdict.holds} ({verdict.method})")
+            elif what == "passive" and verdict.holds is False and (text := replayed(law, verdict.evidence)):
+                self.wrong.append(f"{name}: {what}: {text}")
+
+    def line(self) -> str:
+        """The row as text."""
+        share = 100 * self.undecided / max(self.verdicts, 1)
+        return (
+            f"{self.name:28}{self.laws:7}{self.verdicts:10}{len(self.wrong):7}{len(self.crashes):9}{self.undecided:11}"
+            f"{share:7.1f} %{self.seconds:9.1f}{self.slowest:9.2f}"
+        )
+
+
+HEAD = f"{'':28}{'laws':>7}{'verdicts':>10}{'wrong':>7}{'crashes':>9}{'undecided':>11}{'':9}{'CPU s':>9}{'slowest':>9}"
+
+
+def replayed(law: Any, evidence: Any) -> str | None:
+    """What is wrong with a cycle of held speeds that is said to draw energy, integrated by SciPy; None where it does.
+
+    Only a programme that returns z to its start can be judged here; numbers are compared to 1e-3, as a check on the
+    statement and not on rounding.
+    """
+    programme, z = evidence.get("programme"), evidence.get("z_start")
+    if not programme or z is None or "energy_drawn" not in evidence:
+        return None
+    energy = 0.0
+    for piece in programme:
+        v, duration = piece["v"], piece["duration"]
+
+        def rates(t: float, x: Any, v: float = v) -> list[float]:
+            return [float(law.rate(v, x[0])), float(law.force(v, x[0])) * v]
+
+        scale = law.scales(law.p)
+        tolerance = [1e-12 * scale.length, 1e-9 * abs(evidence["energy_drawn"])]
+        found = solve_ivp(rates, (0, duration), [z, 0.0], method="LSODA", rtol=1e-10, atol=tolerance)
+        z, energy = float(found.y[0, -1]), energy + float(found.y[1, -1])
+    stated = evidence["energy_drawn"]
+    if energy > 0 or abs(energy + stated) > 0.01 * abs(stated):
+        return f"states {stated:.6g} J drawn, SciPy finds {-energy:.6g} J"
+    return None
+
+
+def nasty(names: list[str]) -> Iterator[Row]:
+    """A row for each kind of nasty law, and one for the natural ones among all."""
+    natural = Row("natural laws")
+    rows: dict[str, Row] = {}
+    for case in cases():
+        full = f"{case.kind}.{case.name}"
+        if names and not any(word in full for word in names):
+            continue
+        row = rows.setdefault(case.kind, Row(case.kind))
+        before = (row.verdicts, row.undecided)
+        row.judge(full, case.law(), case.truth)
+        if case.natural:
+            natural.laws += 1
+            natural.verdicts += row.verdicts - before[0]
+            natural.undecided += row.undecided - before[1]
+    yield from rows.values()
+    yield natural
+
+
+# -- built-in laws: the exact conditions ------------------------------------------------------------------------------
+
+
+def truth_of(name: str, values: dict[str, float]) -> dict[str, bool | None]:
+    """What theory.md says of a built-in law; None where it gives no condition that decides."""
+    law = name.partition("/")[0]
+    return {
+        "unique": True,
+        "bounded": law != "lugre_arctan",
+        "smooth": law not in ("lugre", "elastoplastic", "dahl"),
+        "passive": _passive(name, values),
+        "drift_free": law in ("elastoplastic", "elastoplastic_majorant"),
+    }
+
+
+def _passive(name: str, values: dict[str, float]) -> bool | None:
+    law, _, majorant = name.partition("/")
+    exact = {n: Fraction(x) for n, x in values.items()}
+    sigma_1, sigma_2, F_c, F_s = (exact[n] for n in ("sigma_1", "sigma_2", "F_c", "F_s"))
+    damped = "v_d" in exact
+    if law == "dahl":
+        return True
+    if law in ("lugre_sobczyk", "elastoplastic_sobczyk"):
+        return False
+    with mpmath.workdps(DIGITS):
+        excess = {"": 0, "atan": 2 / mpmath.pi, "sqrt": mpmath.mpf(1), "compact": mpmath.mpf(3) / 8}[majorant]
+        m_0 = excess / _real(exact["k_v"]) if majorant else mpmath.mpf(0)
+        slow = damped and _real(sigma_1) * (_real(exact["v_d"]) / mpmath.sqrt(2 * mpmath.e) + m_0) <= 4 * _real(F_c)
+        steep = sigma_1 == 0 or _real(sigma_1) * m_0 <= _real(F_s)
+    if law == "lugre_arctan":
+        return True if sigma_1 == 0 or slow else (None if damped else False)
+    holds = sigma_1 * (F_s - F_c) <= sigma_2 * F_c
+    if (holds and steep) or slow:
+        return True
+    return None if damped or holds else False
+
+
+def _real(x: Fraction) -> Any:
+    return mpmath.mpf(x.numerator) / x.denominator
+
+
+# -- built-in laws: sets ------------------------------------------------------------------------------------------------
+
+
+def ordinary(rng: random.Random, name: str) -> dict[str, float]:
+    """Constants as machines have them."""
+    values = {
+        "F_c": _log(rng, 0.1, 1e3), "v_s": _log(rng, 1e-4, 0.1), "sigma_1": _log(rng, 1, 1e5),
+    }  # fmt: skip
+    values["F_s"] = values["F_c"] * rng.uniform(1.01, 2.5)
+    values["sigma_0"] = values["F_s"] / _log(rng, 1e-7, 1e-4)
+    values["sigma_2"] = values["sigma_1"] * _log(rng, 1e-3, 1e1)
+    return {**values, **_own(rng, name, values, (1e1, 1e5), (0.1, 0.9))}
+
+
+def extreme(rng: random.Random, name: str) -> dict[str, float]:
+    """Constants at the ends of what can be written: ratios from 1e-12 to 1e12, F_s/F_c - 1 from 1e-10, zeros."""
+    values = {"F_c": _log(rng, 1e-6, 1e6), "v_s": _log(rng, 1e-9, 1e3)}
+    above = rng.choice([0.0, _log(rng, 1e-10, 1e-3), _log(rng, 1e-3, 1e3)])
+    values["F_s"] = values["F_c"] * (1 + above)
+    values["sigma_0"] = values["F_s"] / _log(rng, 1e-12, 1e3)
+    values["sigma_1"] = rng.choice([0.0, _log(rng, 1e-9, 1e9), _log(rng, 1e-9, 1e9)])
+    values["sigma_2"] = rng.choice([0.0, (values["sigma_1"] or 1.0) * _log(rng, 1e-12, 1e12)])
+    return {**values, **_own(rng, name, values, (1e-6, 1e12), (1e-6, 0.999999))}
+
+
+def threshold(rng: random.Random, name: str) -> dict[str, float]:
+    """LuGre's condition met or missed by 1e-12 to 1e-6 of it."""
+    values = ordinary(rng, name)
+    values["F_s"] = values["F_c"] * (1 + rng.choice([1.0, _log(rng, 1e-10, 1.0)]))
+    critical = values["sigma_1"] * (values["F_s"] - values["F_c"]) / values["F_c"]
+    values["sigma_2"] = critical * (1 + rng.choice([-1, 1]) * _log(rng, 1e-12, 1e-6))
+    if "/" in name and rng.random() < 0.5:  # k_v at its own sufficient condition
+        values["k_v"] = 2 * values["sigma_1"] / values["F_s"] * (1 + rng.choice([0.0, 1e-9, 1.0]))
+    return values
+
+
+def falling(rng: random.Random, name: str) -> dict[str, float]:
+    """Damping that falls with speed."""
+    values = ordinary(rng, name)
+    return values if name == "dahl" else {**values, "v_d": _log(rng, 1e-3, 1e3) * values["v_s"]}
+
+
+SETS = {"ordinary": ordinary, "extreme": extreme, "threshold": threshold, "v_d": falling}
+
+
+def _log(rng: random.Random, low: float, high: float) -> float:
+    return float(low * (high / low) ** rng.random())
+
+
+def _own(
+    rng: random.Random, name: str, values: dict[str, float], steep: tuple[float, float], share: tuple[float, float]
+) -> dict[str, float]:
+    own = {}
+    if name not in ("lugre", "elastoplastic", "dahl"):
+        own["k_v"] = _log(rng, *steep) / values["v_s"]
+    if name.startswith("elastoplastic"):
+        own["z_ba"] = rng.uniform(*share) * values["F_c"] / values["sigma_0"]
+    return own
+
+
+def law_of(name: str, values: dict[str, float]) -> Any:
+    """A built-in law; ``lugre_majorant/sqrt`` names the majorant too."""
+    law, _, majorant = name.partition("/")
+    return stribeck.law(law, values, **({"smooth_abs": majorant} if majorant else {}))
+
+
+def builtin(kind: str, sets: int, seed: int, names: list[str]) -> Iterator[Row]:
+    """A row for each built-in law with sets of one kind."""
+    for name in BUILTIN:
+        if names and name not in names:
+            continue
+        rng, row = random.Random(f"{seed} {kind} {name}"), Row(f"{kind} {name}")
+        for _ in range(sets):
+            values = SETS[kind](rng, name)
+            try:
+                law = law_of(name, values)
+            except stribeck.InputError:  # z_ba rounded up to F_c/sigma_0
+                continue
+            row.judge(f"{name} {values}", law, truth_of(name, values))
+        yield row
+
+
+def total(name: str, rows: list[Row]) -> Row:
+    """The sum of rows."""
+    return Row(
+        name, *(sum(getattr(r, n) for r in rows) for n in ("laws", "verdicts", "undecided", "seconds")),
+        slowest=max((r.slowest for r in rows), default=0.0), wrong=[x for r in rows for x in r.wrong],
+        crashes=[x for r in rows for x in r.crashes], open=[x for r in rows for x in r.open],
+    )  # fmt: skip
+
+
+def main() -> int:
+    """Print the table; the exit status is 1 where a verdict is wrong or a check crashed."""
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("names", nargs="*", help="parts of nasty laws' names, or built-in laws; all unless given")
+    parser.add_argument("--sets", type=int, default=20, help="sets of each kind for each built-in law")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--kind", choices=list(SETS), help="only this kind of sets")
+    parser.add_argument("--nasty", action="store_true", help="only the nasty laws")
+    parser.add_argument("--builtin", action="store_true", help="only built-in laws")
+    parser.add_argument("--list", action="store_true", help="list what stayed undecided")
+    options = parser.parse_args()
+    print(HEAD)
+    rows, all_rows = [], []
+    if not options.builtin:
+        for row in nasty(options.names):
+            print(row.line(), flush=True)
+            rows.append(row)
+        natural = rows.pop()
+        print(total("nasty laws", rows).line())
+        all_rows += [*rows, natural]
+    for kind in SETS if not options.nasty else ():
+        if options.kind in (None, kind):
+            rows = []
+            for row in builtin(kind, options.sets, options.seed, options.names):
+                print(row.line(), flush=True)
+                rows.append(row)
+            print(total(f"all {kind}", rows).line())
+            all_rows += rows
+    bad = [text for row in all_rows for text in (*row.wrong, *(f"CRASH {x}" for x in row.crashes))]
+    print(*bad, sep="\n")
+    if options.list:
+        print("undecided:", *(text for row in all_rows for text in row.open), sep="\n")
+    return 1 if bad else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,300 @@
+"""Stiff, tiny, huge: literals from 1e-300 to 1e155, and drift that hardly is one."""
+
+from stribeck.constants import Constant
+from stribeck.expressions.ops import both, clip, sign, sqrt, where
+from stribeck.laws import BristleLaw
+from stribeck.laws.terms import g
+
+
+def lugre(p, v, z):
+    return v - abs(v) / g(p, v) * z
+
+
+class HugeSquare(BristleLaw):
+    """m = sqrt((1e155 v)^2 + 1)/1e155 = sqrt(v^2 + 1e-310): a smooth majorant (C1: the root is of something > 0),
+    sigma_1 m(0) <= F_s: bounded, passive, leaks; (1e155 v)^2 overflows from v = 0.1 on."""
+
+    truth = "unique bounded smooth passive -drift_free"
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - sqrt((1e155 * v) ** 2 + 1) / 1e155 / g(p, v) * z
+
+
+class TinyRoot(BristleLaw):
+    """m = sqrt(v^2 + 1e-300): as HugeSquare; equal to |v| in floats from 1e-142 on."""
+
+    truth = "unique bounded smooth passive -drift_free"
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - sqrt(v**2 + 1e-300) / g(p, v) * z
+
+
+class Trillion(BristleLaw):
+    """f = v - 1e12 |v| z/(1e12 g): LuGre: B0, B1."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - 1e12 * abs(v) / (1e12 * g(p, v)) * z
+
+
+class TrillionDrag(BristleLaw):
+    """h = 1e12 v^3: B1: passive. B0."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+    v_d = None
+    dz_dt = staticmethod(lugre)
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + 1e12 * v**3
+
+
+class MinusTrillionthDrag(BristleLaw):
+    """h = -1e-12 v^3: held at v = 1e8, F = 1 + 1e10 - 1e12 < 0: B3: not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    v_d = None
+    dz_dt = staticmethod(lugre)
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v - 1e-12 * v**3
+
+
+class MinusTinyViscosity(BristleLaw):
+    """sigma_1 = sigma_2 = 0, h = -1e-200 v: held at 2e200 m/s F = 1 - 2 < 0: not passive over the real numbers.
+    B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    values_changed = {"sigma_1": 0.0, "sigma_2": 0.0}
+    v_d = None
+    dz_dt = staticmethod(lugre)
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.sigma_0 * z - 1e-200 * v
+
+
+class TinyViscosity(BristleLaw):
+    """sigma_1 = sigma_2 = 0, h = 1e-200 v: h v >= 0: passive. B0."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+    values_changed = {"sigma_1": 0.0, "sigma_2": 0.0}
+    v_d = None
+    dz_dt = staticmethod(lugre)
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.sigma_0 * z + 1e-200 * v
+
+
+class TinyDampingOnly(BristleLaw):
+    """sigma_2 = 0, sigma_1 = 1e-12, F_s = 1.5 F_c: LuGre's condition fails: a pulse at large v (F v -> -0.5e-12
+    v^2 + 1.5 v, v > 3e12 m/s) draws without limit: not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    natural = True
+    values_changed = {"sigma_1": 1e-12, "sigma_2": 0.0}
+    dz_dt = staticmethod(lugre)
+
+
+class JustBelowLuGresCondition(BristleLaw):
+    """sigma_2 = 49.9999995 against sigma_1 (F_s - F_c)/F_c = 50: Barabanov & Ortega: not passive. B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    natural = True
+    values_changed = {"sigma_2": 49.9999995}
+    dz_dt = staticmethod(lugre)
+
+
+class AtLuGresCondition(BristleLaw):
+    """sigma_2 = 50 = sigma_1 (F_s - F_c)/F_c, exactly: passive. B0."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+    natural = True
+    values_changed = {"sigma_2": 50.0}
+    dz_dt = staticmethod(lugre)
+
+
+class LeaksTenToTheMinus300(BristleLaw):
+    """f = v - 1e-300 z: not v for z != 0: not drift_free. Linear: unique, smooth. Held v: z -> 1e300 v: not
+    bounded. D = 200 v^2 - 1e-298 z v + 1e-295 z^2 >= 0: passive."""
+
+    truth = "unique -bounded smooth passive -drift_free"
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - 1e-300 * z
+
+
+class ElasticForAPicometre(BristleLaw):
+    """LuGre's decay times clip((|z| - c)/c, 0, 1), c = 1e-12 m: f = v for |z| <= c: drift_free (F_0 = 1e-7 N).
+    Lipschitz; LuGre from 2 c on: bounded. D is linear in the share, >= 0 at 0 and 1: passive. |v|."""
+
+    truth = "unique bounded -smooth passive drift_free"
+
+    @staticmethod
+    def z_elastic(p):
+        return 1e-12
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - clip((abs(z) - 1e-12) / 1e-12, 0.0, 1.0) * abs(v) / g(p, v) * z
+
+
+class ElasticOneWay(BristleLaw):
+    """f = v for v > 0, LuGre's for v < 0: not v on |z| <= z_0 for all v. Held v > 0: not bounded. z unrestricted,
+    v -> -large, z < 0 with r > 2: B2: not passive. Lipschitz; df/dv jumps at v = 0."""
+
+    truth = "unique -bounded -smooth -passive -drift_free"
+    symmetric = False
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return where(v > 0, v, lugre(p, v, z))
+
+
+class ElasticExceptWhenFast(BristleLaw):
+    """LuGre's decay times the ramp clip((|z| - c)/c, 0, 1), c = 0.3e-5, but without it for |v| > 1e7: there f !=
+    v: not drift_free. Lipschitz in z; inward at Z: bounded; D linear in the share: passive. Jumps."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+
+    @staticmethod
+    def z_elastic(p):
+        return 0.3e-5
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        share = where(abs(v) > 1e7, 1.0, clip((abs(z) - 0.3e-5) / 0.3e-5, 0.0, 1.0))
+        return v - share * abs(v) / g(p, v) * z
+
+
+class ElasticExceptInAWindow(BristleLaw):
+    """f = v but on 1e-8 < z < 1.01e-8, where f = v/2; LuGre's decay by a ramp from 0.5e-5 on. f = v for |z| <=
+    1e-8: drift_free. z moves through the window at half speed, in either direction: dz/dy depends on z alone
+    below the ramp, so solutions exist and do not part: unique. Inward at Z: bounded. With S' = 2 sigma_0 z in the
+    window D = 150 v^2 there, else >= 0: passive. Jumps."""
+
+    truth = "unique bounded -smooth passive drift_free"
+    symmetric = False
+
+    @staticmethod
+    def z_elastic(p):
+        return 1e-8
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        decay = clip((abs(z) - 0.5e-5) / 0.2e-5, 0.0, 1.0) * abs(v) / g(p, v) * z
+        return v * where(both(z > 1e-8, z < 1.01e-8), 0.5, 1.0) - decay
+
+
+class NearlyElastic(BristleLaw):
+    """f = v (1 - 1e-18) - ramp: 1 - 1e-18 is 1 in floats, and so it is written: elastic: drift_free; as
+    ElasticForAPicometre with c = 0.5e-5."""
+
+    truth = "unique bounded -smooth passive drift_free"
+
+    @staticmethod
+    def z_elastic(p):
+        return 0.5e-5
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v * (1 - 1e-18) - clip((abs(z) - 0.5e-5) / 0.5e-5, 0.0, 1.0) * abs(v) / g(p, v) * z
+
+
+class NearlyElasticForReal(BristleLaw):
+    """f = v - 1e-18 v - ramp: (1 - 1e-18) v for |z| <= c, which is not v: not drift_free. Else as NearlyElastic:
+    S' = sigma_0 z/(1 - 1e-18) below c, D there 200 v^2 - O(1e-16) v^2: passive. Bounded (f sgn z less than
+    LuGre's or v z < 0)."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - 1e-18 * v - clip((abs(z) - 0.5e-5) / 0.5e-5, 0.0, 1.0) * abs(v) / g(p, v) * z
+
+
+class Piezo(BristleLaw):
+    """Liu's piezo stage: sigma_1 (F_s - F_c) = 3000 <= sigma_2 F_c = 65000: LuGre's condition: passive. B0."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+    natural = True
+    values_changed = {"sigma_0": 1.67e6, "sigma_1": 6e3, "sigma_2": 2.6e4, "F_c": 2.5, "F_s": 3.0, "v_s": 1.6e-8}
+    dz_dt = staticmethod(lugre)
+
+
+class Valve(BristleLaw):
+    """A stiff valve: sigma_1 (F_s - F_c) = 6.6e7 > sigma_2 F_c = 4.7e7: LuGre's condition fails: not passive.
+    B0."""
+
+    truth = "unique bounded -smooth -passive -drift_free"
+    natural = True
+    values_changed = {
+        "sigma_0": 1.038e9,
+        "sigma_1": 2.442e5,
+        "sigma_2": 7.048e4,
+        "F_c": 669.9,
+        "F_s": 942.1,
+        "v_s": 3.22e-3,
+    }
+    dz_dt = staticmethod(lugre)
+
+
+class FallingDamping(BristleLaw):
+    """LuGre with v_d = 1e-3: sigma_1 v_d/sqrt(2 e) = 0.043 <= 4 F_c: passive for every sigma_2 (theory.md), here
+    0. B0."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+    natural = True
+    values_changed = {"sigma_2": 0.0, "v_d": 1e-3}
+    dz_dt = staticmethod(lugre)
+
+
+class OwnConstants(BristleLaw):
+    """LuGre's f by constants of the law's own; F = k z + c v: D = c v^2 + k |v| z^2/G >= 0: passive. B0 with g =
+    G = Z."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+    natural = True
+    uses = ()
+    relations = ()
+    v_d = None
+    k = Constant("N/m", "stiffness", above=0, default=1e150)
+    c = Constant("N s/m", "viscosity", at_least=0, default=1e-150)
+    G = Constant("m", "deflection", above=0, default=1e-100)
+
+    @staticmethod
+    def z_bound(p):
+        return p.G
+
+    @staticmethod
+    def scales(p):
+        from stribeck.laws import Scales
+
+        return Scales(p.G, 1.0, p.k * p.G)
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v - abs(v) / p.G * z
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.k * z + p.c * v
+
+
+class SignWithAHugeGain(BristleLaw):
+    """h = 1e100 sgn v: h v >= 0: B1, passive. B0."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+    v_d = None
+    dz_dt = staticmethod(lugre)
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + 1e100 * sign(v)

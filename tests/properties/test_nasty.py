@@ -1,0 +1,41 @@
+"""``stribeck check`` on laws written to mislead it: no verdict may be wrong, and none may crash.
+
+A seeded share of the laws of ``nasty/`` runs here; ``python benchmarks/verdicts.py`` runs all of them, and built-in
+laws with random and extreme constants.
+"""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+import stribeck
+from tests.properties.nasty import PROPERTIES, Case, cases
+
+SHARE, SEED = 12, 1  # how many laws a test run takes, and which
+ALL = list(cases())
+
+
+def wrong(case: Case) -> list[str]:
+    """The verdicts on a law that contradict its truth."""
+    found = stribeck.check(case.law())
+    return [
+        f"{case.kind}.{case.name}: {name}: {found[name].holds}, true is {case.truth[name]}: {found[name].method}"
+        for name in PROPERTIES
+        if None not in (found[name].holds, case.truth[name]) and found[name].holds is not case.truth[name]
+    ]
+
+
+@pytest.mark.parametrize("case", random.Random(SEED).sample(ALL, SHARE), ids=lambda case: case.name)
+def test_no_verdict_is_wrong(case):
+    assert wrong(case) == []
+
+
+def test_every_law_states_its_truth_and_derives_it():
+    assert len(ALL) >= 80
+    assert len({case.name for case in ALL}) == len(ALL)
+    for case in ALL:
+        assert len(type(case.law()).__dict__["__doc__"]) > 20, case.name
+    unclear = sum(x is None for case in ALL for x in case.truth.values())
+    assert unclear <= 0.02 * 5 * len(ALL)
