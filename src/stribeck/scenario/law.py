@@ -87,7 +87,7 @@ class LawReader:
         return self.law
 
     def _evaluate(self, law: Law) -> None:
-        if ".py:" in self.table["name"] and (trouble := laws.trouble(law)):
+        if trouble := laws.trouble(law) if in_a_file(self.table["name"]) else laws.overflow(law):
             self.problems.append((f"{self.path}.name", f"{show(self.table['name'])}: {trouble}"))
         else:
             self.law = law

@@ -6,6 +6,7 @@ import ctypes
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -204,8 +205,14 @@ def _one_by_one(
     scenario = variations.scenario
     columns = {c.name: np.full(states.shape[:2], np.nan) for c in scenario.system.columns}
 
+    stopped = Event()
+
+    def go_on(share: float) -> None:
+        if stopped.is_set():
+            raise KeyboardInterrupt
+
     def run(lane: int) -> Solution:
-        return simulate(scenario.with_changes(variations.changes(lane)))
+        return simulate(scenario.with_changes(variations.changes(lane)), go_on)
 
     with ThreadPoolExecutor(threads) as pool:
         try:
@@ -221,6 +228,7 @@ def _one_by_one(
                 if progress is not None:
                     progress((done + 1) / len(places))
         except BaseException:
+            stopped.set()
             pool.shutdown(cancel_futures=True)
             raise
     return columns
@@ -235,7 +243,7 @@ def _count_crossings(
     for i, lane in enumerate(places):
         if threshold[i] > 0:
             done = found.counts["status"][i] == 0
-            end = scenario.end if done else float(found.counts["rows_reached"][i]) * scenario.output.step
+            end = scenario.end if done else max(float(found.counts["rows_reached"][i]) - 1, 0.0) * scenario.output.step
             rises = [up for _, up in signals[which[i]].crossings(float(threshold[i]), end)]
             counts["happened"][lane, 0, :2] = sum(rises), len(rises) - sum(rises)
 
