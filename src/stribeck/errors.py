@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import difflib
+import re
 import warnings
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 
 _LONGEST_LINE, _HEAD = 300, 180
+_ARGUMENT = re.compile("\x02([^\x02\x03]*)\x03")
 
 
 class StribeckError(Exception):
@@ -17,7 +20,7 @@ class InputError(StribeckError, ValueError):
     """Bad input. ``problems`` holds one line for each problem found: the key's path, the value, what is allowed."""
 
     def __init__(self, problems: str | Sequence[str]) -> None:
-        self.problems: list[str] = [one_line(p) for p in ([problems] if isinstance(problems, str) else problems)]
+        self.problems: list[str] = [Line(p) for p in ([problems] if isinstance(problems, str) else problems)]
         super().__init__("\n".join(self.problems))
 
     def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:
@@ -32,8 +35,44 @@ class BuildError(StribeckError, RuntimeError):
     """The machine's C compiler did not build a system; the message is its first complaint."""
 
 
+class MissingExtra(StribeckError, ImportError):
+    """A part of Stribeck needs a package that is not installed; the message names the extra that brings it."""
+
+    def __init__(self, what: str, package: str, extra: str) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(what, package, extra)
+
+    def __str__(self) -> str:
+        return f"{self.args[0]} needs {self.package}: pip install 'stribeck[{self.extra}]'"
+
+
 class StribeckNote(UserWarning):
     """Something a user should know that does not stop the work: a dropped constant, a missing compiler."""
+
+
+class Line(str):
+    """One line of a message, which still knows where it names arguments (:func:`arg`)."""
+
+    marked: str
+
+    def __new__(cls, text: str) -> Line:
+        """From text that may hold marks, or from a line, whose marks stay."""
+        marked = text.marked if isinstance(text, Line) else text
+        line = super().__new__(cls, one_line(_ARGUMENT.sub(r"\1", marked)))
+        line.marked = marked
+        return line
+
+    def __getnewargs__(self) -> tuple[str]:
+        return (self.marked,)
+
+    def naming(self, name: Callable[[str], str]) -> str:
+        """The line with another name for each argument: the command writes its options."""
+        return one_line(_ARGUMENT.sub(lambda found: name(found[1]), self.marked))
+
+
+def arg(name: str) -> str:
+    """An argument's name within a message: Python shows it as it is, the command the option that gives it."""
+    return f"\x02{name}\x03"
 
 
 def one_line(text: str) -> str:
@@ -44,10 +83,48 @@ def one_line(text: str) -> str:
 
 def note(text: str) -> None:
     """Tell the user one line: a :class:`StribeckNote` in Python, a line on standard error from the command."""
-    warnings.warn(one_line(text), StribeckNote, stacklevel=3)
+    warnings.warn(StribeckNote(Line(text)), stacklevel=3)
 
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """`` (did you mean 'x'?)`` for the known name closest to ``name``, or nothing when none is close."""
     match = difflib.get_close_matches(name, list(known), n=1, cutoff=0.6)
     return f" (did you mean '{match[0]}'?)" if match else ""
+
+
+# The packages that the base installation does not have, and the extra that brings each.
+EXTRAS = {
+    "matplotlib": "plot", "jinja2": "plot", "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
+    "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
+    "mujoco": "mujoco",
+}  # fmt: skip
+
+
+@contextmanager
+def needed(what: str, extra: str = "") -> Iterator[None]:
+    """Around imports of what the base installation does not have: where it is missing, one line says how to get it.
+
+    Args:
+        what: what needs it, the line's first words.
+        extra: the extra to name, where it is not the package's own (:data:`EXTRAS`).
+
+    Raises:
+        MissingExtra: ``what`` needs the package; ``pip install 'stribeck[extra]'`` brings it.
+    """
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in EXTRAS:
+            raise
+        raise MissingExtra(what, package, extra or EXTRAS[package]) from None
+
+
+@contextmanager
+def left_out(what: str) -> Iterator[None]:
+    """Around what is written besides: where a package for it is missing, one note says so, and all goes on."""
+    try:
+        with needed(what):
+            yield
+    except MissingExtra as error:
+        note(f"{what} is left out: it needs {error.package}: pip install 'stribeck[{error.extra}]'")

@@ -51,7 +51,7 @@ def test_a_law_of_the_users_own_is_replayed_from_anywhere(stribeck, tmp_path):
     name = f"{ROOT / 'tests' / 'properties' / 'broken_laws.py'}:NegativeDamping"
     data = json.loads(stribeck("check", name, "--parameters", "canudas1995", "--out", tmp_path, "--json").out)
     assert data["properties"]["passive"]["holds"] is False
-    replayed = json.loads(stribeck("run", tmp_path / "passive.toml", "--json").out)
+    replayed = json.loads(stribeck("run", tmp_path / "passive.toml", "--trust", "--json").out)
     assert -replayed["final"]["E_in"] == pytest.approx(
         data["properties"]["passive"]["evidence"]["energy_drawn"], rel=1e-6
     )

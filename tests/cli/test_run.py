@@ -143,7 +143,11 @@ def test_ctrl_c_stops_a_long_run_and_writes_nothing(scenario, tmp_path):
         command, stderr=subprocess.PIPE, env=os.environ,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     )  # fmt: skip
-    time.sleep(2)
+    for _ in range(600):  # until it has begun
+        if out.is_dir():
+            break
+        time.sleep(0.05)
+    time.sleep(0.5)
     process.send_signal(signal.SIGINT)
     _, err = process.communicate(timeout=20)
     assert process.returncode == 130

@@ -41,6 +41,11 @@ int main(void)
         case 'r': status = @_rate(&p, x[1], x[0], &F); break;
         case 's': status = @_steady_force(&p, x[1], &F); break;
         case 't': status = @_step(&p, &s, x[1], x[2], &F); break;
+        case 'C': {
+            const @_compensator c = { x[3], x[2] };
+            status = @_compensate(&p, &c, &s, x[1], &F);
+            break;
+        }
         case 'c': status = @_compensation(&p, &s, x[1], x[3], x[2], &F); break;
 #ifdef SMOOTH
         case 'd': status = @_force_rate(&p, x[1], x[0], x[2], &F); break;
@@ -94,7 +99,7 @@ class Program:
         columns = np.broadcast_arrays(*(np.asarray(c, float) for c in columns))
         rows = zip(*(c.ravel() for c in columns), strict=True)
         lines = "".join(f"{op} {' '.join(float(x).hex() if np.isfinite(x) else str(x) for x in row)}\n" for row in rows)
-        done = subprocess.run(self.command, input=lines, capture_output=True, text=True, check=False)
+        done = subprocess.run(self.command, input=lines, capture_output=True, text=True, check=False, timeout=120)
         assert done.returncode == 0, done.stderr
         answers = [line.split() for line in done.stdout.splitlines()]
         return np.array([[int(status), *map(float.fromhex, rest)] for status, *rest in answers]).T

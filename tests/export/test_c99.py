@@ -268,6 +268,34 @@ def test_compensation(folder):
     F = run("t", 1e-6, 1e-3, 1e-3)[1]
     assert run("c", 1e-6, 1e-3, 1e-3, 0.8)[1] == pytest.approx(0.8 * F, rel=1e-15)
     assert run("c", 1e-6, 1e-3, 1e-3, -0.1)[0] == 4
+    grid = np.meshgrid([1e-6, -2e-5], [1e-3, -4.0, 0.0], [1e-6, 1e-3, 1.0], [0.0, 0.5, 1.0])
+    assert (run("C", *grid) == run("c", *grid)).all()
+    assert run("C", 1e-6, 1e-3, 1e-3, 0.8)[1] == run("c", 1e-6, 1e-3, 1e-3, 0.8)[1]
+    for op in "cC":
+        assert run(op, 1e-6, 1e-3, 0.0, 0.8)[0] == 2
+
+
+@pytest.mark.parametrize("name", ["lugre", "elastoplastic_majorant"])
+@pytest.mark.parametrize("op", ["c", "C"])
+def test_a_compensation_that_fails_changes_nothing(name, op, folder):
+    """The force is finite, gain times the force is not: z must stay where it was."""
+    run = program(name, folder)
+    status, F, z = run(op, 1e-6, 10.0, 1e-3, 1.7e308)
+    assert (status, F, z) == (1, 0.0, 1e-6)
+
+
+@pytest.mark.parametrize("name", ELASTOPLASTIC)
+@pytest.mark.parametrize("single", [False, True], ids=["double", "float"])
+def test_no_step_goes_on_for_ever(name, single, folder):
+    """dt/32 is 0 in floating point, and the rates are not finite: that was a loop without end."""
+    run, tiny = program(name, folder, single=single), 1e-44 if single else 3e-323
+    huge = [1e-3, 1e30, 3e38] if single else [1e-3, 1e30, 1e300, -1e300, 1.7e308]
+    z, v, dt = np.meshgrid([0.0, 1e-5, *huge[1:]], huge, [tiny, 7 * tiny, 1e-3, 1e30])
+    status, F, after = run("t", z, v, dt)
+    assert set(status) <= {0, 1}
+    assert np.isfinite(after[status == 0]).all()
+    assert np.isfinite(F[status == 0]).all()
+    assert (after[status == 1] == z.ravel()[status == 1].astype(np.float32 if single else float)).all()
 
 
 # -- mass and bristle together ------------------------------------------------------------------------------------------

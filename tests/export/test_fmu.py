@@ -200,6 +200,64 @@ def test_wrong_parameters(key, value, said, slave):
     assert any(said in message for message in other.messages)
 
 
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_a_tolerance_below_rounding(fmi, folder):
+    """It is no reason to go on for ever: 1e-15 is taken as the finest that rounding allows."""
+    name, path = "lugre_majorant", fmu("lugre_majorant", "body", fmi, folder)
+    inputs = np.array([(0.0, 3.0), (1.0, 3.0)], dtype=[("time", float), ("u", float)])
+    ways = {"stop_time": 0.02, "fmi_type": "CoSimulation", "output_interval": 0.01, "input": inputs, "output": ["y"]}
+    fine, finest = (fmpy.simulate_fmu(path, relative_tolerance=x, timeout=60, **ways)["y"] for x in (1e-9, 1e-15))
+    force = {"kind": "force", "signal": {"kind": "points", "t": [0.0], "value": [3.0]}}
+    y = stribeck.simulate(rig(name, force, t_end=0.02))["y"]
+    assert finest == pytest.approx(y, rel=1e-7)
+    assert finest == pytest.approx(fine, rel=1e-6)
+
+
+def test_steps_without_end_are_given_up(slave):
+    """A tolerance that needs more steps than can be made is an error, and the state stays."""
+    from fmpy.fmi1 import FMICallException
+
+    body = slave()
+    body.fmu.enterInitializationMode(tolerance=1e-15)
+    body.fmu.exitInitializationMode()
+    body.set("u", 3.0)
+    with pytest.raises(FMICallException):
+        body.step(0.0, 1e4)
+    assert any("the tolerance needs more steps" in message for message in body.messages)
+    assert (body.get("y"), body.get("v"), body.get("z")) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize(("name", "fmi"), [("makkar", 2), ("makkar", 3), ("lugre_majorant", 3)])
+def test_an_input_that_is_no_number_in_model_exchange(name, fmi, folder):
+    from fmpy.fmi1 import FMICallException
+    from fmpy.fmi2 import FMU2Model
+    from fmpy.fmi3 import FMU3Model
+
+    path = fmu(name, "law", fmi, folder)
+    description = fmpy.read_model_description(path)
+    reference = {v.name: v.valueReference for v in description.modelVariables}
+    model = (FMU2Model if fmi == 2 else FMU3Model)(
+        guid=description.guid, unzipDirectory=fmpy.extract(path),
+        modelIdentifier=description.modelExchange.modelIdentifier,
+    )  # fmt: skip
+    model.instantiate()
+    if fmi == 2:
+        model.setupExperiment()
+    model.enterInitializationMode()
+    model.exitInitializationMode()
+    put, get = (model.setReal, model.getReal) if fmi == 2 else (model.setFloat64, model.getFloat64)
+    put([reference["v"]], [1e-3])
+    assert np.isfinite(get([reference["F"]])).all()
+    for wrong in (np.nan, np.inf):
+        put([reference["v"]], [wrong])
+        with pytest.raises(FMICallException):
+            get([reference["F"]])
+        with pytest.raises(FMICallException):
+            model.newDiscreteStates() if fmi == 2 else model.updateDiscreteStates()
+    put([reference["v"]], [1e-3])
+    assert np.isfinite(get([reference["F"]])).all()
+
+
 def test_two_instances_share_nothing(slave):
     one, two = slave(), slave()
     for each in (one, two):

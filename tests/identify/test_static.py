@@ -163,9 +163,9 @@ def test_no_stribeck_effect_in_the_data_is_said_and_not_made_up():
 @pytest.mark.parametrize(
     ("velocity", "force", "said"),
     [
-        (np.full(2000, 0.1), lambda t, y, v, a: 5 + 0 * t, "--velocity: constant"),
-        (np.zeros(2000), lambda t, y, v, a: 5 + 0 * t, "--velocity: 0 throughout"),
-        (_sweep(4000), lambda t, y, v, a: 0 * t, "--force: 0 N throughout"),
+        (np.full(2000, 0.1), lambda t, y, v, a: 5 + 0 * t, "velocity: constant"),
+        (np.zeros(2000), lambda t, y, v, a: 5 + 0 * t, "velocity: 0 throughout"),
+        (_sweep(4000), lambda t, y, v, a: 0 * t, "force: 0 N throughout"),
         (_sweep(4000), lambda t, y, v, a: -5 * np.sign(v) - 20 * v, "the sign is wrong"),
     ],
 )

@@ -357,11 +357,11 @@ def test_the_steepness_that_a_majorant_needs(smooth_abs, gap):
 
 
 def test_the_forms_of_a_law():
-    assert LuGre.structures() == [(), ("v_d",)]
+    assert LuGre.structures() == [(), ("delta",), ("v_d",), ("v_d", "delta")]
     assert LuGreMajorant.structures()[:4] == [
-        (), ("smooth_abs=sqrt",), ("smooth_abs=compact",), ("v_d",),
+        (), ("smooth_abs=sqrt",), ("smooth_abs=compact",), ("delta",),
     ]  # fmt: skip
-    assert len(LuGreMajorant.structures()) == 6
+    assert len(LuGreMajorant.structures()) == 12
     assert make(LuGreMajorant).structure == make(LuGreMajorant, smooth_abs="atan").structure == ()
     both = make(LuGreMajorant, smooth_abs="sqrt", v_d=1.0)
     assert both.structure in LuGreMajorant.structures()

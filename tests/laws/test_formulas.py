@@ -63,6 +63,7 @@ RATES = {
 STATIC = {
     "coulomb_viscous": lambda v: FC * S(v) + S2 * v,
     "stribeck": lambda v: (FC + (FS - FC) * exp(-((v / VS) ** 2))) * S(v) + S2 * v,
+    "stribeck_tanh": lambda v: (FC + (FS - FC) * exp(-((v / VS) ** 2))) * tanh(KV * v) + S2 * v,
     "makkar": lambda v: G1 * (tanh(G2 * v) - tanh(G3 * v)) + G4 * tanh(G5 * v) + G6 * v,
 }
 SPEEDS = (0.0, 1e-9, 3e-7, 1e-6, 1e-4, 7e-4, 1e-3, 2.5e-3, 0.03, 1.0)
@@ -286,7 +287,7 @@ def test_shapes_broadcast():
 @pytest.mark.parametrize(
     ("name", "changes", "lines"),
     [
-        ("lugre", {"k_v": 1e6}, ["k_v: 1000000.0: law 'lugre' has no such constant (it has v_d)"]),
+        ("lugre", {"k_v": 1e6}, ["k_v: 1000000.0: law 'lugre' has no such constant (it has v_d, delta)"]),
         ("lugre_majorant", {}, ["k_v: missing: law 'lugre_majorant' needs it (steepness of the smooth sign, a finite"]),
         ("lugre_majorant", {"k_v": 0.0, "v_s": -1}, ["k_v: 0.0: must be", "v_s: -1: must be a finite number > 0"]),
         ("lugre", {"F_s": 0.5}, ["F_s: 0.5: must be at least F_c (F_c = 1.0)"]),
@@ -325,5 +326,24 @@ def test_constants_are_checked(name, changes, lines):
 def test_whole_and_numpy_numbers_are_taken():
     values = {**P, "F_c": 1, "F_s": np.int64(2), "v_s": np.float32(0.5)}
     model = law("lugre", values)
-    assert model.values == {**P, "F_c": 1.0, "F_s": 2.0, "v_s": 0.5, "v_d": None}
-    assert all(type(x) is float for n, x in model.values.items() if n != "v_d")
+    assert model.values == {**P, "F_c": 1.0, "F_s": 2.0, "v_s": 0.5, "v_d": None, "delta": None}
+    assert all(type(x) is float for n, x in model.values.items() if n not in ("v_d", "delta"))
+
+
+@pytest.mark.parametrize("name", [n for n, law in builtin().items() if law.has_z and "delta" in law.constants()])
+def test_the_exponent_of_the_stribeck_curve(name):
+    """Against the formula written here; 2 is the usual curve."""
+    v = np.array([-3e-3, -1e-4, 2e-4, 1e-3, 5e-2])
+    usual, same, law = make(name), make(name, delta=2.0), make(name, delta=1.3)
+    np.testing.assert_allclose(same.rate(v, 4e-6), usual.rate(v, 4e-6), rtol=1e-13)
+    speeds = np.array([-2e-3, 2e-3])  # far above 1/k_v, where the smooth signs differ by 1e-3 from the sign
+    curve = P["F_c"] + (P["F_s"] - P["F_c"]) * np.exp(-(abs(speeds / P["v_s"]) ** 1.3))
+    np.testing.assert_allclose(law.steady_force(speeds), np.sign(speeds) * curve + P["sigma_2"] * speeds, rtol=2e-3)
+    h = 1e-7 * abs(v)
+    by_difference = (law.rate(v + h, 4e-6) - law.rate(v - h, 4e-6)) / (2 * h)
+    np.testing.assert_allclose(law.jacobian(v, 4e-6)[0], by_difference, rtol=1e-5, atol=1e-6)
+
+
+def test_the_exponent_is_at_least_1():
+    with pytest.raises(InputError, match=r"delta: 0\.5: must be a finite number >= 1"):
+        make("lugre", delta=0.5)

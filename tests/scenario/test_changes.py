@@ -106,7 +106,7 @@ def test_another_law_drops_what_it_does_not_have():
     with pytest.warns(StribeckNote) as notes:
         new = SCENARIO.with_changes({"law.name": "lugre"})
     assert [str(n.message) for n in notes] == ["law.k_v: dropped: law 'lugre' has no such constant"]
-    assert (new.law.name, new.law.values) == ("lugre", {**CANUDAS, "v_d": None})
+    assert (new.law.name, new.law.values) == ("lugre", {**CANUDAS, "v_d": None, "delta": None})
     with pytest.warns(StribeckNote) as notes:
         new = SCENARIO.with_changes({"law.name": "coulomb_viscous"})
     assert [str(n.message) for n in notes] == ["plant.initial.z: dropped: law 'coulomb_viscous' has no z"]

@@ -133,7 +133,7 @@ def test_constants_of_a_law_of_ones_own(tmp_path):
     line = refused(tmp_path, {"name": name, "k": 0, "parameters": CANUDAS})
     assert line == "law.k: 0: must be a finite number > 0"
     line = refused(tmp_path, {"name": name, "k": 1, "k_v": 1e6, "parameters": CANUDAS})
-    assert line == "law.k_v: 1000000.0: law 'mine' has no such constant (it has k, v_d)"
+    assert line == "law.k_v: 1000000.0: law 'mine' has no such constant (it has k, v_d, delta)"
 
 
 STATIC = """
@@ -173,7 +173,7 @@ FITTED = "".join(f"[parameters.{n}]\nvalue = {x}\nlow = 0\nhigh = 9\nunit = 'SI'
 def test_a_set_in_a_file_beside_the_scenario(text, tmp_path):
     (tmp_path / "x.toml").write_text(text, encoding="utf-8")
     found = load(tmp_path, {"name": "lugre", "parameters": "x.toml"}).law
-    assert found.values == {**CANUDAS, "v_d": None}
+    assert found.values == {**CANUDAS, "v_d": None, "delta": None}
     assert law("lugre", str(tmp_path / "x.toml")).values == found.values
 
 

@@ -56,7 +56,7 @@ def test_points(t, value, said):
 def test_constants_of_another_law_and_in_the_wrong_place():
     base = VALID["force_points"]
     assert problems(edited(base, "law.name", value="lugre")) == [
-        "law.k_v: 1000000.0: law 'lugre' has no such constant (it has v_d)"
+        "law.k_v: 1000000.0: law 'lugre' has no such constant (it has v_d, delta)"
     ]
     assert problems(edited(base, "law", value={"name": "lugre", "F_s": 1.5, "parameters": CANUDAS})) == [
         "law.F_s: 1.5: belongs in law.parameters"

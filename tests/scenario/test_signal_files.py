@@ -8,6 +8,7 @@ import pytest
 from pyarrow import parquet
 
 from stribeck import InputError, Scenario
+from stribeck.recorded import read_columns
 from tests.scenario.valid_scenarios import VALID, edited, toml
 
 DATA = VALID["velocity_file"]
@@ -27,11 +28,11 @@ def load(folder, text, name="record.csv", **signal):
     ("text", "key", "said"),
     [
         (None, "path", "cannot be read"),
-        ("", "path", "cannot be read"),
+        ("", "path", "is empty"),
         (b"t,v\n0,\xff\xfe\n", "value", "not numbers"),
         ("time,v\n0,1\n", "time", "no such column (it has time, v)"),
         ("t,speed\n0,1\n", "value", "no such column (it has t, speed)"),
-        ("t,v\n", "time", "not numbers"),
+        ("t,v\n", "path", "has a head but no rows"),
         ("t,v\n0,a\n1,2\n", "value", "not numbers"),
         ("t,v\n0,true\n1,false\n", "value", "not numbers"),
         ("t,v\n0,1\n1,\n", "value", "has 1 empty or nan cells"),
@@ -41,7 +42,7 @@ def load(folder, text, name="record.csv", **signal):
         ("t,v\n0,1\n2,2\n1,3\n", "path", "1.0: times must not decrease (the one before is 2.0)"),
         ("t,v\n2024-01-01,1\n2024-01-02,2\n", "time", "not numbers"),
         ("t,v\n0,1\n1,2,3\n", "path", "cannot be read"),
-        ("t,v,v\n0,1,2\n", "value", "twice"),
+        ("t,v,v\n0,1,2\n", "value", "more than once"),
     ],
     ids=range(16),
 )
@@ -99,3 +100,34 @@ def test_the_path_is_relative_to_the_scenario(tmp_path, monkeypatch):
     load(tmp_path / "inner", "t,v\n0,1\n1,2\n")
     (tmp_path / "record.csv").write_text("t,v\n0,5\n")
     assert Scenario.load("inner/scenario.toml").signal.at(1.0) == 2.0
+
+
+def test_a_german_spreadsheet_in_other_units_is_read_as_fit_reads_it(tmp_path):
+    found = load(tmp_path, "t;Weg\n0;1\n250;1,25\n500;-2\n", value="Weg", unit="mm", time_unit="ms", scale=-2.0)
+    assert found.signal.t.tolist() == [0.0, 0.25, 0.5]
+    np.testing.assert_allclose(found.signal.value, [-2e-3, -2.5e-3, 4e-3], rtol=1e-15)
+
+
+def test_tabs_and_numpy_archives_are_read(tmp_path):
+    assert load(tmp_path, "t\tv\n0\t1\n1\t2\n", "record.tsv").signal.at(0.5) == 1.5
+    np.savez(tmp_path / "record.npz", t=[0.0, 1.0], v=[3.0, 5.0])
+    assert load(tmp_path, None, "record.npz").signal.at(0.5) == 4.0
+
+
+@pytest.mark.parametrize(("key", "unit"), [("unit", "mmm"), ("time_unit", "sec")])
+def test_an_unknown_unit_is_refused(key, unit, tmp_path):
+    with pytest.raises(InputError, match=rf"^drive.signal.{key}: '{unit}': no such unit"):
+        load(tmp_path, "t,v\n0,1\n", **{key: unit})
+
+
+def test_csv_is_read_the_same_without_pyarrow(tmp_path, monkeypatch):
+    text = "t;v\n0;0,1\n1;1e-3\n2;\n"
+    (tmp_path / "log.csv").write_text(text)
+    with_arrow = read_columns(tmp_path / "log.csv", {"time": "t", "value": "v"})
+    monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    without = read_columns(tmp_path / "log.csv", {"time": "t", "value": "v"})
+    for name in ("time", "value"):
+        np.testing.assert_array_equal(with_arrow[name], without[name])
+    (tmp_path / "bad.csv").write_text("t,v\n0,1\n1,abc\n")
+    with pytest.raises(InputError, match=r"^value: column 'v' holds text: 'abc', not numbers"):
+        read_columns(tmp_path / "bad.csv", {"time": "t", "value": "v"})

@@ -1,10 +1,12 @@
 """The cache of compiled systems: damaged, unwritable, full, and shared by processes."""
 
+import ctypes
 import errno
 import json
 import os
 import subprocess
 import sys
+import tempfile
 import threading
 import warnings
 from pathlib import Path
@@ -113,6 +115,7 @@ def test_a_damaged_file(content, home, monkeypatch):
     (file,) = home.iterdir()
     whole = file.read_bytes()
     file.unlink()  # a new file: the old one is loaded in this process
+    file.touch(0o600)
     file.write_bytes(whole[:content] if isinstance(content, int) else content)
     forget(monkeypatch)
     run(built=True, notes=["damaged; the system is compiled anew"])
@@ -125,6 +128,7 @@ def test_a_file_that_is_whole_and_no_library(home, monkeypatch):
     (file,) = home.iterdir()
     file.unlink()
     (home / "other").write_text("text")
+    (home / "other").chmod(0o600)
     (home / "other").rename(home / f"{file.stem.split('-')[0]}-{cache._digest(home / 'other')}.so")
     forget(monkeypatch)
     run(built=True, notes=["cannot be loaded"])
@@ -137,9 +141,107 @@ def test_a_damaged_file_that_cannot_be_removed(home, monkeypatch):
     (file,) = home.iterdir()
     name = home / f"{file.stem.split('-')[0]}-{'0' * 32}.so"
     file.unlink()
-    name.mkdir()
+    name.mkdir(0o700)
     forget(monkeypatch)
     run(built=True, notes=["cannot be loaded (Is a directory)"])
+
+
+def mode(path):
+    return path.stat().st_mode & 0o777
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="users have no numbers here")
+class TestOtherUsers:
+    """A library is code that runs: what another user owns or could have written is not loaded."""
+
+    def test_the_folder_is_closed_to_them(self, home):
+        before = os.umask(0)
+        try:
+            run(built=True)
+        finally:
+            os.umask(before)
+        (file,) = home.iterdir()
+        assert (mode(home), mode(file)) == (0o700, 0o600)
+
+    def test_an_open_folder_of_ours_is_closed(self, home):
+        home.mkdir()
+        home.chmod(0o777)
+        run(built=True)
+        assert mode(home) == 0o700
+
+    def test_a_folder_of_theirs_is_not_used(self, home, monkeypatch):
+        run(built=True)
+        forget(monkeypatch)
+        monkeypatch.setattr(os, "geteuid", lambda: 12345)
+        run(built=True, notes=["belongs to another user: it is not used"])
+        assert len(list(home.iterdir())) == 1
+
+    def test_a_file_that_they_can_write_is_built_anew(self, home, monkeypatch):
+        run(built=True)
+        (file,) = home.iterdir()
+        file.chmod(0o666)
+        forget(monkeypatch)
+        run(built=True, notes=["may have been written by another user; the system is compiled anew"])
+        assert mode(file) == 0o600
+        forget(monkeypatch)
+        run(built=False)
+
+    @pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root gives files away")
+    def test_a_file_of_theirs_is_built_anew(self, home, monkeypatch):
+        run(built=True)
+        (file,) = home.iterdir()
+        os.chown(file, 12345, 12345)
+        forget(monkeypatch)
+        run(built=True, notes=["may have been written by another user"])
+        assert file.stat().st_uid == 0
+
+    def test_a_link_is_not_followed(self, home, monkeypatch, tmp_path):
+        run(built=True)
+        (file,) = home.iterdir()
+        file.rename(tmp_path / "elsewhere.so")
+        file.symlink_to(tmp_path / "elsewhere.so")
+        forget(monkeypatch)
+        run(built=True, notes=["may have been written by another user"])
+        assert not file.is_symlink()
+
+
+def test_a_library_that_is_another_one_is_built_anew(home, monkeypatch):
+    """Not SciPy for ever."""
+    run(built=True)
+    (file,) = home.iterdir()
+    key = file.stem.split("-")[0]
+    file.unlink()
+    (home / "other.c").write_text("int other(void) { return 1; }")
+    found = compiler.find()
+    found.build(home / "other.c", home / "other.so")
+    (home / "other.so").chmod(0o600)
+    (home / "other.so").rename(home / f"{key}-{cache._digest(home / 'other.so')}.so")
+    forget(monkeypatch)
+    run(built=True, notes=["the library built is not a compiled system; the system is compiled anew"])
+    forget(monkeypatch)
+    run(built=False)
+
+
+def test_a_place_that_libraries_cannot_be_loaded_from(home, monkeypatch):
+    """As where the folder is mounted noexec."""
+
+    class Library(ctypes.CDLL):
+        def __init__(self, path):
+            if path.startswith(str(forbidden)):
+                raise OSError(f"{path}: failed to map segment from shared object")
+            super().__init__(path)
+
+    monkeypatch.setattr(cache.ctypes, "CDLL", Library)
+    forbidden = home
+    run(built=True)
+    forget(monkeypatch)
+    run(built=True, notes=["cannot be loaded"])
+    forget(monkeypatch)
+    forbidden = Path(tempfile.gettempdir()) / "stribeck-"  # where it is built
+    (kept,) = home.iterdir()
+    kept.unlink()
+    run(built=True)
+    assert len(list(home.iterdir())) == 1
 
 
 def test_threads_that_build_at_once(home):

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
 import math
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import minimum_filter
-from scipy.optimize import least_squares
 
 from stribeck.constants import kind_of, show
 from stribeck.drives.pid import Pid
-from stribeck.errors import InputError, StribeckError
-from stribeck.laws import builtin
+from stribeck.errors import InputError, StribeckError, needed
+from stribeck.laws import table
 from stribeck.laws.base import Law
 from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
@@ -73,6 +69,10 @@ def hunting(scenario: Scenario, of: str = "law") -> Hunting:
         raise InputError(f"drive.kind: {scenario.drive.kind!r}: must be 'pid' to hunt")
     if of not in ("law", "body"):
         raise InputError(f"of: {show(of)}: must be 'law' or 'body'")
+    with needed("hunting()"):
+        from scipy.ndimage import minimum_filter
+        from scipy.optimize import least_squares
+
     loop = _Loop(scenario, of)
     low, high = loop.box()
     shares = (np.stack(np.meshgrid(np.arange(_GRID), np.arange(_GRID), indexing="ij"), -1) + 0.5) / _GRID
@@ -156,7 +156,7 @@ def _last_cycle(
     cycles = 2 if mass is None else 4
     signal = {"kind": "sine", "amplitude": float(amplitude), "frequency": float(frequency), "phase": math.pi / 2}
     scenario = Scenario(
-        law=_named(law),
+        law=table(law),
         plant={} if mass is None else {"mass": mass},
         drive={"kind": kind, "signal": signal},
         solve={"t_end": cycles / frequency},
@@ -167,12 +167,3 @@ def _last_cycle(
         raise StribeckError(f"the describing function cannot be computed: {solution.reason}")
     rows = slice((cycles - 1) * _ROWS, cycles * _ROWS)
     return 2 * np.pi * frequency * solution.t[rows], solution[column][rows]
-
-
-def _named(law: Law) -> dict[str, Any]:
-    """The law as a scenario names it."""
-    own = {n: x for n, x in law.values.items() if n not in law.machine and x is not None}
-    name = law.name
-    if builtin().get(name) is not type(law):
-        name = f"{inspect.getfile(type(law))}:{type(law).__name__}"
-    return {"name": name, **own, **({"parameters": law.machine} if law.machine else {})}

@@ -6,7 +6,10 @@ import sys
 import warnings
 from typing import Any, NoReturn
 
-from stribeck.errors import InputError, StribeckError, StribeckNote
+from stribeck.cli.options import said
+from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote
+
+_EXTRA = {"fit": "fit", "rig": "fit", "export": "export", "check": "check", "gains": "check", "paper": "paper"}
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
@@ -26,7 +29,18 @@ def _status(arguments: list[str] | None) -> int:
         return result if isinstance(result, int) else 0
     except InputError as error:
         for line in error.problems:
-            print(line, file=sys.stderr)
+            print(said(line, _command(arguments)), file=sys.stderr)
+        return 2
+    except (MissingExtra, ModuleNotFoundError) as error:
+        command = _command(arguments)
+        package = error.package if isinstance(error, MissingExtra) else (error.name or "").partition(".")[0]
+        if package not in EXTRAS:
+            raise
+        if isinstance(error, MissingExtra) and command not in _EXTRA:
+            print(f"stribeck: {said(Line(str(error)), command)}", file=sys.stderr)
+        else:
+            extra = _EXTRA.get(command, EXTRAS[package])
+            print(f"stribeck: '{command}' needs {package}: pip install 'stribeck[{extra}]'", file=sys.stderr)
         return 2
     except StribeckError as error:
         print(f"stribeck: {error}", file=sys.stderr)
@@ -51,5 +65,13 @@ def _status(arguments: list[str] | None) -> int:
 
 
 def _show(message: Warning | str, category: type[Warning], *rest: Any) -> None:
-    text = str(message) if issubclass(category, StribeckNote) else f"{category.__name__}: {message}"
+    text = f"{category.__name__}: {message}"
+    if isinstance(message, StribeckNote):
+        text = said(message.args[0], _command(None))
     print(f"stribeck: {text}", file=sys.stderr)
+
+
+def _command(arguments: list[str] | None) -> str:
+    """The command that was given: the first word that is no option."""
+    given = sys.argv[1:] if arguments is None else arguments
+    return next((word for word in given if not word.startswith("-")), "")

@@ -9,14 +9,16 @@ from typing import Any
 
 from stribeck import laws, parameter_sets
 from stribeck.cli import show
+from stribeck.cli.text import say
 from stribeck.constants import show as shown
-from stribeck.errors import InputError, note
+from stribeck.errors import InputError, left_out, note
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.properties import NAMES, Verdict, Verdicts
 from stribeck.properties import check as decide
 from stribeck.scenario import parse_assignment
 
 _DEFAULT_SET = "canudas1995"
+_BESIDE = 23  # columns, where the words of a verdict begin
 _WORDS = {True: "yes", False: "no", None: "undecided"}
 
 
@@ -52,6 +54,10 @@ def check(
         data["margins"] = _margins(verdicts)
     if out is not None:
         data["files"] = _write(verdicts, out)
+        with left_out("the page"):
+            from stribeck.report import check as report
+
+            data["files"] += map(str, report.write(verdicts, out, data, show.command_line()))
     if certificate is not None:
         from stribeck.files import write_text
 
@@ -135,19 +141,19 @@ def _constants(law: Law) -> str:
 
 
 def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
-    print(f"{verdicts.law.name} with {_constants(verdicts.law)}")
+    say(f"{verdicts.law.name} with {_constants(verdicts.law)}", 4)
     for name, verdict in verdicts.properties.items():
         again = {True: ", verified", False: ", NOT CONFIRMED", None: ""}[verdict.verified]
         reason = verdict.evidence.get("reason") if verdict.holds is None else verdict.method
-        print(f"  {name:11}{_WORDS[verdict.holds]:10}{reason}{again}")
+        say(f"{reason}{again}", _BESIDE, f"  {name:11}{_WORDS[verdict.holds]:10}")
         for line in _lines(verdict.evidence):
-            print(f"  {'':21}{line}")
+            say(line, _BESIDE + 2, " " * _BESIDE)
     for name, margin in data.get("margins", {}).get("constants", {}).items():
         ends = [
             f"{word} {margin[end]:.9g}" for word, end in (("from", "low"), ("up to", "high")) if margin[end] is not None
         ]
         word = "passive" if data["margins"]["passive"] else "not passive"
-        print(f"  margin     {name} = {margin['value']:g}: {word} {' '.join(ends) or 'whatever it is'}")
+        say(f"{name} = {margin['value']:g}: {word} {' '.join(ends) or 'whatever it is'}", 15, "  margin     ")
     if largest := data.get("margins", {}).get("largest_v_d"):
         print(f"  remedy     passive with v_d up to {largest:.6g} m/s (as sampled)")
     for file in data.get("files", ()):
@@ -162,16 +168,16 @@ def _lines(evidence: Mapping[str, Any]) -> list[str]:
         lines.append(", ".join(f"{n} {x:.9g}" if isinstance(x, float) else f"{n} {x}" for n, x in plain.items()))
     for name in ("programme", "levels"):
         rows = evidence.get(name, ())
-        lines += ["  " + ", ".join(f"{n} {x:.6g}" for n, x in row.items()) for row in rows]
+        lines += [", ".join(f"{n} {x:.6g}" for n, x in row.items()) for row in rows]
     return lines
 
 
 def _print_matrix(checked: list[Verdicts], parameters: str | None) -> None:
-    print(f"parameters {parameters or 'as given'}; own constants: " + _own(checked))
+    say(f"parameters {parameters or 'as given'}; own constants: " + _own(checked), 4)
     width = max(len(v.law.name) for v in checked)
-    print(f"{'':{width}}  " + "".join(f"{name:12}" for name in NAMES))
+    print(f"{'':{width}}  " + "".join(f"{name:11}" for name in NAMES))
     for v in checked:
-        print(f"{v.law.name:{width}}  " + "".join(f"{_WORDS[v[name].holds]:12}" for name in NAMES))
+        print(f"{v.law.name:{width}}  " + "".join(f"{_WORDS[v[name].holds]:11}" for name in NAMES))
 
 
 def _own(checked: list[Verdicts]) -> str:

@@ -7,9 +7,10 @@ from typing import Any
 
 from stribeck import laws as registry
 from stribeck.cli.show import print_json
+from stribeck.cli.text import say
 from stribeck.errors import InputError
 from stribeck.laws.base import Claims, Law
-from stribeck.laws.render import condition, equations
+from stribeck.laws.render import Equation, condition, equations
 from stribeck.parameter_sets import parameters
 
 
@@ -28,7 +29,7 @@ def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
     for law in described:
         _print(law)
     if not names:
-        print("parameter sets: " + ", ".join(parameters()) + " (--sets shows what is passive with each)")
+        say("parameter sets: " + ", ".join(parameters()) + " (--sets shows what is passive with each)", 4)
     return 0
 
 
@@ -53,10 +54,10 @@ def _sets(names: list[str], json: bool) -> int:
     for name, s in listed.items():
         passive = [law for law, holds in s["passive"].items() if holds]
         own = ", ".join(f"{n} = {x:g}" for n, x in s["own_constants"].items())
-        print(f"{name}: {s['title']} ({s['motion']})")
-        print(f"    {', '.join(f'{n} = {x:g}' for n, x in s['values'].items())}")
-        print(f"    passive with {', '.join(passive) or 'no law'} (with {own})")
-        print(f"    source: {s['source']}")
+        say(f"{name}: {s['title']} ({s['motion']})", 4)
+        say(", ".join(f"{n} = {x:g}" for n, x in s["values"].items()), 4, "    ")
+        say(f"passive with {', '.join(passive) or 'no law'} (with {own})", 6, "    ")
+        say(f"source: {s['source']}", 6, "    ")
     return 0
 
 
@@ -75,6 +76,7 @@ def _describe(law: type[Law]) -> dict[str, Any]:
         "equations": _equations(law),
         "parameters": constants,
         "source": law.source,
+        "has_z": law.has_z,
         "guarantees": _guarantees(law),
         "with": {form[0]: _changed(law, form) for form in law.structures() if len(form) == 1},
     }
@@ -86,7 +88,8 @@ def _equations(law: type[Law], form: tuple[str, ...] = ()) -> list[dict[str, str
 
 def _guarantees(law: type[Law], form: tuple[str, ...] = ()) -> dict[str, Any]:
     claims = {field.name: getattr(law.claims, field.name) for field in fields(Claims)}
-    return {n: {"if": asdict(condition(c, law, form))} if callable(c) else c for n, c in claims.items()}
+    found = {n: condition(c, law, form) if callable(c) else c for n, c in claims.items()}
+    return {n: {"if": asdict(c)} if isinstance(c, Equation) else c for n, c in found.items()}
 
 
 def _changed(law: type[Law], form: tuple[str, ...]) -> dict[str, Any]:
@@ -99,19 +102,22 @@ def _changed(law: type[Law], form: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _print(law: dict[str, Any]) -> None:
-    print(f"{law['name']}: {law['summary']}")
+    say(f"{law['name']}: {law['summary']}", 4)
     for equation in law["equations"]:
-        print(f"    {equation['text']}")
+        say(equation["text"], 8, "    ")
     words = _words(law["guarantees"])
-    print(f"  claims     {words or 'no internal state, so none of the five properties'}")
+    none = "none stated" if law["has_z"] else "no internal state, so none of the five properties"
+    say(words or none, 13, "  claims     ")
     for form, changed in law["with"].items():
         parts = [*(e["text"] for e in changed["equations"]), _words(changed["guarantees"])]
-        print(f"  with {form}: {'; '.join(part for part in parts if part)}")
+        say("; ".join(part for part in parts if part), 13, f"  with {form}: ")
     own = [f"{n} ({_unit_or_words(p)}, {p['meaning']})" for n, p in law["parameters"].items() if p["where"] == "law"]
     if own:
-        print(f"  constants  {'; '.join(own)}")
-    print(f"  parameters {', '.join(n for n, p in law['parameters'].items() if p['where'] != 'law') or 'none'}")
-    print(f"  source     {law['source']}\n")
+        say("; ".join(own), 13, "  constants  ")
+    used = [n for n, p in law["parameters"].items() if p["where"] != "law"]
+    say(", ".join(used) or "none", 13, "  parameters ")
+    say(law["source"], 13, "  source     ")
+    print()
 
 
 def _words(guarantees: dict[str, Any]) -> str:

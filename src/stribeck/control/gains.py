@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.control.proof import derive
+from stribeck.errors import needed
 from stribeck.expressions.boxes import grid, not_negative
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
@@ -75,7 +76,8 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
     Raises:
         StribeckError: SymPy is not installed.
     """
-    import sympy
+    with needed("the proof of a servo's gains"):
+        import sympy
 
     form, w = derive(), sympy.Symbol("w", real=True)
     K_D, K = (sympy.Symbol(n, positive=True) for n in ("K_D", "K"))
@@ -95,11 +97,11 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
         return Condition(also and margin >= 0, least, margin, speed if also else 0.0)
 
     largest_K = float(sympy.solve(deflection, K)[0]) if law.values["sigma_1"] else math.inf
-    needed = 2.0 * condition(exact, True).least_K_D
+    twice = 2.0 * condition(exact, True).least_K_D
     roots = sympy.solve(exact.subs({K_D: gains["K_D"], w: w_max}), K)
     limit = float(roots[0]) if roots else math.inf
     # half of what the condition allows; where it allows any K, what is given
-    proposed = {"K_D": max(gains["K_D"], needed), "K": gains["K"] if limit <= 0 else min(gains["K"], limit / 2)}
+    proposed = {"K_D": max(gains["K_D"], twice), "K": gains["K"] if limit <= 0 else min(gains["K"], limit / 2)}
     return Verdict(
         v_max, w_max, condition(exact, True), condition(error, gains["K"] < largest_K), largest_K, proposed
     )  # fmt: skip
@@ -205,7 +207,8 @@ def prove(law: Law, gains: Mapping[str, float], v: tuple[float, float]) -> Proof
 
 def _in_graph(expr: Any, **replaced: Expr) -> Expr:
     """A SymPy expression of gains, constants and w as a graph, with some of them replaced."""
-    import sympy
+    with needed("the proof of a servo's gains"):
+        import sympy
 
     inputs = sorted(expr.free_symbols, key=str)
     function = sympy.lambdify(inputs, expr, modules=[{}])

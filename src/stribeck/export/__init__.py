@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
-from stribeck.errors import InputError, nearest, note
+from stribeck.errors import InputError, arg, nearest, note
 from stribeck.export.request import Request
 from stribeck.files import write_with
 from stribeck.laws.base import Law
@@ -108,14 +108,18 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
     """The law given, or the scenario's: for the cascade that of its observer, where it has one."""
     if scenario is None:
         if law is None:
-            what = "--scenario: missing: part 'cascade' needs one with drive.kind = 'cascade'"
-            raise InputError(what if part == "cascade" else "LAW: missing: must be given, unless --scenario names it")
+            what = f"{arg('scenario')}: missing: part 'cascade' needs one with drive.kind = 'cascade'"
+            raise InputError(
+                what
+                if part == "cascade"
+                else f"{arg('law')}: missing: must be given, unless {arg('scenario')} names it"
+            )
         return law
     servo = scenario.servo if part == "cascade" else None
     own = servo.observer if servo is not None and servo.observer is not None else scenario.law
-    if servo is not None and law is not None and (law.name, law.values) != (own.name, own.values):
+    if servo is not None and law is not None and not law.same_as(own):
         text = "must be left out: part 'cascade' has the law of the scenario's [drive.observer]"
-        raise InputError(f"LAW: {law.name!r}: {text}, {own.name!r}")
+        raise InputError(f"{arg('law')}: {law.name!r}: {text}, {own.name!r}")
     return law or own
 
 
@@ -145,20 +149,20 @@ def _encode(data: str | bytes) -> bytes:
 def _problems(target: str, part: str, self_test: bool, step: float | None, fmi: int) -> list[str]:
     if target not in TARGETS:
         guess = nearest(target, TARGETS) or f" (known: {', '.join(TARGETS)})"
-        return [f"--target: {target!r}: no such target{guess}"]
+        return [f"{arg('target')}: {target!r}: no such target{guess}"]
     found, chosen = [], TARGETS[target]
     if part not in PARTS:
-        found.append(f"--part: {part!r}: must be one of {', '.join(PARTS)}")
+        found.append(f"{arg('part')}: {part!r}: must be one of {', '.join(PARTS)}")
     elif part not in chosen.parts:
-        found.append(f"--part: {part!r}: target '{target}' has none; must be one of {', '.join(chosen.parts)}")
+        found.append(f"{arg('part')}: {part!r}: target '{target}' has none; must be one of {', '.join(chosen.parts)}")
     if self_test and not chosen.self_test:
         found.append(
-            f"--self-test: target '{target}' has none; only {', '.join(n for n in TARGETS if TARGETS[n].self_test)}"
+            f"{arg('self_test')}: target '{target}' has none; only {', '.join(n for n in TARGETS if TARGETS[n].self_test)}"
         )
     if step is not None and not 0 < step < float("inf"):
-        found.append(f"--step: {step}: must be a finite number > 0")
+        found.append(f"{arg('step')}: {step}: must be a finite number > 0")
     if fmi not in (2, 3):
-        found.append(f"--fmi: {fmi}: must be 2 or 3")
+        found.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
     return found
 
 
@@ -166,9 +170,9 @@ def _check_place(out: Path, folder: bool) -> None:
     existing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
     if existing == out and existing.is_dir() is not folder:
         is_, must = ("file", "folder") if folder else ("folder", "file")
-        raise InputError(f"--out: {str(out)!r}: is a {is_}; must be a {must} or a new name")
+        raise InputError(f"{arg('out')}: {str(out)!r}: is a {is_}; must be a {must} or a new name")
     if existing != out and not existing.is_dir():
-        raise InputError(f"--out: {str(out)!r}: {existing} is a file, not a folder")
+        raise InputError(f"{arg('out')}: {str(out)!r}: {existing} is a file, not a folder")
 
 
 class _Callable(ModuleType):

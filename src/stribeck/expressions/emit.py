@@ -11,7 +11,7 @@ from typing import Any
 from stribeck.expressions import ops
 from stribeck.expressions.graph import Expr, ordered
 
-_ATOM, _UNARY, _MUL, _ADD, _COMPARE, _AND, _OR, _TERNARY = range(8)
+ATOM, UNARY, MUL, ADD, COMPARE, AND, OR, TERNARY = range(8)
 _LONGEST_LINE = 110
 
 
@@ -25,12 +25,12 @@ class Dialect:
     either: str
     where: str
     statement_end: str
-    where_precedence: int = _TERNARY
+    where_precedence: int = TERNARY
     value: str = "{0}"  # a number that stands alone, not beside an operator
 
 
 # ``real`` is a number, or a vector of numbers for several trajectories: runtime/scalar.c, runtime/vector.c.
-_FUNCTIONS = ("abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
+_FUNCTIONS = ("abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow", "floor")
 C = Dialect(
     declare="const real ",
     functions={name: f"{name}_of" for name in _FUNCTIONS},
@@ -38,11 +38,11 @@ C = Dialect(
     either="|",
     where="choose({0}, {1}, {2})",
     statement_end=";",
-    where_precedence=_ATOM,
+    where_precedence=ATOM,
     value="splat({0})",
 )
 PYTHON = Dialect(
-    declare="", functions={}, both="", either="", where="where({0}, {1}, {2})", statement_end="", where_precedence=_ATOM
+    declare="", functions={}, both="", either="", where="where({0}, {1}, {2})", statement_end="", where_precedence=ATOM
 )
 
 
@@ -75,7 +75,7 @@ class Writer:
             for node in ordered([expr]):
                 if node not in self._text:
                     self._text[node] = self._statement(node, uses[node])
-            self.lines.append(f"{target} = {self._value(expr, _TERNARY)}{self.dialect.statement_end}")
+            self.lines.append(f"{target} = {self._value(expr, TERNARY)}{self.dialect.statement_end}")
         return self.lines
 
     def _statement(self, node: Expr, uses: int) -> tuple[str, int]:
@@ -86,7 +86,7 @@ class Writer:
             return text, precedence
         name = self._name(node.label)
         self.lines.append(f"{self.dialect.declare}{name} = {text}{self.dialect.statement_end}")
-        return name, _ATOM
+        return name, ATOM
 
     def _name(self, label: str | None) -> str:
         base = label or "t"
@@ -107,29 +107,29 @@ class Writer:
     def _format(self, node: Expr) -> tuple[str, int]:
         op, args = node.op, node.args
         if op == "symbol":
-            return self.inputs[str(node.value)], _ATOM
+            return self.inputs[str(node.value)], ATOM
         if op == "constant":
             assert isinstance(node.value, float)
-            return _literal(node.value), _ATOM if node.value >= 0 else _UNARY
+            return _literal(node.value), ATOM if node.value >= 0 else UNARY
         if op in ("add", "sub"):
-            return f"{self._arg(args[0], _ADD)} {'+' if op == 'add' else '-'} {self._arg(args[1], _MUL)}", _ADD
+            return f"{self._arg(args[0], ADD)} {'+' if op == 'add' else '-'} {self._arg(args[1], MUL)}", ADD
         if op in ("mul", "div"):
-            return f"{self._arg(args[0], _MUL)} {'*' if op == 'mul' else '/'} {self._arg(args[1], _UNARY)}", _MUL
+            return f"{self._arg(args[0], MUL)} {'*' if op == 'mul' else '/'} {self._arg(args[1], UNARY)}", MUL
         if op == "neg":
-            return f"-{self._arg(args[0], _ATOM)}", _UNARY
+            return f"-{self._arg(args[0], ATOM)}", UNARY
         if op in ("lt", "le"):
-            return f"{self._arg(args[0], _ADD)} {'<' if op == 'lt' else '<='} {self._arg(args[1], _ADD)}", _COMPARE
+            return f"{self._arg(args[0], ADD)} {'<' if op == 'lt' else '<='} {self._arg(args[1], ADD)}", COMPARE
         if op in ("both", "either"):
             sign = getattr(self.dialect, op)
             if not sign:
-                return f"{op}({self._arg(args[0], _OR)}, {self._arg(args[1], _OR)})", _ATOM
-            level = _AND if op == "both" else _OR
-            return f"{self._arg(args[0], _ATOM)} {sign} {self._arg(args[1], _ATOM)}", level
+                return f"{op}({self._arg(args[0], OR)}, {self._arg(args[1], OR)})", ATOM
+            level = AND if op == "both" else OR
+            return f"{self._arg(args[0], ATOM)} {sign} {self._arg(args[1], ATOM)}", level
         if op == "where":
-            texts = (self._arg(args[0], _OR), self._value(args[1], _ADD), self._value(args[2], _ADD))
+            texts = (self._arg(args[0], OR), self._value(args[1], ADD), self._value(args[2], ADD))
             return self.dialect.where.format(*texts), self.dialect.where_precedence
         name = self.dialect.functions.get(op, op)
-        return f"{name}({', '.join(self._value(a, _TERNARY) for a in args)})", _ATOM
+        return f"{name}({', '.join(self._value(a, TERNARY) for a in args)})", ATOM
 
 
 def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[..., tuple[Any, ...]]:
@@ -142,7 +142,7 @@ def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[
     lines = writer.write([(f"r{i}", expr) for i, expr in enumerate(outputs)])
     results = "".join(f"r{i}, " for i in range(len(outputs)))
     source = f"def f({', '.join(arguments)}):\n" + "".join(f"    {line}\n" for line in [*lines, f"return ({results})"])
-    names = {name: getattr(ops, name) for name in ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign")}
+    names = {name: getattr(ops, name) for name in ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign", "floor")}
     scope: dict[str, Any] = {
         **names, "where": ops.where, "both": ops.both, "either": ops.either, "abs": abs, "pow": pow,
         "INFINITY": float("inf"), "NAN": float("nan"),

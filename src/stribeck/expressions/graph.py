@@ -292,6 +292,7 @@ _PARTIALS: dict[str, Callable[..., tuple[Any, ...]]] = {
     "tanh": lambda n, a: (1 - n * n,),
     "abs": lambda n, a: (ops.sign(a),),
     "sign": lambda n, a: (0,),
+    "floor": lambda n, a: (0,),
 }
 
 

@@ -40,6 +40,7 @@ def _where(condition: Value, a: Value, b: Value) -> Value:
 
 _numeric: Any = SimpleNamespace(
     exp=np.exp, log=np.log, sqrt=np.sqrt, sin=np.sin, cos=np.cos, atan=np.arctan, tanh=np.tanh, sign=np.sign,
+    floor=np.floor,
     where=_where, both=np.logical_and, either=np.logical_or,
 )  # fmt: skip
 
@@ -113,6 +114,11 @@ def tanh(x: Value) -> Value:
 def sign(x: Value) -> Value:
     """-1, 0 or 1; its derivative is taken as 0."""
     return _backend(x).sign(x)
+
+
+def floor(x: Value) -> Value:
+    """The largest whole number that is at most x; its derivative is taken as 0."""
+    return _backend(x).floor(x)
 
 
 def where(condition: Value, a: Value, b: Value) -> Value:

@@ -14,6 +14,16 @@ from stribeck.errors import InputError
 from stribeck.laws.base import Law
 
 Array = NDArray[np.float64]
+_TOLD = (
+    "levels",
+    "selection",
+    "candidates",
+    "friction_error",
+    "rest",
+    "misfit_share",
+    "intervals_over",
+    "output_error",
+)
 
 
 @dataclass(frozen=True)
@@ -21,7 +31,8 @@ class Estimate:
     """A parameter as the data tell it.
 
     ``low`` and ``high`` bound the 95 % interval; None is an open side. Where the data do not determine the parameter,
-    ``identifiable`` is False, ``value`` is None, ``why`` says what is missing and ``experiment`` what to measure.
+    ``identifiable`` is False, ``value`` is None, ``why`` says what is missing and ``experiment`` what to measure; ``best`` is
+    what the fitted curve uses, known or not.
     """
 
     value: float | None
@@ -31,12 +42,17 @@ class Estimate:
     identifiable: bool = True
     why: str = ""
     experiment: str = ""
+    best: float | None = None
 
     @property
     def doubt(self) -> str:
         """Why the data do not determine it, and the range that they leave."""
+        alike = self.low and self.high and abs(self.high / self.low - 1) < 0.02
+        digits = 6 if alike else 3
         ends = [
-            f"{word} {x:.3g} {self.unit}" for word, x in (("above", self.low), ("below", self.high)) if x is not None
+            f"{word} {x:.{digits}g} {self.unit}"
+            for word, x in (("above", self.low), ("below", self.high))
+            if x is not None
         ]
         return self.why + (f" (95 %: {' and '.join(ends)})" if ends else "")
 
@@ -44,7 +60,8 @@ class Estimate:
         """As the contract has it, with why and experiment where there is something to say."""
         words = {key: getattr(self, key) for key in ("why", "experiment") if getattr(self, key)}
         keys = ("value", "low", "high", "unit", "identifiable")
-        return {key: getattr(self, key) for key in keys} | words
+        best = {} if self.identifiable or self.best is None else {"best": self.best}
+        return {key: getattr(self, key) for key in keys} | best | words
 
 
 @dataclass(frozen=True)
@@ -81,6 +98,7 @@ class Fit:
         relative_force_error: norm(residual)/norm(force), a fraction.
         cross_validated_error: the same over blocks that were left out; None where it was not computed.
         notes: what a reader should know, a line each.
+        status: "done", or "stopped" where Ctrl-C ended it: the values are the best until then.
     """
 
     law: str
@@ -98,6 +116,7 @@ class Fit:
     prediction: Prediction | None = None
     notes: tuple[str, ...] = ()
     details: dict[str, Any] = field(default_factory=dict)
+    status: str = "done"
 
     @property
     def correlations(self) -> Array:
@@ -117,19 +136,17 @@ class Fit:
         """The parameters that the data do not determine."""
         return tuple(n for n, e in {**self.estimates, **self.body}.items() if not e.identifiable)
 
-    def fitted_law(self) -> Law:
-        """The law with the numbers the fitted curve uses, unidentifiable ones too."""
-        found = laws.find(self.law)
-        return found({n: v for n, v in {**self.fixed, **self.used}.items() if n in found.constants()})
+    def as_law(self, *, guessing: bool = False) -> Law:
+        """The law of the fitted curve.
 
-    def as_law(self) -> Law:
-        """The law with what is known.
+        Args:
+            guessing: take for what the data do not determine the number that the curve happens to use: for plots.
 
         Raises:
             InputError: a parameter that the law needs is not determined by the data, with the experiment that would.
         """
         missing = [n for n in self.unidentified if n in self.estimates]
-        if missing:
+        if missing and not guessing:
             raise InputError(
                 [
                     f"{n}: not determined by the data: {self.estimates[n].why}; {self.estimates[n].experiment}"
@@ -137,13 +154,14 @@ class Fit:
                 ]
             )
         found = laws.find(self.law)
-        return found({n: v for n, v in self.values.items() if n in found.constants()})
+        return found({n: v for n, v in {**self.fixed, **self.used, **self.values}.items() if n in found.constants()})
 
     def to_json(self) -> dict[str, Any]:
         """What ``stribeck fit --json`` prints."""
         return {
             "law": self.law,
             "method": self.method,
+            "status": self.status,
             "parameters": {n: e.to_json() for n, e in self.estimates.items()},
             "body": {n: e.to_json() for n, e in self.body.items()},
             "fixed": self.fixed,
@@ -152,7 +170,7 @@ class Fit:
             "relative_force_error": self.relative_force_error,
             "cross_validated_error": self.cross_validated_error,
             "unidentified": list(self.unidentified),
-            **{name: self.details[name] for name in ("levels", "selection") if self.details.get(name)},
+            **{name: self.details[name] for name in _TOLD if self.details.get(name) is not None},
             "data_hash": self.data_hash,
             "notes": list(self.notes),
         }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-import importlib.util
+import inspect
 import pkgutil
 import sys
 import threading
@@ -12,20 +12,23 @@ from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import numpy as np
 
 from stribeck import parameter_sets
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, nearest
+from stribeck.files import read_file
 from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
 
 __all__ = [
     "BristleLaw", "Claims", "Law", "Relation", "Scales", "StaticLaw", "builtin", "find", "law", "parameters_for",
-    "trouble",
+    "table", "trouble",
 ]  # fmt: skip
 
 _loading = threading.RLock()  # another thread must not meet a module that is half loaded
+_OF_FILE = "_stribeck_user_"  # how the modules of users' files are called
 _LISTED_FIRST = ("lugre", "elastoplastic", "dahl", "static")
 
 
@@ -49,6 +52,26 @@ def _laws_of(module: ModuleType) -> dict[str, type[Law]]:
     }  # fmt: skip
 
 
+_in_memory: dict[str, type[Law]] = {}  # laws that a program defined, by the name that their tables carry
+
+
+def table(law: Law) -> dict[str, Any]:
+    """The table ``[law]`` of a scenario that describes this law: its name, every constant and choice.
+
+    A law of a file of the user's is named ``FILE.py:NAME``; one that a program defined is known to this process only.
+    """
+    kind = type(law)
+    name = kind.name
+    if kind.__module__.startswith(_OF_FILE):
+        name = f"{inspect.getfile(kind)}:{kind.__name__}"
+    elif builtin().get(name) is not kind:
+        name = f"{kind.__module__}:{kind.__qualname__}"
+        _in_memory[name] = kind
+    own = {n: x for n, x in law.values.items() if n not in PARAMETERS and x is not None}
+    machine = {n: x for n, x in law.values.items() if n in PARAMETERS and x is not None} | law.machine
+    return {"name": name, **own, **law.choices, **({"parameters": machine} if machine else {})}
+
+
 def find(name: str, folder: Path | None = None) -> type[Law]:
     """The law called ``name``: a built-in one, or ``FILE.py:NAME`` with FILE relative to ``folder``.
 
@@ -57,6 +80,8 @@ def find(name: str, folder: Path | None = None) -> type[Law]:
     """
     if not isinstance(name, str):
         raise InputError(f"{show(name)}: must be the name of a law, not {kind_of(name)}")
+    if name in _in_memory:
+        return _in_memory[name]
     if ".py:" in name:
         return _from_file(name, folder)
     if name not in builtin():
@@ -65,28 +90,23 @@ def find(name: str, folder: Path | None = None) -> type[Law]:
     return builtin()[name]
 
 
-def _from_file(name: str, folder: Path | None) -> type[Law]:
+def load_module(name: str, folder: Path | None) -> tuple[ModuleType, Path, str]:
+    """The module, the path and the name behind ``FILE.py:NAME``.
+
+    Raises:
+        InputError: the file cannot be read or does not load.
+    """
     file, _, wanted = name.rpartition(":")
     path = (folder or Path()) / file
     try:
-        text = path.read_bytes()
+        text = read_file(path)
     except (OSError, ValueError) as error:
-        raise InputError(f"{name!r}: cannot read {path}: {getattr(error, 'strerror', error)}") from None
-    # the content is part of the name: an edited file is loaded anew
-    module_name = f"_stribeck_user_{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
-    with _loading:
-        if module_name not in sys.modules:
-            spec = importlib.util.spec_from_file_location(module_name, path)
-            assert spec is not None
-            assert spec.loader is not None
-            module = importlib.util.module_from_spec(spec)
-            sys.modules[module_name] = module
-            try:
-                spec.loader.exec_module(module)
-            except (Exception, SystemExit) as error:
-                del sys.modules[module_name]
-                raise InputError(f"{name!r}: {path} does not load: {type(error).__name__}: {error}") from error
-    module = sys.modules[module_name]
+        raise InputError(f"{name!r}: cannot read {path}: {getattr(error, 'strerror', None) or error}") from None
+    return _module(name, path, text), path, wanted
+
+
+def _from_file(name: str, folder: Path | None) -> type[Law]:
+    module, path, wanted = load_module(name, folder)
     laws = _laws_of(module)
     by_class = {cls.__name__: cls for cls in laws.values()}
     if wanted in laws or wanted in by_class:
@@ -94,6 +114,27 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
     if isinstance(getattr(module, wanted, None), type):
         raise InputError(f"{name!r}: {wanted} is no law: it must be derived from BristleLaw, StaticLaw or Law")
     raise InputError(f"{name!r}: {path} has no law '{wanted}' (it has {', '.join(by_class) or 'none'})")
+
+
+def _module(name: str, path: Path, text: bytes) -> ModuleType:
+    """The module of a user's file: these very bytes, executed once; no byte code that lies beside them is taken."""
+    # the content is part of the name: an edited file is loaded anew
+    module_name = f"{_OF_FILE}{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
+    with _loading:
+        if module_name not in sys.modules:
+            module = ModuleType(module_name)
+            module.__file__ = str(path)
+            sys.modules[module_name] = module
+            try:
+                exec(compile(text, str(path), "exec", dont_inherit=True), module.__dict__)
+            except BaseException as error:
+                del sys.modules[module_name]
+                if isinstance(error, InputError):
+                    raise InputError([f"{name!r}: {path}: {problem}" for problem in error.problems]) from error
+                if not isinstance(error, Exception | SystemExit):
+                    raise
+                raise InputError(f"{name!r}: {path} does not load: {type(error).__name__}: {error}") from error
+    return sys.modules[module_name]
 
 
 def trouble(law: Law) -> str | None:
@@ -141,4 +182,5 @@ def law(name: str, parameters: str | Mapping[str, float] | None = None, **consta
     """
     found = find(name)
     values = parameters_for(found, parameters) if isinstance(parameters, str) else parameters or {}
-    return found({**values, **constants})
+    rotary = isinstance(parameters, str) and parameter_sets.load(parameters).rotary
+    return found({**values, **constants}, rotary)

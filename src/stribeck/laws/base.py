@@ -20,20 +20,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
+from functools import cache
 from itertools import product
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from stribeck.constants import Constant, show
-from stribeck.errors import InputError, NotDifferentiable, nearest
-from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
+from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value
 from stribeck.laws import terms
-from stribeck.laws.numeric import first_root, shaped
+from stribeck.laws.evaluation import Evaluation
 from stribeck.laws.tools import ToTools
 
 # Parameters of a machine: they belong to the contact, whichever law describes it.
@@ -86,30 +82,32 @@ class Scales:
     force: float
 
 
-@dataclass(frozen=True)
-class _Derivatives:
-    """What the graph of a law's equations gives: a function (constants, v, z) -> F and the derivatives of dz/dt and F
-    by v and by z; and whether dz/dt is linear in z."""
-
-    function: Callable[..., tuple[Any, ...]]
-    names: tuple[str, ...]
-    linear: bool
-
-
 STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c, ("F_c", "F_s")),)
 
-_SLOWEST = 1e-100
+
+_TAKEN = {  # what the equations and the files call so; a constant of that name would be taken for it
+    "v": "the velocity", "z": "the bristle deflection", "t": "the time", "y": "the position", "F": "the friction force",
+    "u": "the driving force", "dz_dt": "the bristles' rate", "parameters": "the machine's parameters",
+}  # fmt: skip
+
+
+@cache
+def _taken_names() -> dict[str, str]:
+    """Names that a constant cannot have, and what they are: variables, and what every law is made of."""
+    own = {n: "it is a part of every law" for n in dir(Law) if not isinstance(getattr(Law, n), Constant)}
+    return own | dict.fromkeys(("values", "choices", "machine", "p"), "it is a part of every law") | _TAKEN
 
 
 def _may_be_none(constant: Constant) -> bool:
     return constant.optional or bool(constant.choices)
 
 
-class Law(ToTools):
+class Law(Evaluation, ToTools):
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
     Args:
         values: the constants by name, SI units.
+        rotary: of a machine that turns: N m in the place of N, rad in that of m; the numbers are the same.
 
     Raises:
         InputError: a constant is unknown, missing, of the wrong type, not finite or unphysical; every problem found.
@@ -122,9 +120,8 @@ class Law(ToTools):
     relations: ClassVar[tuple[Relation, ...]] = ()
     has_z: ClassVar[bool] = True
     symmetric: ClassVar[bool] = True  # F and dz/dt change sign with (v, z)
-    _derivatives: ClassVar[dict[Any, _Derivatives]] = {}
 
-    def __init__(self, values: Mapping[str, Any]) -> None:
+    def __init__(self, values: Mapping[str, Any], rotary: bool = False) -> None:
         if found := self.problems(values):
             raise InputError([f"{path}: {text}" for path, text in found])
         declared = self.constants()
@@ -140,12 +137,16 @@ class Law(ToTools):
         self.machine: dict[str, float] = {
             name: float(value) for name, value in values.items() if name in PARAMETERS and value is not None
         }
+        self.rotary = rotary
         self.p: Any = SimpleNamespace(**self.values, **self.choices)
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
         if "name" not in cls.__dict__:
             cls.name = cls.__name__
+        if taken := [n for n, value in vars(cls).items() if isinstance(value, Constant) and n in _taken_names()]:
+            text = "this name is taken: a constant must have another"
+            raise InputError([f"{cls.__name__}.{n}: {text} ({_taken_names()[n]})" for n in taken])
 
     # -- equations: the part that a law writes ---------------------------------------------------------------------
 
@@ -260,6 +261,10 @@ class Law(ToTools):
                 made[name] = None if constant.optional and name not in structure else make(name)
         return SimpleNamespace(**made)
 
+    def same_as(self, other: Law | None) -> bool:
+        """Whether another law has the same equations, in the same form, and the same numbers."""
+        return type(self) is type(other) and (self.values, self.choices) == (other.values, other.choices)
+
     def guarantees(self) -> dict[str, bool | None]:
         """The claims evaluated for these values: True, False, or None where a property does not apply."""
         result: dict[str, bool | None] = {}
@@ -268,123 +273,15 @@ class Law(ToTools):
             result[field.name] = bool(claim(self.p)) if callable(claim) else claim
         return result
 
-    @property
-    def jumps_at_rest(self) -> bool:
-        """True where F is discontinuous at v = 0, so that a body cannot come to rest in a simulation."""
-        above, below = self.force(1e-300, 0.0), self.force(-1e-300, 0.0)
-        return bool(abs(above - below) > 1e-9 * self.scales(self.p).force)
-
-    # -- evaluation: NumPy -----------------------------------------------------------------------------------------
-
-    def rate(self, v: ArrayLike, z: ArrayLike) -> NDArray[np.float64]:
-        """dz/dt in m/s for velocities v (m/s) and deflections z (m); shapes broadcast."""
-        v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
-        with np.errstate(all="ignore"):
-            return shaped(self.dz_dt(self.p, v, z), v, z)
-
-    def force(self, v: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.float64]:
-        """Friction force in N for velocities v (m/s) and deflections z (m); shapes broadcast."""
-        v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
-        with np.errstate(all="ignore"):
-            return shaped(self.friction(self.p, v, z, self.dz_dt(self.p, v, z)), v, z)
-
-    def jacobian(self, v: ArrayLike, z: ArrayLike = 0.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """The derivatives of dz/dt by v and by z (1/s), at velocities v and deflections z."""
-        rate_v, rate_z = self._evaluate(np.asarray(v, float), np.asarray(z, float))[1:3]
-        return rate_v, rate_z
-
-    def force_rate(self, v: ArrayLike, z: ArrayLike, dv_dt: ArrayLike) -> NDArray[np.float64]:
-        """dF/dt in N/s at velocities v (m/s), deflections z (m) and accelerations dv_dt (m/s^2); shapes broadcast.
-
-        Raises:
-            NotDifferentiable: F has no time derivative there: v = 0, and F or its two one-sided derivatives differ.
-        """
-        v, z, dv_dt = np.broadcast_arrays(np.asarray(v, float), np.asarray(z, float), np.asarray(dv_dt, float))
-        value, _ = self._force_rate(v, z, dv_dt)
-        at_rest = v == 0
-        if at_rest.any():
-            # both limits v -> 0+ and v -> 0-; where the equations are smooth they agree to rounding
-            (above, force_above), (below, force_below) = (
-                self._force_rate(np.where(at_rest, side, v), z, dv_dt) for side in (1e-300, -1e-300)
-            )
-            with np.errstate(all="ignore"):
-                differs = ~(abs(above - below) <= 1e-9 * (abs(above) + abs(below)) + 1e-250)  # what 1e-300 m/s leaves
-                # a force that jumps is met only when v passes through 0
-                jumps = (abs(force_above - force_below) > 1e-9 * self.scales(self.p).force) & (dv_dt != 0)
-            if (at_rest & (differs | jumps)).any():
-                raise NotDifferentiable(
-                    f"law '{self.name}' has no dF/dt at v = 0: its equation holds |v| or sgn(v), so the "
-                    "derivatives from the two sides differ; use a smooth law such as lugre_sobczyk or lugre_majorant"
-                )
-            value = np.where(at_rest, above, value)
-        return value[()]
-
-    def steady_deflection(self, v: ArrayLike) -> NDArray[np.float64]:
-        """The deflection z in m at which dz/dt = 0 when v (m/s) is held; 0 at v = 0.
-
-        The root that a bristle starting from z = 0 reaches: the closed form where dz/dt is linear in z, bisection else.
-        Slower speeds than 1e-100 m/s are taken as that: products of them would vanish.
-        """
-        v = np.asarray(v, float)
-        if not self.has_z:
-            return np.zeros_like(v)[()]
-        v = np.where(abs(v) < _SLOWEST, _SLOWEST * np.sign(v), v)
-        with np.errstate(all="ignore"):
-            if self._graph().linear:
-                z = np.asarray(-self.rate(v, 0.0) / self.jacobian(v, 0.0)[1])
-            else:
-                z = first_root(lambda z: self.rate(v, z) * np.sign(v), np.sign(v), self.scales(self.p).length)
-        return np.where(v == 0, 0.0, z)[()]
-
-    def steady_force(self, v: ArrayLike) -> NDArray[np.float64]:
-        """The friction force in N when v (m/s) is held for long.
-
-        At v = 0 a body can be held by a range of forces; 0, the middle, is returned.
-        """
-        v = np.asarray(v, float)
-        with np.errstate(all="ignore"):
-            force = np.asarray(self.friction(self.p, v[()], self.steady_deflection(v), 0.0 * v[()]))
-        return np.where(v == 0, 0.0, force)[()]
-
-    # -- derivatives, from the graph of the equations --------------------------------------------------------------
-
-    def _graph(self) -> _Derivatives:
-        key = (type(self), self.structure)
-        if key not in Law._derivatives:
-            p, v, z = self.symbolic(symbol, self.structure), symbol("v"), symbol("z")
-            rate = wrap(self.dz_dt(p, v, z)) if self.has_z else wrap(0)
-            force = wrap(self.friction(p, v, z, rate))
-            outputs = [force, *(derivative(of, by) for of in (rate, force) for by in (v, z))]
-            names = tuple(name for name, value in vars(p).items() if isinstance(value, Expr))
-            function = python_function([*names, "v", "z"], outputs)
-            Law._derivatives[key] = _Derivatives(function, names, linear="z" not in symbols([outputs[2]]))
-        return Law._derivatives[key]
-
-    def _evaluate(self, v: NDArray[np.float64], z: NDArray[np.float64]) -> list[NDArray[np.float64]]:
-        """F and the derivatives of dz/dt and F by v and z."""
-        graph = self._graph()
-        v, z = np.broadcast_arrays(v, z)
-        with np.errstate(all="ignore"):
-            return [
-                np.broadcast_to(x, v.shape)[()] for x in graph.function(*(self.values[n] for n in graph.names), v, z)
-            ]
-
-    def _force_rate(
-        self, v: NDArray[np.float64], z: NDArray[np.float64], dv_dt: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        force, _, _, force_v, force_z = self._evaluate(v, z)
-        rate = self.rate(v, z) if self.has_z else 0.0
-        with np.errstate(all="ignore"):
-            return np.asarray(force_v * dv_dt + force_z * rate), np.asarray(force)
-
 
 class BristleLaw(Law):
     """A law with one state, the mean deflection z of bristles: F = sigma_0 z + sigma_1 dz/dt + sigma_2 v.
 
-    With the constant v_d the bristle damping sigma_1 falls with speed.
+    With the constant v_d the bristle damping sigma_1 falls with speed; delta is the exponent of the Stribeck curve.
     """
 
     v_d: ClassVar[Constant | None] = terms.V_D  # None in a law whose force is another
+    delta: ClassVar[Constant | None] = terms.DELTA  # None in a law without the Stribeck curve g
     uses: ClassVar[tuple[str, ...]] = ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")
     relations: ClassVar[tuple[Relation, ...]] = STATIC_ABOVE_COULOMB
 

@@ -16,6 +16,7 @@ class Dahl(BristleLaw):
     source = "Dahl, A solid friction model, TOR-0158(3107-18)-1, The Aerospace Corporation, 1968"
     claims = Claims(unique=True, bounded=True, smooth=False, passive=True, drift_free=False)
     v_d = None
+    delta = None
     uses = ("sigma_0", "F_c")
     relations = ()
 

@@ -7,7 +7,7 @@ from typing import Any
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, clip, pi, sin, where
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, BristleLaw, Claims, Relation
-from stribeck.laws.lugre import passive_as_lugre, passive_as_majorant
+from stribeck.laws.lugre import passive_as_lugre, passive_as_majorant, smooth_curve
 from stribeck.laws.terms import K_V, S_0, SMOOTH_ABS, g, m, term
 
 Z_BA = Constant(
@@ -86,7 +86,7 @@ class ElastoPlasticMajorant(_ElastoPlastic):
 
     name = "elastoplastic_majorant"
     source = "Stribeck, docs/theory.md"
-    claims = Claims(unique=True, bounded=True, smooth=True, passive=passive_as_majorant, drift_free=True)
+    claims = Claims(unique=True, bounded=True, smooth=smooth_curve, passive=passive_as_majorant, drift_free=True)
     k_v = K_V
     smooth_abs = SMOOTH_ABS
 

@@ -32,6 +32,11 @@ def passive_as_arctan(p: Any) -> Value:
     return p.sigma_1 <= 0 if p.v_d is None else _damped(p)
 
 
+def smooth_curve(p: Any) -> Value:
+    """Where |v| in the Stribeck curve has a derivative at rest that nothing multiplies by 0: delta above 1."""
+    return True if p.delta is None else p.delta > 1
+
+
 class LuGre(BristleLaw):
     """The LuGre law: presliding, Stribeck effect, hysteresis, varying break-away; |v| has no derivative at v = 0."""
 
@@ -79,7 +84,7 @@ class LuGreMajorant(BristleLaw):
 
     name = "lugre_majorant"
     source = "Stribeck, docs/theory.md"
-    claims = Claims(unique=True, bounded=True, smooth=True, passive=passive_as_majorant, drift_free=False)
+    claims = Claims(unique=True, bounded=True, smooth=smooth_curve, passive=passive_as_majorant, drift_free=False)
     k_v = K_V
     smooth_abs = SMOOTH_ABS
 

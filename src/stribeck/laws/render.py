@@ -46,9 +46,11 @@ def equations(law: type[Law], options: tuple[str, ...] = ()) -> list[Equation]:
     ]
 
 
-def condition(claim: Any, law: type[Law], options: tuple[str, ...] = ()) -> Equation:
-    """A claim that depends on the constants, as a condition."""
+def condition(claim: Any, law: type[Law], options: tuple[str, ...] = ()) -> Equation | bool:
+    """A claim that depends on the constants, as a condition; or what it is in a form where it does not."""
     value = claim(law.symbolic(symbol, options))
+    if isinstance(value, bool):
+        return value
     latex, text = ({n: pretty.name(n, latex=way) for n in law.constants()} for way in (True, False))
     return Equation(pretty.write(value, latex, latex=True), pretty.write(value, text, latex=False))
 
@@ -68,8 +70,8 @@ def _named_terms(latex: dict[str, str], text: dict[str, str]) -> Iterator[dict[s
         definitions.setdefault(call, value)
         return symbol(call)
 
-    before, terms.on_term = terms.on_term, by_name
+    token = terms.on_term.set(by_name)
     try:
         yield definitions
     finally:
-        terms.on_term = before
+        terms.on_term.reset(token)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextvars import ContextVar
 from functools import wraps
 from typing import Any
 
@@ -15,10 +16,12 @@ V_D = Constant(
     "m/s", "speed at which bristle damping has fallen to 1/e; constant damping unless given",
     above=0, optional=True, rotary_unit="rad/s",
 )  # fmt: skip
+DELTA = Constant("", "exponent of the Stribeck curve exp(-|v/v_s|^delta); 2 unless given", at_least=1, optional=True)
 SMOOTH_ABS = Constant("", "which smooth majorant of |v|", choices=("atan", "sqrt", "compact"))
 
-# Set by stribeck.laws.render: it then wants terms by name, with their definitions apart.
-on_term: Callable[[str, str, tuple[Value, ...], Value], Value] | None = None
+OnTerm = Callable[[str, str, tuple[Value, ...], Value], Value]
+# Set by stribeck.laws.render, which wants terms by name with their definitions apart; in its own thread alone.
+on_term: ContextVar[OnTerm | None] = ContextVar("on_term", default=None)
 
 
 def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
@@ -30,7 +33,8 @@ def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
             value = function(p, *args)
             if isinstance(value, Expr) and value.label is None and value.args:
                 value.label = function.__name__
-            return value if on_term is None else on_term(function.__name__, latex, args, value)
+            by_name = on_term.get()
+            return value if by_name is None else by_name(function.__name__, latex, args, value)
 
         return named
 
@@ -39,8 +43,9 @@ def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
 
 @term("g")
 def g(p: Any, v: Value) -> Value:
-    """Steady deflection in m (the paper's f_s, eq. 3)."""
-    return (p.F_c + (p.F_s - p.F_c) * exp(-((v / p.v_s) ** 2))) / p.sigma_0
+    """Steady deflection in m (the paper's f_s, eq. 3; the exponent delta as in Tustin and Bo & Pavelescu 1982)."""
+    x = (v / p.v_s) ** 2 if getattr(p, "delta", None) is None else abs(v / p.v_s) ** p.delta
+    return (p.F_c + (p.F_s - p.F_c) * exp(-x)) / p.sigma_0
 
 
 @term("S_0")

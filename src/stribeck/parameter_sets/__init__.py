@@ -22,6 +22,12 @@ class ParameterSet:
     source: str
     motion: str  # "linear" or "rotary"
     values: dict[str, float] = field(hash=False)
+    undetermined: tuple[str, ...] = ()  # values that a fit wrote, and that its data do not determine
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the machine turns: N m in the place of N, rad in that of m."""
+        return self.motion == "rotary"
 
 
 @lru_cache(maxsize=1)
@@ -34,18 +40,34 @@ def parameters() -> dict[str, ParameterSet]:
     return {name: replace(each, values=dict(each.values)) for name, each in _built_in().items()}
 
 
+_allowed = [False]  # for every thread: a sweep's lanes read what the command allowed
+
+
+def allow_undetermined(allowed: bool = True) -> None:
+    """Whether sets may be used that hold numbers which the data behind them do not determine, from here on."""
+    _allowed[0] = allowed
+
+
 def load(name: str, folder: Path | None = None) -> ParameterSet:
     """A built-in set by name, or the set in a TOML file, its path relative to ``folder``.
 
-    A file holds its numbers in ``[parameters]`` or at the top; a number may also be a table with a ``value``.
+    A file holds its numbers in ``[parameters]`` or at the top; a number may also be a table with a ``value``, and with
+    ``determined = false`` where a fit could not tell it (:func:`allow_undetermined`).
 
     Raises:
-        InputError: there is no such set, or its file cannot be read.
+        InputError: there is no such set, its file cannot be read, or it holds numbers that are not determined.
     """
     if name in parameters():
         return parameters()[name]
     if name.endswith(".toml"):
-        return _read((folder or Path()) / name)
+        found = _read((folder or Path()) / name)
+        if found.undetermined and not _allowed[0]:
+            open_ones = ", ".join(found.undetermined)
+            raise InputError(
+                f"{name!r}: the data of this fit do not determine {open_ones}: allow their best values with "
+                "--allow-undetermined (stribeck.allow_undetermined()), or measure what [unknown] in it says"
+            )
+        return found
     guess = nearest(name, parameters()) or f" (known: {', '.join(parameters())}; or a file NAME.toml)"
     raise InputError(f"{name!r}: no such parameter set{guess}")
 
@@ -78,4 +100,5 @@ def _read(path: Path) -> ParameterSet:
     if not isinstance(table, dict):
         raise InputError(f"{path}: parameters must be a table of numbers")
     values = {k: v["value"] if isinstance(v, dict) and "value" in v else v for k, v in table.items()}
-    return ParameterSet(path.stem, words["title"], words["source"], words["motion"] or "linear", values)
+    unknown = tuple(k for k, v in table.items() if isinstance(v, dict) and v.get("determined") is False)
+    return ParameterSet(path.stem, words["title"], words["source"], words["motion"] or "linear", values, unknown)

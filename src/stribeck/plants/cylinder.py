@@ -89,4 +89,4 @@ class Cylinder:
         # a chamber above the supply can turn the gain round: the valve then stays at its limit
         o = u_hat / where(gain > _LEAST_GAIN, gain, _LEAST_GAIN)
         o = clip(o, -Cylinder.opening(u_max), Cylinder.opening(u_max))
-        return sin(o) / cos(o) / 2
+        return clip(sin(o) / cos(o) / 2, -u_max, u_max)  # rounding must not carry it over, least of all in float

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import importlib
 import logging
 from collections.abc import Callable
 from time import process_time
 
+from stribeck.errors import needed
 from stribeck.laws.base import Law
 from stribeck.properties.checked import Checked
 from stribeck.properties.storage import storage_interval
@@ -33,6 +35,8 @@ def check(law: Law, v_max: float | None = None, work: float = WORK) -> Verdicts:
     if not law.has_z:
         reason = f"law '{law.name}' has no internal state z, which the properties are about"
         return Verdicts(law, {name: undecided(reason) for name in NAMES}, v_max)
+    with needed("a proof"):
+        importlib.import_module("flint")
     checked = Checked(law, v_max, work)
     found = {name: _safely(getattr(checked, name), name) for name in ("bounded", *NAMES)}
     return Verdicts(law, {name: found[name] for name in NAMES}, v_max, process_time() - started)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck import laws
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.files import write_text, write_with
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
@@ -167,7 +167,11 @@ def numbers(assignments: Sequence[tuple[str, Any]]) -> dict[str, float]:
     Raises:
         InputError: a value is no number.
     """
-    wrong = [f"--set {n}: {v!r}: must be a number" for n, v in assignments if isinstance(v, bool | str | list | dict)]
+    wrong = [
+        f"{arg(f'constants.{n}')}: {v!r}: must be a number"
+        for n, v in assignments
+        if isinstance(v, bool | str | list | dict)
+    ]
     if wrong:
         raise InputError(wrong)
     return {name: float(value) for name, value in assignments}

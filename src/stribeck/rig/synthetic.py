@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.signal import lfilter, savgol_filter
 
 from stribeck.identify.log import Log
+from stribeck.laws import table
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
@@ -77,7 +78,7 @@ def experiment(
     step = float(t[every] - t[0])
     solution = simulate(
         Scenario(
-            law={"name": type(law).name, **_constants(law)},
+            law=table(law),
             drive={"kind": "velocity", "signal": {"kind": "points", "t": t.tolist(), "value": v.tolist()}},
             solve={"t_end": float(t[-1])},
             output={"step": step},
@@ -103,12 +104,6 @@ def experiment(
         quality=(f"{LABEL}: law {type(law).name}, seed {seed}",),
     )  # fmt: skip
     return Experiment(log, law, body, sensors, seed)
-
-
-def _constants(law: Law) -> dict[str, object]:
-    given = {name: value for name, value in law.values.items() if value is not None}
-    inside = {name: value for name, value in given.items() if name in law.uses}
-    return {"parameters": inside, **{name: value for name, value in given.items() if name not in inside}}
 
 
 def _rounded(x: Array, resolution: float) -> Array:

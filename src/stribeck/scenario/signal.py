@@ -17,10 +17,11 @@ def read_signal(kind: str, values: Any, folder: Path) -> tuple[signals.Signal | 
     cls = SIGNALS[kind]
     if cls is signals.File:
         try:
-            return signals.File.read(folder / values.path, values.time, values.value), []
+            path, columns = folder / values.path, (values.time, values.value)
+            return signals.File.read(path, *columns, values.unit, values.time_unit, values.scale), []
         except InputError as error:
             keyed = (text.partition(": ") for text in error.problems)
-            return None, [(key, text) for key, _, text in keyed]
+            return None, [("path" if key == "data" else key, text) for key, _, text in keyed]
     if issubclass(cls, signals.Points | signals.Curve):
         t, value = np.array(values.t, float), np.array(values.value, float)
         wrong = cls.problems(t, value)

@@ -169,9 +169,12 @@ def signal_table(kind: str) -> type[Table]:
         fields["t"] = (list[float], Field(description="times, s; must not decrease, two equal times make a jump"))
         fields["value"] = (list[float], Field(description="the signal at these times"))
     if signal is signals.File:
-        fields["path"] = (str, Field(min_length=1, description="CSV or Parquet file, relative to the scenario file"))
-        fields["time"] = (str, Field(description="name of the column of times, s"))
+        kinds = "CSV, Parquet, MAT or NPZ file, relative to the scenario file"
+        fields["path"] = (str, Field(min_length=1, description=kinds))
+        fields["time"] = (str, Field(description="name of the column of times"))
+        fields["time_unit"] = (str, Field("s", description="unit of that column, such as ms"))
         fields["value"] = (str, Field(description="name of the column of values"))
+        fields["unit"] = (str | None, Field(None, description="unit of that column, such as mm; SI unless given"))
     return create_model(f"{kind.capitalize()}Signal", __base__=Table, __doc__=signal.meaning, **fields)
 
 
@@ -222,11 +225,13 @@ def _declared(model: type[Table], where: tuple[Any, ...]) -> dict[str, Any]:
 def _allowed(declared: dict[str, Any]) -> str:
     if "const" in declared:
         return repr(declared["const"])
+    if "enum" in declared:
+        return f"one of {', '.join(map(str, declared['enum']))}"
     words = {
         "number": "a finite number", "integer": "a whole number", "string": "text", "boolean": "true or false",
         "array": "a list", "object": "a table",
     }  # fmt: skip
     signs = {"exclusiveMinimum": ">", "minimum": ">=", "maximum": "<="}
     bounds = " and ".join(f"{sign} {declared[key]:g}" for key, sign in signs.items() if key in declared)
-    empty = "that is not empty" if "minLength" in declared else ""
+    empty = "that is not empty" if {"minLength", "minProperties"} & declared.keys() else ""
     return f"{words[declared['type']]} {bounds}{empty}".rstrip()

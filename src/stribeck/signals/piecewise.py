@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value, pi, sin
+from stribeck.recorded import read_columns
+from stribeck.units import ANGLE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
 Array = NDArray[np.float64]
 
@@ -219,59 +222,53 @@ class Points(Signal):
 class File(Points):
     """Two columns of a recorded table, read as points."""
 
-    kind, meaning = "file", "two columns of a CSV or Parquet file, read as points"
+    kind, meaning = "file", "two columns of a recorded file, read as points"
+    constants: ClassVar[dict[str, Constant]] = {
+        "scale": Constant("", "what the values are multiplied by, after their unit", default=1.0)
+    }
 
     @classmethod
-    def read(cls, path: Path, time: str, value: str) -> File:
-        """The signal in the columns ``time`` (s) and ``value`` of a CSV or Parquet file.
+    def read(
+        cls, path: Path, time: str, value: str, unit: str | None = None, time_unit: str = "s", scale: float = 1.0
+    ) -> File:
+        """The signal in the columns ``time`` and ``value`` of a CSV, Parquet, MAT or NPZ file.
+
+        Args:
+            path: the file; of CSV the separator and the decimal sign are found.
+            time: the name of the column of times; ``time_unit`` is its unit.
+            value: the name of the column of values; ``unit`` is their unit (SI unless given).
+            scale: what the values are multiplied by, after their unit.
 
         Raises:
-            InputError: the file or a column is not there, or holds what is not a finite number; times decrease.
+            InputError: the file or a column is not there, or holds what is not a finite number; times decrease; an
+                unknown unit.
         """
+        known = {"unit": LENGTH | ANGLE | SPEED | FORCE | PRESSURE, "time_unit": TIME}
+        given = {"unit": unit, "time_unit": time_unit}
+        if wrong := [name for name, text in given.items() if text is not None and text not in known[name]]:
+            raise InputError(
+                [f"{name}: {show(given[name])}: no such unit{_some(given[name], known[name])}" for name in wrong]
+            )
         columns = read_columns(path, {"time": time, "value": value})
+        names = {"time": time, "value": value}
+        if empty := [(key, count) for key, x in columns.items() if (count := int(np.isnan(x).sum()))]:
+            text = f"this column of {path} has {{}} empty or nan cells"
+            raise InputError([f"{key}: {names[key]!r}: {text.format(count)}" for key, count in empty])
+        columns["time"] *= TIME[time_unit]
+        columns["value"] *= scale * (known["unit"][unit] if unit is not None else 1.0)
         if found := cls.problems(columns["time"], columns["value"]):
-            names = {"t": time, "value": value}
 
             def place(where: str) -> str:
                 key, _, row = where.partition("[")
-                return f"column {names[key]!r}, row {row[:-1]}" if row else f"column {names[key]!r}"
+                name = names["time" if key == "t" else key]
+                return f"column {name!r}, row {row[:-1]}" if row else f"column {name!r}"
 
             raise InputError([f"path: {path}: {place(where)}: {text}" for where, text in found])
         return cls(columns["time"], columns["value"])
 
 
-def read_columns(path: Path, wanted: dict[str, str]) -> dict[str, Array]:
-    """The named columns of a CSV or Parquet file as arrays of numbers; ``wanted`` maps a key to a column's name."""
-    import pyarrow
-    from pyarrow import csv, parquet
-
-    try:
-        is_parquet = path.suffix.lower() in (".parquet", ".pq")
-        table = parquet.read_table(path) if is_parquet else csv.read_csv(path)
-    except (OSError, pyarrow.ArrowException) as error:
-        reason = getattr(error, "strerror", None) or str(error).splitlines()[0]
-        raise InputError(f"path: {str(path)!r}: cannot be read: {reason}") from None
-    problems, result = [], {}
-    for key, name in wanted.items():
-        if name not in table.column_names:
-            guess = nearest(name, table.column_names) or f" (it has {', '.join(table.column_names)})"
-            problems.append(f"{key}: {name!r}: {path} has no such column{guess}")
-            continue
-        if (times := table.column_names.count(name)) > 1:
-            word = "twice" if times == 2 else f"{times} times"
-            problems.append(f"{key}: {name!r}: {path} has this column {word}; the name must be unique")
-            continue
-        column = table.column(name)
-        if not (pyarrow.types.is_floating(column.type) or pyarrow.types.is_integer(column.type)):
-            kind = "text" if pyarrow.types.is_string(column.type) else str(column.type)
-            problems.append(f"{key}: {name!r}: this column of {path} holds {kind}, not numbers")
-        elif column.null_count:
-            problems.append(f"{key}: {name!r}: this column of {path} has {column.null_count} empty or nan cells")
-        else:
-            result[key] = np.asarray(column.to_numpy(), float)
-    if problems:
-        raise InputError(problems)
-    return result
+def _some(unit: str | None, known: Mapping[str, float]) -> str:
+    return nearest(str(unit), known) or f" (known: {', '.join([u for u in known if len(u) < 5][:12])}, ...)"
 
 
 def _segments(t: Array, value: Array) -> Segments:

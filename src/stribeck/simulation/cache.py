@@ -2,7 +2,8 @@
 
 The digest is of the C source itself, the compiler, its flags and the processor, so nothing can be stale. A file's name
 also holds the digest of its content: a file cut short is noticed before it is loaded, and several processes may write
-at the same time.
+at the same time. A library is code that will run: the folder is closed to other users (0700), and neither a folder nor
+a file is trusted that another user owns or could have written.
 """
 
 from __future__ import annotations
@@ -10,11 +11,13 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
+import stat
 import tempfile
+from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
 
-from stribeck.errors import note
+from stribeck.errors import BuildError, note
 from stribeck.simulation.compiler import Compiler
 
 _loaded: dict[str, ctypes.CDLL] = {}
@@ -29,33 +32,72 @@ def folder() -> Path:
     return Path(platformdirs.user_cache_dir("stribeck", appauthor=False))
 
 
-def library(source: str, compiler: Compiler) -> tuple[ctypes.CDLL, bool]:
+def library(
+    source: str, compiler: Compiler, check: Callable[[ctypes.CDLL], None] | None = None
+) -> tuple[ctypes.CDLL, bool]:
     """The compiled source, from this process, from disk or built now; and whether it was built now.
 
+    Args:
+        source: the C.
+        compiler: what compiles it.
+        check: raises BuildError where a library is not what it should be; one from disk is then built anew.
+
     Raises:
-        BuildError: the compiler failed.
+        BuildError: the compiler failed, or what it built does not pass the check.
+        OSError: what it built cannot be loaded.
     """
     key = sha256(f"{compiler.key}\0{source}".encode()).hexdigest()[:32]
     if key in _loaded:
         return _loaded[key], False
-    found = _from_disk(key)
+    check = check or (lambda library: None)
+    found = _from_disk(key, check)
     if found is not None:
         _loaded[key] = found
         return found, False
-    _loaded[key] = _build(key, source, compiler)
+    _loaded[key] = _build(key, source, compiler, check)
     return _loaded[key], True
 
 
-def _from_disk(key: str) -> ctypes.CDLL | None:
+def distrusted(home: Path) -> str | None:
+    """Why nothing is loaded from this folder, or None; one of ours that is open to others is closed."""
+    if not hasattr(os, "geteuid"):
+        return None
     try:
-        candidates = sorted(folder().glob(f"{key}-*.so"))
+        state = home.stat()
+    except OSError:
+        return None  # there is none yet, or it will be said that it cannot be written
+    if not stat.S_ISDIR(state.st_mode):
+        return None
+    if state.st_uid != os.geteuid():
+        return "belongs to another user"
+    try:
+        if (mode := stat.S_IMODE(state.st_mode)) & 0o077:
+            home.chmod(mode & 0o700)
+    except OSError as error:
+        return f"cannot be closed to other users ({error.strerror})"
+    return None
+
+
+def _from_disk(key: str, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL | None:
+    home = folder()
+    if distrusted(home):
+        return None  # said when what is built cannot be kept
+    try:
+        candidates = sorted(home.glob(f"{key}-*.so"))
     except OSError:
         return None
     for path in candidates:
         try:
-            if _digest(path) == path.stem.split("-")[1]:
-                return ctypes.CDLL(str(path))
-            note(f"cache: {path} is damaged; the system is compiled anew")
+            if _foreign(path):
+                note(f"cache: {path} may have been written by another user; the system is compiled anew")
+            elif _digest(path) != path.stem.split("-")[1]:
+                note(f"cache: {path} is damaged; the system is compiled anew")
+            else:
+                library = ctypes.CDLL(str(path))
+                check(library)
+                return library
+        except BuildError as error:
+            note(f"cache: {path}: {error}; the system is compiled anew")
         except OSError as error:
             note(f"cache: {path} cannot be loaded ({error.strerror or error}); the system is compiled anew")
         with contextlib.suppress(OSError):
@@ -63,26 +105,50 @@ def _from_disk(key: str) -> ctypes.CDLL | None:
     return None
 
 
-def _build(key: str, source: str, compiler: Compiler) -> ctypes.CDLL:
+def _foreign(path: Path) -> bool:
+    """True where another user owns the file, or may write it."""
+    state = path.lstat()
+    if not hasattr(os, "geteuid"):
+        return False
+    return state.st_uid != os.geteuid() or bool(state.st_mode & 0o022) or stat.S_ISLNK(state.st_mode)
+
+
+def _build(key: str, source: str, compiler: Compiler, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL:
     with tempfile.TemporaryDirectory(prefix="stribeck-", ignore_cleanup_errors=True) as work:
         code, built = Path(work) / "system.c", Path(work) / "system.so"
         code.write_text(source, encoding="utf-8")
         compiler.build(code, built)
-        return ctypes.CDLL(str(_keep(key, built)))
+        try:
+            library = ctypes.CDLL(str(built))
+            check(library)
+            _keep(key, built)
+        except OSError:  # where programs may not lie among temporary files they may in the cache
+            if (kept := _keep(key, built)) == built:
+                raise
+            try:
+                library = ctypes.CDLL(str(kept))
+                check(library)
+            except (OSError, BuildError):
+                kept.unlink(missing_ok=True)
+                raise
+        return library
 
 
 def _keep(key: str, built: Path) -> Path:
     """The library's place in the cache, or where it is when the cache cannot be written."""
     home = folder()
     kept = home / f"{key}-{_digest(built)}.so"
+    if reason := distrusted(home):
+        note(f"cache: {home} {reason}: it is not used; the next process compiles again (set STRIBECK_CACHE)")
+        return built
     try:
-        home.mkdir(parents=True, exist_ok=True)
+        home.mkdir(parents=True, exist_ok=True, mode=0o700)
         with tempfile.NamedTemporaryFile(prefix="build-", dir=home, delete=False) as draft:
             try:
                 draft.write(built.read_bytes())
                 draft.close()
                 Path(draft.name).replace(kept)
-            except OSError:
+            except BaseException:
                 with contextlib.suppress(OSError):
                     Path(draft.name).unlink()
                 raise

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -15,20 +17,26 @@ from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
 
 
-def simulate(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Solution:
+def simulate(
+    scenario: Scenario | str | Path | Mapping[str, Any], progress: Callable[[float], None] | None = None
+) -> Solution:
     """Simulate a scenario.
 
     The first simulation of a structure (law, drive, kind of signal) compiles it, some 0.3 s; later ones, in this
     process or another, find it in the cache.
 
     Args:
-        scenario: what to simulate.
+        scenario: what to simulate: a scenario, the path of its file, or its tables.
         progress: called now and then with the share of the time done, 0 to 1.
 
     Returns:
         The solution. A failed computation is a solution too: its ``status`` is "failed", its ``reason`` says why, and
         it holds the rows that were reached.
+
+    Raises:
+        InputError: the file or the tables are no valid scenario.
     """
+    scenario = Scenario.of(scenario)
     started = perf_counter()
     library, built, build_seconds = None, False, 0.0
     chosen = compiler.find()
@@ -36,9 +44,7 @@ def simulate(scenario: Scenario, progress: Callable[[float], None] | None = None
         note("no C compiler found: solving with SciPy, hundreds of times slower (pip install 'stribeck[compiler]')")
     else:
         try:
-            found, built = cache.library(source(scenario.system), chosen)
-            native.check(found)
-            library = found
+            library, built = cache.library(source(scenario.system), chosen, native.check)
             build_seconds = perf_counter() - started
         except (BuildError, OSError) as error:
             note(f"compiling failed ({' '.join(str(error).split())}): solving with SciPy, hundreds of times slower")
@@ -72,8 +78,9 @@ def _solve(library: object, scenario: Scenario, progress: Callable[[float], None
         if isinstance(library, ctypes.CDLL)
         else fallback.solve(scenario, progress)
     )
-    if scenario.drive.sets_velocity and scenario.threshold > 0:
+    if scenario.rig is None and scenario.drive.sets_velocity and scenario.threshold > 0:
         # the velocity is no state then: its events are those of the signal, as far as the run came
         reached = scenario.end if result.reason is None else len(result.states) * scenario.output.step
-        result.events.extend(scenario.signal.crossings(scenario.threshold, reached))
+        found = scenario.signal.crossings(scenario.threshold, reached)
+        result.events.extend((t, int(not rises)) for t, rises in found)
     return result

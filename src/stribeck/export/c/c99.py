@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from stribeck.errors import InputError, NotDifferentiable
+from stribeck.errors import InputError, NotDifferentiable, arg
 from stribeck.export.c import cascade
-from stribeck.export.c.ccode import WORDS, Equations, condition, render
+from stribeck.export.c.ccode import ARGUMENTS, WORDS, Equations, condition, render
 from stribeck.export.request import Request
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
 
@@ -33,11 +33,13 @@ def context(request: Request) -> dict[str, Any]:
     law, equations = request.law, Equations(request.law)
     if request.part == "observer" and not equations.observable:
         what = "no sigma_0 to weigh the tracking error by" if law.has_z else "no internal state to observe"
-        raise InputError(f"--part: 'observer': law '{law.name}' has {what}")
-    if bad := [name for name in request.constants if name in WORDS or not name.isascii()]:
+        raise InputError(f"{arg('part')}: 'observer': law '{law.name}' has {what}")
+    if bad := [name for name in request.constants if name in WORDS | ARGUMENTS or not name.isascii()]:
         raise InputError([f"{name}: a constant of this name cannot be exported to C: rename it" for name in bad])
-    declared = law.constants()
+    declared = request.declared
     return {
+        "u": request.unit,
+        "w": request.words,
         "P": request.name,
         "about": request.about(),
         "law": law,

@@ -10,7 +10,7 @@ from stribeck.constants import Constant
 from stribeck.control.observer import START, Z_HAT
 from stribeck.control.servo import MEASURED, ServoSystem
 from stribeck.drives.base import Column
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, condition, labelled, render, statements
 from stribeck.export.request import Request, ascii_only, made_by, valued
 from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
@@ -70,7 +70,7 @@ class Cascade:
         scenario = self.request.scenario
         if scenario is None or scenario.servo is None:
             given = "" if scenario is None else f"{scenario.name!r}: "
-            raise InputError(f"--scenario: {given}part 'cascade' needs one with drive.kind = 'cascade'")
+            raise InputError(f"{arg('scenario')}: {given}part 'cascade' needs one with drive.kind = 'cascade'")
         return scenario
 
     @cached_property
@@ -222,7 +222,7 @@ def notes(request: Request) -> list[str]:
             "drive.sample_time simulates what is exported"
         )
     elif step is not None and step != cascade.period:
-        found.append(f"--step: {step:g} s: the scenario simulates drive.sample_time = {cascade.period:g} s")
+        found.append(f"{arg('step')}: {step:g} s: the scenario simulates drive.sample_time = {cascade.period:g} s")
     if sampling is not None and sampling.bandwidth is not None:
         found.append("the filter of drive.bandwidth is not part of the controller: it takes velocity and acceleration")
     return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from stribeck.errors import arg
 from stribeck.export.request import Request
 from stribeck.laws.base import Law
 
@@ -19,7 +20,7 @@ def resolution(request: Request) -> list[str]:
     relaxation = 1 / abs(float(law.jacobian(speed, law.steady_deflection(speed))[1]))
     if step > relaxation:
         return [
-            f"--step: {step:g} s is longer than the bristles' time constant at {speed:g} m/s ({relaxation:.2g} s): "
+            f"{arg('step')}: {step:g} s is longer than the bristles' time constant at {speed:g} m/s ({relaxation:.2g} s): "
             "the step stays stable, but it does not show how the force builds up"
         ]
     return []
@@ -37,7 +38,7 @@ def unstable(request: Request) -> list[str]:
             middle = (low + high) / 2
             low, high = (low, middle) if radius(law, mass, middle) > _LIMIT else (middle, high)
         found.append(
-            f"--step: at {step:g} s the sampled friction and a mass of {mass:g} kg are unstable together "
+            f"{arg('step')}: at {step:g} s the sampled friction and a mass of {mass:g} kg are unstable together "
             f"(stable below {low:.3g} s), so the law is not passive there: use {request.name}_body_step, which is stable"
         )
     return found

@@ -90,8 +90,12 @@ fmi2Status fmi2Reset(fmi2Component i)
 
 fmi2Status fmi2GetReal(fmi2Component i, const fmi2ValueReference references[], size_t n, fmi2Real values[])
 {
-    for (size_t k = 0; k < n; ++k)
-        if (!get(MODEL(i), references[k], &values[k])) return fail(i, "there is no Real of this reference");
+    for (size_t k = 0; k < n; ++k) {
+        double value = 0;
+        if (!get(MODEL(i), references[k], &value)) return fail(i, "there is no Real of this reference");
+        if (!isfinite(value)) return fail(i, "a variable is not finite");
+        values[k] = value;
+    }
     return fmi2OK;
 }
 

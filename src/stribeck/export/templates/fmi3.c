@@ -110,8 +110,12 @@ fmi3Status fmi3Reset(fmi3Instance i)
 fmi3Status fmi3GetFloat64(fmi3Instance i, const fmi3ValueReference references[], size_t n, fmi3Float64 values[], size_t count)
 {
     if (n != count) return fail(i, "as many values as references are needed");
-    for (size_t k = 0; k < n; ++k)
-        if (!get(MODEL(i), references[k], &values[k])) return fail(i, "there is no Float64 of this reference");
+    for (size_t k = 0; k < n; ++k) {
+        double value = 0;
+        if (!get(MODEL(i), references[k], &value)) return fail(i, "there is no Float64 of this reference");
+        if (!isfinite(value)) return fail(i, "a variable is not finite");
+        values[k] = value;
+    }
     return fmi3OK;
 }
 

@@ -9,6 +9,8 @@
 
 #define STATES {{ states | length }}
 #define UNUSED(x) (void)(x)
+#define FINEST 1e-10 /* tolerance: below it rounding would steer the steps */
+#define MOST_ATTEMPTS 300000 /* of one communication step */
 
 /* All that an instance is; nothing else is kept anywhere. */
 typedef struct {
@@ -83,9 +85,10 @@ static int partial(const Model *m, unsigned unknown, unsigned known, double *val
     return {% for u in unknowns %}{{ "" if loop.first else " || " }}(unknown == {{ u }}){% endfor %} ? ({% for k in knowns %}{{ "" if loop.first else " || " }}known == {{ k }}{% endfor %}) : 0;
 }
 
-/* What is wrong with the constants, or NULL. */
+/* What is wrong with the input or the constants, or NULL. */
 static const char *wrong(const Model *m)
 {
+    if (!isfinite(m->input)) return "the input is not finite";
 {% if body %}
     if (!(m->mass > 0) || !isfinite(m->mass)) return "mass must be a finite number > 0";
 {% endif %}
@@ -102,7 +105,6 @@ static const char *wrong(const Model *m)
 static const char *advance_model(Model *m, double dt)
 {
     double F;
-    if (!isfinite(m->input)) return "the input is not finite";
     if (!(dt > 0) || !isfinite(dt)) return "the step must be a finite number > 0";
 {% if not body %}
     {{ P }}_state s;
@@ -113,35 +115,39 @@ static const char *advance_model(Model *m, double dt)
 {% endif %}
 {% else %}
     /* the implicit step once, and twice of half the length: their difference steers the length, and is taken out */
+    Model next = *m; /* which is kept when all of the communication step is done */
     double left = dt, h = m->h > 0 ? m->h : dt;
-    while (left > 0) {
+    const double tolerance = m->tolerance > FINEST ? m->tolerance : FINEST;
+    for (long attempts = 0; left > 0; ++attempts) {
         {{ P }}_body whole, half;
         double error, scale, factor;
+        if (attempts >= MOST_ATTEMPTS) return "the tolerance needs more steps than can be made: take a shorter communication step, or a larger tolerance";
         if (h > left) h = left;
-        whole.y = m->x[0]; whole.v = m->x[1]; whole.z = deflection(m);
+        whole.y = next.x[0]; whole.v = next.x[1]; whole.z = deflection(&next);
         half = whole;
         if ({{ P }}_body_step(&m->p, &whole, m->mass, m->input, h, &F) != {{ P }}_OK
             || {{ P }}_body_step(&m->p, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK
             || {{ P }}_body_step(&m->p, &half, m->mass, m->input, h / 2, &F) != {{ P }}_OK)
             return "the body's step found no solution: a state is not finite, or the parameters are extreme";
-        scale = m->tolerance * ({{ repr(length) }} + fabs(half.y));
+        scale = tolerance * ({{ repr(length) }} + fabs(half.y));
         error = fabs(half.y - whole.y) / scale;
-        scale = m->tolerance * ({{ repr(speed) }} + fabs(half.v));
+        scale = tolerance * ({{ repr(speed) }} + fabs(half.v));
         if (fabs(half.v - whole.v) / scale > error) error = fabs(half.v - whole.v) / scale;
-        scale = m->tolerance * {{ repr(length) }};
+        scale = tolerance * {{ repr(length) }};
         if (fabs(half.z - whole.z) / scale > error) error = fabs(half.z - whole.z) / scale;
         factor = error > 0 ? 0.9 / sqrt(error) : 4;
         if (error <= 1 || h <= 1e-12 * dt) {
-            m->x[0] = 2 * half.y - whole.y;
-            m->x[1] = 2 * half.v - whole.v;
+            next.x[0] = 2 * half.y - whole.y;
+            next.x[1] = 2 * half.v - whole.v;
 {% if law.has_z %}
-            m->x[2] = {{ "within(&m->p, 2 * half.z - whole.z, m->x[2])" if eq.bounded else "2 * half.z - whole.z" }};
+            next.x[2] = {{ "within(&m->p, 2 * half.z - whole.z, next.x[2])" if eq.bounded else "2 * half.z - whole.z" }};
 {% endif %}
             left -= h;
         }
         h *= factor > 4 ? 4 : factor < 0.2 ? 0.2 : factor;
-        if (h < dt || m->h > 0) m->h = h;
+        if (h < dt || next.h > 0) next.h = h;
     }
+    *m = next;
 {% endif %}
     return NULL;
 }

@@ -113,6 +113,7 @@ static real advance(const parameters *p, real v, real pull, real z, real dt)
     while (left > 0) {
         if (h > left) h = left;
         const real next = z + h * phi_1(slope * h) * rate;
+        if (!(h > 0) || !isfinite(next)) return next; /* no time is left that a number could hold, or no number */
         if (FN(fabs)(next - z) <= 4 * EPSILON * FN(fabs)(z)) return next; /* steady */
         const real next_rate = rate_and_slope(p, v, next, &after) + pull;
         const int overshoots = (rate > 0 && next_rate < 0) || (rate < 0 && next_rate > 0);
@@ -265,12 +266,21 @@ int {{ P }}_step(const parameters *p, {{ P }}_state *s, real v, real dt, real *f
     return step(p, s, v, dt, R(0), force);
 }
 
+int {{ P }}_compensate(const parameters *p, const {{ P }}_compensator *c, {{ P }}_state *s, real v, real *force)
+{
+    {{ P }}_state next = *s; /* which stays where it is when the force is not finite */
+    real F = 0;
+    if (!(c->gain >= 0) || !isfinite(c->gain)) return {{ P }}_BAD_GAIN;
+    int status = step(p, &next, v, c->dt, R(0), &F);
+    if (status == {{ P }}_OK) status = give(c->gain * F, force);
+    if (status == {{ P }}_OK) *s = next;
+    return status;
+}
+
 int {{ P }}_compensation(const parameters *p, {{ P }}_state *s, real v, real gain, real dt, real *force)
 {
-    real F = 0;
-    if (!(gain >= 0) || !isfinite(gain)) return {{ P }}_BAD_GAIN;
-    const int status = step(p, s, v, dt, R(0), &F);
-    return status == {{ P }}_OK ? give(gain * F, force) : status;
+    const {{ P }}_compensator c = { gain, dt };
+    return {{ P }}_compensate(p, &c, s, v, force);
 }
 {% if with_observer %}
 
@@ -284,7 +294,7 @@ int {{ P }}_observer_step(const parameters *p, {{ P }}_state *s, real v, real er
 {% endif %}
 {% if with_body %}
 
-/* How far a velocity w at the end of the step is from balance, N; z there, the derivative by w, the friction, and the
+/* How far a velocity w at the end of the step is from balance, {{ u("N") }}; z there, the derivative by w, the friction, and the
  * sum of the absolute terms. */
 typedef struct {
     real excess, z, slope, force, terms;

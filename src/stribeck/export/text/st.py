@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stribeck.errors import InputError
-from stribeck.export.c.ccode import Equations, render
+from stribeck.export.c.ccode import ARGUMENTS, Equations, render
 from stribeck.export.c.sampling import resolution
 from stribeck.export.request import Request
 from stribeck.expressions.emit import Dialect, Writer
@@ -66,7 +66,9 @@ def files(request: Request) -> dict[str, str | bytes]:
     """The function block, with the functions that it needs."""
     law, equations = request.law, Equations(request.law)
     names = [*_OWN, *(name.lower() for name in request.constants)]
-    if bad := [name for name in request.constants if names.count(name.lower()) > 1 or not name.isascii()]:
+    if bad := [
+        name for name in request.constants if names.count(name.lower()) > 1 or name in ARGUMENTS or not name.isascii()
+    ]:
         text = "a constant of this name cannot be exported to Structured Text: rename it"
         raise InputError([f"{name}: {text}" for name in bad])
     inputs = {name: name for name in request.constants} | {"v": "v", "z": "z", "rate": "w_rate"}
@@ -84,10 +86,11 @@ def files(request: Request) -> dict[str, str | bytes]:
         "bound": statements([("w_bound", "bound")]) if equations.bounded else [],
         "force": [*(statements([("w_rate", "rate")]) if law.has_z else []), *statements([("F", "force_at_rate")])],
     }
-    declared = law.constants()
+    declared = request.declared
     constants = [(n, number(x), declared[n]) for n, x in request.constants.items()]
     text = render(
         "law.st", name=request.name, about=request.about(), law=law, eq=equations, constants=constants,
+        u=request.unit, w=request.words,
         variables=list(dict.fromkeys(writer.variables)), parts=1 if equations.linear else _PARTS, **sections,
     )  # fmt: skip
     return {f"{request.name}.st": text}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.export.request import Request
 from stribeck.laws.base import Law
 
@@ -20,14 +20,15 @@ def files(request: Request) -> dict[str, str | bytes]:
     v, force, error = fit(request.law)
     law = request.law
     size = float(np.max(abs(law.steady_force(_grid(law)))))
+    N, speed = request.unit("N"), request.unit("m/s")
     rest = [
-        f"Steady friction at v >= 0: F(-v) = -F(v). At v = 0 the force jumps: 0 there, {force[0]:.6g} N next to it."
+        f"Steady friction at v >= 0: F(-v) = -F(v). At v = 0 the force jumps: 0 there, {force[0]:.6g} {N} next to it."
         if force[0] > 1e-3 * size
         else "Steady friction at v >= 0: F(-v) = -F(v).",
         f"Interpolate linearly; beyond the last point go on along the last two. {len(v)} points, fitted by minimax.",
-        f"Greatest error for 0 < v <= {v[-1]:g} m/s: {error:.3g} N ({100 * error / size:.2g} % of the greatest force).",
+        f"Greatest error for 0 < v <= {v[-1]:g} {speed}: {error:.3g} {N} ({100 * error / size:.2g} % of the greatest force).",
         "The table has no memory: no presliding, no hysteresis, no varying break-away.",
-        "v in m/s, F in N (rotary: rad/s, N m)",
+        f"v in {speed}, F in {N}",
     ]
     head = "".join(f"# {line}".rstrip() + "\n" for line in [*request.about(), *rest])
     rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(v.tolist(), force.tolist(), strict=True))
@@ -38,7 +39,7 @@ def notes(request: Request) -> list[str]:
     """What every table loses, whatever the step."""
     if not request.law.has_z or request.step is None:
         return []
-    return ["--step: a table keeps none of the law's dynamics at any step: it is the steady friction alone"]
+    return [f"{arg('step')}: a table keeps none of the law's dynamics at any step: it is the steady friction alone"]
 
 
 def fit(law: Law) -> tuple[Array, Array, float]:
@@ -51,10 +52,12 @@ def fit(law: Law) -> tuple[Array, Array, float]:
     y = np.asarray(law.steady_force(x))
     size = np.max(abs(y))
     if not np.isfinite(size) or np.max(abs(y + law.steady_force(-x))) > 1e-9 * size:
-        raise InputError(f"--target: 'table': the steady friction of law '{law.name}' must be finite and odd in v")
+        raise InputError(
+            f"{arg('target')}: 'table': the steady friction of law '{law.name}' must be finite and odd in v"
+        )
     if abs(y[0]) > 10 * np.max(abs(y[x > 1e-3 * x[-1]])):
         raise InputError(
-            f"--target: 'table': the steady friction of law '{law.name}' grows without limit as v goes to 0"
+            f"{arg('target')}: 'table': the steady friction of law '{law.name}' grows without limit as v goes to 0"
         )
     low, high = 0.0, float(size)
     for _ in range(60):

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -51,11 +51,11 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     if (back := np.flatnonzero((steps < 0) & ~new_run)).size:
         row = int(back[0]) + 1
         raise InputError(
-            f"--time: {number}: time goes backwards in row {row + 1} ({time[row - 1]:.9g} s, then {time[row]:.9g} s); "
-            "must rise within a run (name the runs' column with --run)"
+            f"{arg('time')}: {number}: time goes backwards in row {row + 1} ({time[row - 1]:.9g} s, then {time[row]:.9g} s); "
+            f"must rise within a run (name the runs' column with {arg('run')})"
         )
     if not steps.any():
-        raise InputError(f"--time: {number}: {time[0]:.9g} s in every row; must rise")
+        raise InputError(f"{arg('time')}: {number}: {time[0]:.9g} s in every row; must rise")
     repeated = np.append(False, (steps == 0) & ~new_run)
     if count := int(repeated.sum()):
         notes.append(f"{number}: {count} rows repeat the time of the row before; the first of each was kept")
@@ -85,7 +85,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST):
         notes.append(f"{number}: {lost} rows stand in pieces shorter than {FEWEST} rows and were left out")
     if not runs:
-        raise InputError(f"DATA: {number}: no piece without a gap has {FEWEST} rows or more")
+        raise InputError(f"{arg('data')}: {number}: no piece without a gap has {FEWEST} rows or more")
     off = max(_jitter(time[r]) for r in runs)
     even = off <= _EVEN
     if not even:
@@ -107,7 +107,7 @@ def _jitter(time: Array) -> float:
 def _enough(columns: dict[str, Array], number: str) -> None:
     rows = len(columns["time"])
     if rows < FEWEST:
-        raise InputError(f"DATA: {number}: has {rows} rows; a fit needs {FEWEST} or more")
+        raise InputError(f"{arg('data')}: {number}: has {rows} rows; a fit needs {FEWEST} or more")
 
 
 def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> dict[str, Array]:
@@ -116,7 +116,7 @@ def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> 
         empty = ~np.isfinite(x)
         if count := int(empty.sum()):
             if count > len(x) / 2:
-                raise InputError(f"--{role}: {number}: {count} of {len(x)} cells are empty or no finite numbers")
+                raise InputError(f"{arg(role)}: {number}: {count} of {len(x)} cells are empty or no finite numbers")
             notes.append(f"{number}: {role}: {count} cells are empty or no finite numbers; their rows were left out")
             keep &= ~empty
     return columns if keep.all() else {role: x[keep] for role, x in columns.items()}

@@ -14,12 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck import laws
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Scales, scales
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.result import Estimate, Fit
+from stribeck.identify.work import Work
 
 Array = NDArray[np.float64]
 _NOISES = 6.0  # standard deviations that a reversal must stand above the noise
@@ -93,6 +94,7 @@ def fit_presliding(
     starts: int = 8,
     seed: int = 0,
     profiles: bool = True,
+    work: Work | None = None,
 ) -> Fit:
     """Fit sigma_0, sigma_1 and the force level of break-away to the small reversals of a log.
 
@@ -104,7 +106,7 @@ def fit_presliding(
     """
     found = laws.find(law)
     if "sigma_0" not in found.constants():
-        raise InputError(f"--method presliding: law '{law}' has no sigma_0; must be a law with bristles")
+        raise InputError(f"{arg('method')}: 'presliding': law '{law}' has no sigma_0; must be a law with bristles")
     sizes = scales(log, mass or 0.0)
     small = loops(log, sizes)
     if not small:
@@ -113,7 +115,7 @@ def fit_presliding(
     given, free = _arranged(found, dict(fixed or {}), float(np.max(abs(cut.velocity))))
     fit = fit_dynamic(
         cut, law, fixed=given, free=free, mass=mass, starts=starts, seed=seed,
-        profiles=profiles,
+        profiles=profiles, work=work,
     )  # fmt: skip
     level = "F_s" if "F_s" in found.uses else "F_c"
     unseen = [n for n in found.uses if n not in ("sigma_0", "sigma_1", level) and n not in (fixed or {})]
@@ -128,7 +130,7 @@ def fit_presliding(
     notes = [note]
     if {"sigma_1", "sigma_2"} <= set(found.uses) and "sigma_2" not in (fixed or {}):
         notes.append(
-            "sigma_1 stands for sigma_1 + sigma_2, which are one in presliding; --set sigma_2=VALUE takes it off"
+            "sigma_1 stands for sigma_1 + sigma_2, which are one in presliding; giving the constant sigma_2 takes it off"
         )
     told = [i for i, n in enumerate(fit.names) if n not in unseen]
     return replace(

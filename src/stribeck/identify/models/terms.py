@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.log import Log
 
 Array = NDArray[np.float64]
@@ -41,6 +41,8 @@ TERMS: dict[str, Term] = {
     "mass": Term("kg", "inertia", lambda log: log.acceleration, positive=True),
     "offset": Term("N", "constant force, such as gravity", lambda log: np.ones(len(log))),
     "stiffness": Term("N/m", "spring to ground", lambda log: log.position),
+    "gravity_sin": Term("N", "what the sine of the position (rad) multiplies: an arm's weight", lambda log: np.sin(log.position)),
+    "gravity_cos": Term("N", "what its cosine multiplies", lambda log: np.cos(log.position)),
     "area": Term("m^2", "area that the pressure pushes on", lambda log: _get(log.pressure), needs="pressure"),
     "sigma_2_by_direction": Term(
         "N s/m", "half of what viscous friction is more forwards", lambda log: abs(log.velocity), friction=True
@@ -67,8 +69,8 @@ def check(names: tuple[str, ...], log: Log) -> None:
     for name in names:
         if name not in TERMS:
             guess = nearest(name, TERMS) or f" (known: {', '.join(TERMS)})"
-            problems.append(f"--term: {name!r}: no such term{guess}")
+            problems.append(f"{arg('terms')}: {name!r}: no such term{guess}")
         elif (needs := TERMS[name].needs) and getattr(log, needs) is None:
-            problems.append(f"--term: {name!r}: needs a column: --{needs} COL")
+            problems.append(f"{arg('terms')}: {name!r}: needs a column: {arg(needs)}")
     if problems:
         raise InputError(problems)

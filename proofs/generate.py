@@ -1,0 +1,122 @@
+"""Writes proofs/Laws.v: the equations of the built-in laws, from the functions that are simulated.
+
+python proofs/generate.py          # writes it
+python proofs/generate.py --check  # exit status 1 where the file differs from the laws
+
+Nothing in Laws.v is typed by hand, and every theorem in this folder is about what stands there.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from types import ModuleType
+
+from stribeck.expressions import coq
+from stribeck.expressions.graph import Expr, symbol, wrap
+from stribeck.laws import builtin, dahl, elastoplastic, lugre, static, terms
+from stribeck.laws.base import BristleLaw
+
+FILE = Path(__file__).with_name("Laws.v")
+MODULES: tuple[ModuleType, ...] = (terms, lugre, elastoplastic, dahl, static)
+HEAD = """\
+(* The equations of the laws, as they are simulated. Written by proofs/generate.py: do not edit. *)
+From Coq Require Import Reals.
+From Coquelicot Require Import Coquelicot.
+Open Scope R_scope.
+"""
+V, Z = symbol("v"), symbol("z")
+RENAMED = {"sigma_1": "sigma_1_at"}  # a term that has the name of a constant
+
+
+def laws_text() -> str:
+    """The whole file."""
+    laws = [law for law in builtin().values() if issubclass(law, BristleLaw)]
+    numbers: dict[str, None] = {}
+    for law in laws:
+        numbers |= dict.fromkeys(n for n, c in law.constants().items() if not c.choices and n != "delta")
+    record = "; ".join(f"{n} : R" for n in numbers)
+    found: dict[str, str] = {}
+    with coq.exact_constants(*MODULES):
+        modules = [text for law in laws for text in _law(law, dict(found), found)]
+    return "\n".join([HEAD, f"Record constants := {{ {record} }}.\n", *found.values(), "", *modules])
+
+
+@contextmanager
+def _named_terms(found: dict[str, str], words: dict[str, str]) -> Iterator[None]:
+    """Within, terms such as g(p, v) are written as (g p v), and their definitions are left in ``found``."""
+
+    def by_name(name: str, _: str, args: tuple[Expr, ...], value: Expr) -> Expr:
+        own = RENAMED.get(name, name) + (f"_{words['smooth_abs']}" if name == "m" else "")
+        inputs = [str(a.value) for a in args]
+        assert all(a.op == "symbol" for a in args)
+        text = f"Definition {own} (p : constants) ({' '.join(inputs)} : R) : R :=\n  {coq.write(value, words)}.\n"
+        assert found.setdefault(own, text) == text, f"{own} has two meanings"
+        call = f"{own} p {' '.join(inputs)}"
+        words[call] = call
+        return symbol(call)
+
+    token = terms.on_term.set(by_name)
+    try:
+        yield
+    finally:
+        terms.on_term.reset(token)
+
+
+def _law(law: type[BristleLaw], _: dict[str, str], found: dict[str, str]) -> Iterator[str]:
+    """A module for each choice of the law's words, with the forms that the optional constants give."""
+    structures = [s for s in law.structures() if "delta" not in s]  # with the usual curve, delta = 2
+    for words in dict.fromkeys(tuple(w for w in s if "=" in w) for s in structures):
+        forms = [s for s in structures if tuple(w for w in s if "=" in w) == words]
+        name = "_".join([law.name, *(w.split("=")[1] for w in words)])
+        lines = [f"Module {name}."]
+        for form in forms:
+            lines += _definitions(law, form, found)
+        yield "\n".join([*lines, f"End {name}.\n"])
+
+
+def _definitions(law: type[BristleLaw], form: tuple[str, ...], found: dict[str, str]) -> list[str]:
+    suffix = "".join(f"_{word}" for word in form if "=" not in word)
+    p = law.symbolic(symbol, form)
+    words = {n: f"{n} p" for n in law.constants()} | {"dz_dt": "dz_dt p v z"}
+    words["smooth_abs"] = getattr(p, "smooth_abs", "")
+    lines = []
+
+    def define(name: str, inputs: str, kind: str, value: object) -> None:
+        typed = f" ({inputs} : R)" if inputs else ""
+        text = coq.write(wrap(value), words)
+        lines.append(f"Definition {name} (p : constants){typed} : {kind} :=\n  {text}.")
+
+    with _named_terms(found, words):
+        values = {
+            "dz_dt": law.dz_dt(p, V, Z), "friction": law.friction(p, V, Z, symbol("dz_dt")),
+            "stored_energy": law.stored_energy(p, Z), "z_bound": law.z_bound(p),
+        }  # fmt: skip
+        if law.claims.drift_free:
+            values["z_elastic"] = law.z_elastic(p)
+    for name, value in values.items():
+        if not suffix or name == "friction":
+            inputs = {"dz_dt": "v z", "friction": "v z", "stored_energy": "z"}.get(name, "")
+            define(name + suffix, inputs, "R", value)
+    signs = [
+        symbol(n) > 0 if c.above == 0 else symbol(n) >= 0
+        for n, c in law.numbers(form).items()
+        if c.above == 0 or c.at_least == 0
+    ]
+    conditions = [*signs, *(relation.holds(p) for relation in law.relations)]
+    body = " /\\ ".join(coq.write(wrap(c), words) for c in conditions)
+    lines.append(f"Definition allowed{suffix} (p : constants) : Prop :=\n  {body}.")
+    if callable(law.claims.passive):
+        define(f"claims_passive{suffix}", "", "Prop", law.claims.passive(p))
+    return lines
+
+
+if __name__ == "__main__":
+    text = laws_text()
+    if "--check" in sys.argv[1:]:
+        if not FILE.exists() or FILE.read_text() != text:
+            sys.exit(f"{FILE} is not what the laws say: run python proofs/generate.py")
+    else:
+        FILE.write_text(text)

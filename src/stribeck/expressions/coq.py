@@ -1,0 +1,160 @@
+"""Expressions as terms of the Coq proof assistant, over its real numbers; and inequalities as goals for it.
+
+A term means what the equation means over the real numbers: floats are the dyadic fractions that they are. Constants
+such as pi are exact only where the equation was built under :func:`exact_constants`.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from fractions import Fraction
+from types import ModuleType
+
+from stribeck.errors import InputError
+from stribeck.expressions.graph import Expr, ordered, symbol, symbols
+
+_PROP, _SUM, _PRODUCT, _APPLIED, _ATOM = range(5)  # how tightly a text binds, loosest first
+_FUNCTIONS = {
+    "abs": "Rabs", "exp": "exp", "log": "ln", "sqrt": "sqrt", "sin": "sin", "cos": "cos", "atan": "atan",
+    "tanh": "tanh", "sign": "sign",
+}  # fmt: skip
+_RELATIONS = {"lt": ("<", "Rlt_dec"), "le": ("<=", "Rle_dec")}
+_EXACT = {"pi": ("PI", math.pi), "e": ("exp 1", math.e)}
+_NO_INTERVAL = frozenset({"where", "sign", "pow", "tanh", "lt", "le", "both", "either"})
+
+
+@contextmanager
+def exact_constants(*modules: ModuleType) -> Iterator[None]:
+    """Within, the names ``pi`` and ``e`` of modules of equations are symbols, which Coq reads as the numbers themselves."""
+    held = [(m, n, vars(m)[n]) for m in modules for n, (_, x) in _EXACT.items() if vars(m).get(n) == x]
+    for module, name, _ in held:
+        setattr(module, name, symbol(name))
+    try:
+        yield
+    finally:
+        for module, name, value in held:
+            setattr(module, name, value)
+
+
+def number(x: Fraction | float) -> str:
+    """A rational number as a term; a float is the dyadic fraction that it is."""
+    if not math.isfinite(x):
+        raise InputError(f"{x}: not a real number")
+    q = Fraction(x)
+    top = str(q.numerator) if q >= 0 else f"(- {-q.numerator})"
+    return top if q.denominator == 1 else f"({top} / {q.denominator})"
+
+
+def write(expr: Expr, names: Mapping[str, str] | None = None) -> str:
+    """An expression as a term of type R, a condition as one of type Prop.
+
+    Args:
+        expr: the expression.
+        names: what stands for each symbol: a name, or a function with its arguments. A symbol that is not named stands
+            for itself, pi and e for the numbers.
+
+    Raises:
+        InputError: a constant is not finite, or a symbol's name is none in Coq.
+    """
+    known = {name: text for name, (text, _) in _EXACT.items()} | dict(names or {})
+    texts: dict[Expr, tuple[str, int]] = {}
+    for node in ordered([expr]):
+        texts[node] = _text(node, texts, known)
+    return texts[expr][0]
+
+
+def _text(node: Expr, texts: Mapping[Expr, tuple[str, int]], names: Mapping[str, str]) -> tuple[str, int]:
+    def at(i: int, level: int) -> str:
+        text, binds = texts[node.args[i]]
+        return text if binds >= level else f"({text})"
+
+    op = node.op
+    if op == "symbol":
+        text = names.get(str(node.value), str(node.value))
+        if str(node.value) not in names and not re.fullmatch(r"[A-Za-z_]\w*", text):
+            raise InputError(f"{text!r}: not a name in Coq")
+        return text, _ATOM if re.fullmatch(r"\w+", text) else _APPLIED
+    if op == "constant":
+        assert isinstance(node.value, float)
+        return number(node.value), _ATOM
+    if op in ("add", "sub"):
+        return f"{at(0, _SUM)} {'+' if op == 'add' else '-'} {at(1, _PRODUCT)}", _SUM
+    if op in ("mul", "div"):
+        return f"{at(0, _PRODUCT)} {'*' if op == 'mul' else '/'} {at(1, _APPLIED)}", _PRODUCT
+    if op == "neg":
+        return f"- {at(0, _APPLIED)}", _SUM
+    if op in _RELATIONS:
+        return f"{at(0, _SUM)} {_RELATIONS[op][0]} {at(1, _SUM)}", _PROP
+    if op in ("both", "either"):
+        return f"({at(0, _PROP)}) {'/' + chr(92) if op == 'both' else chr(92) + '/'} ({at(1, _PROP)})", _PROP
+    if op == "where":
+        return _choice(node.args[0], at(1, _PROP), at(2, _PROP), texts), _PROP
+    if op == "pow":
+        return f"Rpower {at(0, _ATOM)} {at(1, _ATOM)}", _APPLIED
+    return f"{_FUNCTIONS[op]} {at(0, _ATOM)}", _APPLIED
+
+
+def _choice(condition: Expr, yes: str, no: str, texts: Mapping[Expr, tuple[str, int]]) -> str:
+    """A choice between two numbers: Coq decides one comparison at a time."""
+    a, b = condition.args
+    if condition.op == "both":
+        return _choice(a, _choice(b, yes, no, texts), no, texts)
+    if condition.op == "either":
+        return _choice(a, yes, f"({_choice(b, yes, no, texts)})", texts)
+    sides = " ".join(text if binds == _ATOM else f"({text})" for text, binds in (texts[a], texts[b]))
+    return f"if {_RELATIONS[condition.op][1]} {sides} then {yes}\n  else {no}"
+
+
+def coq_goal(
+    expression: Expr,
+    box: Mapping[str, tuple[Fraction | float, Fraction | float]],
+    name: str = "goal",
+    above: bool = False,
+    digits: int = 60,
+) -> str:
+    """A lemma of Coq: an expression is not negative on a box, which the tactic ``interval`` proves by halving the box.
+
+    The tactic computes with intervals inside Coq's kernel; the lemma rests on no code of this package but on the
+    text of the expression. Where it fails, the box was too wide for ``digits`` or the inequality does not hold.
+
+    Args:
+        expression: what is to be shown to be >= 0, in the box's symbols (build it under :func:`exact_constants`).
+        box: the ends of each symbol's range; both ends equal for a constant, which is written out as the number.
+        name: the lemma's name.
+        above: show that it is > 0.
+        digits: the precision in bits.
+
+    Returns:
+        The lemma with its proof; :data:`GOAL_HEADER` must stand before the first one.
+
+    Raises:
+        InputError: a symbol has no range, a range is not finite or empty, or an operation is one that the tactic does
+            not know (a choice between cases: give each case its own box).
+    """
+    free = symbols([expression]) - set(_EXACT)
+    problems = [f"{n}: has no range" for n in sorted(free - set(box))]
+    for n in sorted(free & set(box)):
+        low, high = box[n]
+        if not (math.isfinite(low) and math.isfinite(high) and low <= high):
+            problems.append(f"{n}: [{low}, {high}]: must be two finite numbers in rising order")
+    odd = sorted({node.op for node in ordered([expression])} & _NO_INTERVAL)
+    problems += [f"{op!r}: the tactic interval does not know it; give each case its own box" for op in odd]
+    if problems:
+        raise InputError(problems)
+    fixed = {n: number(box[n][0]) for n in free if Fraction(box[n][0]) == Fraction(box[n][1])}
+    moving = sorted(free - set(fixed))
+    term = write(expression, fixed)
+    quantified = f"forall {' '.join(moving)} : R, " if moving else ""
+    ranges = "".join(f"{number(box[n][0])} <= {n} <= {number(box[n][1])} -> " for n in moving)
+    halved = "".join(f"i_bisect {n}, " for n in moving)
+    depth = ", i_depth 40" if moving else ""
+    return (
+        f"Lemma {name} : {quantified}{ranges}0 {'<' if above else '<='} {term}.\n"
+        f"Proof. intros. interval with ({halved}i_prec {digits}{depth}). Qed.\n"
+    )
+
+
+GOAL_HEADER = "From Coq Require Import Reals.\nFrom Interval Require Import Tactic.\nOpen Scope R_scope.\n\n"

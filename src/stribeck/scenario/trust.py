@@ -1,0 +1,56 @@
+"""Laws in files are programs: which of them a scenario may have executed.
+
+A scenario may come from a stranger. It may name laws and elements (``law.name``, ``drive.observer.name``,
+``links.gear.kind``) as ``FILE.py:NAME``, and reading one executes the file. So that happens last, when everything else
+is valid, and only for files in the scenario's own folder or below it, unless the user trusts the scenario or has named
+the law himself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from stribeck.constants import show
+
+_DEEPEST = 16  # tables within tables; no valid file has as many
+
+
+def in_a_file(name: object) -> bool:
+    """True for the name of a law in a file, FILE.py:NAME."""
+    return isinstance(name, str) and ".py:" in name
+
+
+def named(data: Mapping[str, Any]) -> dict[str, str]:
+    """The laws and elements in files that a scenario's data names, by the path of the key."""
+    found: dict[str, str] = {}
+    left: list[tuple[str, Any]] = [(key, value) for key, value in data.items() if isinstance(value, Mapping)]
+    while left:  # a file may nest deeper than Python calls
+        path, value = left.pop()
+        inside = value.items() if isinstance(value, Mapping) else enumerate(value)
+        for key, each in inside:
+            place = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}"
+            if key in ("name", "kind") and in_a_file(each):
+                found[place] = each
+            elif isinstance(each, Mapping | list) and place.count(".") + place.count("[") < _DEEPEST:
+                left.append((place, each))
+    return found
+
+
+def problems(data: Mapping[str, Any], folder: Path, trusted: Iterable[str]) -> list[tuple[str, str]]:
+    """(path, message) for each law in a file that lies elsewhere; ``trusted`` are names that the user has given."""
+    text = "lies outside the scenario's folder, and a law is a program that would be executed"
+    remedy = "must be in that folder or below it, or allowed with trust=True (--trust)"
+    return [
+        (path, f"{show(name)}: {text}: {remedy}")
+        for path, name in named(data).items()
+        if name not in trusted and _elsewhere(folder / name.rpartition(":")[0], folder)
+    ]
+
+
+def _elsewhere(file: Path, folder: Path) -> bool:
+    try:
+        return not file.resolve().is_relative_to(folder.resolve())
+    except (OSError, ValueError, RuntimeError):
+        return False  # no path at all: it will be said that it cannot be read

@@ -1,0 +1,96 @@
+"""What the command says: options for arguments, forms of laws told apart, nothing needless."""
+
+import json
+
+import pytest
+
+import stribeck as library
+from stribeck import InputError, StribeckNote, examples
+from stribeck.cli.options import option, said
+from stribeck.errors import Line, arg, note
+from stribeck.export import export
+
+
+@pytest.mark.parametrize(
+    ("command", "argument", "words"),
+    [
+        ("fit", "force_gain", "--force-gain"),
+        ("fit", "constants.k_v", "--set k_v"),
+        ("fit", "terms", "--term"),
+        ("fit", "law", "--law"),
+        ("check", "law", "LAW"),
+        ("gains", "scenario", "SCENARIO"),
+        ("export", "scenario", "--scenario"),
+        ("fit", "data", "DATA"),
+        ("sweep", "folder", "--out"),
+    ],
+)
+def test_an_argument_is_said_as_its_option(command, argument, words):
+    assert option(argument, command) == words
+    line = Line(f"{arg(argument)}: 1: is wrong")
+    assert line == f"{argument}: 1: is wrong"
+    assert said(line, command) == f"{words}: 1: is wrong"
+    assert said(InputError([line]).problems[0], command) == f"{words}: 1: is wrong"
+
+
+def test_notes_name_arguments_too():
+    with pytest.warns(StribeckNote, match=r"^step: too long$"):
+        note(f"{arg('step')}: too long")
+
+
+def test_the_library_names_the_argument_and_the_command_the_option(stribeck, tmp_path):
+    (tmp_path / "log.csv").write_text("t,v,F\n" + "".join(f"{i / 100},{i % 7 - 3},{i % 5}\n" for i in range(100)))
+    with pytest.raises(InputError, match=r"^method: 'x': must be static"):
+        library.fit(tmp_path / "log.csv", "coulomb_viscous", method="x", time="t", velocity="v", force="F")
+    columns = ("--time", "t", "--velocity", "v", "--force", "F")
+    found = stribeck("fit", tmp_path / "log.csv", "--law", "coulomb_viscous", *columns, "--method", "x")
+    assert (found.status, found.out) == (2, "")
+    assert found.err.startswith("--method: 'x': must be static")
+    found = stribeck("fit", tmp_path / "log.csv", "--law", "coulomb_viscous", "--time", "t", "--force", "F")
+    assert found.err.startswith("--position or --velocity: must be given")
+
+
+def test_no_library_module_speaks_of_options():
+    import re
+    from pathlib import Path
+
+    package = Path(library.__file__).parent
+    told = re.compile(r"""(InputError|problems|found|note|append)\b.*["'({ ]--[a-z{]""")
+    wrong = [
+        f"{path.relative_to(package)}:{number}"
+        for path in package.rglob("*.py")
+        if path.parent.name not in ("cli", "paper")
+        for number, line in enumerate(path.read_text().splitlines(), start=1)
+        if told.search(line)
+    ]
+    assert wrong == []
+
+
+FORMS = ("law.name=lugre_majorant", "drive.observer.name=lugre_majorant", "drive.observer.smooth_abs=sqrt")
+
+
+def test_gains_and_export_tell_forms_of_a_law_apart(stribeck, tmp_path):
+    changes = [word for change in FORMS for word in ("--set", change)]
+    short = ("--set", "solve.t_end=0.2", "--v-max", "0.01")
+    found = json.loads(stribeck("gains", examples.path("servo"), *changes, *short, "--json").out)
+    assert any(text.startswith("plant and observer differ") for text in found["not_covered"])
+    alike = json.loads(stribeck("gains", examples.path("servo"), *changes[:-2], *short, "--json").out)
+    assert not any(text.startswith("plant and observer differ") for text in alike["not_covered"])
+    scenario = library.Scenario.load(examples.path("servo"), dict(change.split("=") for change in FORMS))
+    other = library.law("lugre_majorant", scenario.servo.observer.machine, k_v=1e6)
+    with pytest.raises(InputError, match=r"^law: 'lugre_majorant': must be left out"):
+        export(other, "c", tmp_path / "out", part="cascade", scenario=scenario)
+
+
+def test_compare_does_not_warn_of_a_steepness_that_the_other_law_has_not(stribeck, scenario):
+    found = stribeck("compare", scenario, "--law", "lugre", "--law", "lugre_majorant", "--set", "solve.t_end=0.1")
+    assert (found.status, found.err) == (0, "")
+
+
+def test_a_law_with_z_that_claims_nothing_is_not_said_to_have_no_state(stribeck, tmp_path):
+    source = "from stribeck.laws import Claims\nfrom stribeck.laws.lugre import LuGre\n"
+    source += "class Own(LuGre):\n    claims = Claims()\n"
+    (tmp_path / "own.py").write_text(source)
+    found = stribeck("laws", f"{tmp_path}/own.py:Own")
+    assert "claims     none stated" in found.out
+    assert "no internal state" in stribeck("laws", "stribeck").out

@@ -1,0 +1,73 @@
+"""``stribeck.fit`` as Python calls it: what it takes, what it refuses, and the law that comes out."""
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import stribeck
+from stribeck import InputError
+from stribeck.identify.log import Log
+from stribeck.identify.report.page import page
+
+STEP = 1e-3
+T = np.arange(4000) * STEP
+V = 0.05 * np.sin(2 * np.pi * T) + 0.02 * np.sin(14 * T)
+A = np.gradient(V, STEP)
+F = 2.0 * A + 5.0 * np.sign(V) + 20.0 * V
+COLUMNS = {"time": "t", "velocity": "v", "force": "F"}
+
+
+def table():
+    return {"t": T, "v": 1e3 * V, "F": F}
+
+
+def log():
+    y = np.cumsum(V) * STEP
+    return Log(time=T, position=y, velocity=V, acceleration=A, force=F, run=np.zeros(len(T), np.int32), step=STEP)
+
+
+@pytest.mark.parametrize("make", [dict, pd.DataFrame, lambda x: pd.DataFrame(x).convert_dtypes()])
+def test_a_table_in_memory_is_fitted_as_a_file_is(make, tmp_path):
+    pd.DataFrame(table()).to_csv(tmp_path / "log.csv", index=False)
+    of_file, of_table = (
+        stribeck.fit(data, "coulomb_viscous", units={"v": "mm/s"}, **COLUMNS)
+        for data in (tmp_path / "log.csv", make(table()))
+    )
+    assert of_table.estimates["F_c"].value == pytest.approx(of_file.estimates["F_c"].value, rel=1e-12)
+    assert of_table.estimates["F_c"].value == pytest.approx(5.0, rel=1e-2)
+
+
+def test_a_column_that_a_table_has_not_is_named_with_its_argument():
+    with pytest.raises(InputError, match=r"^velocity: 'w': the table has no such column \(it has t, v, F\)$"):
+        stribeck.fit(pd.DataFrame(table()), "coulomb_viscous", **{**COLUMNS, "velocity": "w"})
+
+
+def test_a_keyword_that_is_no_role_is_refused_with_a_log_too():
+    with pytest.raises(InputError, match=r"^tiem: 't': unknown argument \(did you mean 'time'\?\)$"):
+        stribeck.fit(log(), "coulomb_viscous", tiem="t")
+    with pytest.raises(InputError, match=r"^cutoff: 20.0: is for columns of a file; a Log is taken as it is$"):
+        stribeck.fit(log(), "coulomb_viscous", cutoff=20.0)
+
+
+def test_messages_name_arguments_and_not_options():
+    with pytest.raises(InputError) as caught:
+        stribeck.fit(log(), "coulomb_viscous", method="x")
+    assert str(caught.value).startswith("method: 'x': must be static, presliding, dynamic")
+    with pytest.raises(InputError, match=r"^output, drive: belong to method dynamic, not static$"):
+        stribeck.fit(log(), "coulomb_viscous", output="velocity", method="static")
+
+
+def test_the_law_of_a_fit_is_the_law_of_its_curve():
+    fit = stribeck.fit(log(), "coulomb_viscous", mass=2.0)
+    law = fit.as_law()
+    assert fit.fixed["k_v"] == law.values["k_v"] == 1e9  # sharper than the law's own default, as the curve is
+    p = fit.prediction
+    np.testing.assert_allclose(law.steady_force(p.velocity), p.fitted, rtol=1e-9, atol=1e-9)
+
+
+def test_the_correlations_stand_in_the_page_once():
+    fit = stribeck.fit(log(), "coulomb_viscous")
+    text = page(fit, log(), "stribeck fit", "log")
+    head = text.index("correlation</th>")
+    rows = text[head : text.index("</table>", head)].count("<tr>")
+    assert rows == len(fit.names)

@@ -1,0 +1,96 @@
+"""Files with laws of the user's own: what is executed is what lies there, and names that would be taken for others."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from stribeck import InputError, export, law
+from stribeck.constants import Constant
+from stribeck.laws import StaticLaw, find
+from stribeck.scenario import Scenario
+from tests.scenario.valid_scenarios import VALID
+
+LAW = """
+from stribeck.constants import Constant
+from stribeck.laws import StaticLaw
+
+class Mine(StaticLaw):
+    "Viscous."
+    {name} = Constant("N s/m", "viscous friction", at_least=0)
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return 3.0 * p.{name} * v
+"""
+
+
+def written(folder, name="c"):
+    path = folder / "mine.py"
+    path.write_text(LAW.format(name=name))
+    return path
+
+
+def test_an_edit_that_keeps_size_and_time_is_seen(tmp_path):
+    """Python's own byte code is keyed on both: the old law would run."""
+    path = written(tmp_path)
+    program = "import sys, stribeck; print(float(stribeck.law(sys.argv[1], c=1.0).force(1.0)))"
+
+    def force():
+        words = [sys.executable, "-c", program, f"{path}:Mine"]
+        return float(subprocess.run(words, capture_output=True, text=True, check=True).stdout)
+
+    before = path.stat()
+    assert force() == 3.0
+    path.write_text(path.read_text().replace("3.0 *", "5.0 *"))
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert path.stat().st_size == before.st_size
+    assert force() == 5.0
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.py"]  # and no __pycache__
+
+
+def test_byte_code_that_lies_there_is_not_taken(tmp_path):
+    import importlib.util
+    import py_compile
+
+    path = written(tmp_path)
+    path.write_text(path.read_text().replace("3.0", "7.0"))
+    before = path.stat()
+    py_compile.compile(str(path), cfile=importlib.util.cache_from_source(str(path)))
+    written(tmp_path)
+    os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
+    assert law(f"{path}:Mine", c=1.0).force(1.0) == 3.0
+
+
+@pytest.mark.parametrize("name", ["v", "z", "t", "y", "F", "u", "dz_dt", "parameters", "values", "rate", "source"])
+def test_a_constant_that_would_be_taken_for_something_else(name, tmp_path):
+    path = written(tmp_path, name)
+    with pytest.raises(InputError) as refused:
+        find(f"{path}:Mine")
+    (line,) = refused.value.problems
+    assert f"Mine.{name}: this name is taken: a constant must have another" in line
+    assert str(path) in line
+
+
+def test_also_in_a_class_of_ones_own():
+    with pytest.raises(InputError, match=r"Odd\.v: this name is taken"):
+
+        class Odd(StaticLaw):
+            v = Constant("1", "what?")
+
+
+@pytest.mark.parametrize("target", ["c", "st"])
+@pytest.mark.parametrize("name", ["K", "error"])
+def test_arguments_of_the_exports(name, target, tmp_path):
+    found = law(f"{written(tmp_path, name)}:Mine", **{name: 1.0})
+    with pytest.raises(InputError, match=f"^{name}: a constant of this name cannot be exported"):
+        export(found, target, tmp_path / "out")
+
+
+@pytest.mark.parametrize("name", ["mass", "time"])
+def test_variables_of_an_fmu(name, tmp_path):
+    found = law(f"{written(tmp_path, name)}:Mine", **{name: 1.0})
+    scenario = Scenario(VALID["force_points"])
+    with pytest.raises(InputError, match=f"^{name}: the FMU has a variable of this name"):
+        export(found, "fmu", tmp_path / "out.fmu", part="body", scenario=scenario)

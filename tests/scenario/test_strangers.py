@@ -1,0 +1,140 @@
+"""A scenario from a stranger: the laws in files that it names are programs, and which of them are executed."""
+
+import pytest
+
+from stribeck import InputError, Scenario, examples
+from stribeck.cli import _status
+from tests.scenario.valid_scenarios import CANUDAS, VALID, edited, toml
+
+LAW = """
+from pathlib import Path
+from stribeck.laws import BristleLaw
+from stribeck.laws.lugre import LuGre
+
+Path(__file__).resolve().with_name("executed").touch()
+
+class Mine(LuGre):
+    "LuGre."
+"""
+
+
+@pytest.fixture
+def place(tmp_path):
+    """A folder for scenarios with a law in it, in a folder below it and in one beside it."""
+    home = tmp_path / "home"
+    for folder in (home, home / "below", tmp_path / "beside"):
+        folder.mkdir()
+        (folder / "mine.py").write_text(LAW)
+    (home / "link.py").symlink_to(tmp_path / "beside" / "mine.py")
+    return home
+
+
+def write(place, law, **changes):
+    path = place / "rig.toml"
+    data = edited(VALID["force_points"], "law", value={"name": law, "parameters": CANUDAS})
+    path.write_text(toml({**data, **changes}))
+    return path
+
+
+def executed(place):
+    return sorted(str(p.parent.name) for p in place.parent.rglob("executed"))
+
+
+STRANGE = ("../beside/mine.py:Mine", "link.py:Mine", "below/../../beside/mine.py:Mine")
+
+
+@pytest.mark.parametrize("law", ["mine.py:Mine", "below/mine.py:Mine", "./below/../mine.py:Mine"])
+def test_laws_of_the_folder_are_executed(law, place):
+    assert Scenario.load(write(place, law)).law.name == "Mine"
+    assert len(executed(place)) == 1
+
+
+@pytest.mark.parametrize("law", STRANGE)
+def test_others_are_not_unless_trusted(law, place):
+    path = write(place, law)
+    with pytest.raises(InputError) as refused:
+        Scenario.load(path)
+    (line,) = refused.value.problems
+    assert line.startswith(f"law.name: {law!r}: lies outside the scenario's folder")
+    assert "--trust" in line
+    assert executed(place) == []
+    assert Scenario.load(path, trust=True).law.name == "Mine"
+    assert executed(place) == ["beside"]
+
+
+def test_an_absolute_path(place):
+    with pytest.raises(InputError, match="lies outside"):
+        Scenario.load(write(place, f"{place.parent}/beside/mine.py:Mine"))
+    assert Scenario.load(write(place, f"{place}/mine.py:Mine")).law.name == "Mine"
+
+
+def test_nothing_is_executed_where_anything_else_is_wrong(place):
+    for changes in ({"solve": {"t_end": -1.0}}, {"nonsense": 1}, {"drive": {"kind": "force"}}):
+        with pytest.raises(InputError):
+            Scenario.load(write(place, "mine.py:Mine", **changes))
+        with pytest.raises(InputError):
+            Scenario.load(write(place, "mine.py:Mine", **changes), {"law.parameters.F_s": 2.0})
+    assert executed(place) == []
+
+
+def test_what_the_user_names_himself_is_trusted(place):
+    path = write(place, "lugre")
+    assert Scenario.load(path, {"law.name": "../beside/mine.py:Mine"}).law.name == "Mine"
+    assert Scenario.load(path).with_changes({"law.name": "../beside/mine.py:Mine"}).law.name == "Mine"
+    assert Scenario(Scenario.load(path).data | {"law": {"name": str(place / "link.py:Mine"), "parameters": CANUDAS}})
+    # but not what stands beside it in the file
+    with pytest.raises(InputError, match="lies outside"):
+        Scenario.load(write(place, STRANGE[0]), {"law.parameters.F_s": 2.0})
+    assert Scenario.load(path, trust=[STRANGE[0]]).law.name == "Mine"
+
+
+def test_a_set_is_unfolded_only_by_a_law_that_may_be_executed(place):
+    (place / "set.toml").write_text("".join(f"{n} = {x}\n" for n, x in CANUDAS.items()))
+    data = edited(VALID["force_points"], "law", value={"name": STRANGE[0], "parameters": "set.toml"})
+    path = place / "rig.toml"
+    path.write_text(toml(data))
+    with pytest.raises(InputError, match="lies outside"):
+        Scenario.load(path, {"law.parameters.F_s": 2.0})
+    assert executed(place) == []
+    assert Scenario.load(path, {"law.parameters.F_s": 2.0}, trust=True).law.p.F_s == 2.0
+
+
+def test_observers_too(place):
+    text = examples.path("servo").read_text()
+    path = place / "servo.toml"
+    assert 'name = "lugre_sobczyk"' in text.partition("[drive.observer]")[2]
+    head, mark, rest = text.partition("[drive.observer]")
+    path.write_text(head + mark + rest.replace('"lugre_sobczyk"', '"../beside/mine.py:Mine"', 1))
+    with pytest.raises(InputError) as refused:
+        Scenario.load(path)
+    assert [line.split(":")[0] for line in refused.value.problems] == ["drive.observer.name"]
+    assert executed(place) == []
+    with pytest.raises(InputError, match=r"has no such constant|cannot be an observer"):
+        Scenario.load(path, trust=True)
+    assert executed(place) == ["beside"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("run", "@"),
+        ("compare", "@", "--law", "lugre"),
+        ("sweep", "@", "--vary", "law.parameters.F_s=1.5:2:2", "--out", "out"),
+        ("gains", "@"),
+        ("export", "--scenario", "@", "--target", "c", "--out", "out"),
+        ("advise", "lugre_majorant", "--parameters", "canudas1995", "--scenario", "@", "--position-error", "1e-5"),
+    ],
+    ids=lambda words: words[0],
+)
+def test_every_command(words, place, capsys, monkeypatch):
+    monkeypatch.chdir(place)
+    path = write(place, STRANGE[0])
+    words = [str(path) if word == "@" else word for word in words]
+    assert _status(words) == 2
+    captured = capsys.readouterr()
+    assert captured.err.startswith("law.name: '../beside/mine.py:Mine': lies outside the scenario's folder")
+    assert captured.out == ""
+    assert executed(place) == []
+    assert not (place / "out").exists()
+    _status([*words, "--trust"])
+    assert executed(place) == ["beside"]
