@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
-    "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "export", "fit", "law",
-    "margins", "parameters", "simulate", "simulate_ensemble", "storage_interval",
+    "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "export", "fit",
+    "law", "margins", "parameters", "simulate", "simulate_ensemble", "storage_interval",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -42,11 +42,15 @@ _HOME = {
     "Scenario": "stribeck.scenario",
     **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),
 }
+_EXTRA = {"export": "export", "fit": "fit"}  # where one package alone would not be enough
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOME:
-        return getattr(importlib.import_module(_HOME[name]), name)
+        from stribeck.errors import needed
+
+        with needed(f"stribeck.{name}", _EXTRA.get(name, "")):
+            return getattr(importlib.import_module(_HOME[name]), name)
     raise AttributeError(f"module 'stribeck' has no attribute {name!r}")
 
 

@@ -38,6 +38,13 @@ class BuildError(StribeckError, RuntimeError):
 class MissingExtra(StribeckError, ImportError):
     """A part of Stribeck needs a package that is not installed; the message names the extra that brings it."""
 
+    def __init__(self, what: str, package: str, extra: str) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(what, package, extra)
+
+    def __str__(self) -> str:
+        return f"{self.args[0]} needs {self.package}: pip install 'stribeck[{self.extra}]'"
+
 
 class StribeckNote(UserWarning):
     """Something a user should know that does not stop the work: a dropped constant, a missing compiler."""
@@ -85,17 +92,39 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f" (did you mean '{match[0]}'?)" if match else ""
 
 
+# The packages that the base installation does not have, and the extra that brings each.
+EXTRAS = {
+    "matplotlib": "plot", "jinja2": "plot", "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
+    "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
+    "mujoco": "mujoco",
+}  # fmt: skip
+
+
 @contextmanager
-def needed(what: str, extra: str) -> Iterator[None]:
-    """Around the imports of packages that an extra brings: where one is missing, one line says how to get it.
+def needed(what: str, extra: str = "") -> Iterator[None]:
+    """Around imports of what the base installation does not have: where it is missing, one line says how to get it.
+
+    Args:
+        what: what needs it, the line's first words.
+        extra: the extra to name, where it is not the package's own (:data:`EXTRAS`).
 
     Raises:
         MissingExtra: ``what`` needs the package; ``pip install 'stribeck[extra]'`` brings it.
     """
     try:
         yield
-    except ImportError as error:
-        package = (error.name or str(error)).partition(".")[0]
-        if package == "stribeck" or isinstance(error, MissingExtra):
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in EXTRAS:
             raise
-        raise MissingExtra(f"{what} needs {package}: pip install 'stribeck[{extra}]'") from None
+        raise MissingExtra(what, package, extra or EXTRAS[package]) from None
+
+
+@contextmanager
+def left_out(what: str) -> Iterator[None]:
+    """Around what is written besides: where a package for it is missing, one note says so, and all goes on."""
+    try:
+        with needed(what):
+            yield
+    except MissingExtra as error:
+        note(f"{what} is left out: it needs {error.package}: pip install 'stribeck[{error.extra}]'")

@@ -12,6 +12,8 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+from stribeck.errors import needed
+
 
 def write_with(path: Path, write: Callable[[Path], Any]) -> None:
     """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind."""
@@ -56,7 +58,9 @@ def write_text(path: Path, text: str) -> None:
 def arrow_array(values: Any) -> Any:
     """Values as an Arrow array; numbers without Arrow's way through pandas, whose import costs 0.2 s and 40 MB."""
     import numpy as np
-    import pyarrow
+
+    with needed("a Parquet file"):
+        import pyarrow
 
     if not isinstance(values, np.ndarray) or values.dtype != np.float64:
         return pyarrow.array(list(values))
@@ -66,8 +70,9 @@ def arrow_array(values: Any) -> Any:
 
 def write_columns(path: Path, columns: Mapping[str, Any]) -> None:
     """Columns of equal length as a Parquet file."""
-    import pyarrow
-    from pyarrow import parquet
+    with needed("a Parquet file"):
+        import pyarrow
+        from pyarrow import parquet
 
     arrays = [arrow_array(values) for values in columns.values()]
     table = pyarrow.Table.from_arrays(arrays, names=list(columns))

@@ -269,7 +269,7 @@ def _is_number(text: str) -> bool:
 
 
 def _parquet(path: Path) -> Source:
-    with needed("reading Parquet files", "parquet"):
+    with needed("reading Parquet files"):
         from pyarrow import parquet
 
     class Lazy(Source):
@@ -297,7 +297,7 @@ def _parquet(path: Path) -> Source:
 
 
 def _mat(path: Path) -> Source:
-    with needed("reading MAT files", "fit"):
+    with needed("reading MAT files"):
         from scipy.io import loadmat
         from scipy.io.matlab import MatReadError
 
@@ -310,7 +310,7 @@ def _mat(path: Path) -> Source:
 
 
 def _hdf5(path: Path) -> dict[str, Any]:
-    with needed("reading MAT files of version 7.3", "mat"):
+    with needed("reading MAT files of version 7.3"):
         import h5py
     with h5py.File(path) as file:
         return {name: x[()] for name, x in file.items() if isinstance(x, h5py.Dataset) and x.dtype.kind in "fiu"}

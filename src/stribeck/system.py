@@ -9,6 +9,7 @@ from typing import Any
 
 from stribeck.constants import Constant
 from stribeck.drives.base import Column, Drive
+from stribeck.equations import Equations
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
@@ -34,7 +35,7 @@ class Groups:
 
 
 @dataclass(frozen=True)
-class System:
+class System(Equations):
     """The structure of a simulation: which law, drive and kind of signal, without any values.
 
     Two scenarios that differ in numbers only have equal systems, and share compiled code.

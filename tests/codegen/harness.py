@@ -36,7 +36,7 @@ EXPORT void test_solve(const Parameters *p, const double *s, double t, const dou
 EXPORT void test_steps(Run *run, double h, int n, double s, double *inside)
 {
     const Parameters *p = (const Parameters *)run->parameters;
-    const Segment piece = {0, run->piece_value[0], 0};
+    const Segment piece = {0, run->piece_rows[1], 0};
     Coefficients c;
     prepare(p, &c);
     for (int step = 0; step < n; step++) {
@@ -54,10 +54,12 @@ EXPORT void test_steps(Run *run, double h, int n, double s, double *inside)
     }
 }
 
-#if V_STATE >= 0
-EXPORT int test_events(double level, double v0, double v1, const double *d, double *s, int8_t *rises)
+#if WATCHES > 0
+EXPORT int test_events(double level, double v0, double v1, const double *d, double *s, int8_t *what)
 {
-    return events_within(level, v0, v1, d[0], d[1], d[2], s, rises);
+    double b[5];
+    bernstein_of_dense(v0, v1, d[0], d[1], d[2], b);
+    return events_within(level, b, s, what);
 }
 #endif
 """

@@ -1,5 +1,7 @@
 """A force sine on a body that slips and sticks, positions with an ordinary encoder's noise: fits by simulation."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -81,14 +83,14 @@ def test_a_start_is_the_same_however_many_there_are(record):
 def test_more_starts_are_never_worse(record):
     """The hard way: the force for the noisy motion, in which no start reaches the noise."""
     errors = [fitted(record, output="force", starts=n).relative_force_error for n in (1, 2, 4, 8)]
-    assert all(later <= earlier * (1 + 1e-6) for earlier, later in zip(errors, errors[1:], strict=False))
+    assert all(later <= earlier * (1 + 1e-6) for earlier, later in pairwise(errors))
 
 
 def test_progress_rises_to_the_end(record):
     shares = []
     fitted(record, starts=2, progress=shares.append)
     assert len(shares) > 20
-    assert all(b >= a for a, b in zip(shares, shares[1:], strict=False))
+    assert all(b >= a for a, b in pairwise(shares))
     assert shares[-1] == pytest.approx(1.0)
 
 

@@ -49,9 +49,9 @@ def steps(library, scenario, h, n, inside=0.5):
     system, values = scenario.system, scenario.values()
     parameters = np.array([values[key] for key in system.parameters])
     x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
-    ones, zero, dense = np.ones(len(x)), np.zeros(1), np.empty((n, len(x)))
+    ones, zero, dense = np.ones(len(x)), np.zeros(3), np.empty((n, len(x)))
     run = Run(rtol=1.0)
-    for name, array in {"parameters": parameters, "atol": ones, "x": x, "piece_value": zero}.items():
+    for name, array in {"parameters": parameters, "atol": ones, "x": x, "piece_rows": zero}.items():
         setattr(run, name, pointer(array))
     d = ctypes.c_double
     library.test_steps(ctypes.byref(run), d(h), ctypes.c_int(n), d(inside), pointer(dense))

@@ -96,9 +96,7 @@ def test_mistakes(name):
 
 
 def test_every_constant_says_its_unit():
-    by_name = {
-        law["properties"]["name"].get("const"): law for law in schema.json_schema()["properties"]["law"]["oneOf"]
-    }
+    by_name = {law["properties"]["name"].get("const"): law for law in schema.json_schema()["$defs"]["law"]["oneOf"]}
     for name, law in laws.builtin().items():
         for constant, declared in law.own_constants().items():
             assert by_name[name]["properties"][constant]["description"].endswith(declared.unit)

@@ -101,7 +101,7 @@ def bernstein(values):
 def events_of(library, v0, v1, d, threshold):
     times, rises, number = np.zeros(16), np.zeros(16, np.int8), ctypes.c_double
     count = library.test_events(number(threshold), number(v0), number(v1), np.ascontiguousarray(d), times, rises)
-    return [(float(t), bool(up)) for t, up in zip(times[:count], rises[:count], strict=True)]
+    return [(float(t), not what & 1) for t, what in zip(times[:count], rises[:count], strict=True)]
 
 
 def test_every_crossing_within_one_step(tmp_path):

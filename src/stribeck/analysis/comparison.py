@@ -14,6 +14,15 @@ from stribeck.simulation import Solution, simulate
 COMPARED = ("y", "v", "F")
 
 
+def compared(scenario: Scenario) -> tuple[str, ...]:
+    """The columns that are compared: of a machine, those of each body, contact and link."""
+    if scenario.rig is None:
+        return COMPARED
+    machine = scenario.rig.machine
+    found = [f"{body.name}.{x}" for body in machine.bodies if body.leader is None for x in ("y", "v")]
+    return (*found, *(f"{x.name}.F" for x in machine.contacts), *(f"{x.name}.f" for x in machine.links))
+
+
 @dataclass(frozen=True)
 class Comparison:
     """Solutions by label, the first being the reference, and the deviations of the others from it."""
@@ -39,12 +48,9 @@ class Comparison:
             "laws": {
                 label: {
                     "status": s.status,
-                    "law": {
-                        "name": s.scenario.law.name,
-                        "constants": {**s.scenario.law.values, **s.scenario.law.choices},
-                    },
+                    **s.laws,
                     "rows": len(s.t),
-                    "peaks": {name: s.peaks[name] for name in COMPARED},
+                    "peaks": {name: s.peaks[name] for name in compared(s.scenario)},
                     "deviations": self.deviations.get(label),
                 }
                 for label, s in self.solutions.items()
@@ -57,7 +63,7 @@ def deviations(reference: Solution, other: Solution) -> dict[str, dict[str, floa
     reference's peak there (None where that peak is 0)."""
     rows = min(len(reference.t), len(other.t))
     found: dict[str, dict[str, float | None]] = {}
-    for name in COMPARED:
+    for name in compared(reference.scenario):
         a, b = reference[name][:rows], other[name][:rows]
         with np.errstate(all="ignore"):
             largest = float(np.max(np.abs(b - a), initial=0.0))

@@ -7,7 +7,9 @@ import warnings
 from typing import Any, NoReturn
 
 from stribeck.cli.options import said
-from stribeck.errors import InputError, MissingExtra, StribeckError, StribeckNote
+from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote
+
+_EXTRA = {"fit": "fit", "rig": "fit", "export": "export", "check": "check", "gains": "check", "paper": "paper"}
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
@@ -29,9 +31,20 @@ def _status(arguments: list[str] | None) -> int:
         for line in error.problems:
             print(said(line, _command(arguments)), file=sys.stderr)
         return 2
+    except (MissingExtra, ModuleNotFoundError) as error:
+        command = _command(arguments)
+        package = error.package if isinstance(error, MissingExtra) else (error.name or "").partition(".")[0]
+        if package not in EXTRAS:
+            raise
+        if isinstance(error, MissingExtra) and command not in _EXTRA:
+            print(f"stribeck: {said(Line(str(error)), command)}", file=sys.stderr)
+        else:
+            extra = _EXTRA.get(command, EXTRAS[package])
+            print(f"stribeck: '{command}' needs {package}: pip install 'stribeck[{extra}]'", file=sys.stderr)
+        return 2
     except StribeckError as error:
         print(f"stribeck: {error}", file=sys.stderr)
-        return 2 if isinstance(error, MissingExtra) else 1
+        return 1
     except KeyboardInterrupt:
         print("stribeck: interrupted", file=sys.stderr)
         return 130

@@ -11,8 +11,9 @@ import stribeck
 
 app = typer.Typer(
     help="Friction models that you can simulate, prove, fit and ship.",
+    epilog="Example: stribeck new my_rig; stribeck run my_rig.toml --out first",
     no_args_is_help=True,
-    add_completion=False,
+    rich_markup_mode=None,  # plain help: nothing folds within a word
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
@@ -60,7 +61,7 @@ def _common(
     pass
 
 
-@app.command()
+@app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
 def run(
     scenario: ScenarioFile,
     out: Out = None,
@@ -79,12 +80,29 @@ def run(
 
 
 @app.command()
+def show(
+    machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file (schema = 2).")],
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE.svg", help="Draw it here, as a picture.")] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+) -> int:
+    """Draw a machine as a schematic: bodies, what is between them and what acts on them, with their numbers."""
+    from stribeck.cli import schematic as command
+
+    return command.draw(machine, out, set_ or [], json, trust)
+
+
+@app.command(epilog="Example: stribeck compare my_rig.toml --law lugre --law lugre_majorant:k_v=1e6")
 def compare(
     scenario: ScenarioFile,
     law: Annotated[
         list[str],
         typer.Option("--law", metavar="NAME[:KEY=VALUE,...]", help="A law to compare; the first is the reference."),
     ],
+    contact: Annotated[
+        str | None, typer.Option("--contact", metavar="NAME", help="Of a machine, whose law is replaced.")
+    ] = None,
     out: Out = None,
     set_: Set = None,
     trust: Trust = False,
@@ -94,10 +112,10 @@ def compare(
     """Simulate one scenario under several laws and show where they deviate."""
     from stribeck.cli import compare as command
 
-    return command.compare(scenario, law, out, set_ or [], json, trust)
+    return command.compare(scenario, law, out, set_ or [], json, trust, contact)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
 def sweep(
     scenario: ScenarioFile,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the parts; made if need be.")],
@@ -110,6 +128,7 @@ def sweep(
     ] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="What the random points are drawn by.", min=0)] = 0,
     summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Write CSV in the place of Parquet.")] = False,
     set_: Set = None,
     threads: Annotated[
         int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
@@ -121,10 +140,10 @@ def sweep(
     """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
     from stribeck.cli import sweep as command
 
-    return command.sweep(scenario, vary or [], samples, seed, summary, out, set_ or [], threads, json, trust)
+    return command.sweep(scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck laws lugre_majorant")
 def laws(
     law: Annotated[
         list[str] | None, typer.Argument(metavar="[LAW]...", help="Only these; FILE.py:NAME is one too.")
@@ -141,7 +160,7 @@ def laws(
     return command.laws(law or [], json, test, sets)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck advise lugre_sobczyk --parameters canudas1995 --creep 1e-6")
 def advise(
     law: Annotated[str, typer.Argument(metavar="LAW", help="A bristle law with k_v.")],
     parameters: Annotated[
@@ -183,7 +202,7 @@ def advise(
     return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck fit log.csv --law lugre --time t --position y --force F --out fit")
 def fit(
     data: Annotated[
         list[Path], typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs.")
@@ -334,7 +353,7 @@ def validate(
     return work.validate(scenario, log, given, set_ or [], out, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck rig --stroke 0.05 --speed 0.1 --force 50 --out plan")
 def rig(
     stroke: Annotated[float, typer.Option("--stroke", metavar="M", help="The rig's travel, m.")],
     speed: Annotated[float, typer.Option("--speed", metavar="M/S", help="Its highest speed, m/s.")],
@@ -363,7 +382,7 @@ def rig(
     return command.rig(limits, simulate, law, parameters, set_ or [], seed, out, json)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck check lugre_sobczyk --parameters canudas1995 --set k_v=1e7")
 def check(
     law: Annotated[str | None, typer.Argument(metavar="LAW", help="A law; FILE.py:NAME is one too.")] = None,
     parameters: Annotated[
@@ -380,10 +399,14 @@ def check(
         bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
     ] = False,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")
+        bool, typer.Option("--verify", help="Check each proof by other code, and replay each counterexample.")
     ] = False,
+    certificate: Annotated[
+        Path | None, typer.Option("--certificate", metavar="FILE", help="Write the proofs here, for others to check.")
+    ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write counterexamples here, as scenarios to run.")
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder for a page, and for counterexamples as scenarios to run."),
     ] = None,
     json: Json = False,
     _undetermined: Undetermined = False,
@@ -391,10 +414,10 @@ def check(
     """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
     from stribeck.cli import check as command
 
-    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out)
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck new my_rig")
 def new(
     name: Annotated[
         str, typer.Argument(metavar="[NAME]", help="A name for it, or that of a built-in example.")
@@ -408,7 +431,7 @@ def new(
     return command.new(name, out, examples)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck paper --out report")
 def paper(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the report.")] = Path("stribeck-report"),
     json: Json = False,
@@ -419,7 +442,7 @@ def paper(
     return command.paper(out, json)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck export lugre --parameters canudas1995 --target c --out firmware")
 def export(
     target: Annotated[
         str, typer.Option("--target", metavar="NAME", help="The tool: c, fmu, modelica, mujoco, st or table.")
@@ -462,7 +485,7 @@ def export(
     return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck gains servo.toml --out gains")
 def gains(
     scenario: ScenarioFile,
     v_max: Annotated[
@@ -471,16 +494,17 @@ def gains(
     ] = None,
     set_: Set = None,
     trust: Trust = False,
+    out: Out = None,
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
     """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation."""
     from stribeck.cli import gains as command
 
-    return command.gains(scenario, v_max, set_ or [], json, trust)
+    return command.gains(scenario, v_max, set_ or [], out, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck doctor --json")
 def doctor(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""
     from stribeck.cli import doctor as command

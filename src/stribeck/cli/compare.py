@@ -9,19 +9,24 @@ from typing import Any
 
 from stribeck.analysis.comparison import Comparison, compare_laws
 from stribeck.cli import show
-from stribeck.errors import InputError, StribeckNote
+from stribeck.cli.text import say, width
+from stribeck.errors import InputError, StribeckNote, nearest
 from stribeck.laws.base import PARAMETERS
-from stribeck.scenario import parse_assignment
+from stribeck.scenario import Scenario, parse_assignment
 
+_NUMBERS = 40  # columns of a row beside the label
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
 
 
-def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool, trust: bool) -> int:
+def compare(
+    path: Path, laws: list[str], out: Path | None, assignments: list[str], json: bool, trust: bool, contact: str | None
+) -> int:
     """Simulate the scenario under each law, print the deviations from the first, write an overlay."""
     scenario = show.load(path, assignments, trust)
+    table = _table(scenario, contact)
     with warnings.catch_warnings():  # that a law without smoothing takes no k_v is what it is compared for
-        warnings.filterwarnings("ignore", r"law\.(parameters\.)?k_v: dropped", StribeckNote)
-        variants = {text: scenario.with_changes(_changes(text)) for text in laws}
+        warnings.filterwarnings("ignore", r"(.*\.)?law\.(parameters\.)?k_v: dropped", StribeckNote)
+        variants = {text: scenario.with_changes(_changes(text, table)) for text in laws}
     if len(variants) < len(laws):
         raise InputError(f"--law: {max(laws, key=laws.count)!r}: given twice; must differ from the others")
     if out is not None:
@@ -32,7 +37,7 @@ def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str
     if out is not None:
         from stribeck.report.compare import write
 
-        summary["files"] = write(comparison, out, summary)
+        summary["files"] = write(comparison, out, summary, show.command_line())
     if json:
         show.print_json(summary)
     else:
@@ -43,29 +48,53 @@ def compare(path: Path, laws: list[str], out: Path | None, assignments: list[str
     return 0 if comparison.status == "done" else 1
 
 
-def _changes(text: str) -> dict[str, Any]:
+def _table(scenario: Scenario, contact: str | None) -> str:
+    """The path of the law that is replaced."""
+    if scenario.rig is None:
+        if contact is not None:
+            raise InputError(f"--contact: {contact!r}: must be left out: {scenario.name} is no machine")
+        return "law"
+    names = [each.name for each in scenario.rig.machine.contacts]
+    if contact is None and len(names) == 1:
+        contact = names[0]
+    if contact is None:
+        known = f"one of {', '.join(names)}" if names else "of a contact, and there is none"
+        raise InputError(f"--contact: missing: must be given ({known})")
+    if contact not in names:
+        guess = nearest(contact, names) or f" (there is {', '.join(names) or 'none'})"
+        raise InputError(f"--contact: {contact!r}: there is no such contact{guess}")
+    return f"contacts.{contact}.law"
+
+
+def _changes(text: str, table: str) -> dict[str, Any]:
     """``NAME:KEY=VALUE,...`` as changes to a scenario."""
     match = _LAW.fullmatch(text)
     if match is None:
         raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
-    changes: dict[str, Any] = {"law.name": match["name"]}
+    changes: dict[str, Any] = {f"{table}.name": match["name"]}
     for part in (match["constants"] or "").split(","):
         if part.strip() or match["constants"] == "":
             if "=" not in part:
                 raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
             key, value = parse_assignment(part)
-            changes[f"law.parameters.{key}" if key in PARAMETERS else f"law.{key}"] = value
+            changes[f"{table}.parameters.{key}" if key in PARAMETERS else f"{table}.{key}"] = value
     return changes
 
 
 def _print(comparison: Comparison, files: list[str]) -> None:
-    reference = next(iter(comparison.solutions))
-    print(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak")
-    width = max(map(len, comparison.solutions))
-    print(f"  {'law':{width}}" + "".join(f"{name:>24}" for name in ("y", "v", "F")))
+    reference, *others = comparison.solutions
+    units = {column.name: column.unit for column in comparison.solutions[reference].columns}
+    say(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak", 2)
+    wide = max(map(len, comparison.solutions))
+    beside = wide if wide <= width() - _NUMBERS else 0  # the labels' column; none where they would fold the table
+    if others:
+        print(f"  {'law' if beside else '':{beside}}{'deviation':>14}{'share':>12}  of")
     for label, deviations in comparison.deviations.items():
-        cells = "".join(f"{d['max']:13.4g} {_percent(d['max_relative']):>10}" for d in deviations.values())
-        print(f"  {label:{width}}{cells}")
+        if not beside:
+            print(f"  {label}")
+        for i, (name, d) in enumerate(deviations.items()):
+            named = label if beside and not i else ""
+            print(f"  {named:{beside}}{d['max']:14.4g}{_percent(d['max_relative']):>12}  {name} ({units[name]})")
     for file in files:
         print(f"  wrote {file}")
 

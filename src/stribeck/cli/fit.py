@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.cli import show
+from stribeck.cli.text import say
 from stribeck.constants import show as shown
 from stribeck.errors import InputError
 from stribeck.identify import api as fitting
@@ -133,12 +134,10 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
     elif result.details.get("candidates"):
         _print_candidates(result.details["candidates"])
     best = result.best if isinstance(result, Choice) else result
-    print(
-        f"{best.law}, {best.method}: {len(log)} rows, relative force error {_percent(best.relative_force_error)}",
-        end="",
-    )
     left_out = best.cross_validated_error
-    print("" if left_out is None else f", on data left out {_percent(left_out)}")
+    beyond = "" if left_out is None else f", on data left out {_percent(left_out)}"
+    error = f"relative force error {_percent(best.relative_force_error)}{beyond}"
+    say(f"{best.law}, {best.method}: {len(log)} rows, {error}", 4)
     rows = {**best.estimates, **best.body}
     width = max(map(len, rows), default=4)
     print(f"  {'':{width}}  {'value':>12}  {'95 % interval':>27}  unit")
@@ -147,14 +146,14 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
             print(f"  {name:{width}}  {_digits(e.value):>12}  {_interval(e):>27}  {e.unit}")
     for name, e in rows.items():
         if not e.identifiable:
-            print(f"  {name}: not determined by the data: {e.doubt}")
-            print(f"  {'':{width}}  to determine it: {e.experiment}")
+            say(f"{name}: not determined by the data: {e.doubt}", 6, "  ")
+            say(f"to determine it: {e.experiment}", 6, "      ")
     for r in best.details.get("levels", ()):
         at = "".join(f" at {n.removeprefix('F_c_by_')} {x:.4g}" for n, x in r["at"].items())
         told = f", predicted from the others {r['predicted']:.4g}" if "predicted" in r else ""
-        print(f"  {r['file']}{at}: F_c {r['level']:.4g} ({r['low']:.4g} ... {r['high']:.4g}) N{told}")
+        say(f"{r['file']}{at}: F_c {r['level']:.4g} ({r['low']:.4g} ... {r['high']:.4g}) N{told}", 6, "  ")
     for text in (*log.quality, *best.notes):
-        print(f"  note: {text}")
+        say(text, 6, "  note: ")
     for file in files:
         print(f"  wrote {file}")
 
@@ -171,8 +170,9 @@ def _print_choice(choice: Choice) -> None:
         error, whole = row["cross_validated_error"], row["relative_force_error"]
         print(f"{row['law']:{width}}  {_percent(error):>9}  {_percent(whole):>9}  {row['numbers']}")
     for name, why in choice.failed.items():
-        print(f"{name:{width}}  {why}")
-    print(f"picked: {choice.picked}: {choice.reason}\n")
+        say(why, 6, f"{name:{width}}  ")
+    say(f"picked: {choice.picked}: {choice.reason}", 6)
+    print()
 
 
 def _percent(share: float | None) -> str:

@@ -29,7 +29,7 @@ def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c
     if out is not None:
         from stribeck.report.run import write
 
-        summary["files"] += write(solution, out, summary)
+        summary["files"] += write(solution, out, summary, show.command_line())
     if json:
         show.print_json(summary)
     else:
@@ -42,14 +42,21 @@ def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c
 
 def _print(solution: Solution, files: list[str]) -> None:
     scenario, stats = solution.scenario, solution.stats
-    print(f"{scenario.name}: {solution.status}, law {scenario.law.name}, {len(solution.t)} rows of {scenario.rows}")
+    print(f"{scenario.name}: {solution.status}, {scenario.subject}, {len(solution.t)} rows of {scenario.rows}")
     milliseconds = 1e3 * stats["seconds"]
     print(f"  {stats['accepted']} steps ({stats['rejected']} rejected) in {milliseconds:.1f} ms, {stats['solver']}")
-    slips, sticks = len(solution.events["slip"]), len(solution.events["stick"])
-    print(f"  |v| rises through v_s {slips} times (slip), falls through it {sticks} times (stick)")
-    print(f"  {'':8}{'peak':>16}{'final':>16}")
+    if scenario.rig is None:
+        slips, sticks = len(solution.events["slip"]), len(solution.events["stick"])
+        print(f"  |v| rises through v_s {slips} times (slip), falls through it {sticks} times (stick)")
+    for element, events in solution.events.items() if scenario.rig is not None else ():
+        told = ", ".join(f"{kind} {len(times)}" for kind, times in events.items() if len(times))
+        print(f"  {element}: {told or 'no events'}")
+    width = max(8, *(len(column.name) for column in solution.columns))
+    print(f"  {'':{width}}{'peak':>16}{'final':>16}")
     peaks, final = solution.peaks, solution.final
     for column in solution.columns:
-        print(f"  {column.name:8}{peaks[column.name]:16.8g}{final.get(column.name, float('nan')):16.8g} {column.unit}")
+        print(
+            f"  {column.name:{width}}{peaks[column.name]:16.8g}{final.get(column.name, float('nan')):16.8g} {column.unit}"
+        )
     for file in files:
         print(f"  wrote {file}")

@@ -5,13 +5,25 @@ from __future__ import annotations
 import textwrap
 import threading
 from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 
 from stribeck.codegen.elimination import eliminate
-from stribeck.codegen.interface import Equations
+from stribeck.equations import Equations
 from stribeck.expressions.emit import C, Writer
-from stribeck.expressions.graph import ONE, Expr, derivative, is_zero, ordered, rewrite, substitute, symbol
+from stribeck.expressions.graph import (
+    ONE,
+    ZERO,
+    Expr,
+    derivative,
+    is_zero,
+    ordered,
+    rewrite,
+    substitute,
+    symbol,
+    symbols,
+)
 
 # Words of C, and names that the generated functions use themselves.
 _RESERVED = frozenset(
@@ -20,7 +32,8 @@ _RESERVED = frozenset(
     restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
     p c t x dx piece jac fac shift df_dt exp log sqrt sin cos atan tanh fabs pow
     abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
-    N V_STATE LANES BY_LANE EXPORT INFINITY NAN HUGE_VAL M_PI M_E UNUSED unix linux
+    floor_of piece_ w dw m u which noise memory timing sample watch moved_energy
+    N WATCHES WATCHED CURVED PIECE HELD MOVED LANES BY_LANE EXPORT INFINITY NAN HUGE_VAL M_PI M_E UNUSED unix linux
     """.split()  # noqa: SIM905
 )
 
@@ -43,22 +56,55 @@ class _Source:
     def __init__(self, system: Equations, lanes: bool) -> None:
         self.system, self.lanes = system, lanes
         self.names = [state.name for state in system.states]
-        self.fields = _unique([name for _, name in system.parameters])
+        self.c_names = _unique(self.names)
+        self.fields = _unique([system.field(owner, name) for owner, name in system.parameters])
         self.parameter_text = {
             f"{group}.{name}": f"p->{field}"
             for (group, name), field in zip(system.parameters, self.fields, strict=True)
         }
-        rates = system.rates()
-        n, t = len(rates), symbol("t")
-        by_state = [[derivative(rate, symbol(name)) for name in self.names] for rate in rates]
-        by_time = [derivative(rate, t) for rate in rates]
-        outputs = [*rates, *(entry for row in by_state for entry in row), *by_time]
-        for node in ordered(outputs):
+        made = self._made()
+        for node in ordered(made.every):
             node.label = None
-        system.rates()  # sets the labels of this system
-        flat = self._hoist(outputs)
-        self.rates, self.by_time = flat[:n], flat[n + n * n :]
-        self.by_state = [flat[n + i * n : n + (i + 1) * n] for i in range(n)]
+        made = self._made()  # sets the labels of this system
+        flat = iter(self._hoist(made.every))
+        for part in made.parts:
+            part[:] = [next(flat) for _ in part]
+        n = len(self.names)
+        self.rates, self.by_time, self.watched = made.rates, made.by_time, made.watched
+        self.by_state = [made.by_state[i * n : (i + 1) * n] for i in range(n)]
+        self.watched_by = [made.watched_by[i * n : (i + 1) * n] for i in range(len(self.watched))]
+        self.curved = made.curved
+        self.moved, self.samples, self.memory = made.moved, made.samples, made.memory
+
+    def _made(self) -> _Made:
+        """All expressions of the system and their derivatives."""
+        system, rates = self.system, self.system.rates()
+        states, t = [symbol(name) for name in self.names], symbol("t")
+        known: list[dict[Expr, Expr]] = [{} for _ in (*states, t)]
+
+        def slopes(of: Expr) -> list[Expr]:
+            uses = symbols([of])
+            return [
+                derivative(of, by, known[i]) if str(by.value) in uses else ZERO for i, by in enumerate((*states, t))
+            ]
+
+        rows = [slopes(rate) for rate in rates]
+        watched = [watch.value for watch in system.watches()]
+        of_watched = [slopes(value) for value in watched]
+        moving = {*self.names, "t"}
+        samples = system.samples()
+        moved = system.moved_energy()
+        return _Made(
+            rates=list(rates),
+            by_state=[entry for row in rows for entry in row[:-1]],
+            by_time=[row[-1] for row in rows],
+            watched=watched,
+            watched_by=[entry for row in of_watched for entry in row[:-1]],
+            moved=[] if moved is None else [moved],
+            samples=[expr for each in samples for expr in (each.output, *each.memory.values())],
+            curved=[bool(symbols(row) & moving) for row in of_watched],
+            memory=[tuple(each.memory) for each in samples],
+        )
 
     # -- constant subexpressions ---------------------------------------------------------------------------------
 
@@ -117,13 +163,14 @@ class _Source:
         self.factors: dict[str, Expr] = {}
         matrix = self._matrix()
         right = [symbol(f"right.{name}") for name in self.names]
-        solution = eliminate(matrix, self.names, right, self._keep_factor)
+        solution = eliminate(matrix, self.c_names, right, self._keep_factor)
         parts = [
             self._head(),
             _runtime("vector.c" if self.lanes else "scalar.c"),
-            self._struct("Parameters", self.fields, [f"{owner}.{name}" for owner, name in self.system.parameters]),
+            self._struct("Parameters", self.fields, [f"{owner}|{name}" for owner, name in self.system.parameters]),
             self._struct("Coefficients", list(self.coefficients), None),
-            "/* The current straight piece of the signal. */\ntypedef struct { real start, value, slope; } Segment;",
+            "/* The current pieces of the signals, and what sampled controllers hold. */\n"
+            + self._struct("Segment", [*self.system.piece_fields, *self.system.held], None),
             self._struct("Jacobian", list(self.jacobian), None),
             self._struct("Factors", list(self.factors), None),
             self._function(
@@ -132,12 +179,12 @@ class _Source:
             ),
             self._function(
                 "Time derivatives of the states.", "rates",
-                f"{_COMMON}, const Segment *piece, real t, const real *x, real *dx",
+                f"{_COMMON}, {_NOW}, real *dx",
                 [(f"dx[{i}]", rate) for i, rate in enumerate(self.rates)],
             ),
             self._function(
                 "Their derivatives: by the states (the entries that vary) and by time.", "jacobian",
-                f"{_COMMON}, const Segment *piece, real t, const real *x, Jacobian *jac, real *df_dt",
+                f"{_COMMON}, {_NOW}, Jacobian *jac, real *df_dt",
                 [*((f"jac->{name}", node) for name, node in self.jacobian.items()),
                  *((f"df_dt[{i}]", node) for i, node in enumerate(self.by_time))],
             ),
@@ -150,26 +197,90 @@ class _Source:
                 f"{_COMMON}, const Jacobian *jac, real shift, const Factors *fac, const real *right, real *k",
                 [(f"k[{i}]", node) for i, node in enumerate(solution)],
             ),
+            *self._watching(),
+            *self._sampling(),
             _runtime("method.c"),
             _runtime("events.c"),
             _runtime("lanes.c" if self.lanes else "run.c"),
         ]  # fmt: skip
         return "\n\n".join(parts)
 
+    def _watching(self) -> list[str]:
+        """What events are told by, its change along the dense output, and the energy that a jump of a signal moves."""
+        parts = []
+        if self.watched:
+            changes = []
+            for j, row in enumerate(self.watched_by):
+                total = ZERO
+                for i, entry in enumerate(row):
+                    total = total + entry * symbol(f"change.{i}")
+                changes.append((f"dw[{j}]", ZERO if self.curved[j] else total))
+            parts = [
+                self._function(
+                    "What events are told by.", "watch", f"{_COMMON}, {_NOW}, real *w",
+                    [(f"w[{j}]", node) for j, node in enumerate(self.watched)],
+                ),
+                self._function(
+                    "How it changes with the states, where it does so in proportion.", "watch_dense",
+                    f"{_COMMON}, const real *dx, real *dw", changes,
+                ),
+            ]  # fmt: skip
+        if self.moved:
+            parts.append(
+                self._function(
+                    "The energy that changes where a signal jumps.", "moved_energy", f"{_COMMON}, {_NOW}",
+                    [("const real moved", self.moved[0])], "return moved;", "real",
+                )
+            )  # fmt: skip
+        return parts
+
+    def _sampling(self) -> list[str]:
+        """The difference equations of sampled controllers."""
+        if not self.memory:
+            return []
+        fields = [name for memory in self.memory for name in memory]
+        parts = ["/* What sampled controllers remember. */\n" + self._struct("Memory", fields, None)]
+        at, names = 0, [sample.name for sample in self.system.samples()]
+        for name, memory in zip(names, self.memory, strict=True):
+            nodes = self.samples[at : at + 1 + len(memory)]
+            at += len(nodes)
+            outputs = [("*u", nodes[0]), *((f"m->{n}", node) for n, node in zip(memory, nodes[1:], strict=True))]
+            parts.append(
+                self._function(
+                    f"Controller {name} at one of its instants: its output, and what it remembers then.",
+                    f"sample_{name}", f"{_COMMON}, {_NOW}, real noise, Memory *m, real *u", outputs, late=True,
+                )
+            )  # fmt: skip
+        calls = "".join(
+            f"    if (which == {i}) sample_{name}(p, c, piece, t, x, noise, m, u);\n" for i, name in enumerate(names)
+        )
+        paths = [next(o for o, n in self.system.parameters if o.split(".")[1:] == [name, "sampling"]) for name in names]
+        times = "".join(
+            f"    timing->{what}[{i}] = {self.parameter_text[f'{path}.{what}']};\n"
+            for i, path in enumerate(paths) for what in ("period", "delay")
+        )  # fmt: skip
+        return [
+            *parts,
+            f"static void sample(int which, {_COMMON}, {_NOW}, real noise, Memory *m, real *u)\n{{\n{calls}}}",
+            "/* When samples are taken, and how much later their outputs act. */\n"
+            f"typedef struct {{ real period[{len(names)}], delay[{len(names)}]; }} Timing;\n"
+            f"static inline void find_timing(const Parameters *p, Timing *timing)\n{{\n{times}}}",
+        ]
+
     def _matrix(self) -> list[list[Expr]]:
         """a I - J, with the entries of J that vary as symbols."""
         n, a = len(self.names), symbol("shift")
+        known = {*self.parameter_text, *(f"coefficient.{name}" for name in self.coefficients)}
         matrix = []
         for i in range(n):
             row = []
             for k in range(n):
                 entry = self.by_state[i][k]
-                fixed = entry.op in ("constant", "symbol") and str(entry.value) not in (*self.names, "t")
-                fixed = fixed or (
-                    entry.op == "neg" and entry.args[0].op == "symbol" and "." in str(entry.args[0].value)
-                )
-                if not fixed:
-                    name = f"{self.names[i]}_{self.names[k]}"
+                plain = entry.args[0] if entry.op == "neg" else entry
+                if not (plain.op == "constant" or (plain.op == "symbol" and str(plain.value) in known)):
+                    name = f"{self.c_names[i]}_{self.c_names[k]}"
+                    while name in self.jacobian:
+                        name += "_"
                     self.jacobian[name] = entry
                     entry = symbol(f"jacobian.{name}")
                 row.append(a - entry if i == k else -entry)
@@ -183,6 +294,8 @@ class _Source:
         for other, known in self.factors.items():
             if known is entry:
                 return symbol(f"factor.{other}")
+        while name in self.factors:
+            name += "_"
         self.factors[name] = entry
         return symbol(f"factor.{name}")
 
@@ -190,14 +303,27 @@ class _Source:
         states = "".join(
             f"   x[{i}] = {s.name:<14} {s.unit:<6} {s.meaning}\n" for i, s in enumerate(self.system.states)
         )
-        speed = self.names.index("v") if "v" in self.names else -1
+        used = symbols(self.watched)
+        moving = [i for i, name in enumerate(self.names) if name in used]
+        tables = ""
+        if self.watched:
+            curved = ", ".join(str(int(x)) for x in self.curved)
+            tables = f"""
+static const int WATCHED_STATES[] = {{{", ".join(map(str, moving or [0]))}}}; /* that they depend on */
+UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear function of states and time */"""
         return (
             f"/* Generated by Stribeck: a simulation as straight-line C.\n"
             f"{''.join(f'   {_comment(line)}' + chr(10) for line in self.system.heading)}"
             f"   States, SI units:\n{states}*/\n"
             f"#include <math.h>\n#include <stddef.h>\n#include <stdint.h>\n{PORTABLE}\n"
             f"#define N {len(self.names)} /* states */\n"
-            f"#define V_STATE {speed} /* the state that is the velocity, or -1 */"
+            f"#define PIECE {len(self.system.piece_fields)} /* numbers of the signals' pieces */\n"
+            f"#define HELD {len(self.system.held)} /* outputs of sampled controllers */\n"
+            f"#define WATCHES {len(self.watched)} /* quantities that events are told by */\n"
+            f"#define WATCHED {len(moving)}\n"
+            f"#define CURVED {sum(self.curved)}\n"
+            f"#define MOVED {self.names.index('E_in') if self.moved else -1} /* the state of the energy put in, or -1 */"
+            f"{tables}"
         )
 
     def _struct(self, name: str, fields: Sequence[str], comments: Sequence[str] | None) -> str:
@@ -216,27 +342,39 @@ class _Source:
         return f"typedef struct {{\n{body}}} {name};"
 
     def _unit(self, path: str) -> str:
-        owner, _, name = path.partition(".")
+        owner, _, name = path.partition("|")
         constant = self.system.constant(owner, name)
-        return _comment(f"{constant.unit or '1'}, {constant.meaning} ({path})")
+        return _comment(f"{constant.unit or '1'}, {constant.meaning} ({owner}.{name})")
 
-    def _function(self, what: str, name: str, arguments: str, outputs: list[tuple[str, Expr]]) -> str:
+    def _function(
+        self, what: str, name: str, arguments: str, outputs: list[tuple[str, Expr]], end: str = "", result: str = "void",
+        late: bool = False,
+    ) -> str:  # fmt: skip
+        """``late``: outputs go to places that inputs come from, so they are written when all is known."""
         inputs = {
             **self.parameter_text,
             **{f"coefficient.{n}": f"c->{n}" for n in self.coefficients},
-            **{f"segment.{n}": f"piece->{n}" for n in ("start", "value", "slope")},
+            **{f"segment.{n}": f"piece->{n}" for n in (*self.system.piece_fields, *self.system.held)},
+            **{f"memory.{n}": f"m->{n}" for memory in self.memory for n in memory},
+            **{f"change.{i}": f"dx[{i}]" for i in range(len(self.names))},
             **{f"jacobian.{n}": f"jac->{n}" for n in self.jacobian},
             **{f"factor.{n}": f"fac->{n}" for n in self.factors},
             **{f"right.{n}": f"right[{i}]" for i, n in enumerate(self.names)},
-            "t": "t", "shift": "shift",
+            "t": "t", "shift": "shift", "noise": "noise",
         }  # fmt: skip
-        local = dict(zip(self.names, _unique(self.names), strict=True))
+        local = dict(zip(self.names, self.c_names, strict=True))
         used = {str(node.value) for node in ordered(e for _, e in outputs) if node.op == "symbol"}
         lines = [f"const real {local[n]} = x[{i}];" for i, n in enumerate(self.names) if n in used]
-        lines += Writer(C, {**inputs, **local}, taken=_RESERVED).write(outputs)
+        if late:
+            locals_ = [(f"const real new_{i}", node) for i, (_, node) in enumerate(outputs)]
+            lines += Writer(C, {**inputs, **local}, taken=_RESERVED).write(locals_)
+            lines += [f"{target} = new_{i};" for i, (target, _) in enumerate(outputs)]
+        else:
+            lines += Writer(C, {**inputs, **local}, taken=_RESERVED).write(outputs)
+        lines += [end] if end else []
         body = "".join(f"    {line}\n" for line in lines)
         unused = "".join(f"    (void){word};\n" for word in _argument_names(arguments) if not _mentions(body, word))
-        return f"/* {what} */\nstatic inline void {name}({arguments})\n{{\n{unused}{body}}}"
+        return f"/* {what} */\nstatic inline {result} {name}({arguments})\n{{\n{unused}{body}}}"
 
 
 PORTABLE = """\
@@ -252,6 +390,32 @@ PORTABLE = """\
 #endif
 """
 _COMMON = "const Parameters *p, const Coefficients *c"
+_NOW = "const Segment *piece, real t, const real *x"
+
+
+@dataclass
+class _Made:
+    """The expressions of a system, as lists that are rewritten together."""
+
+    rates: list[Expr]
+    by_state: list[Expr]
+    by_time: list[Expr]
+    watched: list[Expr]
+    watched_by: list[Expr]
+    moved: list[Expr]
+    samples: list[Expr]
+    curved: list[bool]
+    memory: list[tuple[str, ...]]
+
+    @property
+    def parts(self) -> list[list[Expr]]:
+        """The lists."""
+        return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, self.moved, self.samples]
+
+    @property
+    def every(self) -> list[Expr]:
+        """All of them."""
+        return [node for part in self.parts for node in part]
 
 
 def _runtime(name: str) -> str:
@@ -268,10 +432,15 @@ def _mentions(body: str, word: str) -> bool:
     return re.search(rf"\b{word}\b", body) is not None
 
 
+def _c_name(name: str) -> str:
+    name = name.replace(".", "_")
+    return f"n{name}" if name[:1].isdigit() else name
+
+
 def _unique(names: Iterable[str]) -> list[str]:
     """The names as C identifiers, each once."""
     result: list[str] = []
-    for name in names:
+    for name in map(_c_name, names):
         field = name if name.isidentifier() and name.isascii() and name not in _RESERVED else f"{name}_"
         while field in result:
             field += "_"

@@ -15,6 +15,7 @@ from stribeck.constants import Constant
 from stribeck.control.cascade import Cascade, Path
 from stribeck.control.observer import ETA, SCALES, Z_HAT, Adaptation, Estimate, adapt, observe
 from stribeck.drives.base import Column
+from stribeck.equations import Equations
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, Expr, constant, derivative, substitute, symbol, total_derivative, wrap
 from stribeck.expressions.ops import Value, both, sqrt, where
@@ -50,7 +51,7 @@ MEASURED = ("t", "y", "v", "p_1", "p_2", "acceleration")  # what the controller 
 
 
 @dataclass(frozen=True)
-class ServoSystem:
+class ServoSystem(Equations):
     """The structure of a pneumatic servo, without any values; a :class:`stribeck.system.System` to codegen and solvers.
 
     ``sampled``: the controller is not part of the differential equations; the valve voltage is the constant drive.u.

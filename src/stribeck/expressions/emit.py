@@ -30,7 +30,7 @@ class Dialect:
 
 
 # ``real`` is a number, or a vector of numbers for several trajectories: runtime/scalar.c, runtime/vector.c.
-_FUNCTIONS = ("abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
+_FUNCTIONS = ("abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow", "floor")
 C = Dialect(
     declare="const real ",
     functions={name: f"{name}_of" for name in _FUNCTIONS},
@@ -142,7 +142,7 @@ def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[
     lines = writer.write([(f"r{i}", expr) for i, expr in enumerate(outputs)])
     results = "".join(f"r{i}, " for i in range(len(outputs)))
     source = f"def f({', '.join(arguments)}):\n" + "".join(f"    {line}\n" for line in [*lines, f"return ({results})"])
-    names = {name: getattr(ops, name) for name in ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign")}
+    names = {name: getattr(ops, name) for name in ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign", "floor")}
     scope: dict[str, Any] = {
         **names, "where": ops.where, "both": ops.both, "either": ops.either, "abs": abs, "pow": pow,
         "INFINITY": float("inf"), "NAN": float("nan"),

@@ -90,14 +90,23 @@ def find(name: str, folder: Path | None = None) -> type[Law]:
     return builtin()[name]
 
 
-def _from_file(name: str, folder: Path | None) -> type[Law]:
+def load_module(name: str, folder: Path | None) -> tuple[ModuleType, Path, str]:
+    """The module, the path and the name behind ``FILE.py:NAME``.
+
+    Raises:
+        InputError: the file cannot be read or does not load.
+    """
     file, _, wanted = name.rpartition(":")
     path = (folder or Path()) / file
     try:
         text = read_file(path)
     except (OSError, ValueError) as error:
         raise InputError(f"{name!r}: cannot read {path}: {getattr(error, 'strerror', None) or error}") from None
-    module = _module(name, path, text)
+    return _module(name, path, text), path, wanted
+
+
+def _from_file(name: str, folder: Path | None) -> type[Law]:
+    module, path, wanted = load_module(name, folder)
     laws = _laws_of(module)
     by_class = {cls.__name__: cls for cls in laws.values()}
     if wanted in laws or wanted in by_class:
@@ -173,4 +182,5 @@ def law(name: str, parameters: str | Mapping[str, float] | None = None, **consta
     """
     found = find(name)
     values = parameters_for(found, parameters) if isinstance(parameters, str) else parameters or {}
-    return found({**values, **constants})
+    rotary = isinstance(parameters, str) and parameter_sets.load(parameters).rotary
+    return found({**values, **constants}, rotary)

@@ -30,8 +30,12 @@ _INTRODUCTION = (
 )
 
 
-def write(folder: Path, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
+def write(folder: Path, progress: Callable[[float, str], None] | None = None) -> dict[str, Any]:
     """Compute every chapter and write report.html, figures/*.svg and *.png, data/*.parquet and summary.json.
+
+    Args:
+        folder: where they go.
+        progress: told the share of the chapters done and a word on it, as each is done.
 
     Returns:
         The summary.
@@ -64,7 +68,7 @@ def write(folder: Path, progress: Callable[[float], None] | None = None) -> dict
     return summary
 
 
-def _compute(progress: Callable[[float], None] | None) -> dict[str, Chapter]:
+def _compute(progress: Callable[[float, str], None] | None) -> dict[str, Chapter]:
     """The chapters by key, in order; independent ones in two processes where there are two cores."""
     from concurrent.futures import ProcessPoolExecutor, as_completed
 
@@ -74,10 +78,14 @@ def _compute(progress: Callable[[float], None] | None) -> dict[str, Chapter]:
     with ProcessPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
         futures = {pool.submit(_chapter, name, {}): name for name in independent}
         try:
+            if progress is not None:
+                progress(0.0, f"{len(CHAPTERS)} chapters")
             for future in as_completed(futures):
                 done[futures[future]] = future.result()
                 if progress is not None:
-                    progress(len(done) / len(CHAPTERS))
+                    progress(
+                        len(done) / len(CHAPTERS), f"{len(done)} of {len(CHAPTERS)} chapters, {futures[future]} done"
+                    )
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise

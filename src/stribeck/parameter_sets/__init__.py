@@ -24,6 +24,11 @@ class ParameterSet:
     values: dict[str, float] = field(hash=False)
     undetermined: tuple[str, ...] = ()  # values that a fit wrote, and that its data do not determine
 
+    @property
+    def rotary(self) -> bool:
+        """Whether the machine turns: N m in the place of N, rad in that of m."""
+        return self.motion == "rotary"
+
 
 @lru_cache(maxsize=1)
 def _built_in() -> dict[str, ParameterSet]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 import os
@@ -17,8 +18,9 @@ from numpy.typing import NDArray
 
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.codegen import source
-from stribeck.errors import InputError, arg
+from stribeck.errors import InputError, arg, needed
 from stribeck.files import write_json, write_with
+from stribeck.report.files import write_csv
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.simulation.variations import vary
@@ -119,13 +121,19 @@ class Sweep:
         values: the values of every lane by path.
         folder: where the files go.
         summary: keep one row a lane (peaks, slips, amplitude, period) in place of its trajectory.
+        as_csv: write CSV in the place of Parquet.
 
     Raises:
         InputError: a path cannot be varied.
     """
 
-    def __init__(self, scenario: Scenario, values: Mapping[str, Array], folder: Path, summary: bool) -> None:
-        self.lanes, self.folder, self.summary = vary(scenario, values), folder, summary
+    def __init__(
+        self, scenario: Scenario, values: Mapping[str, Array], folder: Path, summary: bool, as_csv: bool = False
+    ) -> None:
+        if not as_csv:
+            with needed(f"a sweep into Parquet files ({arg('as_csv')} writes CSV)"):
+                import pyarrow  # noqa: F401  (before hours of work, not after)
+        self.lanes, self.folder, self.summary, self.as_csv = vary(scenario, values), folder, summary, as_csv
         row = 8.0 * (1 + len(scenario.system.columns))
         self.part_size = max(1, min(len(self.lanes), int(_PART_BYTES / (row * scenario.rows))))
         self.parts = math.ceil(len(self.lanes) / self.part_size)
@@ -133,7 +141,7 @@ class Sweep:
             "format": 1,
             "stribeck": __version__,
             "scenario": scenario.name,
-            "law": scenario.law.name,
+            "law": scenario.subject.removeprefix("law "),
             "varied": list(self.lanes.values),
             "summary": summary,
             "lanes": len(self.lanes),
@@ -144,15 +152,16 @@ class Sweep:
 
     def path(self, part: int) -> Path:
         """The file of a part."""
-        return self.folder / f"part-{part:06d}.parquet"
+        return self.folder / f"part-{part:06d}.{'csv' if self.as_csv else 'parquet'}"
 
     def _digest(self) -> str:
         """Of all that decides the numbers: the equations and solver as C, every constant, the signal, the values."""
         s, lanes = self.lanes.scenario, self.lanes
-        signal = s.signal.segments if not s.signal.smooth else None
-        pieces = [signal.start, signal.value, signal.slope] if signal else []
+        table = s.pieces()
+        pieces = [table.start, table.rows, table.restart]
+        about = s.data["drive"] if s.rig is None else sorted(s.rig.seeds.items())
         numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.threshold, s.end]
-        settings = [s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values), s.data["drive"]]
+        settings = [s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values), about]
         text = json.dumps([source(s.system, lanes=True), numbers, settings])
         arrays = b"".join(np.ascontiguousarray(x).tobytes() for x in [*pieces, *lanes.values.values()])
         return sha256(text.encode() + arrays).hexdigest()
@@ -203,7 +212,7 @@ class Sweep:
             if not same:
                 text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
                 raise InputError(f"{arg('folder')}: {str(self.folder)!r}: {text}")
-        elif any(self.folder.glob("part-*.parquet")):
+        elif any(self.folder.glob("part-*.*")):
             raise InputError(
                 f"{arg('folder')}: {str(self.folder)!r}: holds parts of an unknown sweep: must be another folder"
             )
@@ -273,12 +282,19 @@ def _summary(e: Ensemble, first: int) -> list[Column]:
         found.append((f"peak_{c.name}", c.unit, f"largest magnitude: {c.meaning}", peak))
         found.append((f"final_{c.name}", c.unit, f"at the end: {c.meaning}", e[c.name][lanes, last]))
     late = e.t >= 0.5 * e.t[-1]
-    amplitude, period = amplitude_and_period(e.t[late], e["y"][:, late])
-    found.append(("amplitude", "m", "half of peak to peak of y in the second half", amplitude))
-    return [*found, ("period", "s", "mean time between upward crossings of y's middle in the second half", period)]
+    y = next(column for column in e.columns if column.name.split(".")[-1] == "y")  # of a machine, the first body's
+    amplitude, period = amplitude_and_period(e.t[late], e[y.name][:, late])
+    found.append(("amplitude", y.unit, f"half of peak to peak of {y.name} in the second half", amplitude))
+    return [
+        *found,
+        ("period", "s", f"mean time between upward crossings of {y.name}'s middle in the second half", period),
+    ]
 
 
 def _write(path: Path, columns: Sequence[Column]) -> None:
+    if path.suffix == ".csv":
+        write_with(path, lambda beside: write_csv(beside, {name: values for name, _, _, values in columns}))
+        return
     import pyarrow
     from pyarrow import parquet
 
@@ -294,6 +310,8 @@ def _write(path: Path, columns: Sequence[Column]) -> None:
 
 def _whole(path: Path) -> bool:
     """True where the part is there and can be read."""
+    if path.suffix == ".csv":
+        return path.is_file()  # it was renamed when it was whole
     import pyarrow
     from pyarrow import parquet
 
@@ -305,6 +323,9 @@ def _whole(path: Path) -> bool:
 
 
 def _failed_lanes(path: Path) -> int:
+    if path.suffix == ".csv":
+        with path.open(encoding="utf-8", newline="") as file:
+            return len({row["lane"] for row in csv.DictReader(file) if row["status"] == "failed"})
     from pyarrow import parquet
 
     table = parquet.read_table(path, columns=["lane"], filters=[("status", "=", "failed")])

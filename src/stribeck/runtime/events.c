@@ -1,8 +1,8 @@
-/* ---- Events: where |v| passes a threshold within a step. ---------------------------------------------------------- */
+/* ---- Events: where a watched quantity passes its level within a step. --------------------------------------------- */
 
 enum { MOST_EVENTS = 16 }; /* of one step */
 
-#if V_STATE >= 0
+#if WATCHES > 0
 /* Find every s in (s0, s1] where the quartic with Bernstein coefficients b passes through zero, in order; b's first and
    last values lie at s0 and s1. A polynomial stays between its coefficients, so an interval without a change of sign
    among them holds no root, and one with a single change holds exactly one (Descartes). */
@@ -32,12 +32,32 @@ static int crossings(const double b[5], double noise, double s0, double s1, int 
     return crossings(right, noise, middle, s1, depth + 1, found, rises, count);
 }
 
-/* Where |v| passes the level within a step, as shares of the step in order, and whether it rises there; how many. v0 and
-   v1 are the ends, d0 to d2 the coefficients of the dense output. */
-static int events_within(double level, double v0, double v1, double d0, double d1, double d2, double *s, int8_t *rises)
+/* What happened: bit 0 tells whether the magnitude fell, bit 1 whether the value was at -level. */
+enum { FELL = 1, AT_MINUS = 2 };
+
+/* The Bernstein coefficients of a quartic from its ends and the coefficients of its dense output. */
+static inline void bernstein_of_dense(double v0, double v1, double d0, double d1, double d2, double b[5])
 {
-    const double b[5] = {v0, v0 + 0.25 * (v1 - v0) + 0.25 * d0, 0.5 * (v0 + v1) + d0 / 3 + d1 / 6,
-                         v0 + 0.75 * (v1 - v0) + 0.25 * (d0 + d1 + d2), v1};
+    b[0] = v0;
+    b[1] = v0 + 0.25 * (v1 - v0) + 0.25 * d0;
+    b[2] = 0.5 * (v0 + v1) + d0 / 3 + d1 / 6;
+    b[3] = v0 + 0.75 * (v1 - v0) + 0.25 * (d0 + d1 + d2);
+    b[4] = v1;
+}
+
+/* The same of the quartic through five values at equal distances. */
+static inline void bernstein_of_values(const double f[5], double b[5])
+{
+    b[0] = f[0];
+    b[1] = (-13 * f[0] + 48 * f[1] - 36 * f[2] + 16 * f[3] - 3 * f[4]) / 12;
+    b[2] = (13 * f[0] - 64 * f[1] + 120 * f[2] - 64 * f[3] + 13 * f[4]) / 18;
+    b[3] = (-3 * f[0] + 16 * f[1] - 36 * f[2] + 48 * f[3] - 13 * f[4]) / 12;
+    b[4] = f[4];
+}
+
+/* Where a quartic passes +level and -level, as shares of the step in order, and what happens there; how many. */
+static int events_within(double level, const double b[5], double *s, int8_t *what)
+{
     double lowest = b[0], highest = b[0], largest = level, shifted[5];
     for (int i = 0; i < 5; i++) {
         lowest = b[i] < lowest ? b[i] : lowest;
@@ -48,20 +68,21 @@ static int events_within(double level, double v0, double v1, double d0, double d
     if (!(highest - lowest < 1e100)) return 0; /* a trajectory that is about to fail */
     if ((lowest > -level && highest < level) || lowest >= level || highest <= -level) return 0;
     for (int i = 0; i < 5; i++) shifted[i] = b[i] - level;
-    int count = crossings(shifted, noise, 0, 1, 0, s, rises, 0);
+    int count = crossings(shifted, noise, 0, 1, 0, s, what, 0);
     const int upper = count;
     for (int i = 0; i < 5; i++) shifted[i] = -b[i] - level;
-    count += crossings(shifted, noise, 0, 1, 0, s + upper, rises + upper, 0);
+    count += crossings(shifted, noise, 0, 1, 0, s + upper, what + upper, 0);
+    for (int i = 0; i < count; i++) what[i] = (int8_t)((i < upper ? 0 : AT_MINUS) | !what[i]);
     for (int i = 1; i < count; i++) { /* two sorted lists into one */
         const double si = s[i];
-        const int8_t ri = rises[i];
+        const int8_t wi = what[i];
         int at = i;
         for (; at > 0 && s[at - 1] > si; at--) {
             s[at] = s[at - 1];
-            rises[at] = rises[at - 1];
+            what[at] = what[at - 1];
         }
         s[at] = si;
-        rises[at] = ri;
+        what[at] = wi;
     }
     return count;
 }

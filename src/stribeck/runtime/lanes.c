@@ -6,19 +6,24 @@ typedef struct {
     const double *parameters;     /* the fields of Parameters */
     const double *atol;           /* absolute tolerance of each state */
     const double *x0;             /* the state at t = 0 */
-    const double *threshold;      /* the speed of slip and stick, 0 for none */
+    const double *levels;         /* of the watched quantities, 0 for none */
     const double *h_limit;
+    const double *noise;          /* standard normal numbers, noise_room for each sampled controller */
+    double *queue;                /* outputs of sampled controllers that do not act yet: queue_room for each */
     const int64_t *piece_first, *piece_end; /* where a trajectory's pieces begin and end in the arrays below */
-    const double *piece_start, *piece_value, *piece_slope;
-    double *out;                  /* rows of states */
-    int64_t *rows_reached, *status, *accepted, *rejected, *slips, *sticks;
+    const double *piece_start, *piece_rows;
+    double *out;                  /* rows of states and held outputs */
+    const int8_t *piece_restart;
+    int64_t *rows_reached, *status, *accepted, *rejected;
+    int64_t *happened;            /* how often each event came: four of every watched quantity */
     double *t_reached;
-    int64_t *queue;               /* shared by all threads: the next trajectory, how many are finished, whether to stop */
+    int64_t *turn;                /* shared by all threads: the next trajectory, how many are finished, whether to stop */
     double rtol, t_end, step;
-    int64_t count, rows, most_attempts;
+    int64_t count, rows, most_attempts, queue_room, noise_room;
 } Batch;
 
 enum { DONE = 0, GAVE_UP = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2 };
+static const double SAME_TIME = 1e-12; /* times that differ by less, as a share, are one: k times the period, a breakpoint */
 
 EXPORT int64_t stribeck_batch_size(void) { return (int64_t)sizeof(Batch); }
 EXPORT int64_t stribeck_lanes(void) { return LANES; }
@@ -39,52 +44,204 @@ typedef struct {
     Parameters p;
     Coefficients c;
     Segment piece;
+#if HELD > 0
+    Timing timing;
+    Memory memory;
+    int64_t sampled[HELD][LANES], acted[HELD][LANES];
+#endif
+#if WATCHES > 0
+    real level[WATCHES];               /* nan where nothing is looked out for */
+#endif
     real atol[N], x[N], t, h, h_limit, t_stop, last_h, last_root;
-    real level, row_t;                 /* what to look out for: the speed of slip and stick, the time of the next row */
+    real row_t;                        /* the time of the next row */
+    real output_h;                     /* the step to begin with after an output; 0: not known yet */
     mask accepted, rejected, held;     /* counts; held: the last attempt was rejected */
     int64_t index[LANES], piece_at[LANES], row[LANES]; /* index -1: no trajectory left for this lane */
-    int restart[LANES];
+    int restart[LANES], after_output[LANES];
     int64_t alive;
 } Lanes;
 
-static void enter_piece(const Batch *b, Lanes *l, int lane, int64_t i)
+static int64_t of_lane(const Batch *b, const Lanes *l, int lane)
 {
-    const int64_t q = l->piece_at[lane];
-    l->piece.start[lane] = b->piece_start[q];
-    l->piece.value[lane] = b->piece_value[q];
-    l->piece.slope[lane] = b->piece_slope[q];
+    return l->index[lane] < 0 ? b->count - 1 : l->index[lane];
+}
+
+/* Put a row of numbers into a lane of a struct of vectors, or one lane's numbers into another struct. */
+static inline void put_lane(void *vectors, int lane, const double *numbers, int count)
+{
+    double *to = (double *)vectors;
+    for (int m = 0; m < count; m++) to[m * LANES + lane] = numbers[m];
+}
+UNUSED static inline void copy_lane(void *vectors, int lane, const void *others, int count)
+{
+    double *to = (double *)vectors;
+    const double *from = (const double *)others;
+    for (int m = 0; m < count; m++) to[m * LANES + lane] = from[m * LANES + lane];
+}
+
+/* Until when a lane may step. */
+static void find_stop(const Batch *b, Lanes *l, int lane)
+{
+    const int64_t i = of_lane(b, l, lane), q = l->piece_at[lane];
     const int more = q + 1 < b->piece_end[i] && b->piece_start[q + 1] < b->t_end;
-    l->t_stop[lane] = more ? b->piece_start[q + 1] : b->t_end;
+    double stop = more ? b->piece_start[q + 1] : b->t_end;
+#if HELD > 0
+    for (int m = 0; m < HELD; m++) {
+        const double next = (double)l->acted[m][lane] * l->timing.period[m][lane] + l->timing.delay[m][lane];
+        stop = next < stop ? next : stop;
+    }
+#endif
+    l->t_stop[lane] = stop;
+}
+
+static void put_row(const Batch *b, Lanes *l, int lane, const double *x)
+{
+    double *row = b->out + (l->index[lane] * b->rows + l->row[lane]++) * (N + HELD);
+    for (int n = 0; n < N; n++) row[n] = x[n];
+    for (int m = 0; m < HELD; m++) row[N + m] = ((const double *)&l->piece)[(PIECE + m) * LANES + lane];
+}
+
+static void put_present_rows(const Batch *b, Lanes *l, int lane, double until)
+{
+    l->row_t[lane] = 1e300;
+    if (l->index[lane] < 0) return;
+    double x[N];
+    for (int n = 0; n < N; n++) x[n] = l->x[n][lane];
+    while (l->row[lane] < b->rows && (double)l->row[lane] * b->step <= until) put_row(b, l, lane, x);
+    if (l->row[lane] < b->rows) l->row_t[lane] = (double)l->row[lane] * b->step;
+}
+
+UNUSED static void count_event(const Batch *b, const Lanes *l, int lane, int which, int what)
+{
+    if (l->index[lane] >= 0) b->happened[(l->index[lane] * WATCHES + which) * 4 + what]++;
+}
+
+#if HELD > 0
+/* The samples of a lane before t_before within its step of length h, or at its present state where h is 0. */
+static void take_samples(const Batch *b, Lanes *l, int lane, double h, double t_before, real k[STAGES][N],
+                         const real *x_new)
+{
+    const int64_t i = of_lane(b, l, lane);
+    for (int m = 0; m < HELD; m++)
+        for (double t; (t = (double)l->sampled[m][lane] * l->timing.period[m][lane]) < t_before;) {
+            real x[N], u;
+            double s = h > 0 ? (t - l->t[lane]) / h : 0;
+            s = s > 0 ? s : 0;
+            for (int n = 0; n < N; n++) {
+                x[n] = l->x[n];
+                if (h > 0) {
+                    double d[3] = {0, 0, 0};
+                    for (int q = 0; q < 3; q++)
+                        for (int e = 0; e < STAGES; e++) d[q] += DENSE[q][e] * k[e][n][lane];
+                    x[n][lane] = interpolate(s, l->x[n][lane], x_new[n][lane], d[0], d[1], d[2]);
+                }
+            }
+            const int64_t q = l->sampled[m][lane]++;
+            const double noise = q < b->noise_room ? b->noise[m * b->noise_room + q] : 0;
+            Memory after = l->memory;
+            sample(m, &l->p, &l->c, &l->piece, splat(t), x, splat(noise), &after, &u);
+            copy_lane(&l->memory, lane, &after, (int)(sizeof(Memory) / sizeof(real)));
+            b->queue[(i * HELD + m) * b->queue_room + q % b->queue_room] = u[lane];
+        }
+}
+
+/* The outputs of a lane that are due begin to act; whether one changed. */
+static int act(const Batch *b, Lanes *l, int lane)
+{
+    const int64_t i = of_lane(b, l, lane);
+    double *held = (double *)&l->piece + PIECE * LANES + lane;
+    int changed = 0;
+    for (int m = 0; m < HELD; m++)
+        while (l->acted[m][lane] < l->sampled[m][lane]
+               && (double)l->acted[m][lane] * l->timing.period[m][lane] + l->timing.delay[m][lane]
+                      <= l->t[lane] * (1 + SAME_TIME)) {
+            const int64_t q = l->acted[m][lane]++;
+            const double u = b->queue[(i * HELD + m) * b->queue_room + q % b->queue_room];
+            changed |= u != held[m * LANES];
+            held[m * LANES] = u;
+        }
+    return changed;
+}
+#endif
+
+/* Go on to the pieces of a lane that have begun, and to the outputs of its controllers; note what jumps there. */
+static void pass(const Batch *b, Lanes *l, int lane, int first)
+{
+    const int64_t i = of_lane(b, l, lane), before = l->piece_at[lane];
+    const double now = l->t[lane] * (1 + SAME_TIME);
+    const Segment old = l->piece;
+    while (l->piece_at[lane] + 1 < b->piece_end[i] && b->piece_start[l->piece_at[lane] + 1] <= now) {
+        const int why = b->piece_restart[++l->piece_at[lane]];
+        if (why == JUMP || !l->restart[lane]) l->restart[lane] = why;
+    }
+    put_lane(&l->piece, lane, b->piece_rows + l->piece_at[lane] * PIECE, PIECE);
+#if HELD > 0
+    take_samples(b, l, lane, 0, now + (now > 0 ? 0 : 1e-300), NULL, NULL);
+    if (act(b, l, lane) && !l->restart[lane]) l->restart[lane] = OUTPUT;
+#endif
+    find_stop(b, l, lane);
+    (void)before, (void)old;
+    if (first) return;
+#if MOVED >= 0
+    if (l->piece_at[lane] != before) {
+        const real more = moved_energy(&l->p, &l->c, &l->piece, l->t, l->x) - moved_energy(&l->p, &l->c, &old, l->t, l->x);
+        l->x[MOVED][lane] += more[lane];
+    }
+#endif
+#if WATCHES > 0
+    if (l->restart[lane] != JUMP && l->restart[lane] != OUTPUT) return;
+    real w0[WATCHES], w1[WATCHES];
+    watch(&l->p, &l->c, &old, l->t, l->x, w0);
+    watch(&l->p, &l->c, &l->piece, l->t, l->x, w1);
+    for (int j = 0; j < WATCHES; j++) {
+        const double level = l->level[j][lane], a = w0[j][lane], z = w1[j][lane];
+        if (!(level > 0)) continue;
+        if ((a >= level) != (z >= level)) count_event(b, l, lane, j, !(z >= level));
+        if ((-a >= level) != (-z >= level)) count_event(b, l, lane, j, AT_MINUS | !(-z >= level));
+    }
+#endif
 }
 
 /* Put the next trajectory into a lane; a lane for which none is left repeats the last one, unheard. */
 static void refill(const Batch *b, Lanes *l, int lane)
 {
-    const int64_t next = __atomic_fetch_add(&b->queue[0], 1, __ATOMIC_RELAXED);
+    const int64_t next = __atomic_fetch_add(&b->turn[0], 1, __ATOMIC_RELAXED);
     const int none = next >= b->count;
     const int64_t i = none ? b->count - 1 : next;
+    const int width = (int)(sizeof(Parameters) / sizeof(real));
     l->alive += !none - (l->index[lane] >= 0);
-    const size_t width = sizeof(Parameters) / sizeof(real);
-    double *p = (double *)&l->p;
-    for (size_t m = 0; m < width; m++) p[m * LANES + (size_t)lane] = b->parameters[(size_t)i * width + m];
-    for (int n = 0; n < N; n++) {
-        l->atol[n][lane] = b->atol[i * N + n];
-        l->x[n][lane] = b->x0[i * N + n];
-        if (!none && b->rows > 0) b->out[i * b->rows * N + n] = b->x0[i * N + n];
-    }
-    if (!none) b->slips[i] = b->sticks[i] = 0;
+    l->index[lane] = none ? -1 : i;
+    put_lane(&l->p, lane, b->parameters + i * width, width);
+    put_lane(l->atol, lane, b->atol + i * N, N);
+    put_lane(l->x, lane, b->x0 + i * N, N);
     l->t[lane] = 0;
     l->h[lane] = 1e300;
     l->h_limit[lane] = b->h_limit[i];
-    l->last_h[lane] = 0;
+    l->last_h[lane] = l->output_h[lane] = 0;
     l->last_root[lane] = 1;
     l->accepted[lane] = l->rejected[lane] = l->held[lane] = 0;
-    l->level[lane] = !none && b->threshold[i] > 0 ? b->threshold[i] : NAN;
-    l->row[lane] = 1;
-    l->row_t[lane] = !none && b->rows > 1 ? b->step : 1e300;
-    l->index[lane] = none ? -1 : i;
+    l->row[lane] = 0;
     l->piece_at[lane] = b->piece_first[i];
-    enter_piece(b, l, lane, i);
+    put_lane(&l->piece, lane, b->piece_rows + l->piece_at[lane] * PIECE, PIECE);
+#if WATCHES > 0
+    for (int j = 0; j < WATCHES; j++) {
+        const double level = b->levels[i * WATCHES + j];
+        l->level[j][lane] = !none && level > 0 ? level : NAN;
+    }
+#endif
+#if HELD > 0
+    const double zero[HELD] = {0}, empty[sizeof(Memory) / sizeof(real)] = {0};
+    put_lane((real *)&l->piece + PIECE, lane, zero, HELD);
+    put_lane(&l->memory, lane, empty, (int)(sizeof(Memory) / sizeof(real)));
+    find_timing(&l->p, &l->timing);
+    prepare(&l->p, &l->c);
+    for (int m = 0; m < HELD; m++) l->sampled[m][lane] = l->acted[m][lane] = 0;
+    if (none) /* its outputs would go where those of the last trajectory wait */
+        for (int m = 0; m < HELD; m++) l->sampled[m][lane] = l->acted[m][lane] = INT64_MAX / 4;
+#endif
+    l->restart[lane] = 0;
+    pass(b, l, lane, 1);
+    put_present_rows(b, l, lane, 0);
     l->restart[lane] = JUMP;
 }
 
@@ -97,45 +254,28 @@ static void finish(const Batch *b, Lanes *l, int lane, int status)
         b->t_reached[i] = l->t[lane];
         b->accepted[i] = l->accepted[lane];
         b->rejected[i] = l->rejected[lane];
-        __atomic_fetch_add(&b->queue[1], 1, __ATOMIC_RELAXED);
+        __atomic_fetch_add(&b->turn[1], 1, __ATOMIC_RELAXED);
     }
     refill(b, l, lane);
 }
 
-static void write_rows(const Batch *b, Lanes *l, int lane, double h, double t_new, real k[STAGES][N], const real *x_new)
+/* The rows within a lane's step that come before t_before or at t_new. */
+static void write_rows(const Batch *b, Lanes *l, int lane, double h, double t_new, double t_before, real k[STAGES][N],
+                       const real *x_new)
 {
-    const int64_t i = l->index[lane];
-    double d[N][3];
+    double d[N][3], x[N];
     for (int n = 0; n < N; n++)
         for (int m = 0; m < 3; m++) {
             d[n][m] = 0;
             for (int s = 0; s < STAGES; s++) d[n][m] += DENSE[m][s] * k[s][n][lane];
         }
     double t = l->row_t[lane];
-    for (; l->row[lane] < b->rows && (t = (double)l->row[lane] * b->step) <= t_new; l->row[lane]++) {
+    for (; l->row[lane] < b->rows && (t = (double)l->row[lane] * b->step) <= t_new && t < t_before;) {
         const double s = (t - l->t[lane]) / h;
-        double *row = b->out + (i * b->rows + l->row[lane]) * N;
-        for (int n = 0; n < N; n++)
-            row[n] = interpolate(s, l->x[n][lane], x_new[n][lane], d[n][0], d[n][1], d[n][2]);
+        for (int n = 0; n < N; n++) x[n] = interpolate(s, l->x[n][lane], x_new[n][lane], d[n][0], d[n][1], d[n][2]);
+        put_row(b, l, lane, x);
     }
     l->row_t[lane] = l->row[lane] < b->rows ? t : 1e300;
-}
-
-/* After an accepted step that ended at a breakpoint: go on in the next piece, or finish. */
-static void next_piece(const Batch *b, Lanes *l, int lane)
-{
-    const int64_t i = l->index[lane] < 0 ? b->count - 1 : l->index[lane];
-    if (l->t[lane] >= b->t_end) {
-        finish(b, l, lane, DONE);
-        return;
-    }
-    while (l->piece_at[lane] + 1 < b->piece_end[i] && b->piece_start[l->piece_at[lane] + 1] <= l->t[lane]) {
-        const int64_t q = l->piece_at[lane]++;
-        const double end = b->piece_value[q] + b->piece_slope[q] * (l->t[lane] - b->piece_start[q]);
-        const int why = restart_between(end, b->piece_slope[q], b->piece_value[q + 1], b->piece_slope[q + 1]);
-        if (why == JUMP || !l->restart[lane]) l->restart[lane] = why;
-    }
-    enter_piece(b, l, lane, i);
 }
 
 /* Steps of lanes that start anew or come out of a breakpoint. */
@@ -145,17 +285,20 @@ static void restart(const Batch *b, Lanes *l)
     const real h = first_step(l->atol, b->rtol, &l->p, &l->c, &l->piece, l->t, l->x, l->t_stop - l->t);
     for (int lane = 0; lane < LANES; lane++)
         if (l->restart[lane]) {
-            const double wanted = h[lane] * (l->restart[lane] == CORNER ? CORNER_EASE : 1);
+            const int output = l->restart[lane] == OUTPUT;
+            double wanted = h[lane] * (l->restart[lane] == CORNER ? CORNER_EASE : 1);
+            if (output && l->output_h[lane] > 0) wanted = l->output_h[lane];
             l->h[lane] = wanted < l->h[lane] ? wanted : l->h[lane];
             l->last_h[lane] = 0;
             l->held[lane] = 0;
             l->restart[lane] = 0;
+            l->after_output[lane] = output;
         }
 }
 
-/* What happened to single lanes in a step: rows to write, events, breakpoints, failures. */
-static void attend(const Batch *b, Lanes *l, mask rows, mask events, mask last, mask failed, real h, real t_new,
-                   real error, real k[STAGES][N], const real *x_new, const real *d)
+/* What happened to single lanes in a step: rows to write, events, samples, breakpoints, failures. */
+static void attend(const Batch *b, Lanes *l, mask rows, mask events, mask last, mask failed, mask good, real h,
+                   real t_new, real error, real k[STAGES][N], const real *x_new, const real w[5][WATCHES + 1])
 {
     for (int lane = 0; lane < LANES; lane++) {
         if (failed[lane]) {
@@ -163,40 +306,106 @@ static void attend(const Batch *b, Lanes *l, mask rows, mask events, mask last, 
             finish(b, l, lane, !few ? GAVE_UP : error[lane] < 1e30 ? STEP_TOO_SMALL : NOT_FINITE);
             continue;
         }
-        if (rows[lane]) write_rows(b, l, lane, h[lane], t_new[lane], k, x_new);
-#if V_STATE >= 0
-        if (events[lane]) {
-            double s[MOST_EVENTS];
-            int8_t rises[MOST_EVENTS];
-            const int64_t i = l->index[lane];
-            const int count = events_within(l->level[lane], l->x[V_STATE][lane], x_new[V_STATE][lane], d[0][lane],
-                                            d[1][lane], d[2][lane], s, rises);
-            for (int e = 0; e < count; e++) *(rises[e] ? &b->slips[i] : &b->sticks[i]) += 1;
-        }
+        const double t_before = last[lane] ? l->t_stop[lane] * (1 - SAME_TIME) : INFINITY;
+        if (rows[lane]) write_rows(b, l, lane, h[lane], t_new[lane], t_before, k, x_new);
+#if WATCHES > 0
+        if (events[lane])
+            for (int j = 0; j < WATCHES; j++) {
+                double s[MOST_EVENTS], q[5];
+                int8_t what[MOST_EVENTS];
+                if (!(l->level[j][lane] > 0)) continue;
+                if (IS_CURVED[j]) {
+                    const double f[5] = {w[0][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], w[4][j][lane]};
+                    bernstein_of_values(f, q);
+                } else
+                    bernstein_of_dense(w[0][j][lane], w[4][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], q);
+                const int count = events_within(l->level[j][lane], q, s, what);
+                for (int e = 0; e < count; e++) count_event(b, l, lane, j, what[e]);
+            }
 #else
         (void)events;
-        (void)d;
+        (void)w;
+#endif
+#if HELD > 0
+        if (good[lane])
+            take_samples(b, l, lane, h[lane], last[lane] ? t_before : t_new[lane] * (1 - SAME_TIME), k, x_new);
+#else
+        (void)good;
 #endif
         if (last[lane]) {
             for (int n = 0; n < N; n++) l->x[n][lane] = x_new[n][lane];
             l->t[lane] = t_new[lane];
-            next_piece(b, l, lane);
+            pass(b, l, lane, 0);
+            put_present_rows(b, l, lane, t_new[lane] * (1 + SAME_TIME));
+            if (l->t[lane] >= b->t_end) finish(b, l, lane, DONE);
         }
     }
 }
+
+#if WATCHES > 0
+/* Where a watched quantity may pass its level in a step; w holds its ends and, between them, the coefficients of its
+   dense output, or its values at equal distances where it is no linear function of the states. */
+static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], const real *x_new, real w[5][WATCHES + 1])
+{
+    real d[3][N];
+    mask events = l->accepted & 0;
+    for (int i = 0; i < WATCHED; i++) {
+        real of_state[3];
+        dense(k, WATCHED_STATES[i], of_state);
+        for (int m = 0; m < 3; m++) d[m][WATCHED_STATES[i]] = of_state[m];
+    }
+    watch(&l->p, &l->c, &l->piece, l->t, l->x, w[0]);
+    watch(&l->p, &l->c, &l->piece, t_new, x_new, w[4]);
+    for (int m = 0; m < 3; m++) watch_dense(&l->p, &l->c, d[m], w[m + 1]);
+#if CURVED > 0
+    for (int q = 1; q < 4; q++) {
+        real x[N], inside[WATCHES];
+        const double s = 0.25 * q;
+        for (int n = 0; n < N; n++) x[n] = l->x[n];
+        for (int i = 0; i < WATCHED; i++) {
+            const int n = WATCHED_STATES[i];
+            x[n] = (1 - s) * l->x[n] + s * (x_new[n] + (1 - s) * (d[0][n] + s * (d[1][n] + s * d[2][n])));
+        }
+        watch(&l->p, &l->c, &l->piece, l->t + s * h, x, inside);
+        for (int j = 0; j < WATCHES; j++)
+            if (IS_CURVED[j]) w[q][j] = inside[j];
+    }
+#else
+    (void)h;
+#endif
+    for (int j = 0; j < WATCHES; j++) {
+        real low = smaller(w[0][j], w[4][j]), high = larger(w[0][j], w[4][j]);
+        if (IS_CURVED[j]) { /* a quartic strays from the values that it passes by a share of their range */
+            for (int q = 1; q < 4; q++) {
+                low = smaller(low, w[q][j]);
+                high = larger(high, w[q][j]);
+            }
+            const real stray = high - low;
+            low -= stray;
+            high += stray;
+        } else { /* it strays from its chord by at most this */
+            const real stray = 0.25 * (abs_of(w[1][j]) + abs_of(w[2][j]) + abs_of(w[3][j]));
+            low -= stray;
+            high += stray;
+        }
+        const real level = l->level[j];
+        events |= ((low <= level) & (high >= level)) | ((low <= -level) & (high >= -level));
+    }
+    return events;
+}
+#endif
 
 /* Solve trajectories of the batch until none is left; several threads may do so at once. */
 EXPORT void stribeck_solve_batch(const Batch *b)
 {
     Lanes lanes = {.alive = 0}, *l = &lanes;
-    for (int lane = 0; lane < LANES; lane++) {
-        l->index[lane] = -1;
-        refill(b, l, lane);
-    }
-    real k[STAGES][N], x_new[N], f0[N], df_dt[N], d[3] = {splat(0), splat(0), splat(0)};
+    for (int lane = 0; lane < LANES; lane++) l->index[lane] = -1;
+    for (int lane = 0; lane < LANES; lane++) refill(b, l, lane);
+    real k[STAGES][N], x_new[N], f0[N], df_dt[N], w[5][WATCHES + 1];
+    for (int q = 0; q < 5; q++) w[q][WATCHES] = splat(0);
     Jacobian jac;
     int anew = 1;
-    while (l->alive > 0 && !__atomic_load_n(&b->queue[2], __ATOMIC_RELAXED)) {
+    while (l->alive > 0 && !__atomic_load_n(&b->turn[2], __ATOMIC_RELAXED)) {
         if (anew) restart(b, l);
         anew = 0;
         rates(&l->p, &l->c, &l->piece, l->t, l->x, f0);
@@ -213,12 +422,8 @@ EXPORT void stribeck_solve_batch(const Batch *b)
         const real grown = h * choose(good, factor, choose(finite, plain, splat(0.1)));
         const real next_h = choose(good & last, larger(l->h, grown), grown);
         mask events = good & 0;
-#if V_STATE >= 0
-        dense(k, V_STATE, d);
-        const real v0 = l->x[V_STATE], v1 = x_new[V_STATE]; /* a quartic strays from its chord by at most this: */
-        const real stray = 0.25 * (abs_of(d[0]) + abs_of(d[1]) + abs_of(d[2]));
-        const real low = smaller(v0, v1) - stray, high = larger(v0, v1) + stray;
-        events = good & (((low <= l->level) & (high >= l->level)) | ((low <= -l->level) & (high >= -l->level)));
+#if WATCHES > 0
+        events = good & look_out(l, h, t_new, k, x_new, w);
 #endif
         const mask rows = good & (t_new >= l->row_t), ends = good & last;
         const mask tried = l->accepted + l->rejected;
@@ -229,9 +434,21 @@ EXPORT void stribeck_solve_batch(const Batch *b)
         l->held = ~good;
         l->last_h = choose(good, h, l->last_h);
         l->last_root = choose(good, remembered(root), l->last_root);
-        const mask attention = rows | events | ends | failed;
+        mask attention = rows | events | ends | failed;
+#if HELD > 0
+        for (int lane = 0; lane < LANES; lane++) {
+            if (good[lane] && l->after_output[lane]) {
+                const double begun = last[lane] && l->output_h[lane] > grown[lane] ? l->output_h[lane] : grown[lane];
+                l->output_h[lane] = begun;
+                l->after_output[lane] = 0;
+            }
+            for (int m = 0; m < HELD; m++)
+                if (good[lane] && (double)l->sampled[m][lane] * l->timing.period[m][lane] <= t_new[lane])
+                    attention[lane] = -1;
+        }
+#endif
         if (any(attention)) {
-            attend(b, l, rows, events, ends, failed, h, t_new, error, k, x_new, d);
+            attend(b, l, rows, events, ends, failed, good, h, t_new, error, k, x_new, (const real(*)[WATCHES + 1])w);
             for (int lane = 0; lane < LANES; lane++) anew |= l->restart[lane];
         }
         const mask moves = good & ~ends & ~failed; /* the others were moved, or given another trajectory, above */

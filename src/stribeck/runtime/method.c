@@ -97,16 +97,11 @@ static inline double interpolate(double s, double x0, double x1, double d0, doub
     return (1 - s) * x0 + s * (x1 + (1 - s) * (d0 + s * (d1 + s * d2)));
 }
 
-/* Why a trajectory restarts at a breakpoint with a step of unknown length: the signal jumps, or its slope does. A long
-   step over a corner would damp the fast motion it sets off, and nothing would tell. */
-enum { SMOOTH = 0, JUMP = 1, CORNER = 2 };
+/* Why a trajectory restarts at a breakpoint with a step of unknown length: the signal jumps, or its slope does; or a
+   sampled controller's output does. A long step over a corner would damp the fast motion it sets off, and nothing would
+   tell. The first three stand in signals/pieces.py too. */
+enum { SMOOTH = 0, JUMP = 1, CORNER = 2, OUTPUT = 3 };
 static const double CORNER_EASE = 16; /* a corner allows a longer first step than a jump */
-static inline int restart_between(double before, double slope_before, double after, double slope_after)
-{
-    const double size = fabs(before) > fabs(after) ? fabs(before) : fabs(after);
-    if (fabs(after - before) > 1e-12 * size) return JUMP;
-    return slope_before != slope_after ? CORNER : SMOOTH;
-}
 
 /* One attempt at a step of length h from x: the stages, the new state and its squared error against the tolerances. */
 static inline real attempt(const real *atol, double rtol, const Parameters *p, const Coefficients *c,

@@ -5,64 +5,212 @@ typedef struct {
     const double *parameters;   /* the fields of Parameters */
     const double *atol;         /* absolute tolerance of each state */
     double *x;                  /* the state at t, advanced in place */
-    const double *piece_start;  /* the signal's straight pieces: when each begins, its value then, its slope */
-    const double *piece_value;
-    const double *piece_slope;
-    double *out;                /* rows of states */
-    double *event_time;         /* slip and stick instants */
-    int8_t *event_rises;        /* 1 where |v| rises through the threshold (slip), 0 where it falls (stick) */
-    double rtol, t, t_end, h, h_limit, step, threshold;
+    const double *piece_start;  /* when each row of signal pieces begins */
+    const double *piece_rows;   /* the rows: the first PIECE fields of Segment */
+    double *out;                /* rows of states and held outputs */
+    double *event_time;
+    const double *levels;       /* of the watched quantities; 0 for none */
+    double *held;               /* the outputs of sampled controllers that act at t */
+    double *memory;             /* what sampled controllers remember */
+    double *queue;              /* their outputs that do not act yet: queue_room for each */
+    const double *noise;        /* standard normal numbers, noise_room for each controller */
+    const int8_t *piece_restart; /* how the signals go on at the beginning of a row */
+    int32_t *event_what;        /* which quantity (times 4), and what happened to it */
+    int64_t *sampled, *acted;   /* of each sampled controller: how many samples it took, how many outputs acted */
+    double rtol, t, t_end, h, h_limit, step;
     double h_smallest, h_largest;
     double last_h, last_root;   /* of the last accepted step; last_h 0: none yet */
-    int64_t pieces, piece, rows, row, event_room, events;
+    double output_h;            /* the step to begin with after an output; 0: not known yet */
+    int64_t pieces, piece, rows, row, event_room, events, queue_room, noise_room;
     int64_t accepted, rejected, rates, jacobians, attempts_left;
-    int64_t held, restart;      /* held: the last attempt was rejected */
+    int64_t held_back, restart; /* held_back: the last attempt was rejected */
 } Run;
 
 enum { DONE = 0, MORE = 1, EVENTS_FULL = 2, STEP_TOO_SMALL = -1, NOT_FINITE = -2 };
+static const double SAME_TIME = 1e-12; /* times that differ by less, as a share, are one: k times the period, a breakpoint */
 
 EXPORT int64_t stribeck_run_size(void) { return (int64_t)sizeof(Run); }
 EXPORT int64_t stribeck_states(void) { return N; }
 
-/* The rows within the step from run->t to t_new, of length h. */
-static void write_rows(Run *run, double h, double t_new, double k[STAGES][N], const double *x_new)
+static inline Segment present(const Run *run)
 {
-    double d[N][3];
+    Segment piece;
+    double *fields = (double *)&piece;
+    for (int i = 0; i < PIECE; i++) fields[i] = run->piece_rows[run->piece * PIECE + i];
+    for (int i = 0; i < HELD; i++) fields[PIECE + i] = run->held[i];
+    return piece;
+}
+
+static inline void put_row(Run *run, const double *x)
+{
+    double *row = run->out + run->row++ * (N + HELD);
+    for (int i = 0; i < N; i++) row[i] = x[i];
+    for (int i = 0; i < HELD; i++) row[N + i] = run->held[i];
+}
+
+/* The rows within the step from run->t that come before t_before or at t_new; h is the step's length. */
+static void write_rows(Run *run, double h, double t_new, double t_before, double k[STAGES][N], const double *x_new)
+{
+    double d[N][3], x[N];
     for (int i = 0; i < N; i++) dense(k, i, d[i]);
-    for (double t; run->row < run->rows && (t = (double)run->row * run->step) <= t_new; run->row++) {
+    for (double t; run->row < run->rows && (t = (double)run->row * run->step) <= t_new && t < t_before;) {
         const double s = (t - run->t) / h;
-        for (int i = 0; i < N; i++)
-            run->out[run->row * N + i] = interpolate(s, run->x[i], x_new[i], d[i][0], d[i][1], d[i][2]);
+        for (int i = 0; i < N; i++) x[i] = interpolate(s, run->x[i], x_new[i], d[i][0], d[i][1], d[i][2]);
+        put_row(run, x);
     }
 }
 
-/* Note where |v| passes the threshold within the step from run->t. */
-static inline void note_events(Run *run, double h, double k[STAGES][N], const double *x_new)
+#if WATCHES > 0
+static void note(Run *run, int which, int what, double t)
 {
-#if V_STATE >= 0
-    if (!(run->threshold > 0)) return;
-    double d[3], s[MOST_EVENTS];
-    int8_t rises[MOST_EVENTS];
-    dense(k, V_STATE, d);
-    const int count = events_within(run->threshold, run->x[V_STATE], x_new[V_STATE], d[0], d[1], d[2], s, rises);
-    for (int i = 0; i < count; i++) {
-        run->event_time[run->events] = run->t + s[i] * h;
-        run->event_rises[run->events++] = rises[i];
+    if (run->events < run->event_room) {
+        run->event_time[run->events] = t;
+        run->event_what[run->events++] = 4 * which + what;
+    }
+}
+#endif
+
+/* Note where watched quantities pass their levels within the step from run->t. */
+static inline void note_events(Run *run, const Parameters *p, const Coefficients *c, const Segment *piece, double h,
+                               double k[STAGES][N], const double *x_new)
+{
+#if WATCHES > 0
+    double d[3][N], dw[3][WATCHES], w0[WATCHES], w1[WATCHES];
+    for (int i = 0; i < WATCHED; i++) {
+        double of_state[3];
+        dense(k, WATCHED_STATES[i], of_state);
+        for (int m = 0; m < 3; m++) d[m][WATCHED_STATES[i]] = of_state[m];
+    }
+    watch(p, c, piece, run->t, run->x, w0);
+    watch(p, c, piece, run->t + h, x_new, w1);
+    for (int m = 0; m < 3; m++) watch_dense(p, c, d[m], dw[m]);
+#if CURVED > 0
+    double inside[3][WATCHES], x[N];
+    for (int i = 0; i < N; i++) x[i] = run->x[i];
+    for (int q = 0; q < 3; q++) {
+        const double s = 0.25 * (q + 1);
+        for (int i = 0; i < WATCHED; i++) {
+            const int n = WATCHED_STATES[i];
+            x[n] = interpolate(s, run->x[n], x_new[n], d[0][n], d[1][n], d[2][n]);
+        }
+        watch(p, c, piece, run->t + s * h, x, inside[q]);
+    }
+#endif
+    for (int j = 0; j < WATCHES; j++) {
+        if (!(run->levels[j] > 0)) continue;
+        double b[5], s[MOST_EVENTS];
+        int8_t what[MOST_EVENTS];
+        bernstein_of_dense(w0[j], w1[j], dw[0][j], dw[1][j], dw[2][j], b);
+#if CURVED > 0
+        if (IS_CURVED[j])
+            bernstein_of_values((const double[5]){w0[j], inside[0][j], inside[1][j], inside[2][j], w1[j]}, b);
+#endif
+        const int count = events_within(run->levels[j], b, s, what);
+        for (int i = 0; i < count; i++) note(run, j, what[i], run->t + s[i] * h);
     }
 #else
-    (void)run, (void)h, (void)k, (void)x_new;
+    (void)run, (void)p, (void)c, (void)piece, (void)h, (void)k, (void)x_new;
 #endif
 }
 
-/* Go on to the pieces that have begun at run->t. */
-static void next_piece(Run *run)
+#if HELD > 0
+static inline double next_output(const Run *run, const Timing *timing)
 {
-    while (run->piece + 1 < run->pieces && run->piece_start[run->piece + 1] <= run->t) {
-        const int64_t q = run->piece++;
-        const double end = run->piece_value[q] + run->piece_slope[q] * (run->t - run->piece_start[q]);
-        const int why = restart_between(end, run->piece_slope[q], run->piece_value[q + 1], run->piece_slope[q + 1]);
+    double t = INFINITY;
+    for (int i = 0; i < HELD; i++) {
+        const double next = (double)run->acted[i] * timing->period[i] + timing->delay[i];
+        t = next < t ? next : t;
+    }
+    return t;
+}
+
+/* The samples before t_before within the step from run->t: their states lie on the dense output. */
+static void take_samples(Run *run, const Parameters *p, const Coefficients *c, const Segment *piece,
+                         const Timing *timing, double h, double t_before, double k[STAGES][N], const double *x_new)
+{
+    for (int i = 0; i < HELD; i++)
+        for (double t; (t = (double)run->sampled[i] * timing->period[i]) < t_before;) {
+            double x[N], d[3], u;
+            const double s = h > 0 ? larger((t - run->t) / h, 0.0) : 0;
+            for (int n = 0; n < N; n++) {
+                x[n] = run->x[n];
+                if (h > 0) {
+                    dense(k, n, d);
+                    x[n] = interpolate(s, run->x[n], x_new[n], d[0], d[1], d[2]);
+                }
+            }
+            const int64_t q = run->sampled[i]++;
+            const double noise = q < run->noise_room ? run->noise[i * run->noise_room + q] : 0;
+            sample(i, p, c, piece, t, x, noise, (Memory *)run->memory, &u);
+            run->queue[i * run->queue_room + q % run->queue_room] = u;
+        }
+}
+
+/* The outputs that are due at t begin to act; whether one changed. */
+static int act(Run *run, const Timing *timing, double t)
+{
+    int changed = 0;
+    for (int i = 0; i < HELD; i++)
+        while (run->acted[i] < run->sampled[i]
+               && (double)run->acted[i] * timing->period[i] + timing->delay[i] <= t * (1 + SAME_TIME)) {
+            const double u = run->queue[i * run->queue_room + run->acted[i]++ % run->queue_room];
+            changed |= u != run->held[i];
+            run->held[i] = u;
+        }
+    return changed;
+}
+#endif
+
+/* Go on to the pieces that have begun at run->t, and to the outputs of controllers; note what jumps there. */
+static void pass(Run *run, const Parameters *p, const Coefficients *c, int first)
+{
+    const double now = run->t * (1 + SAME_TIME);
+    const int64_t before = run->piece;
+    const Segment old = present(run);
+    while (run->piece + 1 < run->pieces && run->piece_start[run->piece + 1] <= now) {
+        const int why = run->piece_restart[++run->piece];
         if (why == JUMP || !run->restart) run->restart = why;
     }
+#if HELD > 0
+    const Segment between = present(run);
+    Timing timing;
+    find_timing(p, &timing);
+    take_samples(run, p, c, &between, &timing, 0, now + (now > 0 ? 0 : 1e-300), NULL, NULL);
+    if (act(run, &timing, run->t) && !run->restart) run->restart = OUTPUT;
+#endif
+    if (first) return;
+    const Segment new = present(run);
+    (void)before, (void)old, (void)new, (void)p, (void)c;
+#if MOVED >= 0
+    if (run->piece != before)
+        run->x[MOVED] += moved_energy(p, c, &new, run->t, run->x) - moved_energy(p, c, &old, run->t, run->x);
+#endif
+#if WATCHES > 0
+    if (run->restart != JUMP && run->restart != OUTPUT) return;
+    double w0[WATCHES], w1[WATCHES];
+    watch(p, c, &old, run->t, run->x, w0);
+    watch(p, c, &new, run->t, run->x, w1);
+    for (int j = 0; j < WATCHES; j++) {
+        const double level = run->levels[j];
+        if (!(level > 0)) continue;
+        if ((w0[j] >= level) != (w1[j] >= level)) note(run, j, !(w1[j] >= level), run->t);
+        if ((-w0[j] >= level) != (-w1[j] >= level)) note(run, j, AT_MINUS | !(-w1[j] >= level), run->t);
+    }
+#endif
+}
+
+/* The first step of what begins anew. */
+static inline void restart_step(Run *run, const Parameters *p, const Coefficients *c, const Segment *piece, double room)
+{
+    if (run->restart == OUTPUT && run->output_h > 0)
+        run->h = smaller(run->h, run->output_h);
+    else {
+        const double ease = run->restart == CORNER ? CORNER_EASE : 1;
+        run->h = smaller(run->h, ease * first_step(run->atol, run->rtol, p, c, piece, run->t, run->x, room));
+        run->rates += 2;
+    }
+    run->held_back = 0;
+    run->last_h = 0;
 }
 
 /* Advance the run until it is done, fails, or has used its attempts; call again to go on. */
@@ -71,26 +219,32 @@ EXPORT int stribeck_advance(Run *run)
     const Parameters parameters = *(const Parameters *)run->parameters, *p = &parameters;
     Coefficients coefficients, *c = &coefficients;
     prepare(p, c);
+#if HELD > 0
+    Timing timing;
+    find_timing(p, &timing);
+#endif
     double k[STAGES][N], x_new[N], f0[N], df_dt[N];
     Jacobian jac;
-    int fresh = 0; /* f0 and the Jacobian belong to the present state */
+    int fresh = 0;        /* f0 and the Jacobian belong to the present state */
+    int after_output = 0; /* the present step is the first after an output */
     if (run->row == 0 && run->rows > 0) { /* the first call: the first row is kept whatever comes after */
-        for (int i = 0; i < N; i++) run->out[i] = run->x[i];
-        run->row = 1;
+        pass(run, p, c, 1);
+        put_row(run, run->x);
+        run->restart = JUMP;
     }
     while (run->t < run->t_end) {
         if (run->attempts_left-- <= 0) return MORE;
-        if (run->events + MOST_EVENTS > run->event_room) return EVENTS_FULL;
+        if (run->events + MOST_EVENTS * (WATCHES + 1) > run->event_room) return EVENTS_FULL;
         const int64_t n = run->piece;
-        const Segment piece = {run->piece_start[n], run->piece_value[n], run->piece_slope[n]};
-        const double t_stop = n + 1 < run->pieces ? smaller(run->piece_start[n + 1], run->t_end) : run->t_end;
+        const Segment piece = present(run);
+        double t_stop = n + 1 < run->pieces ? smaller(run->piece_start[n + 1], run->t_end) : run->t_end;
+#if HELD > 0
+        t_stop = smaller(t_stop, next_output(run, &timing));
+#endif
         if (run->restart) {
-            const double ease = run->restart == CORNER ? CORNER_EASE : 1;
-            const double room = t_stop - run->t;
-            run->h = smaller(run->h, ease * first_step(run->atol, run->rtol, p, c, &piece, run->t, run->x, room));
-            run->rates += 2;
-            run->restart = run->held = 0;
-            run->last_h = 0;
+            after_output = run->restart == OUTPUT;
+            restart_step(run, p, c, &piece, t_stop - run->t);
+            run->restart = 0;
         }
         if (!fresh) {
             rates(p, c, &piece, run->t, run->x, f0);
@@ -107,28 +261,37 @@ EXPORT int stribeck_advance(Run *run)
         run->rates += STAGES - 1;
         if (!(error <= 1)) {
             run->rejected++;
-            run->held = 1;
+            run->held_back = 1;
             run->h = h * (error < 1e30 ? growth(steering(error)) : 0.1);
             if (run->t + run->h * 0.25 <= run->t || run->h < 1e-290) return error < 1e30 ? STEP_TOO_SMALL : NOT_FINITE;
             continue;
         }
-        const double t_new = last ? t_stop : run->t + h;
-        if (run->row < run->rows && (double)run->row * run->step <= t_new) write_rows(run, h, t_new, k, x_new);
-        note_events(run, h, k, x_new);
+        const double t_new = last ? t_stop : run->t + h, t_before = last ? t_stop * (1 - SAME_TIME) : INFINITY;
+        if (run->row < run->rows && (double)run->row * run->step <= t_new)
+            write_rows(run, h, t_new, t_before, k, x_new);
+        note_events(run, p, c, &piece, h, k, x_new);
+#if HELD > 0
+        take_samples(run, p, c, &piece, &timing, h, last ? t_before : t_new * (1 - SAME_TIME), k, x_new);
+#endif
         run->accepted++;
         if (h > run->h_largest) run->h_largest = h;
         if (h < run->h_smallest && !last) run->h_smallest = h;
         const double root = steering(error);
         double factor = run->last_h > 0 ? predictive_growth(root, h, run->last_root, run->last_h) : growth(root);
-        if (run->held) factor = smaller(factor, 1.0);
-        run->held = 0;
+        if (run->held_back) factor = smaller(factor, 1.0);
+        run->held_back = 0;
         run->last_h = h;
         run->last_root = remembered(root);
+        if (after_output) run->output_h = last ? larger(run->output_h, h * factor) : h * factor;
+        after_output = 0;
         run->h = last ? larger(run->h, h * factor) : h * factor;
         for (int i = 0; i < N; i++) run->x[i] = x_new[i];
         run->t = t_new;
         fresh = 0;
-        next_piece(run);
+        if (last) {
+            pass(run, p, c, 0);
+            while (run->row < run->rows && (double)run->row * run->step <= t_new * (1 + SAME_TIME)) put_row(run, run->x);
+        }
     }
     return DONE;
 }

@@ -10,6 +10,7 @@ UNUSED static inline real log_of(real x) { return log(x); }
 UNUSED static inline real sin_of(real x) { return sin(x); }
 UNUSED static inline real cos_of(real x) { return cos(x); }
 UNUSED static inline real tanh_of(real x) { return tanh(x); }
+UNUSED static inline real floor_of(real x) { return floor(x); }
 UNUSED static inline real pow_of(real x, real y) { return pow(x, y); }
 
 /* exp, without the slow path of underflow: below -745.2 the result is 0. */

@@ -36,6 +36,7 @@ BY_LANE(log_of, log)
 BY_LANE(sin_of, sin)
 BY_LANE(cos_of, cos)
 BY_LANE(tanh_of, tanh)
+BY_LANE(floor_of, floor)
 UNUSED static inline real pow_of(real x, real y)
 {
     for (int lane = 0; lane < LANES; lane++) x[lane] = pow(x[lane], y[lane]);

@@ -16,16 +16,19 @@ from stribeck.constants import kind_of
 from stribeck.control.cascade import Cascade
 from stribeck.control.servo import ServoSystem
 from stribeck.drives import Drive
+from stribeck.equations import Equations
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario import servo, tables
-from stribeck.scenario.changes import changed, parse_assignment, plain
+from stribeck.scenario.changes import changed, parse_assignment, plain, unfolds
+from stribeck.scenario.machine import Rig
 from stribeck.scenario.memory import ROWS_LARGEST
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.servo import Servo
 from stribeck.scenario.trust import named
 from stribeck.signals import Signal
+from stribeck.signals.pieces import Pieces, pieces
 from stribeck.system import Groups, System
 
 __all__ = ["Scenario", "parse_assignment"]
@@ -58,9 +61,11 @@ class Scenario:
         trust: bool | Collection[str] = True,
         **tables_: Any,
     ) -> None:
-        self.data: dict[str, Any] = plain({"schema": 1, **tables_} if data is None else {**data, **tables_})
+        given = {"schema": 1, **tables_} if data is None else {**data, **tables_}
+        if isinstance(law := given.get("law"), Law) and law.rotary:
+            given.setdefault("rotary", True)
+        self.data: dict[str, Any] = plain(given)
         self.folder = Path(folder) if folder is not None else Path()
-        self.law: Law
         self.drive: type[Drive] | type[Cascade]
         self.signal: Signal
         _refuse(Reader(self, _trusted(trust)).read())
@@ -84,10 +89,10 @@ class Scenario:
         data.setdefault("name", path.stem)
         changes, folder, trusted = changes or {}, path.parent, _trusted(trust)
         strange = named(data).values()
-        if strange and any(place.startswith("law.parameters.") for place in changes):
+        if strange and any(map(unfolds, changes)):
             # to unfold the set's name the law must be known, and so executed: see first whether that is allowed
             bare = object.__new__(cls)
-            others = {place: x for place, x in changes.items() if not place.startswith("law.parameters.")}
+            others = {place: x for place, x in changes.items() if not unfolds(place)}
             bare.data, bare.folder = changed(data, others, folder), folder
             own = set(named(bare.data).values()) - set(strange)
             _refuse(Reader(bare, None if trusted is None else {*trusted, *own}).judge())
@@ -116,6 +121,7 @@ class Scenario:
 
     # -- filled in by Reader ---------------------------------------------------------------------------------------
 
+    rig: Rig | None = None  # a machine (schema = 2) with its values; it has no law, drive and signal of its own
     mass: float | None = None
     servo: Servo | None = None  # what a servo has beside law, drive constants and signal
     initial: dict[str, float]
@@ -123,10 +129,54 @@ class Scenario:
     solve: tables.Solve
     output: tables.Output
 
+    _law: Law | None = None
+
+    @property
+    def law(self) -> Law:
+        """The friction law; of a machine, that of its only contact.
+
+        Raises:
+            InputError: the scenario is a machine with no contact, or with several.
+        """
+        if self._law is not None:
+            return self._law
+        if self.rig is None:
+            raise AttributeError("law")
+        contacts = self.rig.machine.contacts
+        if len(contacts) == 1:
+            return self.rig.laws[contacts[0].law_path]
+        names = ", ".join(contact.name for contact in contacts) or "none"
+        raise InputError(f"contacts: {names}: there must be one contact for this, of a machine that has several")
+
+    @law.setter
+    def law(self, law: Law) -> None:
+        self._law = law
+
+    @property
+    def subject(self) -> str:
+        """What it is about, in a few words: the law, or the machine."""
+        if self.rig is None:
+            return f"law {self.law.name}"
+        machine = self.rig.machine
+        laws = ", ".join(f"{c.name} {c.law.name}" for c in machine.contacts)
+        bodies = f"{len(machine.bodies)} bod{'y' if len(machine.bodies) == 1 else 'ies'}"
+        return f"{bodies}, contacts: {laws}" if laws else f"{bodies}, no contacts"
+
+    @property
+    def label(self) -> str:
+        """What its line in a plot is called: the law's name, or the machine's."""
+        return self.law.name if self.rig is None else self.name
+
     @property
     def name(self) -> str:
         """The scenario's name."""
         return str(self.data.get("name", "scenario"))
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the one body turns: the columns are in rad and N m then, the numbers are the same. A machine of many
+        bodies says it for each."""
+        return self.rig is None and self.law.rotary
 
     @cached_property
     def rows(self) -> int:
@@ -139,8 +189,10 @@ class Scenario:
         return max(self.solve.t_end, (self.rows - 1) * self.output.step)
 
     @cached_property
-    def system(self) -> System | ServoSystem:
+    def system(self) -> Equations:
         """The structure of the equations, without values."""
+        if self.rig is not None:
+            return self.rig.machine
         if self.servo is not None:
             return self.servo.system(self.law, type(self.signal), "supply_droop" in self.drive_values)
         assert issubclass(self.drive, Drive)
@@ -152,9 +204,33 @@ class Scenario:
         """The speed that slip and stick are told by: v_s, or 0 (none) where the parameters have no v_s."""
         return self.law.machine.get("v_s", 0.0)
 
-    def columns(self, t: Array, states: dict[str, Array]) -> dict[str, Any]:
-        """Every column of the output by name, from the states at the times t."""
+    @property
+    def longest_step(self) -> float:
+        """The longest step that cannot miss a wave of a signal, s."""
+        return self.rig.longest_step if self.rig is not None else self.signal.longest_step
+
+    def pieces(self) -> Pieces:
+        """The signals as a table of pieces."""
+        if self.rig is not None:
+            return self.rig.pieces(self.end)
+        if self.signal.smooth:
+            return Pieces(np.zeros(1), np.zeros((1, 3)), np.ones(1, np.int8))
+        return pieces(self.signal)
+
+    def levels(self) -> list[float]:
+        """The level of each watched quantity, 0 for none."""
+        return self.rig.levels() if self.rig is not None else [self.threshold] * len(self.system.watched)
+
+    def sampling(self) -> list[dict[str, float]]:
+        """Period, delay, noise and seed of each sampled controller that is compiled."""
+        return self.rig.sampling() if self.rig is not None else []
+
+    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Any]:
+        """Every column of the output by name, from the states (and what controllers held) at the times t."""
         system = self.system
+        if self.rig is not None:
+            return self.rig.columns(t, states, held or {}, self.end)
+        assert isinstance(system, System | ServoSystem)
         if isinstance(system, ServoSystem):
             return system.table({**self.values(), **self.signal_values(t)}, t, states)
         return system.quantities(self.groups(), self.signal.at(t), states)
@@ -170,6 +246,8 @@ class Scenario:
 
     def values(self) -> dict[tuple[str, str], float]:
         """The system's run-time constants by (group, name)."""
+        if self.rig is not None:
+            return self.rig.values
         found = {("law", n): v for n, v in self.law.values.items() if v is not None}
         found |= {("drive", n): v for n, v in self.drive_values.items()}
         found |= {("signal", n): v for n, v in self.signal.values.items()} if self.signal.smooth else {}
@@ -181,6 +259,9 @@ class Scenario:
 
         With ``constants`` it is that of the same scenario with other values.
         """
+        rtol = self.solve.rtol
+        if self.rig is not None:
+            return self.atol_of(self.rig)
         q = self.groups() if constants is None else constants
         scales = self.law.scales(q.law)
         natural = {"y": scales.length, "v": scales.speed, "z": scales.length}
@@ -190,8 +271,12 @@ class Scenario:
         elif issubclass(self.drive, Drive):
             own = self.drive.state_scales(q.drive, scales.length, scales.force)
             natural |= dict(zip((s.name for s in self.drive.states), own, strict=True))
-        rtol = self.solve.rtol
         return {s.name: self.solve.atol.get(s.name, _ATOL_SHARE * rtol * natural[s.name]) for s in self.system.states}
+
+    def atol_of(self, rig: Rig) -> dict[str, float]:
+        """The absolute tolerance of each state of a machine with other values."""
+        share = _ATOL_SHARE * self.solve.rtol
+        return {n: self.solve.atol.get(n, share * x) for n, x in rig.natural().items()}
 
 
 def _trusted(trust: bool | Collection[str]) -> Collection[str] | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path, PurePath
@@ -9,11 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from stribeck import laws
+from stribeck import laws, parameter_sets
 from stribeck.errors import InputError, arg, note
 from stribeck.laws.base import PARAMETERS
 
 _DEEPEST = 8
+_LAW_NAME = re.compile(r"(.+\.)?law\.name")
+_INSIDE = ".parameters."
 
 
 def parse_assignment(text: str) -> tuple[str, Any]:
@@ -55,28 +58,41 @@ def plain(value: Any, path: str = "", depth: int = 0) -> Any:
 def changed(data: Mapping[str, Any], changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """The data of a scenario with the values at the given paths replaced.
 
-    A new ``law.name`` drops the constants of the old law that the new one does not have, and says so; likewise
-    ``drive.observer.name``.
+    A new ``law.name`` (of a machine ``contacts.NAME.law.name``) drops the constants of the old law that the new one does
+    not have, and says so; likewise ``drive.observer.name``.
     """
     new: dict[str, Any] = plain(data)
-    if "law.name" in changes:
-        _set(new, "law.name", changes["law.name"])
-        _drop_foreign_constants(new, folder)
+    renamed = [path for path in changes if _LAW_NAME.fullmatch(path)]
+    for path in renamed:
+        _set(new, path, changes[path])
+        _drop_foreign_constants(new, path.removesuffix(".name"), folder)
     if "drive.observer.name" in changes and isinstance(new.get("drive"), dict):
         _set(new, "drive.observer.name", changes["drive.observer.name"])
         _drop_of_observer(new["drive"]["observer"], folder)
     for path in sorted(changes, key=lambda path: path.count(".")):  # a table before what is in it
-        if path in ("law.name", "drive.observer.name") or (
-            path.startswith("law.parameters.") and not _unfold_parameters(new, folder)
+        if path in (*renamed, "drive.observer.name") or (
+            unfolds(path) and not _unfold_parameters(new, path.partition(_INSIDE)[0] or "law", folder)
         ):
             continue
         _set(new, path, plain(changes[path], path))
     return new
 
 
-def _unfold_parameters(data: dict[str, Any], folder: Path) -> bool:
+def unfolds(path: str) -> bool:
+    """Whether a change of the value at a path takes a set of parameters apart."""
+    return f".{path}".startswith(f".law{_INSIDE}") or f".law{_INSIDE}" in path
+
+
+def _table_at(data: dict[str, Any], path: str) -> Any:
+    table: Any = data
+    for name in path.split("."):
+        table = table.get(name) if isinstance(table, dict) else None
+    return table
+
+
+def _unfold_parameters(data: dict[str, Any], path: str, folder: Path) -> bool:
     """Put the values of a set in the place of its name; False where there is no such set, as validation will say."""
-    law = data.get("law")
+    law = _table_at(data, path)
     if not isinstance(law, dict) or not isinstance(law.get("parameters"), str):
         return True
     try:
@@ -84,20 +100,33 @@ def _unfold_parameters(data: dict[str, Any], folder: Path) -> bool:
     except InputError:
         known = None
     try:
+        rotary = parameter_sets.load(law["parameters"], folder).rotary
         law["parameters"] = laws.parameters_for(known, law["parameters"], folder)
     except InputError:
         return False
+    if rotary:
+        data.setdefault("rotary", True)  # the set's name said so
     return True
 
 
 def _set(data: dict[str, Any], path: str, value: Any) -> None:
+    """Put a value at a path; a number in the path counts the entries of a list from 0."""
     *parents, last = path.split(".")
     table: Any = data
     for i, name in enumerate(parents):
-        table = table.setdefault(name, {})
-        if not isinstance(table, dict):
+        table = table[_entry(table, name, path)] if isinstance(table, list) else table.setdefault(name, {})
+        if not isinstance(table, dict | list):
             raise InputError(f"{path}: {'.'.join(parents[: i + 1])} is not a table, so it has no key '{last}'")
-    table[last] = value
+    if isinstance(table, list):
+        table[_entry(table, last, path)] = value
+    else:
+        table[last] = value
+
+
+def _entry(table: list[Any], name: str, path: str) -> int:
+    if not (name.isdigit() and int(name) < len(table)):
+        raise InputError(f"{path}: {name!r}: must be a number from 0 to {len(table) - 1}, an entry of the list")
+    return int(name)
 
 
 def _drop_of_observer(table: dict[str, Any], folder: Path) -> None:
@@ -111,16 +140,16 @@ def _drop_of_observer(table: dict[str, Any], folder: Path) -> None:
         del table[name]
 
 
-def _drop_foreign_constants(data: dict[str, Any], folder: Path) -> None:
-    table = data["law"]
+def _drop_foreign_constants(data: dict[str, Any], path: str, folder: Path) -> None:
+    table = _table_at(data, path)
     try:
         law = laws.find(table["name"], folder)
     except InputError:
         return  # named by the validation that follows
     parameters = table.get("parameters")
-    places = [("law", table, {"name", "parameters"})]
+    places = [(path, table, {"name", "parameters"})]
     if isinstance(parameters, dict):
-        places.append(("law.parameters", parameters, set(PARAMETERS)))
+        places.append((f"{path}.parameters", parameters, set(PARAMETERS)))
     for where, place, keep in places:
         for name in [name for name in place if name not in keep and name not in law.constants()]:
             note(f"{where}.{name}: dropped: law '{law.name}' has no such constant")

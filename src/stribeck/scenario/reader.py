@@ -5,18 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
-from stribeck import laws
 from stribeck.constants import kind_of, show
 from stribeck.control.cascade import Cascade
 from stribeck.control.observer import SCALES
-from stribeck.errors import InputError, nearest
-from stribeck.laws.base import PARAMETERS, Law
-from stribeck.scenario import memory, servo, tables, trust
+from stribeck.equations import Equations
+from stribeck.errors import nearest
+from stribeck.scenario import machine, memory, servo, tables, trust
+from stribeck.scenario.law import LawReader, no_table, unknown
 from stribeck.scenario.signal import read_signal
 from stribeck.system import System
 
 if TYPE_CHECKING:
-    from stribeck.control.servo import ServoSystem
     from stribeck.scenario import Scenario
 
 _TABLES = ("law", "plant", "drive", "solve", "output")
@@ -47,6 +46,8 @@ class Reader:
         return self.problems
 
     def _everything(self) -> list[tables.Problem]:
+        if self._is_machine():
+            return self._machine()
         self._top()
         self._law()
         self._drive()
@@ -56,6 +57,48 @@ class Reader:
         s.output = self._table(tables.Output, "output")
         self._together()
         return self.problems
+
+    def _is_machine(self) -> bool:
+        """Whether it is a machine file, also where its schema is wrong."""
+        return self.data.get("schema") == 2 or ("bodies" in self.data and "law" not in self.data)
+
+    def _machine(self) -> list[tables.Problem]:
+        """A machine: bodies, and elements between them."""
+        s = self.scenario
+        self._unknown(self.data, "", machine.TOP)
+        self._schema(2)
+        self._name()
+        s.solve = self._table(tables.Solve, "solve")
+        s.output = self._table(tables.Output, "output")
+        reader = machine.MachineReader(self.data, self.folder, s.output is not None and s.output.energy, self.executes)
+        self.problems += reader.read()
+        s.rig = reader.rig
+        if s.rig is not None:
+            s.initial = s.rig.start()
+            self._tolerances([state.name for state in s.system.states])
+            if s.solve and s.output:
+                self._rows(len(s.system.columns))
+        return self.problems
+
+    def _schema(self, version: int) -> None:
+        schema, about = self.data.get("schema"), {1: "a law on a body", 2: "a machine"}[version]
+        if "schema" not in self.data:
+            text = f"missing: must be given (schema = {version}, the version of the file format: {about})"
+            self.problems.append(("schema", text))
+        elif schema != version or isinstance(schema, bool | float):
+            self.problems.append(("schema", f"{show(schema)}: must be {version} ({about})"))
+
+    def _name(self) -> None:
+        name = self.data.get("name", "")
+        if not isinstance(name, str):
+            self.problems.append(("name", f"{show(name)}: must be text, not {kind_of(name)}"))
+
+    def _tolerances(self, states: list[str]) -> None:
+        s = self.scenario
+        for name in s.solve.atol if s.solve else ():
+            if name not in states:
+                guess = nearest(name, states) or f" (the states are {', '.join(states)})"
+                self.problems.append((f"solve.atol.{name}", f"{s.solve.atol[name]}: there is no such state{guess}"))
 
     def _table(self, model: type[tables.Table], name: str) -> Any:
         if name not in self.data:
@@ -68,101 +111,29 @@ class Reader:
 
     def _unknown(self, table: dict[str, Any], path: str, known: Iterable[str]) -> None:
         """Name the keys that are not known."""
-        known = dict.fromkeys(known)
-        for key in [key for key in table if key not in known]:
-            guess = nearest(key, known) or f" (known here: {', '.join(known)})"
-            self.problems.append((f"{path}.{key}" if path else key or "''", f"{show(table[key])}: unknown key{guess}"))
+        self.problems += unknown(table, path, known)
 
     def _top(self) -> None:
-        self._unknown(self.data, "", ("schema", "name", *_TABLES))
-        schema, name = self.data.get("schema"), self.data.get("name", "")
-        if "schema" not in self.data:
-            self.problems.append(("schema", "missing: must be given (schema = 1, the version of the file format)"))
-        elif schema != 1 or isinstance(schema, bool | float):
-            self.problems.append(("schema", f"{show(schema)}: must be 1"))
-        if not isinstance(name, str):
-            self.problems.append(("name", f"{show(name)}: must be text, not {kind_of(name)}"))
+        self._unknown(self.data, "", ("schema", "name", "rotary", *_TABLES))
+        self._schema(1)
+        if not isinstance(rotary := self.data.get("rotary", False), bool):
+            self.problems.append(("rotary", f"{show(rotary)}: must be true or false, not {kind_of(rotary)}"))
+        self._name()
 
     def _law(self) -> None:
-        table = self.data.get("law")
-        if not isinstance(table, dict):
-            text = "missing: the table [law] must be given (with name and parameters)"
-            self.problems.append(("law", text if table is None else _no_table(table)))
-            return
-        law = self._named_law(table)
-        given = self._parameters(table, law)
-        parameters = given or {}
-        own = {name: value for name, value in table.items() if name not in ("name", "parameters")}
-        paths = {name: f"law.parameters.{name}" for name in (*PARAMETERS, *parameters)} | {n: f"law.{n}" for n in own}
-        for name in [name for name in own if name in PARAMETERS or name in parameters]:
-            text = "belongs in law.parameters" if name in PARAMETERS else "stands in law.parameters too"
-            self.problems.append((f"law.{name}", f"{show(own.pop(name))}: {text}"))
-        has = law.constants() if law is not None else {}
-        misspelt = {n: own.pop(n) for n in list(own) if n not in has and nearest(n, ("name", "parameters"))}
-        self._unknown(misspelt, "law", ("name", "parameters"))
-        if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
-            found = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
-            if ".py:" not in str(table.get("name")):
-                every = (name for each in laws.builtin().values() for name in each.constants())
-                self._unknown(own, "law", ("name", "parameters", *every, *PARAMETERS))
-        else:
-            found = law.problems({**parameters, **own})
-        if given is None:  # said already
-            found = [(name, text) for name, text in found if name not in PARAMETERS]
-        self.problems += [(paths.get(name, f"law.{name}"), text) for name, text in found]
-        if law is not None and given is not None and not found:
-            self._evaluate(law({**parameters, **own}))
-
-    def _evaluate(self, law: Law) -> None:
-        if ".py:" in self.data["law"]["name"] and (trouble := laws.trouble(law)):
-            self.problems.append(("law.name", f"{show(self.data['law']['name'])}: {trouble}"))
-        else:
+        reader = LawReader(self.data.get("law"), "law", self.folder, self.executes)
+        law = reader.read()
+        self.problems += reader.problems
+        if law is not None:
+            law.rotary = self.data.get("rotary", reader.rotary) is True
             self.scenario.law = law
-
-    def _named_law(self, table: dict[str, Any]) -> type[Law] | None:
-        if "name" not in table:
-            self.problems.append(("law.name", "missing: must be given (the name of a law, or FILE.py:NAME)"))
-            return None
-        if self._waits(table):
-            return None
-        try:
-            return laws.find(table["name"], self.folder)
-        except InputError as error:
-            self.problems += [("law.name", text) for text in error.problems]
-            return None
-
-    def _waits(self, table: dict[str, Any]) -> bool:
-        """True for a law in a file, which is executed when everything else is valid."""
-        return not self.executes and trust.in_a_file(table.get("name"))
-
-    def _parameters(self, table: dict[str, Any], law: type[Law] | None) -> dict[str, Any] | None:
-        """The machine's parameters; None where they are missing or cannot be read, which is then said."""
-        given = table.get("parameters")
-        if given is None:
-            if law is not None and any(law.constants()[name].required for name in law.uses):
-                needs = f"law '{law.name}' needs {', '.join(law.uses)}"
-                text = f"missing: must be a table of numbers or the name of a set; {needs}"
-                self.problems.append(("law.parameters", text))
-                return None
-            return {}
-        if isinstance(given, dict):
-            return dict(given)
-        if not isinstance(given, str):
-            text = f"must be a table of numbers or the name of a set, not {kind_of(given)}"
-            self.problems.append(("law.parameters", f"{show(given)}: {text}"))
-            return None
-        try:
-            return laws.parameters_for(law, given, self.folder)
-        except InputError as error:
-            self.problems += [("law.parameters", text) for text in error.problems]
-            return None
 
     def _drive(self) -> None:
         table = self.data.get("drive")
         if not isinstance(table, dict):
             kinds = ", ".join(tables.DRIVES)
             text = f"missing: the table [drive] must be given (with kind, one of {kinds}, and signal)"
-            self.problems.append(("drive", text if table is None else _no_table(table)))
+            self.problems.append(("drive", text if table is None else no_table(table)))
             return
         kind = self._kind(table, "drive", tables.DRIVES, tables.drive_table)
         if kind is not None:
@@ -194,7 +165,7 @@ class Reader:
     def _signal(self, table: Any) -> None:
         path = "drive.signal"
         if not isinstance(table, dict):
-            self.problems.append((path, _no_table(table)))
+            self.problems.append((path, no_table(table)))
             return
         kind = self._kind(table, path, tables.SIGNALS, tables.signal_table)
         if kind is None:
@@ -219,6 +190,8 @@ class Reader:
                 self.problems += [p for p in found if not p[1].startswith("missing")]
             return
         if drive is Cascade:
+            if self.data.get("rotary") is True:
+                self.problems.append(("rotary", "true: must be left out: the piston of a cylinder does not turn"))
             self._servo()
             return
         table = self._table(tables.plant_table(not moved), "plant")
@@ -233,7 +206,7 @@ class Reader:
         law = getattr(self.scenario, "law", None)
         observer, found, known = None, list[tables.Problem](), True
         if isinstance(table, dict):
-            known = not self._waits(table)
+            known = self.executes or not trust.in_a_file(table.get("name"))
             observer, found = servo.read_observer(table, law, self.folder) if known else (None, [])
         found += servo.misplaced(values, observer if known and not found else ...) if values is not None else []
         self.problems += found
@@ -250,21 +223,18 @@ class Reader:
             self.problems.append(("plant.initial.z", f"{initial['z']}: law '{law.name}' has no z; leave it out"))
         if law is None or drive is None:
             return
+        system: Equations
         if drive is Cascade:
             if s.output is not None and s.output.energy:
                 self.problems.append(("output.energy", "true: must be false for a servo, whose energy is the column V"))
             if s.servo is None or not hasattr(s, "signal") or self.problems:
                 return
-            system: System | ServoSystem = s.system
+            system = s.system
             if s.solve:
                 self.problems += servo.judge(s.servo, law, s.signal, s.solve.t_end, s.initial)
         else:
             system = System(type(law), law.structure, drive, None, s.output is not None and s.output.energy)
-        states = [state.name for state in system.states]
-        for name in s.solve.atol if s.solve else ():
-            if name not in states:
-                guess = nearest(name, states) or f" (the states are {', '.join(states)})"
-                self.problems.append((f"solve.atol.{name}", f"{s.solve.atol[name]}: there is no such state{guess}"))
+        self._tolerances([state.name for state in system.states])
         if law.jumps_at_rest and not drive.sets_velocity:
             smooth = "k_v" in law.constants()
             text = f"the force of law '{law.name}' jumps at v = 0, and a body under it cannot come to rest"
@@ -282,7 +252,3 @@ class Reader:
             text = f"{more}{rows:.3g} rows would take {more}{memory.size(needed)} of memory"
             free = f"{memory.size(room)} are free; must be larger"
             self.problems.append(("output.step", f"{show(step)}: {text}, and {free}"))
-
-
-def _no_table(value: Any) -> str:
-    return f"{show(value)}: must be a table, not {kind_of(value)}"

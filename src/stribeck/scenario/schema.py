@@ -14,7 +14,11 @@ from stribeck.constants import Constant
 from stribeck.control.cascade import Cascade
 from stribeck.control.servo import ServoSystem
 from stribeck.laws.base import PARAMETERS, Law
+from stribeck.machine import controllers as machine_controllers
+from stribeck.machine import loads as machine_loads
+from stribeck.machine.links import Link
 from stribeck.scenario import tables
+from stribeck.scenario.machine import tables as machine_tables
 from stribeck.scenario.servo import NONE
 from stribeck.signals import Sine
 from stribeck.system import System
@@ -28,17 +32,43 @@ _TOML_FILE: Node = {"type": "string", "pattern": "\\.toml$", "description": "a f
 
 def json_schema() -> Node:
     """The schema, as JSON Schema draft 2020-12."""
+    is_machine = {"properties": {"schema": {"const": 2}}, "required": ["schema"]}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A scenario of Stribeck: a friction law on a body, or a machine of many bodies (SI units)",
+        "if": is_machine,
+        "then": {"$ref": "#/$defs/machine"},
+        "else": {"$ref": "#/$defs/body"},
+        "$defs": {
+            "body": _body(),
+            "machine": machine_schema(),
+            "law": {"oneOf": [*map(_law, laws.builtin().values()), _own_law()], "description": "the friction law"},
+            "signal": {"oneOf": [_model(tables.signal_table(kind)) for kind in tables.SIGNALS]},
+            "set": {"anyOf": [_set(), _TOML_FILE]},
+            **_numbers(PARAMETERS),
+        },
+    }
+
+
+def _common(version: int) -> Node:
+    """What a scenario and a machine have alike at the top."""
+    return {
+        "schema": {"const": version, "description": "the version of the file format"},
+        "name": {"type": "string", "description": "the scenario's name; the file's unless given"},
+    }
+
+
+def _body() -> Node:
+    """A law on a single body: schema = 1."""
     moved = {"properties": {"drive": {"properties": {"kind": {"const": _moving()}}, "required": ["kind"]}}}
     velocity_is_set = {"properties": {"plant": {"properties": {"initial": {"properties": {"v": False}}}}}}
     mass_is_needed = {"properties": {"plant": {"required": ["mass"]}}, "required": ["plant"]}
     return {
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "A scenario of Stribeck: a friction law on a body, and what moves it (SI units)",
         **_object(
             {
-                "schema": {"const": 1, "description": "the version of the file format"},
-                "name": {"type": "string", "description": "the scenario's name; the file's unless given"},
-                "law": {"oneOf": [*map(_law, laws.builtin().values()), _own_law()], "description": "the friction law"},
+                **_common(1),
+                "rotary": {"type": "boolean", "description": "the machine turns: N m for N, rad for m, kg m^2 for kg"},
+                "law": {"$ref": "#/$defs/law"},
                 "plant": {"description": "what friction acts on"},
                 "drive": {"oneOf": [_drive(kind) for kind in tables.DRIVES], "description": "what moves it"},
                 "solve": _solve(),
@@ -54,12 +84,85 @@ def json_schema() -> Node:
             "then": velocity_is_set,
             "else": mass_is_needed,
         },
-        "$defs": {
-            "signal": {"oneOf": [_model(tables.signal_table(kind)) for kind in tables.SIGNALS]},
-            "set": {"anyOf": [_set(), _TOML_FILE]},
-            **_numbers(PARAMETERS),
-        },
     }
+
+
+def machine_schema() -> Node:
+    """A machine: schema = 2."""
+
+    def named(node: Node) -> Node:
+        return {"type": "object", "propertyNames": {"pattern": "^[A-Za-z0-9_]+$"}, "additionalProperties": node}
+
+    links = _with_signal(_model(machine_tables.link_table(Link)), "from")
+    links["properties"]["from"] = {
+        "anyOf": [{"type": "string"}, _object({"signal": {"$ref": "#/$defs/signal"}}, ["signal"])],
+        "description": links["properties"]["from"]["description"],
+    }
+    loads = [_load(kind, load) for kind, load in machine_loads.KINDS.items()]
+    controllers = [_controller(kind, each) for kind, each in machine_controllers.KINDS.items()]
+    own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
+    tables_: Node = {
+        "bodies": named(_bodies()),
+        "links": named({"anyOf": [links, own]}),
+        "contacts": named(_contact()),
+        "loads": named({"oneOf": [*loads, own]}),
+        "motors": named(_with_signal(_model(machine_tables.motor_table()))),
+        "controllers": named({"oneOf": [*controllers, own]}),
+    }
+    solve = _model(tables.Solve)
+    return _object(
+        {**_common(2), **tables_, "solve": solve, "output": _model(tables.Output)},
+        ["schema", "bodies", "solve", "output"],
+    )
+
+
+def _with_signal(node: Node, *skip: str) -> Node:
+    """The table with its signal as a signal, and no nulls, which TOML does not have."""
+    for name, inner in node["properties"].items():
+        if name == "signal":
+            node["properties"][name] = {"$ref": "#/$defs/signal", "description": inner["description"]}
+        elif "anyOf" in inner and name not in skip:
+            kept = [each for each in inner["anyOf"] if each.get("type") != "null"]
+            rest = {key: x for key, x in inner.items() if key not in ("anyOf", "default")}
+            node["properties"][name] = {**kept[0], **rest} if len(kept) == 1 else {"anyOf": kept, **rest}
+    return node
+
+
+def _bodies() -> Node:
+    node = _with_signal(_model(machine_tables.BodyTable))
+    _with_signal(node["properties"]["velocity"])
+    driven = {"required": ["velocity"], "properties": {"mass": False, "inertia": False, "tied_to": False}}
+    moved = {"oneOf": [{"required": ["mass"]}, {"required": ["inertia"]}]}
+    return {**node, "anyOf": [driven, moved]}
+
+
+def _contact() -> Node:
+    node = _model(machine_tables.contact_table())
+    node["properties"]["ratio"] = {"type": "number", "description": machine_tables.RATIO}
+    node["properties"]["law"] = {"$ref": "#/$defs/law"}
+    levels = [_model(machine_tables.level_table(weighted)) for weighted in (False, True)]
+    node["properties"]["loads"] = {"type": "array", "items": {"oneOf": levels}, "description": "what raises the level"}
+    factors = [_with_signal(_model(machine_tables.factor_table(signal))) for signal in (True, False)]
+    about = {"propertyNames": {"not": {"const": "sigma_0"}}, "description": "what parameters are multiplied by"}
+    node["properties"]["factors"] = {"type": "object", "additionalProperties": {"oneOf": factors}, **about}
+    node["required"] = [*node["required"], "law"]
+    return node
+
+
+def _load(kind: str, load: type[machine_loads.Load]) -> Node:
+    node = _with_signal(_model(machine_tables.load_table(load)))
+    node["properties"]["kind"] = {"const": kind, "description": (load.__doc__ or "").strip().partition("\n")[0]}
+    return node
+
+
+def _controller(kind: str, each: type[machine_controllers.Controller]) -> Node:
+    node = _with_signal(_model(machine_tables.controller_table(each)))
+    node["properties"]["kind"] = {"const": kind, "description": (each.__doc__ or "").strip().partition("\n")[0]}
+    _with_signal(node["properties"]["sampling"])
+    compensation = _with_signal(_model(machine_tables.CompensationTable))
+    compensation["properties"]["law"] = {"$ref": "#/$defs/law"}
+    node["properties"]["compensation"] = compensation
+    return node
 
 
 def _moving() -> str:

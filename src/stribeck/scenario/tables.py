@@ -225,11 +225,13 @@ def _declared(model: type[Table], where: tuple[Any, ...]) -> dict[str, Any]:
 def _allowed(declared: dict[str, Any]) -> str:
     if "const" in declared:
         return repr(declared["const"])
+    if "enum" in declared:
+        return f"one of {', '.join(map(str, declared['enum']))}"
     words = {
         "number": "a finite number", "integer": "a whole number", "string": "text", "boolean": "true or false",
         "array": "a list", "object": "a table",
     }  # fmt: skip
     signs = {"exclusiveMinimum": ">", "minimum": ">=", "maximum": "<="}
     bounds = " and ".join(f"{sign} {declared[key]:g}" for key, sign in signs.items() if key in declared)
-    empty = "that is not empty" if "minLength" in declared else ""
+    empty = "that is not empty" if {"minLength", "minProperties"} & declared.keys() else ""
     return f"{words[declared['type']]} {bounds}{empty}".rstrip()

@@ -1,8 +1,9 @@
 """Laws in files are programs: which of them a scenario may have executed.
 
-A scenario may come from a stranger. It names its laws (``law.name``, ``drive.observer.name``) as ``FILE.py:NAME``, and
-reading one executes the file. So that happens last, when everything else is valid, and only for files in the
-scenario's own folder or below it, unless the user trusts the scenario or has named the law himself.
+A scenario may come from a stranger. It may name laws and elements (``law.name``, ``drive.observer.name``,
+``links.gear.kind``) as ``FILE.py:NAME``, and reading one executes the file. So that happens last, when everything else
+is valid, and only for files in the scenario's own folder or below it, unless the user trusts the scenario or has named
+the law himself.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import Any
 
 from stribeck.constants import show
 
-_PLACES = (("law", "name"), ("drive", "observer", "name"))
+_DEEPEST = 16  # tables within tables; no valid file has as many
 
 
 def in_a_file(name: object) -> bool:
@@ -22,14 +23,18 @@ def in_a_file(name: object) -> bool:
 
 
 def named(data: Mapping[str, Any]) -> dict[str, str]:
-    """The laws in files that a scenario's data names, by the path of the key."""
+    """The laws and elements in files that a scenario's data names, by the path of the key."""
     found: dict[str, str] = {}
-    for place in _PLACES:
-        value: Any = data
-        for key in place:
-            value = value.get(key) if isinstance(value, Mapping) else None
-        if in_a_file(value):
-            found[".".join(place)] = value
+    left: list[tuple[str, Any]] = [(key, value) for key, value in data.items() if isinstance(value, Mapping)]
+    while left:  # a file may nest deeper than Python calls
+        path, value = left.pop()
+        inside = value.items() if isinstance(value, Mapping) else enumerate(value)
+        for key, each in inside:
+            place = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}"
+            if key in ("name", "kind") and in_a_file(each):
+                found[place] = each
+            elif isinstance(each, Mapping | list) and place.count(".") + place.count("[") < _DEEPEST:
+                left.append((place, each))
     return found
 
 

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from stribeck.codegen import source
 from stribeck.drives.base import Column
-from stribeck.errors import BuildError, InputError, nearest
+from stribeck.equations import SLIP_AND_STICK
+from stribeck.errors import BuildError, InputError, StribeckError, arg, nearest
 from stribeck.scenario import Scenario, memory
 from stribeck.simulation import cache, compiler, lanes
 from stribeck.simulation.result import failure
@@ -34,7 +35,8 @@ class Ensemble:
         scenario: what all lanes share.
         values: the values that vary, by path.
         reason: for each lane why it failed, else None.
-        slips, sticks: for each lane how often \\|v\\| rises, and falls, through v_s.
+        slips, sticks: for each lane how often \\|v\\| rises, and falls, through v_s; of a machine, at all contacts.
+        happened: for each element, and each of its events, how often it came in each lane.
         accepted, rejected: steps of each lane.
     """
 
@@ -48,7 +50,11 @@ class Ensemble:
     ) -> None:
         self.scenario, self.values = variations.scenario, variations.values
         self.reason = reason
-        self.slips, self.sticks = counts["slips"], counts["sticks"]
+        self.happened = happened(variations.scenario, counts["happened"])
+        self.slips, self.sticks = (
+            sum((x[kind] for x in self.happened.values() if kind in x), np.zeros(len(states), np.int64))
+            for kind in ("slip", "stick")
+        )
         self.accepted, self.rejected = counts["accepted"], counts["rejected"]
         self._variations, self._states, self._given = variations, states, columns
 
@@ -68,7 +74,7 @@ class Ensemble:
     @property
     def columns(self) -> tuple[Column, ...]:
         """The columns after t: name, unit and meaning."""
-        return self.scenario.system.columns
+        return tuple(c.of_motion(self.scenario.rotary) for c in self.scenario.system.columns)
 
     @cached_property
     def _columns(self) -> dict[str, Array]:
@@ -76,9 +82,9 @@ class Ensemble:
             return self._given
         assert isinstance(self._variations, Variations)
         reached = ~np.isnan(self._states[:, :, 0])
-        return {
-            name: np.where(reached, x, np.nan) for name, x in self._variations.columns(self.t, self._states).items()
-        }
+        count = len(self.scenario.system.states)
+        found = self._variations.columns(self.t, self._states[:, :, :count], self._states[:, :, count:])
+        return {name: np.where(reached, x, np.nan) for name, x in found.items()}
 
     def __getitem__(self, name: str) -> Array:
         if name not in self._columns:
@@ -92,6 +98,7 @@ def simulate_ensemble(
     values: Mapping[str, ArrayLike],
     *,
     threads: int | None = None,
+    device: str = "cpu",
     progress: Callable[[float], None] | None = None,
 ) -> Ensemble:
     """Simulate a scenario once for each value of some of its numbers.
@@ -105,6 +112,8 @@ def simulate_ensemble(
         scenario: what the lanes share: a scenario, the path of its file, or its tables.
         values: numbers by path, as many for each path as there are lanes; a single number holds for all.
         threads: how many to use; all of the machine's unless given.
+        device: ``"cuda"`` for a GPU, one trajectory a thread (``pip install 'stribeck[cuda]'``); its lanes agree with
+            those of the processor within the tolerances.
         progress: called now and then with the share of the lanes done, 0 to 1.
 
     Returns:
@@ -112,7 +121,10 @@ def simulate_ensemble(
 
     Raises:
         InputError: a path is none that can be varied, its values are no numbers, or the rows do not fit into memory.
+        StribeckError: ``device="cuda"`` where there is no GPU, or for what runs lane by lane.
     """
+    if device not in ("cpu", "cuda"):
+        raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
     variations = vary(Scenario.of(scenario), values)
     scenario, count = variations.scenario, len(variations)
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
@@ -123,20 +135,34 @@ def simulate_ensemble(
         raise InputError(f"{text}, and {memory.size(room)} are free: use fewer rows, or 'stribeck sweep'")
     reason, columns = variations.problems(), None
     possible = np.flatnonzero([text is None for text in reason])
-    states = np.full((count, scenario.rows, len(scenario.system.states)), np.nan)
-    counts = {name: np.zeros(count, np.int64) for name in ("slips", "sticks", "accepted", "rejected")}
+    width = len(scenario.system.states) + len(scenario.system.held)
+    states = np.full((count, scenario.rows, width), np.nan)
+    counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected")}
+    counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
     if len(possible):
-        library = _library(scenario) if isinstance(variations, Variations) else None
+        on_gpu = device == "cuda"
+        if on_gpu and not isinstance(variations, Variations):
+            raise StribeckError("device 'cuda': this scenario runs lane by lane, which a GPU cannot; use the processor")
+        library = _library(scenario) if isinstance(variations, Variations) and not on_gpu else None
         threads = threads or lanes.threads_of_this_machine()
-        if library is not None and isinstance(variations, Variations):
+        if (on_gpu or library is not None) and isinstance(variations, Variations):
             some = variations if len(possible) == count else variations.part(possible)
-            found = lanes.solve(library, some, threads, progress)
+            if library is None:
+                from stribeck.simulation import cuda
+
+                found = cuda.solve(some, progress)
+            else:
+                found = lanes.solve(library, some, threads, progress)
             states[possible] = found.states
+            watched = found.counts["happened"].shape[1]
             for name, x in counts.items():
-                x[possible] = found.counts[name]
+                if name == "happened":
+                    x[possible, :watched] = found.counts[name]
+                else:
+                    x[possible] = found.counts[name]
             for lane, status, t in zip(possible, found.counts["status"], found.t_reached, strict=True):
                 reason[lane] = failure(int(status), float(t), scenario.solve.max_steps)
-            if scenario.drive.sets_velocity:
+            if scenario.rig is None and scenario.drive.sets_velocity:
                 _count_crossings(some, possible, found, counts)
         else:
             columns = _one_by_one(variations, possible, threads, states, reason, counts, progress)
@@ -176,11 +202,11 @@ def _one_by_one(
     with ThreadPoolExecutor(threads) as pool:
         try:
             for done, (lane, solution) in enumerate(zip(places, pool.map(run, map(int, places)), strict=True)):
-                states[lane, : len(solution.t)] = solution.states
+                states[lane, : len(solution.t), : solution.states.shape[1]] = solution.states
                 for name, x in columns.items():
                     x[lane, : len(solution.t)] = solution[name]
                 reason[lane] = solution.reason
-                counts["slips"][lane], counts["sticks"][lane] = (len(solution.events[k]) for k in ("slip", "stick"))
+                counts["happened"][lane] = solution.counts
                 counts["accepted"][lane], counts["rejected"][lane] = (
                     solution.stats[k] for k in ("accepted", "rejected")
                 )
@@ -203,4 +229,14 @@ def _count_crossings(
             done = found.counts["status"][i] == 0
             end = scenario.end if done else float(found.counts["rows_reached"][i]) * scenario.output.step
             rises = [up for _, up in signals[which[i]].crossings(float(threshold[i]), end)]
-            counts["slips"][lane], counts["sticks"][lane] = sum(rises), len(rises) - sum(rises)
+            counts["happened"][lane, 0, :2] = sum(rises), len(rises) - sum(rises)
+
+
+def happened(scenario: Scenario, counts: NDArray[np.int64]) -> dict[str, dict[str, NDArray[np.int64]]]:
+    """How often each event came in each lane, by element; a single body has no name."""
+    found: dict[str, dict[str, NDArray[np.int64]]] = {}
+    for j, (name, events) in enumerate(scenario.system.watched or (("", SLIP_AND_STICK),)):
+        mine = found.setdefault(name, {})
+        for i, event in enumerate(events):
+            mine[event] = mine.get(event, np.zeros(len(counts), np.int64)) + counts[:, j, i]
+    return found

@@ -3,63 +3,124 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from math import inf
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.control.sampled import Log
+from stribeck.errors import needed
 from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import derivative, symbol
+from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.scenario import Scenario
-from stribeck.simulation.result import Result, ended, legs, piecewise
+from stribeck.signals.pieces import JUMP, SMOOTH
+from stribeck.simulation.result import Result, ended, held_back, legs
 
 Array = NDArray[np.float64]
+_SAME_TIME = 1e-12  # as in runtime/run.c
 
 
 class _Equations:
-    """The system's rates and Jacobian as functions of (t, x) for solve_ivp, within one piece of the signal."""
+    """The system's functions of (t, x) for solve_ivp, within one piece of the signals."""
 
     def __init__(self, scenario: Scenario) -> None:
         system, values = scenario.system, scenario.values()
-        names = [state.name for state in system.states]
+        self.states = [state.name for state in system.states]
         inputs = [f"{owner}.{name}" for owner, name in system.parameters]
-        inputs += ["segment.start", "segment.value", "segment.slope", "t", *names]
-        rates = system.rates()
-        jacobian = [derivative(rate, symbol(name)) for rate in rates for name in names]
+        inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + ["t", *self.states]
+        rates, watches, moved = system.rates(), system.watches(), system.moved_energy()
+        jacobian = [derivative(rate, symbol(name)) for rate in rates for name in self.states]
         self._rates, self._jacobian = python_function(inputs, rates), python_function(inputs, jacobian)
+        self._watch = python_function(inputs, [watch.value for watch in watches])
+        self._moved = python_function(inputs, [wrap(0.0) if moved is None else moved])
         self._place = {key: i for i, key in enumerate(system.parameters)}
         self._values = [np.float64(values[key]) for key in system.parameters]
-        self.piece: tuple[float, float, float] = (0.0, 0.0, 0.0)
+        self.piece: Array = np.zeros(len(system.piece_fields))
+        self.held = np.zeros(len(system.held))
 
     def change(self, values: dict[tuple[str, str], float]) -> None:
         """Take other values for some constants."""
         for key, value in values.items():
             self._values[self._place[key]] = np.float64(value)
 
+    def _at(self, t: float, x: Array) -> tuple[Any, ...]:
+        return (*self._values, *self.piece, *self.held, t, *x)
+
     def rates(self, t: float, x: Array) -> Array:
-        return np.array(self._rates(*self._values, *self.piece, t, *x), float)
+        return np.array(self._rates(*self._at(t, x)), float)
 
     def jacobian(self, t: float, x: Array) -> Array:
-        return np.array(self._jacobian(*self._values, *self.piece, t, *x), float).reshape(len(x), len(x))
+        return np.array(self._jacobian(*self._at(t, x)), float).reshape(len(x), len(x))
+
+    def watch(self, t: float, x: Array) -> Array:
+        """What events are told by."""
+        return np.array(self._watch(*self._at(t, x)), float)
+
+    def moved(self, t: float, x: Array) -> float:
+        """The energy that changes where a signal jumps."""
+        return float(self._moved(*self._at(t, x))[0])
+
+
+class _Controllers:
+    """The sampled controllers: when they sample, what they remember, and which outputs wait."""
+
+    def __init__(self, scenario: Scenario, equations: _Equations) -> None:
+        system, self.equations = scenario.system, equations
+        samples, self.timing = system.samples(), scenario.sampling()
+        self.noise = held_back(scenario.end, [self.timing])[1]
+        inputs = [f"{owner}.{name}" for owner, name in system.parameters]
+        inputs += [f"segment.{name}" for name in (*system.piece_fields, *system.held)] + [
+            "t",
+            *equations.states,
+            "noise",
+        ]
+        self._functions = [
+            python_function([*inputs, *(f"memory.{n}" for n in each.memory)], [each.output, *each.memory.values()])
+            for each in samples
+        ]
+        self.memory = [[0.0] * len(each.memory) for each in samples]
+        self.waiting: list[list[float]] = [[] for _ in samples]
+        self.sampled, self.acted = [0] * len(samples), [0] * len(samples)
+
+    def next_stop(self) -> float:
+        """The next time at which one samples or acts."""
+        times = [inf]
+        for i, timing in enumerate(self.timing):
+            times += [
+                self.sampled[i] * timing["period"],
+                self.acted[i] * timing["period"] + timing["delay"],
+            ]
+        return min(times)
+
+    def pass_(self, t: float, x: Array) -> None:
+        """Sample and act where it is due at t."""
+        now = t * (1 + _SAME_TIME)
+        for i, timing in enumerate(self.timing):
+            while self.sampled[i] * timing["period"] <= now:
+                k = self.sampled[i]
+                noise = self.noise[i][k] if k < self.noise.shape[1] else 0.0
+                at = self.equations._at(k * timing["period"], x)
+                u, *self.memory[i] = (float(v) for v in self._functions[i](*at, noise, *self.memory[i]))
+                self.waiting[i].append(u)
+                self.sampled[i] += 1
+            while self.waiting[i] and self.acted[i] * timing["period"] + timing["delay"] <= now:
+                self.equations.held[i] = self.waiting[i].pop(0)
+                self.acted[i] += 1
 
 
 def solve(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with SciPy's Radau; ``progress`` is told the share of time done."""
-    run, log, reached = _Run(scenario, progress), Log(), 0.0
-    starts, levels, slopes = piecewise(scenario.signal)
-    ends = [*starts[1:], scenario.end]
+    run, log = _Run(scenario, progress), Log()
     stretches = legs(scenario, log)
     leg = next(stretches, None)
     with np.errstate(all="ignore"):
+        run.begin()
         while leg is not None and run.reason is None:
             until, changes = leg
             run.equations.change(changes)
-            for start, last, *piece in zip(starts, ends, levels, slopes, strict=True):
-                if (end := min(last, until)) > (begin := max(start, reached)) and run.reason is None:
-                    run.equations.piece = (start, piece[0], piece[1])
-                    run.advance(begin, end)
-            reached = until
+            while run.t < until and run.reason is None:
+                run.advance(run.t, min(run.next_stop(), until))
             try:
                 leg = stretches.send(run.x)
             except StopIteration:
@@ -73,25 +134,66 @@ class _Run:
 
     def __init__(self, scenario: Scenario, progress: Callable[[float], None] | None) -> None:
         self.scenario, self.progress, self.equations = scenario, progress, _Equations(scenario)
-        names = [state.name for state in scenario.system.states]
+        self.controllers = _Controllers(scenario, self.equations)
+        names = self.equations.states
         atol = scenario.atol()
         self.atol: Any = np.array([atol[name] for name in names])  # the stubs know only one number
         self.x = np.array([scenario.initial.get(name, 0.0) for name in names])
-        self.speed = names.index("v") if "v" in names and scenario.threshold > 0 else None
+        self.levels = np.array(scenario.levels())
+        self.moved = names.index("E_in") if scenario.system.moved_energy() is not None else None
         self.rows = np.arange(scenario.rows) * scenario.output.step
-        self.out, self.row = np.empty((scenario.rows, len(names))), 0
+        self.out, self.row = np.empty((scenario.rows, len(names) + len(self.equations.held))), 0
+        self.pieces, self.piece, self.t = scenario.pieces(), 0, 0.0
         self.reason: str | None = None
-        self.events: list[tuple[float, bool]] = []
+        self.events: list[tuple[float, int]] = []
         self.count = {"accepted": 0, "rejected": 0, "rates": 0, "jacobians": 0}
 
+    def begin(self) -> None:
+        """The first row."""
+        self.equations.piece = self.pieces.rows[0]
+        self._pass(first=True)
+        self._put_rows(0.0)
+
+    def next_stop(self) -> float:
+        """Until when nothing jumps."""
+        more = self.piece + 1 < len(self.pieces.start)
+        return min(float(self.pieces.start[self.piece + 1]) if more else inf, self.controllers.next_stop())
+
+    def _put_rows(self, until: float) -> None:
+        while self.row < len(self.rows) and self.rows[self.row] <= until:
+            self.out[self.row] = [*self.x, *self.equations.held]
+            self.row += 1
+
+    def _pass(self, first: bool = False) -> None:
+        """Go on to the pieces that have begun, and to the outputs of controllers; note what jumps there."""
+        e = self.equations
+        before, energy, why = e.watch(self.t, self.x), e.moved(self.t, self.x), SMOOTH
+        now, held = self.t * (1 + _SAME_TIME), e.held.copy()
+        while self.piece + 1 < len(self.pieces.start) and self.pieces.start[self.piece + 1] <= now:
+            self.piece += 1
+            why = JUMP if self.pieces.restart[self.piece] == JUMP else why
+        e.piece = self.pieces.rows[self.piece]
+        self.controllers.pass_(self.t, self.x)
+        if first:
+            return
+        if self.moved is not None:
+            self.x[self.moved] += e.moved(self.t, self.x) - energy
+        if why == JUMP or (held != e.held).any():
+            after = e.watch(self.t, self.x)
+            for j, level in enumerate(self.levels):
+                for side, sign in ((0, 1.0), (2, -1.0)):
+                    if level > 0 and (sign * before[j] >= level) != (over := sign * after[j] >= level):
+                        self.events.append((self.t, 4 * j + side + (not over)))
+
     def advance(self, begin: float, end: float) -> None:
-        """Integrate from ``begin`` to ``end``, within one piece of the signal."""
-        from scipy.integrate import Radau
+        """Integrate from ``begin`` to ``end``, within one piece of the signals."""
+        with needed("solving without a C compiler"):
+            from scipy.integrate import Radau
 
         scenario, equations, rows = self.scenario, self.equations, self.rows
         solver: Any = Radau(
             equations.rates, begin, self.x, end, jac=equations.jacobian, rtol=max(scenario.solve.rtol, 1e-13),
-            atol=self.atol, max_step=scenario.signal.longest_step,
+            atol=self.atol, max_step=scenario.longest_step,
         )  # fmt: skip
         while solver.status == "running" and self.reason is None:
             try:
@@ -104,12 +206,15 @@ class _Run:
                 break
             self.count["accepted"] += 1
             dense = solver.dense_output()
-            stop = int(np.searchsorted(rows, solver.t, side="right"))
+            last = end * (1 - _SAME_TIME) if solver.t >= end else inf
+            stop = min(
+                int(np.searchsorted(rows, solver.t, side="right")), int(np.searchsorted(rows, last, side="left"))
+            )
             if stop > self.row:
-                self.out[self.row : stop] = dense(rows[self.row : stop]).T
+                self.out[self.row : stop, : len(self.x)] = dense(rows[self.row : stop]).T
+                self.out[self.row : stop, len(self.x) :] = equations.held
                 self.row = stop
-            if self.speed is not None:
-                self.events += _events(dense, self.speed, scenario.threshold)
+            self.events += self._events(dense)
             if not np.isfinite(solver.y).all():
                 self.reason = f"after t = {solver.t_old:.9g} s the equations are no longer finite"
             elif self.count["accepted"] >= scenario.solve.max_steps:
@@ -119,22 +224,30 @@ class _Run:
             if self.progress is not None:
                 self.progress(solver.t / scenario.end)
         self.reason = (ended(scenario, solver.t, solver.y) if self.reason else None) or self.reason
-        self.x = solver.y
+        self.x, self.t = solver.y, solver.t
         self.count["rates"] += solver.nfev
         self.count["jacobians"] += solver.njev
+        if self.reason is None:
+            self._pass()
+            self._put_rows(self.t * (1 + _SAME_TIME))
 
+    def _events(self, dense: Any) -> list[tuple[float, int]]:
+        """Where a watched quantity passes its level within a step; the cubic is looked at in ten parts."""
+        from scipy.optimize import brentq
 
-def _events(dense: Any, speed: int, threshold: float) -> list[tuple[float, bool]]:
-    """Where |v| passes the threshold within a step; the cubic is looked at in ten parts."""
-    from scipy.optimize import brentq
+        if not (self.levels > 0).any():
+            return []
+        times = np.linspace(dense.t_old, dense.t, 11)
+        values = np.array([self.equations.watch(t, x) for t, x in zip(times, dense(times).T, strict=True)])
+        found = []
+        for j, level in enumerate(self.levels):
+            for side, sign in ((0, 1.0), (2, -1.0)) if level > 0 else ():
+                over = sign * values[:, j] - level
 
-    times = np.linspace(dense.t_old, dense.t, 11)
-    found = []
-    for sign in (1.0, -1.0):
-        over = sign * dense(times)[speed] - threshold
-        for i in np.flatnonzero((over[:-1] >= 0) != (over[1:] >= 0)):
-            t = brentq(
-                lambda t, s=sign: s * dense(t)[speed] - threshold, times[i], times[i + 1], xtol=1e-14, rtol=1e-14
-            )
-            found.append((float(t), bool(over[i + 1] >= 0)))
-    return sorted(found)
+                def passed(t: float, j: int = j, sign: float = sign, level: float = level) -> float:
+                    return float(sign * self.equations.watch(t, dense(t))[j] - level)
+
+                for i in np.flatnonzero((over[:-1] >= 0) != (over[1:] >= 0)):
+                    t = brentq(passed, times[i], times[i + 1], xtol=1e-14, rtol=1e-14)
+                    found.append((float(t), 4 * j + side + int(over[i + 1] < 0)))
+        return sorted(found)

@@ -5,23 +5,25 @@ from __future__ import annotations
 import ctypes
 import os
 from collections.abc import Callable
-from ctypes import POINTER, c_double, c_int64
+from ctypes import POINTER, c_double, c_int8, c_int64
 from dataclasses import dataclass
 from threading import Thread
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.errors import BuildError
 from stribeck.simulation.native import step_share
+from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
 
 Integers = NDArray[np.int64]
 
 # The fields of Batch in runtime/lanes.c, in the same order.
-_INPUTS = ("parameters", "atol", "x0", "threshold", "h_limit")
-_PIECES = ("piece_start", "piece_value", "piece_slope")
-_COUNTS = ("rows_reached", "status", "accepted", "rejected", "slips", "sticks")
+_INPUTS = ("parameters", "atol", "x0", "levels", "h_limit", "noise", "queue")
+_PIECES = ("piece_start", "piece_rows")
+_COUNTS = ("rows_reached", "status", "accepted", "rejected", "happened")
 
 
 class Batch(ctypes.Structure):
@@ -31,17 +33,19 @@ class Batch(ctypes.Structure):
         *((name, POINTER(c_double)) for name in _INPUTS),
         *((name, POINTER(c_int64)) for name in ("piece_first", "piece_end")),
         *((name, POINTER(c_double)) for name in (*_PIECES, "out")),
+        ("piece_restart", POINTER(c_int8)),
         *((name, POINTER(c_int64)) for name in _COUNTS),
         ("t_reached", POINTER(c_double)),
-        ("queue", POINTER(c_int64)),
+        ("turn", POINTER(c_int64)),
         *((name, c_double) for name in ("rtol", "t_end", "step")),
-        *((name, c_int64) for name in ("count", "rows", "most_attempts")),
+        *((name, c_int64) for name in ("count", "rows", "most_attempts", "queue_room", "noise_room")),
     )
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of each lane: states (lanes, rows, states), rows reached, status as in runtime/lanes.c, counts."""
+    """What became of each lane: states and held outputs (lanes, rows, both), rows reached, status as in runtime/lanes.c,
+    counts; ``happened`` has the shape (lanes, watched quantities, 4)."""
 
     states: NDArray[np.float64]
     t_reached: NDArray[np.float64]
@@ -68,33 +72,59 @@ def threads_of_this_machine() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def solve(
-    library: ctypes.CDLL, lanes: Variations, threads: int, progress: Callable[[float], None] | None = None
-) -> Outcome:
-    """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
+@dataclass(frozen=True)
+class Arrays:
+    """A batch in memory: the numbers of its arrays by name, and the struct whose pointers are theirs."""
+
+    by_name: dict[str, NDArray[Any]]
+    batch: Batch
+
+
+def arrays(lanes: Variations) -> Arrays:
+    """What the compiled solver of the lanes reads and writes."""
     scenario, count = lanes.scenario, len(lanes)
-    share, pieces = step_share(scenario), lanes.pieces()
+    share, pieces, levels = step_share(scenario), lanes.pieces(), lanes.levels()
+    room, noise = held_back(scenario.end, lanes.sampling())
+    held = len(scenario.system.held)
     numbers = {
         "parameters": lanes.parameters(), "atol": share * lanes.atol(), "x0": lanes.initial(),
-        "threshold": lanes.threshold(), "h_limit": lanes.longest_step(),
-        "piece_start": pieces.start, "piece_value": pieces.value, "piece_slope": pieces.slope,
-        "out": np.full((count, scenario.rows, len(scenario.system.states)), np.nan), "t_reached": np.zeros(count),
+        "levels": levels, "h_limit": lanes.longest_step(), "noise": noise, "queue": np.zeros((count, held, room)),
+        "piece_start": pieces.whole.start, "piece_rows": pieces.whole.rows,
+        "out": np.full((count, scenario.rows, len(scenario.system.states) + held), np.nan), "t_reached": np.zeros(count),
     }  # fmt: skip
-    integers = {"piece_first": pieces.first, "piece_end": pieces.end, "queue": np.zeros(3, np.int64)}
+    integers = {"piece_first": pieces.first, "piece_end": pieces.end, "turn": np.zeros(3, np.int64)}
     integers |= {name: np.zeros(count, np.int64) for name in _COUNTS}
+    integers["happened"] = np.zeros((count, levels.shape[1], 4), np.int64)
+    restart = np.ascontiguousarray(pieces.whole.restart)
     numbers = {name: np.ascontiguousarray(x, float) for name, x in numbers.items()}
     batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)
+    batch.queue_room, batch.noise_room = room, noise.shape[1]
+    batch.piece_restart = restart.ctypes.data_as(POINTER(c_int8))
     batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
     for name, x in numbers.items():
         setattr(batch, name, x.ctypes.data_as(POINTER(c_double)))
     for name, i in integers.items():
         setattr(batch, name, i.ctypes.data_as(POINTER(c_int64)))
-    _run(library, batch, integers["queue"], threads, progress)
-    return Outcome(numbers["out"], numbers["t_reached"], {name: integers[name] for name in _COUNTS})
+    return Arrays({**numbers, **integers, "piece_restart": restart}, batch)
+
+
+def outcome(made: Arrays) -> Outcome:
+    """What became of the lanes, from the arrays that the solver filled."""
+    found = made.by_name
+    return Outcome(found["out"], found["t_reached"], {name: found[name] for name in _COUNTS})
+
+
+def solve(
+    library: ctypes.CDLL, lanes: Variations, threads: int, progress: Callable[[float], None] | None = None
+) -> Outcome:
+    """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
+    made = arrays(lanes)
+    _run(library, made.batch, made.by_name["turn"], threads, progress)
+    return outcome(made)
 
 
 def _run(
-    library: ctypes.CDLL, batch: Batch, queue: Integers, threads: int, progress: Callable[[float], None] | None
+    library: ctypes.CDLL, batch: Batch, turn: Integers, threads: int, progress: Callable[[float], None] | None
 ) -> None:
     """Let the threads work; Ctrl-C stops them at their next step."""
     workers = [Thread(target=library.stribeck_solve_batch, args=(ctypes.byref(batch),)) for _ in range(threads)]
@@ -105,9 +135,9 @@ def _run(
             while worker.is_alive():
                 worker.join(0.1)
                 if progress is not None:
-                    progress(queue[1] / batch.count)
+                    progress(turn[1] / batch.count)
     finally:
-        queue[2] = 1
+        turn[2] = 1
         for worker in workers:
             if worker.ident is not None:
                 worker.join()

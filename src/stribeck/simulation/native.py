@@ -4,23 +4,26 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from ctypes import POINTER, c_double, c_int, c_int8, c_int64
+from ctypes import POINTER, c_double, c_int, c_int8, c_int32, c_int64
 
 import numpy as np
 
 from stribeck.control.sampled import Log
 from stribeck.errors import BuildError
 from stribeck.scenario import Scenario
-from stribeck.simulation.result import Result, ended, failure, legs, piecewise
+from stribeck.simulation.result import Result, ended, failure, held_back, legs
 
 # The fields of Run in runtime/run.c, in the same order.
-_POINTERS = ("parameters", "atol", "x", "piece_start", "piece_value", "piece_slope", "out", "event_time")
+_POINTERS = (
+    "parameters", "atol", "x", "piece_start", "piece_rows", "out", "event_time", "levels", "held", "memory", "queue",
+    "noise",
+)  # fmt: skip
 _DOUBLES = (
-    "rtol", "t", "t_end", "h", "h_limit", "step", "threshold", "h_smallest", "h_largest", "last_h", "last_root",
+    "rtol", "t", "t_end", "h", "h_limit", "step", "h_smallest", "h_largest", "last_h", "last_root", "output_h",
 )  # fmt: skip
 _INTEGERS = (
-    "pieces", "piece", "rows", "row", "event_room", "events", "accepted", "rejected", "rates", "jacobians",
-    "attempts_left", "held", "restart",
+    "pieces", "piece", "rows", "row", "event_room", "events", "queue_room", "noise_room", "accepted", "rejected", "rates",
+    "jacobians", "attempts_left", "held_back", "restart",
 )  # fmt: skip
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
 _EVENT_ROOM = 4096
@@ -28,6 +31,8 @@ _STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
 # What one step may err by, as a share of the tolerances: errors made while a contact creeps towards break-away grow up
 # to a hundredfold before it slips, and the solution is to keep what the tolerances promise.
 _STEP_SHARE = 0.01
+# The same under a sampled controller, whose every output starts the motion anew: many short steps, each good.
+_SAMPLED_SHARE = 0.1
 _RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
 
 _DONE, _MORE, _EVENTS_FULL, _NOT_FINITE = 0, 1, 2, -2
@@ -38,7 +43,9 @@ class Run(ctypes.Structure):
 
     _fields_ = (
         *((name, POINTER(c_double)) for name in _POINTERS),
-        ("event_rises", POINTER(c_int8)),
+        ("piece_restart", POINTER(c_int8)),
+        ("event_what", POINTER(c_int32)),
+        *((name, POINTER(c_int64)) for name in ("sampled", "acted")),
         *((name, c_double) for name in _DOUBLES),
         *((name, c_int64) for name in _INTEGERS),
     )
@@ -46,7 +53,8 @@ class Run(ctypes.Structure):
 
 def step_share(scenario: Scenario) -> float:
     """What one step may err by, as a share of the scenario's tolerances."""
-    return max(_STEP_SHARE, min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
+    share = _SAMPLED_SHARE if scenario.system.held else _STEP_SHARE
+    return max(share, min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -67,29 +75,36 @@ def check(library: ctypes.CDLL) -> None:
 def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with its compiled and checked system; ``progress`` is told the share of time done."""
     system, values, atol = scenario.system, scenario.values(), scenario.atol()
-    share = step_share(scenario)
-    starts, levels, slopes = piecewise(scenario.signal)
+    share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
+    room, noise = held_back(scenario.end, [scenario.sampling()])
     x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
-    out = np.empty((scenario.rows, len(system.states)))
-    event_time, event_rises = np.empty(_EVENT_ROOM), np.empty(_EVENT_ROOM, np.int8)
+    out = np.empty((scenario.rows, len(system.states) + held))
+    event_time, event_what = np.empty(_EVENT_ROOM), np.empty(_EVENT_ROOM, np.int32)
     arrays = {
         "parameters": np.array([values[key] for key in system.parameters]),
         "atol": share * np.array([atol[state.name] for state in system.states]),
-        "x": x, "out": out, "event_time": event_time,
-        "piece_start": starts, "piece_value": levels, "piece_slope": slopes,
+        "x": x, "out": out, "event_time": event_time, "levels": np.array(scenario.levels()),
+        "piece_start": np.ascontiguousarray(pieces.start), "piece_rows": np.ascontiguousarray(pieces.rows),
+        "held": np.zeros(held), "memory": np.zeros(sum(map(len, system.memory.values()))),
+        "queue": np.zeros((held, room)), "noise": noise,
     }  # fmt: skip
+    counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}
+    restart = np.ascontiguousarray(pieces.restart)
     run = Run()
     for name, array in arrays.items():
         setattr(run, name, array.ctypes.data_as(POINTER(c_double)))
-    run.event_rises = event_rises.ctypes.data_as(POINTER(c_int8))
+    for name, count in counts.items():
+        setattr(run, name, count.ctypes.data_as(POINTER(c_int64)))
+    run.piece_restart = restart.ctypes.data_as(POINTER(c_int8))
+    run.event_what = event_what.ctypes.data_as(POINTER(c_int32))
     run.rtol, run.step = share * scenario.solve.rtol, scenario.output.step
     run.h = run.h_smallest = np.inf
-    run.h_limit = scenario.signal.longest_step
-    run.threshold, run.pieces, run.rows = scenario.threshold, len(starts), scenario.rows
+    run.h_limit, run.queue_room, run.noise_room = scenario.longest_step, room, noise.shape[1]
+    run.pieces, run.rows = len(pieces.start), scenario.rows
     run.event_room = _EVENT_ROOM
 
     times: list[float] = []
-    rises: list[bool] = []
+    what: list[int] = []
     status, left, log = _DONE, scenario.solve.max_steps, Log()
     place = {key: i for i, key in enumerate(system.parameters)}
     stretches = legs(scenario, log)
@@ -106,7 +121,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
             left -= attempts - max(run.attempts_left, 0)
             if run.events:
                 times += event_time[: run.events].tolist()
-                rises += event_rises[: run.events].astype(bool).tolist()
+                what += event_what[: run.events].tolist()
                 run.events = 0
             if status == _MORE and run.t - before < _STALL * scenario.end and ended(scenario, run.t, x):
                 status = _NOT_FINITE  # time is finer than the position where the equations end
@@ -119,7 +134,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
                 leg = None
     return Result(
         states=out[: run.row],
-        events=list(zip(times, rises, strict=True)),
+        events=list(zip(times, what, strict=True)),
         reason=(ended(scenario, run.t, x) if status < 0 else None) or failure(status, run.t, scenario.solve.max_steps),
         log=log if log.t else None,
         stats={

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import dataclass
+from math import ceil, floor
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,6 @@ from stribeck.control.sampled import Leg, Log
 from stribeck.control.sampled import legs as sampled_legs
 from stribeck.control.servo import ServoSystem
 from stribeck.scenario import Scenario
-from stribeck.signals import Signal
 
 
 @dataclass(frozen=True)
@@ -21,19 +21,22 @@ class Result:
     """The states at the output rows that were reached, the events met, why it ended early if so, and statistics."""
 
     states: NDArray[np.float64]
-    events: list[tuple[float, bool]]  # time; True where |v| rises through the threshold
+    events: list[tuple[float, int]]  # time; which watched quantity (times 4), and which of its events
     reason: str | None
     stats: dict[str, Any]
     log: Log | None = None  # of a sampled controller
 
 
-def piecewise(signal: Signal) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Start, value and slope of the signal's pieces from t = 0 on; a single dummy piece for a smooth signal."""
-    if signal.smooth:
-        return np.zeros(1), np.zeros(1), np.zeros(1)
-    s = signal.segments
-    first = max(int(np.searchsorted(s.start, 0.0, side="right")) - 1, 0)
-    return s.start[first:].copy(), s.value[first:].copy(), s.slope[first:].copy()
+def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tuple[int, NDArray[np.float64]]:
+    """How many outputs of a sampled controller wait at most, and the standard normal numbers of the controllers' noise,
+    from the sampling of each controller in each lane."""
+    every = [each for lane in lanes for each in lane]
+    if not every:
+        return 1, np.zeros((0, 0))
+    room = max(ceil(each["delay"] / each["period"]) for each in every) + 2
+    count = max((floor(end / each["period"]) + 2 for each in every if each["noise"]), default=0)
+    noise = [np.random.default_rng(int(each["seed"])).standard_normal(count) for each in lanes[0]]
+    return room, np.array(noise)
 
 
 def failure(status: int, t: float, max_steps: int) -> str | None:
@@ -52,6 +55,9 @@ def legs(scenario: Scenario, log: Log) -> Generator[Leg, NDArray[np.float64], No
 
     The state at the end of each is to be sent back.
     """
+    if scenario.rig is not None:
+        yield scenario.end, {}
+        return
     system, signal = scenario.system, scenario.signal
     if scenario.servo is not None and scenario.servo.sampling is not None:
         assert isinstance(system, ServoSystem)

@@ -78,8 +78,9 @@ def _solve(library: object, scenario: Scenario, progress: Callable[[float], None
         if isinstance(library, ctypes.CDLL)
         else fallback.solve(scenario, progress)
     )
-    if scenario.drive.sets_velocity and scenario.threshold > 0:
+    if scenario.rig is None and scenario.drive.sets_velocity and scenario.threshold > 0:
         # the velocity is no state then: its events are those of the signal, as far as the run came
         reached = scenario.end if result.reason is None else len(result.states) * scenario.output.step
-        result.events.extend(scenario.signal.crossings(scenario.threshold, reached))
+        found = scenario.signal.crossings(scenario.threshold, reached)
+        result.events.extend((t, int(not rises)) for t, rises in found)
     return result

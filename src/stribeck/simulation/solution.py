@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stribeck.drives.base import Column
 from stribeck.errors import nearest, needed
+from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
 
@@ -40,28 +41,30 @@ class Solution:
         self.reason = result.reason
         self.status = "done" if result.reason is None else "failed"
         self.stats = result.stats
-        self.states, self._log = result.states, result.log
-        self.events = {
-            "slip": np.array([t for t, rises in result.events if rises]),
-            "stick": np.array([t for t, rises in result.events if not rises]),
-        }
+        count = len(scenario.system.states)
+        self.states, self._log = result.states[:, :count], result.log
+        self._held = dict(zip(scenario.system.held, result.states[:, count:].T, strict=True))
+        self.events = _events(scenario, result.events)
+        self.counts = np.zeros((max(1, len(scenario.system.watched)), 4), np.int64)  # of each event
+        for _, what in result.events:
+            self.counts[what >> 2, what & 3] += 1
 
     @cached_property
     def t(self) -> Array:
         """Times of the rows, s: i * output.step."""
         return np.arange(len(self.states), dtype=float) * self.scenario.output.step
 
-    @property
+    @cached_property
     def columns(self) -> tuple[Column, ...]:
         """The columns after t: name, unit and meaning."""
-        return self.scenario.system.columns
+        return tuple(c.of_motion(self.scenario.rotary) for c in self.scenario.system.columns)
 
     @cached_property
     def _columns(self) -> dict[str, Array]:
         states = {state.name: self.states[:, i] for i, state in enumerate(self.scenario.system.states)}
         states |= self._log.held(self.t) if self._log is not None else {}
         with np.errstate(all="ignore"):
-            found = self.scenario.columns(self.t, states)
+            found = self.scenario.columns(self.t, states, self._held)
         return {
             column.name: np.array(np.broadcast_to(np.asarray(found[column.name], float), self.t.shape))
             for column in self.columns
@@ -91,7 +94,7 @@ class Solution:
         Raises:
             MissingExtra: pandas is not installed.
         """
-        with needed("to_pandas()", "pandas"):
+        with needed("to_pandas()"):
             import pandas
 
         return pandas.DataFrame({"t": self.t, **self._columns})
@@ -106,17 +109,45 @@ class Solution:
         """The last row."""
         return {name: float(self[name][-1]) for name in ("t", *self._columns)} if len(self.t) else {}
 
+    @property
+    def laws(self) -> dict[str, Any]:
+        """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
+        rig = self.scenario.rig
+        if rig is None:
+            return {"law": _about(self.scenario.law)}
+        return {"contacts": {c.name: {"law": _about(rig.laws[c.law_path])} for c in rig.machine.contacts}}
+
     def summary(self) -> dict[str, Any]:
         """What ``stribeck run --json`` prints, without the files."""
-        law = self.scenario.law
         return {
             "status": self.status,
             "reason": self.reason,
             "scenario": self.scenario.name,
-            "law": {"name": law.name, "constants": {**law.values, **law.choices}},
+            **self.laws,
             "rows": len(self.t),
             "steps": self.stats,
-            "events": {kind: times.tolist() for kind, times in self.events.items()},
+            "events": _lists(self.events),
             "peaks": self.peaks,
             "final": self.final,
         }
+
+
+def _about(law: Law) -> dict[str, Any]:
+    return {"name": law.name, "constants": {**law.values, **law.choices}}
+
+
+def _lists(events: dict[str, Any]) -> dict[str, Any]:
+    return {name: _lists(x) if isinstance(x, dict) else x.tolist() for name, x in events.items()}
+
+
+def _events(scenario: Scenario, found: list[tuple[float, int]]) -> dict[str, Any]:
+    """The times of what happened; of a machine by element, of a single body without its name."""
+    watched = scenario.system.watched
+    if scenario.rig is None:
+        times = {"slip": [t for t, what in found if not what & 1], "stick": [t for t, what in found if what & 1]}
+        return {name: np.array(each) for name, each in times.items()}
+    events: dict[str, dict[str, list[float]]] = {name: {kind: [] for kind in kinds} for name, kinds in watched}
+    for t, what in sorted(found):
+        name, kinds = watched[what >> 2]
+        events[name][kinds[what & 3]].append(t)
+    return {name: {kind: np.array(x) for kind, x in each.items()} for name, each in events.items()}

@@ -13,11 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
-from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB
+from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
 from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
 from stribeck.signals import Signal
-from stribeck.simulation.result import piecewise
+from stribeck.signals.pieces import Pieces
+from stribeck.signals.pieces import pieces as pieces_of
 from stribeck.system import Groups, System
 
 Array = NDArray[np.float64]
@@ -25,14 +26,21 @@ Place = tuple[str, str]  # owner and name of a constant; the owner "initial" has
 
 
 @dataclass(frozen=True)
-class Pieces:
-    """The straight pieces of every signal that occurs, one signal after the other, and where those of a lane stand."""
+class Tables:
+    """The tables of signal pieces that occur, one after the other, and where that of each lane stands."""
 
-    start: Array
-    value: Array
-    slope: Array
+    whole: Pieces
     first: NDArray[np.int64]
     end: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, tables: list[Pieces], which: NDArray[np.int64]) -> Tables:
+        """From the tables and which of them each lane has."""
+        end = np.cumsum([len(table.start) for table in tables])
+        first = np.concatenate([[0], end[:-1]]).astype(np.int64)
+        start = np.concatenate([table.start for table in tables])
+        rows = np.concatenate([table.rows for table in tables])
+        return cls(Pieces(start, rows, np.concatenate([t.restart for t in tables])), first[which], end[which])
 
 
 def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | LaneByLane:
@@ -41,6 +49,10 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
     Raises:
         InputError: a path is none that can be varied, or its values are no arrays of numbers of equal length.
     """
+    if scenario.rig is not None:
+        from stribeck.simulation.machines import vary_machine
+
+        return vary_machine(scenario, values)
     simple = isinstance(scenario.system, System) and len(scenario.signal.pieces if scenario.signal.smooth else ()) <= 1
     return (Variations if simple else LaneByLane)(scenario, values)
 
@@ -57,7 +69,7 @@ class Variations:
     """
 
     def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
-        self.values = _arrays(values)
+        self.values = arrays(values)
         off = {
             f"law.{name}": 1.0 for name, x in scenario.law.values.items() if x is None and f"law.{name}" in self.values
         }
@@ -77,8 +89,8 @@ class Variations:
         """What makes the scenario that of one lane, for :meth:`Scenario.with_changes`."""
         return {path: float(x[lane]) for path, x in self.values.items()}
 
-    def columns(self, t: Array, states: Array) -> dict[str, Array]:
-        """The columns of the output, (lanes, times), from the states, (lanes, times, states)."""
+    def columns(self, t: Array, states: Array, held: Array) -> dict[str, Array]:
+        """The columns of the output, (lanes, times), from the states, (lanes, times, states), and held outputs."""
         system, shape = self.scenario.system, states.shape[:2]
         assert isinstance(system, System)
         named = {state.name: states[:, :, i] for i, state in enumerate(system.states)}
@@ -124,6 +136,14 @@ class Variations:
         """The speed that slip and stick are told by; 0 for none."""
         return self._table([self._varied.get(("law", "v_s"), self.scenario.threshold)])[:, 0]
 
+    def levels(self) -> Array:
+        """The level of each watched quantity, 0 for none."""
+        return np.repeat(self.threshold()[:, np.newaxis], len(self.scenario.system.watched), axis=1)
+
+    def sampling(self) -> list[list[dict[str, float]]]:
+        """Period, delay, noise and seed of the sampled controllers of each lane."""
+        return []
+
     @cached_property
     def signals(self) -> tuple[list[Signal], NDArray[np.int64]]:
         """The signals that occur, and which of them each lane has."""
@@ -141,14 +161,11 @@ class Variations:
         signals, which = self.signals
         return np.array([signal.longest_step for signal in signals])[which]
 
-    def pieces(self) -> Pieces:
-        """The signals as straight pieces."""
+    def pieces(self) -> Tables:
+        """The signals as tables of pieces."""
         signals, which = self.signals
-        found = [piecewise(signal) for signal in signals]
-        end = np.cumsum([len(start) for start, _, _ in found])
-        first = np.concatenate([[0], end[:-1]])
-        start, value, slope = (np.concatenate(column) for column in zip(*found, strict=True))
-        return Pieces(start, value, slope, first[which], end[which])
+        smooth = Pieces(np.zeros(1), np.zeros((1, 3)), np.ones(1, np.int8))
+        return Tables.of([smooth if signal.smooth else pieces_of(signal) for signal in signals], which)
 
     # -- values that no scenario may have --------------------------------------------------------------------------
 
@@ -164,19 +181,28 @@ class Variations:
                 bad |= ~(x >= constant.at_least)
             for lane in map(int, np.flatnonzero(bad)):
                 found[lane] = found[lane] or f"{path}: {x[lane]}: must be {constant.allowed}"
-        law, paths = self.scenario.law, {place: path for path, place in self.places.items()}
-        values = {name: self.constant("law", name) for name in {**PARAMETERS, **law.constants()}}
+        for owner, law in self.laws().items():
+            self._relations(owner, law, found)
+        return found
+
+    def laws(self) -> dict[str, Law]:
+        """The laws by the owner of their constants."""
+        return {"law": self.scenario.law}
+
+    def _relations(self, owner: str, law: Law, found: list[str | None]) -> None:
+        """What is wrong with the constants of a law taken together."""
+        paths = {place: path for path, place in self.places.items()}
+        values = {name: self.constant(owner, name) for name in {**PARAMETERS, **law.constants()}}
         for relation in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
             needs = {name: values[name] for name in relation.needs}
-            if any(x is None for x in needs.values()) or not any(("law", name) in self._varied for name in needs):
+            if any(x is None for x in needs.values()) or not any((owner, name) in self._varied for name in needs):
                 continue
             for lane, row in enumerate(self._table(list(needs.values()))):
                 own = dict(zip(needs, map(float, row), strict=True))
                 if found[lane] is None and not relation.holds(SimpleNamespace(**own)):
                     stated = ", ".join(f"{name} = {x}" for name, x in own.items() if name != relation.key)
-                    path = paths.get(("law", relation.key), relation.key)
+                    path = paths.get((owner, relation.key), relation.key)
                     found[lane] = f"{path}: {own[relation.key]}: must be {relation.allowed} ({stated})"
-        return found
 
     def _declared(self, path: str) -> Constant:
         owner, name = self.places[path]
@@ -210,7 +236,7 @@ class LaneByLane:
     """
 
     def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
-        self.scenario, self.values = scenario, _arrays(values)
+        self.scenario, self.values = scenario, arrays(values)
         if unknown := [text for text in self._wrong(0) if "unknown key" in text]:
             raise InputError(unknown)
 
@@ -233,7 +259,7 @@ class LaneByLane:
         return []
 
 
-def _arrays(values: Mapping[str, ArrayLike]) -> dict[str, Array]:
+def arrays(values: Mapping[str, ArrayLike]) -> dict[str, Array]:
     """The values as arrays of one length."""
     if not values:
         raise InputError("nothing is varied: give a path with its values, such as {'law.k_v': [1e6, 1e7]}")

@@ -36,8 +36,10 @@ def context(request: Request) -> dict[str, Any]:
         raise InputError(f"{arg('part')}: 'observer': law '{law.name}' has {what}")
     if bad := [name for name in request.constants if name in WORDS | ARGUMENTS or not name.isascii()]:
         raise InputError([f"{name}: a constant of this name cannot be exported to C: rename it" for name in bad])
-    declared = law.constants()
+    declared = request.declared
     return {
+        "u": request.unit,
+        "w": request.words,
         "P": request.name,
         "about": request.about(),
         "law": law,

@@ -58,7 +58,7 @@ def context(request: Request) -> dict[str, Any]:
     by_name = {v.name: v.reference for v in variables}
     states = [v for v in variables if v.start is not None and v.name in ("y", "v", "z") and v.nominal is not None]
     model = f"{request.name}_{request.part}"
-    about = [*request.about(), *([f"mass = {mass!r} kg"] if body else [])]
+    about = [*request.about(), *([f"mass = {mass!r} {request.unit('kg')}"] if body else [])]
     return values | {
         "fmi": request.fmi, "body": body, "mass": mass, "model": model, "about": about, "variables": variables,
         "states": states, "token": token(model, request.fmi, about, variables), "acceleration": _acceleration(),
@@ -75,6 +75,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
 
     def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Any) -> int:
         variability = "tunable" if causality == "parameter" else "continuous"
+        unit, meaning = request.unit(unit), request.words(meaning)
         found.append(Variable(len(found), name, unit, meaning, causality, variability, c, **rest))
         return len(found) - 1
 
@@ -106,7 +107,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
     if bad := [key for key in request.constants if key in {variable.name for variable in found}]:
         raise InputError([f"{key}: the FMU has a variable of this name: rename the constant" for key in bad])
     for key, value in request.constants.items():
-        constant = law.constants()[key]
+        constant = request.declared[key]
         least = constant.above if constant.above is not None else constant.at_least
         meaning = f"{constant.meaning}, {constant.allowed}"
         add(key, constant.unit, meaning, "parameter", f"m->p.{key}", start=value, minimum=least)

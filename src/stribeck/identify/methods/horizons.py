@@ -22,7 +22,7 @@ _SHORTEST = 40  # rows
 _GROWS = 4
 _MANY = 24  # windows from which the first look is taken
 _MOST = 64  # windows of the last one
-_FOLLOWS = 1.5  # times the noise: the residual of a model that follows the measurement
+_FOLLOWS = 1.15  # times the noise: the residual of a model that follows the measurement
 _SLOW = 3e-3  # of the largest speed, where friction may fall with it
 _TURNS = 0.05  # of the largest speed: what a reversal must pass
 
@@ -55,11 +55,11 @@ def follow(
         work.section(0.6)
         found = _best(inverse, output, more, noise, force_noise, length, work, _MANY)
     work.section(0.7)
-    while length < rows and found.ratio <= _FOLLOWS and not work.stopped:
+    while length < rows and not work.stopped:
         length = min(_GROWS * length, rows) if _GROWS * length < 0.7 * rows else rows
         values = found.problem.values(found.optimum.point)
         longer = _best(inverse, output, [values], noise, force_noise, length, work, _MOST)
-        if longer.ratio > max(_FOLLOWS, 1.2 * found.ratio):
+        if longer.ratio > max(_FOLLOWS, found.ratio):
             break
         found = longer
     if work.stopped:
@@ -132,9 +132,9 @@ def windows(log: Log, length: int, most: int) -> list[slice]:
     for rows in log.runs():
         count = max(round((rows.stop - rows.start) / length), 1)
         edges = np.linspace(rows.start, rows.stop, count + 1).astype(int)
-        aside = (rows.stop - rows.start) // (4 * count)
+        aside = (rows.stop - rows.start) // (2 * count)
         for i in range(1, count):
-            near = slice(edges[i] - aside, edges[i] + aside + 1)
+            near = slice(edges[i] - aside, edges[i] + aside)
             edges[i] = near.start + int(np.argmax(abs(log.velocity[near])))
         found += [slice(a, b) for a, b in pairwise(edges.tolist()) if b - a >= 8]
     if len(found) <= most:

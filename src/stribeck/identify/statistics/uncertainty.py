@@ -17,7 +17,7 @@ from scipy.linalg import solve_toeplitz
 from scipy.stats import t as student
 
 from stribeck.identify.features.filtering import leeway
-from stribeck.identify.features.guess import reversals, scales
+from stribeck.identify.features.guess import Scales, reversals, scales
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import descend
@@ -25,20 +25,24 @@ from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Coordinate, Problem
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
+from stribeck.identify.statistics.sensor_noise import again_with_noise, sharper_acceleration
 from stribeck.identify.work import Work
 
 Array = NDArray[np.float64]
 _WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
 _MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
 _BOUND = 0.95  # correlation with one that is inflated so
+_WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
     0.1  # the same where the residual is white noise of the measurement's size: no error of the model is seen
 )
-_MORE = 1.3  # times the measurement's noise: the residual of a model that follows it
+_MORE = 1.15  # times the measurement's noise: the residual of a model that follows it
 _BEYOND = 3.0  # times what noise explains: a residual that is the model's
 _FEWEST_WINDOWS = 8  # beyond the number of constants
 _FEWEST = 12.0  # samples that an estimate must rest on
+_STRIBECK = ("F_s", "v_s")
+_ENDS = 0.3  # of the largest speed
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
 _MOST_LEEWAY = 0.2  # of the logarithm, for the motion's filter
@@ -141,18 +145,34 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     alike = _alike(plain, slopes, variance)
     sizes, values = scales(log), problem.values(u)
     unseen = _presliding_unseen(problem, values, log)
-    spare = _between_samples(problem, u, slopes) if isinstance(problem, MotionProblem) else leeway(problem, u, slopes)
+    if isinstance(problem, MotionProblem):
+        spare = _between_samples(problem, u, slopes)
+    else:
+        shift, spread = again_with_noise(problem, u)
+        spare = np.maximum(leeway(problem, u, slopes), _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread)
+        spare = np.maximum(spare, _WHOLE * sharper_acceleration(problem, u, slopes))
     deviations = np.sqrt(np.diag(inner))
     inflation = np.maximum(np.diag(inner) / np.maximum(np.diag(plain), 1e-300), 1e-6)
     own = [k for k, c in enumerate(problem.coordinates) if not c.nuisance]
+    beyond = not isinstance(problem, MotionProblem) and np.sqrt(variance) > _BEYOND * expected.expected > 0
+    if beyond and problem.law.has_z:
+        notes.append(
+            f"the residual is {np.sqrt(variance) / expected.expected:.2g} times the noise of the force: the intervals hold as "
+            "far as the model does"
+        )
+    # a residual that is the sensor's white noise shows no error of the model
     clean = isinstance(problem, MotionProblem) and not len(memory) and np.sqrt(variance) < _MORE * expected.expected
     close = _CLOSE_IF_CLEAN if clean else _CLOSE
     doubts = {}
     for k in own:
         c = problem.coordinates[k]
         confused = bool(alike[k]) and np.sqrt(THRESHOLD) * deviations[k] > close
-        doubt = unseen if c.name in _BRISTLES and unseen else _doubt(problem, k, u, inner, support[k], confused)
-        doubts[k] = doubt or _hangs(c, spare[k])
+        doubt = (
+            unseen
+            if c.name in _BRISTLES and unseen
+            else _doubt(problem, k, u, inner, np.inf if clean else support[k], confused)
+        )
+        doubts[k] = doubt or _hangs(c, spare[k]) or (_shape(c, values, sizes, unseen) if beyond else "")
     told = [k for k in own if profiles and not doubts[k]]
     units = variance * inflation / problem.scale**2
     ends = dict(straight(problem, u, inner, deviations, units, told)) if told else {}
@@ -317,6 +337,20 @@ def _presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) 
     if not longest:
         return "there is no reversal and no start from rest in the log, so no presliding"
     return f"no reversal passes through presliding in {needed} samples or more (at best {longest})"
+
+
+def _shape(c: Coordinate, values: Mapping[str, float], sizes: Scales, unseen: str) -> str:
+    """Why the Stribeck curve of a fit that leaves more than noise is the model's freedom and not the data's, or nothing."""
+    if c.name not in _STRIBECK:
+        return ""
+    if unseen:
+        return f"the fit leaves more than the force's noise, and {unseen}"
+    if values.get("v_s", 0.0) > _ENDS * sizes.fast:
+        return (
+            f"v_s comes out as {values['v_s']:.2g} m/s, near the largest speed ({sizes.fast:.2g} m/s), in a fit that leaves "
+            "more than the force's noise: no Stribeck curve ends within the record"
+        )
+    return ""
 
 
 def _hangs(c: Coordinate, spare: float) -> str:

@@ -1,0 +1,33 @@
+"""``stribeck show``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stribeck.cli import show
+from stribeck.errors import InputError
+
+
+def draw(path: Path, out: Path | None, assignments: list[str], json: bool, trust: bool) -> int:
+    """Draw the machine as text, and as a picture with --out."""
+    from stribeck.files import write_text
+    from stribeck.report import schematic
+
+    scenario = show.load(path, assignments, trust)
+    if scenario.rig is None:
+        raise InputError(f"{path}: schema = 1: is a law on a single body; 'stribeck show' draws machines (schema = 2)")
+    files = []
+    if out is not None:
+        if out.suffix != ".svg":
+            raise InputError(f"--out: {str(out)!r}: must end in .svg")
+        if not out.parent.is_dir():
+            raise InputError(f"--out: {str(out)!r}: there is no folder {out.parent}")
+        write_text(out, schematic.svg(scenario.rig, scenario.name))
+        files.append(str(out))
+    if json:
+        show.print_json({"scenario": scenario.name, **schematic.describe(scenario.rig), "files": files})
+        return 0
+    print(schematic.text(scenario.rig, scenario.name))
+    for file in files:
+        print(f"wrote {file}")
+    return 0

@@ -1,0 +1,106 @@
+"""What the code generator and the solvers need of a system, whatever it is made of."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import ClassVar
+
+from stribeck.constants import Constant
+from stribeck.drives.base import Column
+from stribeck.expressions.graph import Expr, symbol
+from stribeck.signals.pieces import STRAIGHT
+
+Events = tuple[str, str, str, str]
+Watched = tuple[str, Events]
+SLIP_AND_STICK: Events = ("slip", "stick", "slip", "stick")
+
+
+@dataclass(frozen=True)
+class Watch:
+    """A quantity whose passing of a level is an event: \\|value\\| rises through it, or falls.
+
+    ``events`` names what happens: where the value rises through +level, falls through +level, falls through -level
+    (its magnitude rises), and rises through -level.
+    """
+
+    element: str
+    value: Expr
+    events: Events
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What a sampled controller does at its instants: the output from then on, and its memory afterwards.
+
+    Both are expressions of the states, the signals, ``memory.NAME`` and ``noise`` (a standard normal number).
+    """
+
+    name: str
+    output: Expr
+    memory: dict[str, Expr]
+
+
+class Equations(ABC):
+    """What a system is to the code generator; hashable, and equal to another with the same equations."""
+
+    piece_fields: ClassVar[tuple[str, ...]] = STRAIGHT  # the numbers that change from breakpoint to breakpoint
+
+    @property
+    @abstractmethod
+    def states(self) -> tuple[Column, ...]:
+        """The states in the order in which they are integrated."""
+
+    @property
+    @abstractmethod
+    def columns(self) -> tuple[Column, ...]:
+        """The columns of the output after t."""
+
+    @property
+    @abstractmethod
+    def parameters(self) -> tuple[tuple[str, str], ...]:
+        """(group, name) of each run-time constant."""
+
+    @property
+    @abstractmethod
+    def heading(self) -> tuple[str, ...]:
+        """What the system is, in a few lines."""
+
+    @abstractmethod
+    def constant(self, owner: str, name: str) -> Constant:
+        """The declaration of a run-time constant."""
+
+    @abstractmethod
+    def rates(self) -> list[Expr]:
+        """The time derivatives of the states."""
+
+    def field(self, owner: str, name: str) -> str:
+        """What a run-time constant is called in the generated code."""
+        return name
+
+    @property
+    def watched(self) -> tuple[Watched, ...]:
+        """What events are told by: the element's name, and what happens (see :class:`Watch`)."""
+        return (("", SLIP_AND_STICK),) if any(state.name == "v" for state in self.states) else ()
+
+    def watches(self) -> list[Watch]:
+        """The same with the quantities."""
+        return [Watch(name, symbol("v"), events) for name, events in self.watched]
+
+    @property
+    def memory(self) -> dict[str, tuple[str, ...]]:
+        """What each sampled controller remembers, by its name."""
+        return {}
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """What stays from one output of a sampled controller to the next, as ``segment.NAME`` in the equations."""
+        return ()
+
+    def samples(self) -> list[Sample]:
+        """What the sampled controllers do at their instants, in the order of :attr:`held`."""
+        return []
+
+    def moved_energy(self) -> Expr | None:
+        """The energy that changes where a signal jumps, which then is put in (state ``E_in``)."""
+        return None

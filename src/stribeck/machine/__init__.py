@@ -1,0 +1,1 @@
+"""Machines: bodies, and elements between them, as one system of equations (docs/machines.md)."""

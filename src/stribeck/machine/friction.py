@@ -1,0 +1,91 @@
+"""The friction of a contact whose level varies, and what a controller does against it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from stribeck.expressions.graph import Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
+from stribeck.expressions.ops import Value, clip, where
+from stribeck.laws.base import Law
+from stribeck.machine.loads import sum_of_waves
+from stribeck.machine.parts import Compensation, ContactPart, Factor, made
+from stribeck.signals.pieces import Reference
+
+_NEWTON_STEPS = 16
+
+
+def parameters(contact: ContactPart, d: Expr, forces: dict[str, Expr], t: Expr) -> SimpleNamespace:
+    """The law's constants at one instant: times the factors, plus what the loads add, times the factor of the level."""
+    p = contact.law.symbolic(made(contact.law_path), contact.options)
+    by_name = {factor.of: _factor(factor, d, t) for factor in contact.factors}
+    for name, factor in by_name.items():
+        if name != "level":
+            setattr(p, name, getattr(p, name) * factor)
+    levels = [name for name in ("F_c", "F_s") if hasattr(p, name)]
+    for i, level in enumerate(contact.levels):
+        make = made(level.path)
+        total: Value = 0.0
+        for source in level.sources:
+            total = total + (make(f"weight_{source}") if level.weighted else 1.0) * forces[source]
+        size = abs(total)
+        if isinstance(size, Expr) and size.args:
+            size.label = f"{contact.name}_load" + (f"_{i + 1}" if len(contact.levels) > 1 else "")
+        for name in levels:
+            if name in level.gains:
+                setattr(p, name, getattr(p, name) + make(name) * size)
+    for name in levels if "level" in by_name else ():
+        setattr(p, name, getattr(p, name) * by_name["level"])
+    return p
+
+
+def _factor(factor: Factor, d: Expr, t: Expr) -> Expr:
+    if factor.signal is not None:
+        return factor.signal.reference(t).value  # type: ignore[no-any-return]
+    make = made(factor.path)
+    names = ("amplitude", "waves", "phase")
+    p = SimpleNamespace(**{n: tuple(make(f"{n}_{i}") for i in range(factor.waves)) for n in names})
+    return wrap(1 + sum_of_waves(p, d))
+
+
+def named(prefix: str, values: list[Expr], done: set[Expr]) -> None:
+    """Put the contact's name before the names of its law's terms in the generated code."""
+    for node in ordered(values):
+        if node.label and node not in done:
+            node.label = f"{prefix}_{node.label}"
+            done.add(node)
+
+
+def steady_force(law: type[Law], p: Any, v: Expr) -> Expr:
+    """The friction force at a speed v > 0 that is held, as an expression: the closed form where dz/dt is linear in z,
+    else Newton's method from the largest deflection."""
+    if not law.has_z:
+        return wrap(law.friction(p, v, wrap(0.0), wrap(0.0)))
+    z = symbol("steady z")
+    rate = wrap(law.dz_dt(p, v, z))
+    slope = derivative(rate, z)
+    if str(z.value) not in symbols([slope]):
+        (at_0,) = substitute([rate], {z: wrap(0.0)})
+        deflection = -at_0 / slope
+    else:
+        top = wrap(law.z_bound(p))
+        deflection = top
+        for _ in range(_NEWTON_STEPS):
+            f, df = substitute([rate, slope], {z: deflection})
+            # where the rate is flat no step leads further
+            step = where(df < 0, f / where(df < 0, df, -1.0), 0.0)
+            deflection = wrap(clip(deflection - step, 0.0, top))
+    return wrap(law.friction(p, v, deflection, wrap(0.0)))
+
+
+def compensation(c: Compensation, r: Reference, v: Expr, z: Expr, exact: bool) -> tuple[Expr, Expr | None]:
+    """The force that makes up for friction, and the rate of the observer's deflection where there is one.
+
+    ``exact``: where the reference rests the force is 0, as at a sample; else the sign is that of the present piece.
+    """
+    if c.speed == "reference":
+        speed = wrap(abs(r.rate))
+        force = r.direction * steady_force(c.law, c.p, speed)
+        return (wrap(where(speed <= 0, 0.0, force)) if exact and not is_zero(speed) else wrap(force)), None
+    rate = wrap(c.law.dz_dt(c.p, v, z)) if c.law.has_z else None
+    return wrap(c.law.friction(c.p, v, z, 0.0 * v if rate is None else rate)), rate

@@ -1,0 +1,25 @@
+"""Elements of the user's own: ``FILE.py:NAME`` wherever a kind's name stands."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from stribeck.errors import InputError
+from stribeck.laws import load_module
+from stribeck.machine.element import Element
+
+
+def find_element(name: str, folder: Path | None, base: type[Element]) -> type[Element]:
+    """The class ``NAME`` in ``FILE.py``, which must be derived from ``base``.
+
+    Raises:
+        InputError: the file does not load, or has no such class.
+    """
+    module, path, wanted = load_module(name, folder)
+    found = getattr(module, wanted, None)
+    if isinstance(found, type) and issubclass(found, base):
+        return found
+    if isinstance(found, type):
+        raise InputError(f"{name!r}: {wanted} must be derived from stribeck.machine's {base.__name__}")
+    has = [n for n, x in vars(module).items() if isinstance(x, type) and issubclass(x, base) and x is not base]
+    raise InputError(f"{name!r}: {path} has no {base.__name__.lower()} '{wanted}' (it has {', '.join(has) or 'none'})")

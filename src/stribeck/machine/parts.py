@@ -1,0 +1,272 @@
+"""The structure of a machine: what it is made of and how that is wired, without any values.
+
+Two machines that differ in numbers only have equal parts, and share compiled code. A part's ``path`` is the one by which
+the file and the run-time constants name it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from types import SimpleNamespace
+from typing import Any
+
+from stribeck.constants import Constant
+from stribeck.expressions.graph import Expr, symbol
+from stribeck.laws.base import Law
+from stribeck.machine.controllers import Controller
+from stribeck.machine.links import Link
+from stribeck.machine.loads import Load
+from stribeck.machine.motors import Motor
+from stribeck.signals import Signal
+from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
+
+RATIO = Constant("", "how far `from` counts", default=1.0)
+Named = dict[str, Constant]
+
+
+def made(path: str) -> Any:
+    """What makes the symbol of a constant of the table ``path``."""
+    return lambda name: symbol(f"{path}.{name}")
+
+
+@dataclass(frozen=True)
+class SignalUse:
+    """A signal of the machine: a name for its numbers in the code, its table, its kind (None: straight pieces), and
+    whether it is cut where it turns."""
+
+    name: str
+    path: str
+    kind: type[Signal] | None
+    turns: bool = False
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """The numbers of a piece."""
+        return fields(self.kind, self.turns)
+
+    def constants(self) -> Named:
+        """The constants of a run."""
+        return {n: self.kind.constants[n] for n in constants(self.kind)} if self.kind else {}
+
+    def reference(self, t: Expr) -> Reference:
+        """The signal and its derivatives at the time t."""
+        values = {n: symbol(f"segment.{self.name}_{n}") for n in self.fields}
+        values |= {n: symbol(f"{self.path}.{n}") for n in self.constants()}
+        return reference(self.kind, SimpleNamespace(**values), t, values.get(DIRECTION, 0.0))
+
+
+@dataclass(frozen=True)
+class Body:
+    """A body: ``leader`` where it is tied to another, ``driven`` where its velocity is given."""
+
+    name: str
+    rotary: bool
+    inertia: bool = True  # False: none is given
+    leader: str | None = None
+    ratio: bool = False
+    driven: SignalUse | None = None
+
+    @property
+    def path(self) -> str:
+        """Its table."""
+        return f"bodies.{self.name}"
+
+    @property
+    def inertia_name(self) -> str:
+        """What its inertia is called."""
+        return "inertia" if self.rotary else "mass"
+
+    def constants(self) -> Named:
+        """The constants of a run."""
+        mass = Constant("kg", "mass", above=0, rotary_unit="kg m^2")
+        moment = Constant("kg m^2", "moment of inertia", above=0)
+        found = {self.inertia_name: moment if self.rotary else mass} if self.inertia else {}
+        return {**found, **({"ratio": RATIO} if self.ratio else {})}
+
+
+@dataclass(frozen=True)
+class Span:
+    """Between what an element acts: ``start`` is a body's name or a signal, ``end`` a body's name or None, the ground."""
+
+    start: str | SignalUse
+    end: str | None
+    ratio: bool = False
+
+    def constants(self) -> Named:
+        """The constants of a run."""
+        return {"ratio": RATIO} if self.ratio else {}
+
+
+@dataclass(frozen=True)
+class LinkPart:
+    """A link between two bodies."""
+
+    name: str
+    kind: type[Link]
+    form: tuple[str, ...]
+    span: Span
+
+    @property
+    def path(self) -> str:
+        """Its table."""
+        return f"links.{self.name}"
+
+    @cached_property
+    def p(self) -> SimpleNamespace:
+        """Its constants as symbols."""
+        return self.kind.symbolic(made(self.path), self.form)
+
+
+@dataclass(frozen=True)
+class Factor:
+    """What a parameter of a contact is multiplied by: a signal, or so many waves of the position."""
+
+    of: str
+    path: str
+    signal: SignalUse | None
+    waves: int = 0
+
+
+@dataclass(frozen=True)
+class Level:
+    """A load that raises a contact's level: the elements whose forces count, and which have a weight."""
+
+    path: str
+    sources: tuple[str, ...]
+    weighted: bool
+    gains: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class ContactPart:
+    """Friction between two bodies."""
+
+    name: str
+    law: type[Law]
+    options: tuple[str, ...]
+    span: Span
+    levels: tuple[Level, ...] = ()
+    factors: tuple[Factor, ...] = ()
+
+    @property
+    def path(self) -> str:
+        """Its table."""
+        return f"contacts.{self.name}"
+
+    @property
+    def law_path(self) -> str:
+        """The table of its law."""
+        return f"{self.path}.law"
+
+
+@dataclass(frozen=True)
+class LoadPart:
+    """A force on a body."""
+
+    name: str
+    kind: type[Load]
+    form: tuple[str, ...]
+    on: str
+    signal: SignalUse | None = None
+
+    @property
+    def path(self) -> str:
+        """Its table."""
+        return f"loads.{self.name}"
+
+    @cached_property
+    def p(self) -> SimpleNamespace:
+        """Its constants as symbols."""
+        return self.kind.symbolic(made(self.path), self.form)
+
+
+@dataclass(frozen=True)
+class MotorPart:
+    """A motor on a body; ``signal`` is its voltage where no controller asks for a current."""
+
+    name: str
+    form: tuple[str, ...]
+    on: str
+    signal: SignalUse | None = None
+    kind: type[Motor] = Motor
+
+    @property
+    def path(self) -> str:
+        """Its table."""
+        return f"motors.{self.name}"
+
+    @property
+    def has_inductance(self) -> bool:
+        """Whether its current is a state."""
+        return "L" in self.form
+
+    @cached_property
+    def p(self) -> SimpleNamespace:
+        """Its constants as symbols."""
+        return self.kind.symbolic(made(self.path), self.form)
+
+
+@dataclass(frozen=True)
+class Compensation:
+    """Which law a controller takes the friction for, and at which speed."""
+
+    law: type[Law]
+    options: tuple[str, ...]
+    path: str  # of the law's table: the contact's, or one of its own
+    speed: str  # "reference" or "measured"
+
+    @cached_property
+    def p(self) -> SimpleNamespace:
+        """The law's constants as symbols."""
+        return self.law.symbolic(made(self.path), self.options)
+
+    @property
+    def observes(self) -> bool:
+        """Whether a deflection of its own is followed."""
+        return self.speed == "measured" and self.law.has_z
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """What of the sampling changes the form of the equations."""
+
+    resolution: bool
+    noise: bool
+    bandwidth: bool
+
+    @property
+    def numbers(self) -> dict[str, bool]:
+        """The constants of the table, and whether they take part."""
+        return {"period": True, "delay": True, **vars(self)}
+
+
+@dataclass(frozen=True)
+class ControllerPart:
+    """A controller on a motor or a body."""
+
+    name: str
+    kind: type[Controller]
+    form: tuple[str, ...]
+    on: str
+    measures: str
+    signal: SignalUse
+    feedforward: bool = False
+    compensation: Compensation | None = None
+    sampling: Sampled | None = None
+
+    @property
+    def path(self) -> str:
+        """Its table."""
+        return f"controllers.{self.name}"
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """The names of its own states and of its observer's."""
+        own = tuple(state.name for state in self.kind.states_of(self.form))
+        return (*own, "z_hat") if self.compensation is not None and self.compensation.observes else own
+
+    @cached_property
+    def p(self) -> SimpleNamespace:
+        """Its constants as symbols."""
+        return self.kind.symbolic(made(self.path), self.form)

@@ -1,0 +1,33 @@
+"""The panels of a machine: two for each body, contact, motor and controller, one for each link and load."""
+
+from __future__ import annotations
+
+from stribeck.machine.system import Machine
+from stribeck.report.panels import ENERGY, Panel
+
+
+def panels(machine: Machine) -> tuple[Panel, ...]:
+    """What is worth seeing of a machine, in the order of reading."""
+    found: list[Panel] = []
+    followed = {each.measures: each.name for each in machine.controllers}
+    for body in machine.bodies:
+        if body.leader is None:  # what is tied moves in proportion
+            tied = [other.name for other in machine.bodies if machine.leader(other.name) is body and other is not body]
+            title = f"{body.name} (tied to it: {', '.join(tied)})" if tied else body.name
+            beside = (f"{followed[body.name]}.r",) if body.name in followed else ()
+            also = f", and what {followed[body.name]} is to follow" if beside else ""
+            found.append(Panel(f"{body.name}.y", f"{title}: position", also=also, beside=beside))
+            found.append(Panel(f"{body.name}.v", f"{body.name}: velocity"))
+    for contact in machine.contacts:
+        force, slip = f"{contact.name}.F", f"{contact.name}.w"
+        found.append(Panel(force, f"{contact.name}: friction, {contact.law.name}"))
+        found.append(Panel(force, f"{contact.name}: friction against sliding speed", x=slip, near_rest=True))
+    forces = [*(link.name for link in machine.links), *(load.name for load in machine.loads)]
+    found += [Panel(f"{name}.f", f"{name}: force") for name in forces]
+    for motor in machine.motors:
+        found += [
+            Panel(f"{motor.name}.i", f"{motor.name}: current"),
+            Panel(f"{motor.name}.V", f"{motor.name}: voltage"),
+        ]
+    found += [Panel(f"{each.name}.u", f"{each.name}: output") for each in machine.controllers]
+    return (*found, *((ENERGY,) if machine.energy else ()))

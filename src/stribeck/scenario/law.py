@@ -1,0 +1,125 @@
+"""Reads a table of a friction law, wherever it stands in a file, collecting every problem."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+from stribeck import laws, parameter_sets
+from stribeck.constants import kind_of, show
+from stribeck.errors import InputError, nearest
+from stribeck.laws.base import PARAMETERS, Law
+from stribeck.scenario.tables import Problem
+from stribeck.scenario.trust import in_a_file
+
+
+def unknown(table: dict[str, Any], path: str, known: Iterable[str]) -> list[Problem]:
+    """A problem for each key that is not known."""
+    known = dict.fromkeys(known)
+    found = []
+    for key in [key for key in table if key not in known]:
+        guess = nearest(key, known) or f" (known here: {', '.join(known)})"
+        found.append((f"{path}.{key}" if path else key or "''", f"{show(table[key])}: unknown key{guess}"))
+    return found
+
+
+def no_table(value: Any) -> str:
+    """What is wrong with a value that should be a table."""
+    return f"{show(value)}: must be a table, not {kind_of(value)}"
+
+
+class LawReader:
+    """Reads one table of a law.
+
+    Args:
+        table: the table, or what stands in its place.
+        path: where it stands.
+        folder: where relative paths begin.
+        executes: whether a law in a file is executed; else all but the law itself is judged.
+    """
+
+    def __init__(self, table: Any, path: str, folder: Path, executes: bool = True) -> None:
+        self.table, self.path, self.folder, self.executes = table, path, folder, executes
+        self.problems: list[Problem] = []
+        self.law: Law | None = None
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the set of parameters that the table names is of a machine that turns."""
+        given = self.table.get("parameters") if isinstance(self.table, dict) else None
+        return isinstance(given, str) and parameter_sets.load(given, self.folder).rotary
+
+    def read(self) -> Law | None:
+        """The law, or None; ``problems`` then says why."""
+        table, path = self.table, self.path
+        if not isinstance(table, dict):
+            text = f"missing: the table [{path}] must be given (with name and parameters)"
+            self.problems.append((path, text if table is None else no_table(table)))
+            return None
+        law = self._named_law(table)
+        given = self._parameters(table, law)
+        parameters = given or {}
+        own = {name: value for name, value in table.items() if name not in ("name", "parameters")}
+        paths = {name: f"{path}.parameters.{name}" for name in (*PARAMETERS, *parameters)}
+        paths |= {n: f"{path}.{n}" for n in own}
+        for name in [name for name in own if name in PARAMETERS or name in parameters]:
+            text = f"belongs in {path}.parameters" if name in PARAMETERS else f"stands in {path}.parameters too"
+            self.problems.append((f"{path}.{name}", f"{show(own.pop(name))}: {text}"))
+        has = law.constants() if law is not None else {}
+        misspelt = {n: own.pop(n) for n in list(own) if n not in has and nearest(n, ("name", "parameters"))}
+        self.problems += unknown(misspelt, path, ("name", "parameters"))
+        if law is None:  # the machine's parameters can be judged all the same, and what no law of the package has
+            found = Law.problems({name: value for name, value in parameters.items() if name in PARAMETERS})
+            if ".py:" not in str(table.get("name")):
+                every = (name for each in laws.builtin().values() for name in each.constants())
+                self.problems += unknown(own, path, ("name", "parameters", *every, *PARAMETERS))
+        else:
+            found = law.problems({**parameters, **own})
+        if given is None:  # said already
+            found = [(name, text) for name, text in found if name not in PARAMETERS]
+        self.problems += [(paths.get(name, f"{path}.{name}"), text) for name, text in found]
+        if law is not None and given is not None and not found:
+            self._evaluate(law({**parameters, **own}))
+        return self.law
+
+    def _evaluate(self, law: Law) -> None:
+        if ".py:" in self.table["name"] and (trouble := laws.trouble(law)):
+            self.problems.append((f"{self.path}.name", f"{show(self.table['name'])}: {trouble}"))
+        else:
+            self.law = law
+
+    def _named_law(self, table: dict[str, Any]) -> type[Law] | None:
+        place = f"{self.path}.name"
+        if "name" not in table:
+            self.problems.append((place, "missing: must be given (the name of a law, or FILE.py:NAME)"))
+            return None
+        if in_a_file(table["name"]) and not self.executes:
+            return None
+        try:
+            return laws.find(table["name"], self.folder)
+        except InputError as error:
+            self.problems += [(place, text) for text in error.problems]
+            return None
+
+    def _parameters(self, table: dict[str, Any], law: type[Law] | None) -> dict[str, Any] | None:
+        """The machine's parameters; None where they are missing or cannot be read, which is then said."""
+        given, place = table.get("parameters"), f"{self.path}.parameters"
+        if given is None:
+            if law is not None and any(law.constants()[name].required for name in law.uses):
+                needs = f"law '{law.name}' needs {', '.join(law.uses)}"
+                text = f"missing: must be a table of numbers or the name of a set; {needs}"
+                self.problems.append((place, text))
+                return None
+            return {}
+        if isinstance(given, dict):
+            return dict(given)
+        if not isinstance(given, str):
+            text = f"must be a table of numbers or the name of a set, not {kind_of(given)}"
+            self.problems.append((place, f"{show(given)}: {text}"))
+            return None
+        try:
+            return laws.parameters_for(law, given, self.folder)
+        except InputError as error:
+            self.problems += [(place, text) for text in error.problems]
+            return None

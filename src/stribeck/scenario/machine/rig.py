@@ -1,0 +1,183 @@
+"""A machine with its values: what the solvers take of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.expressions.emit import python_function
+from stribeck.laws.base import Law, Scales
+from stribeck.machine.parts import LinkPart, LoadPart, SignalUse
+from stribeck.machine.system import Machine
+from stribeck.signals import Signal
+from stribeck.signals.pieces import Pieces, merged, pieces
+
+Array = NDArray[np.float64]
+
+# Natural magnitudes where no contact says any: a millimetre (milliradian) and its tenfold in a second.
+AT_LIMIT = (
+    1 - 1e-6
+)  # what counts as at a limit: along it an integral slides, which rounding would else make many events
+_LENGTH, _SPEED, _FORCE = 1e-3, 1e-2, 1.0
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A machine's structure with the values of its constants, its signals, its laws by table and its initial state."""
+
+    machine: Machine
+    values: dict[tuple[str, str], float]
+    signals: dict[SignalUse, Signal]
+    laws: dict[str, Law]
+    initial: dict[str, float]
+    seeds: dict[str, int]
+
+    def start(self) -> dict[str, float]:
+        """The states at t = 0 that are not 0."""
+        names = {state.name for state in self.machine.states}
+        found = {name: x for name, x in self.initial.items() if name in names and x}
+        parts: tuple[LinkPart | LoadPart, ...] = (*self.machine.links, *self.machine.loads)
+        for part in parts:
+            found |= {f"{part.name}.{s.name}": s.start for s in part.kind.states if s.start}
+        return found
+
+    def pieces(self, t_end: float) -> Pieces:
+        """All signals as one table."""
+        parts = [self.pieces_of(use, t_end) for use in self.signals]
+        if not parts:
+            return Pieces(np.zeros(1), np.zeros((1, 0)), np.ones(1, np.int8))
+        return merged(parts)
+
+    @property
+    def longest_step(self) -> float:
+        """The longest step that cannot miss a wave of a signal, s."""
+        return min((signal.longest_step for signal in self.signals.values()), default=np.inf)
+
+    def levels(self) -> list[float]:
+        """The level of each watched quantity: v_s of a contact, half of the play, the limit of a controller."""
+        found = [self.laws[c.law_path].machine.get("v_s", 0.0) for c in self.machine.contacts]
+        found += [self.values[x.path, "gap"] / 2 for x in self.machine.links if "gap" in x.form]
+        for each in self.machine.controllers:
+            if each.sampling is None and "limit" in each.form:
+                found.append(self.values[each.path, "limit"] * AT_LIMIT)
+        return found
+
+    def pieces_of(self, use: SignalUse, t_end: float, values: Mapping[str, float] | None = None) -> Pieces:
+        """One signal as a table, with other constants if given."""
+        signal = self.signals[use]
+        changed = type(signal)({**signal.values, **values}) if values else signal
+        return pieces(changed, use.turns, t_end)
+
+    def sampling(self) -> list[dict[str, float]]:
+        """Period, delay, noise and seed of each sampled controller."""
+        found = []
+        for each in self.machine.controllers:
+            if each.sampling is not None:
+                path = f"{each.path}.sampling"
+                given = {n: self.values[path, n] for n in ("period", "delay")}
+                noise = self.values[path, "noise"] if each.sampling.noise else 0.0
+                found.append({**given, "noise": noise, "seed": self.seeds[each.name]})
+        return found
+
+    # -- the columns of the output ---------------------------------------------------------------------------------
+
+    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], t_end: float) -> dict[str, Any]:
+        """Every column of the output by name, from the states and what controllers held at the times t."""
+        rows = self.pieces(t_end).at(t)
+        segment = {name: rows[:, i] for i, name in enumerate(self.machine.piece_fields)} | held
+        return evaluate(self.machine, self.values, segment, t, states)
+
+    # -- tolerances ------------------------------------------------------------------------------------------------
+
+    def law_scales(self, path: str) -> Scales:
+        """The natural magnitudes of the law in a table, by the present values."""
+        law = self.laws[path]
+        present = {n: self.values[path, n] for n, x in law.values.items() if x is not None}
+        return law.scales(SimpleNamespace(**{**vars(law.p), **present}))
+
+    @cached_property
+    def scales(self) -> dict[str, Scales]:
+        """Natural magnitudes of each body: those of its contacts, else of what it is linked to."""
+        found: dict[str, Scales] = {}
+        for contact in self.machine.contacts:
+            own = self.law_scales(contact.law_path)
+            ratio = abs(self.values.get((contact.path, "ratio"), 1.0))
+            if isinstance(contact.span.start, str):
+                _smallest(found, contact.span.start, Scales(own.length / ratio, own.speed / ratio, own.force * ratio))
+            if contact.span.end is not None:
+                _smallest(found, contact.span.end, own)
+        for _ in self.machine.bodies:  # through links and ties, as far as they reach
+            for start, end, ratio in self._joints():
+                if start in found and end not in found:
+                    s = found[start]
+                    found[end] = Scales(s.length * ratio, s.speed * ratio, s.force / ratio)
+                elif end in found and start not in found:
+                    s = found[end]
+                    found[start] = Scales(s.length / ratio, s.speed / ratio, s.force * ratio)
+        return {body.name: found.get(body.name, Scales(_LENGTH, _SPEED, _FORCE)) for body in self.machine.bodies}
+
+    def _joints(self) -> list[tuple[str, str, float]]:
+        ratio = self.values.get
+        found = [
+            (link.span.start, link.span.end, abs(ratio((link.path, "ratio"), 1.0)))
+            for link in self.machine.links
+            if isinstance(link.span.start, str) and link.span.end is not None
+        ]
+        found += [
+            (body.leader, body.name, abs(ratio((body.path, "ratio"), 1.0)))
+            for body in self.machine.bodies if body.leader is not None
+        ]  # fmt: skip
+        return found
+
+    def natural(self) -> dict[str, float]:
+        """The natural magnitude of each state."""
+        found: dict[str, float] = {}
+        machine, scales = self.machine, self.scales
+        for body in machine.bodies:
+            found |= {f"{body.name}.y": scales[body.name].length, f"{body.name}.v": scales[body.name].speed}
+        for contact in machine.contacts:
+            found[f"{contact.name}.z"] = self.law_scales(contact.law_path).length
+        for motor in machine.motors:
+            found[f"{motor.name}.i"] = scales[motor.on].force / self.values[motor.path, "K"]
+        for each in machine.controllers:
+            own = scales[each.measures]
+            p = each.kind.symbolic(lambda n, path=each.path: self.values[path, n], each.form)  # type: ignore[misc]
+            names = [s.name for s in each.kind.states_of(each.form)]
+            sizes = each.kind.state_scales(p, own.length, own.force) or (own.length,) * len(names)
+            found |= {f"{each.name}.{n}": x for n, x in zip(names, sizes, strict=True)}
+            if each.compensation is not None:
+                found[f"{each.name}.z_hat"] = self.law_scales(each.compensation.path).length
+        energy = min(s.force * s.length for s in scales.values())
+        found |= {"E_in": energy, "E_dissipated": energy}
+        return {state.name: found.get(state.name, _LENGTH) for state in machine.states}
+
+
+def _smallest(found: dict[str, Scales], name: str, scales: Scales) -> None:
+    old = found.get(name)
+    pick: Callable[[str], float] = lambda n: min(getattr(old, n), getattr(scales, n))  # noqa: E731
+    found[name] = scales if old is None else Scales(pick("length"), pick("speed"), pick("force"))
+
+
+def evaluate(
+    machine: Machine, values: Mapping[tuple[str, str], Any], segment: Mapping[str, Any], t: Array,
+    states: Mapping[str, Array],
+) -> dict[str, Any]:  # fmt: skip
+    """Every column by name, from constants, numbers of the signals' pieces and held outputs, times and states; whatever
+    shapes go together."""
+    inputs: dict[str, Any] = {f"{path}.{name}": values[path, name] for path, name in machine.parameters}
+    inputs |= {f"segment.{name}": x for name, x in segment.items()} | {"t": t, **states}
+    function = output_function(machine, tuple(inputs))
+    with np.errstate(all="ignore"):
+        return dict(zip((c.name for c in machine.columns), function(*inputs.values()), strict=True))
+
+
+@lru_cache(maxsize=32)
+def output_function(machine: Machine, names: tuple[str, ...]) -> Callable[..., tuple[Any, ...]]:
+    """A Python function of the inputs ``names`` for the columns of a machine."""
+    return python_function(names, list(machine.balance(exact=True).outputs().values()))

@@ -1,0 +1,174 @@
+"""The tables of a machine file (schema = 2) as pydantic models; those of elements are made from their declarations."""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, Literal
+
+from pydantic import ConfigDict, Field, create_model
+
+from stribeck.constants import Constant
+from stribeck.machine import controllers, loads
+from stribeck.machine.element import Element
+from stribeck.machine.motors import Motor
+from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, SAMPLING
+from stribeck.scenario.tables import Table, number
+
+GROUND = "ground"
+SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
+RATIO = "how far `from` counts: d = ratio y_from - y_to; 1 unless given"
+_SIGNAL = (dict[str, Any], Field(description="the signal: a table with kind and its constants"))
+_SOME_SIGNAL = (dict[str, Any] | None, Field(None, description="the signal: a table with kind and its constants"))
+
+
+class _Aliased(Table):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, populate_by_name=False)
+
+
+class Initial(Table):
+    """Where a body starts."""
+
+    y: float = Field(0.0, description="position at t = 0, m or rad")
+    v: float = Field(0.0, description="velocity at t = 0, m/s or rad/s")
+
+
+class Velocity(Table):
+    """A velocity that is given."""
+
+    signal: dict[str, Any] = Field(description="the velocity: a table with kind and its constants, m/s or rad/s")
+
+
+class BodyTable(Table):
+    """A body."""
+
+    mass: float | None = Field(None, gt=0, description="mass of a body that moves straight, kg")
+    inertia: float | None = Field(None, gt=0, description="moment of inertia of a body that turns, kg m^2")
+    initial: Initial | None = Field(None, description="the state at t = 0")
+    tied_to: str | None = Field(None, description="the body to which it is tied rigidly")
+    ratio: float | None = Field(None, description="how far it moves by the body it is tied to; 1 unless given")
+    velocity: Velocity | None = Field(None, description="the velocity, where it is given: nothing acts back on it")
+
+
+class Feedforward(Table):
+    """What is added to a controller's output."""
+
+    inertia: float = Field(description=f"{FEEDFORWARD.meaning}, kg or kg m^2")
+
+
+class CompensationTable(Table):
+    """What a controller does against friction."""
+
+    contact: str | None = Field(None, description="the contact whose friction it is")
+    speed: Literal["reference", "measured"] = Field(description="the speed that the law is given")
+    law: dict[str, Any] | None = Field(None, description="the law, if it is not the contact's")
+
+
+def _numbers(constants: dict[str, Constant]) -> dict[str, Any]:
+    return {name: number(constant) for name, constant in constants.items()}
+
+
+@cache
+def sampling_table() -> type[Table]:
+    """The model of [controllers.NAME.sampling]."""
+    fields: dict[str, Any] = _numbers(SAMPLING)
+    fields["resolution"] = (float, Field(0.0, ge=0, description=f"{SAMPLING['resolution'].meaning}, m or rad; 0: none"))
+    fields["seed"] = (int, Field(0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise"))
+    return create_model("Sampling", __base__=Table, **fields)
+
+
+@cache
+def factor_table(signal: bool) -> type[Table]:
+    """The model of a factor: a signal, or waves of the position."""
+    fields: dict[str, Any] = {"signal": _SIGNAL} if signal else {n: _list(c, n) for n, c in FACTOR.items()}
+    return create_model("SignalFactor" if signal else "WavesFactor", __base__=Table, **fields)
+
+
+def _list(constant: Constant, name: str) -> Any:
+    """A list of numbers; phases may be left out."""
+    unit = f", {constant.unit}" if constant.unit else ""
+    if name == "phase":
+        return (list[float] | None, Field(None, description=f"{constant.meaning}{unit}; 0 unless given"))
+    return (list[float], Field(description=f"{constant.meaning}{unit}"))
+
+
+@cache
+def level_table(weighted: bool) -> type[Table]:
+    """The model of an entry of a contact's loads; ``weighted``: several forces count."""
+    gain = (float, Field(0.0, ge=0, description=GAIN.meaning))
+    fields: dict[str, Any] = {
+        "force": (str, Field(description="a link, motor or load, or a table of weights of these")),
+        "F_c": gain, "F_s": gain,
+    }  # fmt: skip
+    if weighted:
+        weights = Field(min_length=1, description="the weight of each link, motor or load")
+        fields["force"] = (dict[str, float], weights)
+    return create_model("Level", __base__=Table, **fields)
+
+
+def _ends(signal: bool) -> dict[str, Any]:
+    start: Any = str | dict[str, Any] if signal else str
+    what = "a body, or { signal = ... }, the position of a far end" if signal else "a body"
+    to = Field(description="a body, or 'ground'") if signal else Field(GROUND, description="a body, or 'ground'")
+    return {
+        "from_": (start, Field(alias="from", description=what)),
+        "to": (str, to),
+        "ratio": (float | None, Field(None, description=RATIO)),
+    }
+
+
+@cache
+def link_table(kind: Any) -> type[Table]:
+    """The model of [links.NAME]."""
+    fields: dict[str, Any] = {"kind": (str, Field(kind.kind, description="'link', or FILE.py:NAME"))}
+    return create_model("LinkTable", __base__=_Aliased, **fields, **_ends(True), **_element(kind))
+
+
+def _element(kind: type[Element]) -> dict[str, Any]:
+    return _numbers(kind.constants()) | {name: _list(many.constant, name) for name, many in kind.lists().items()}
+
+
+@cache
+def contact_table() -> type[Table]:
+    """The model of [contacts.NAME]; its law, loads and factors are tables of their own."""
+    fields: dict[str, Any] = {
+        **_ends(False),
+        "law": (Any, Field(None, description="the friction law")),
+        "loads": (list[Any], Field(default_factory=list, description="forces that raise the level")),
+        "factors": (dict[str, Any], Field(default_factory=dict, description="what parameters are multiplied by")),
+    }
+    return create_model("ContactTable", __base__=_Aliased, **fields)
+
+
+@cache
+def load_table(kind: Any) -> type[Table]:
+    """The model of [loads.NAME]."""
+    fields: dict[str, Any] = {
+        "on": (str, Field(description="the body")),
+        "kind": (str, Field(description=f"one of {', '.join(loads.KINDS)}, or FILE.py:NAME")),
+        **_element(kind),
+    }
+    fields |= {"signal": _SIGNAL} if kind.follows_signal else {}
+    return create_model("LoadTable", __base__=Table, **fields)
+
+
+@cache
+def motor_table() -> type[Table]:
+    """The model of [motors.NAME]."""
+    fields: dict[str, Any] = {"on": (str, Field(description="the body")), **_element(Motor), "signal": _SOME_SIGNAL}
+    return create_model("MotorTable", __base__=Table, **fields)
+
+
+@cache
+def controller_table(kind: Any) -> type[Table]:
+    """The model of [controllers.NAME]."""
+    fields: dict[str, Any] = {
+        "kind": (str, Field(description=f"one of {', '.join(controllers.KINDS)}, or FILE.py:NAME")),
+        "on": (str, Field(description="a motor or a body")),
+        "measures": (str | None, Field(None, description="the body that carries the encoder")),
+        "signal": _SIGNAL,
+        **_element(kind),
+        "feedforward": (Feedforward | None, Field(None, description="added to the output")),
+        "compensation": (dict[str, Any] | None, Field(None, description="what is done against friction")),
+        "sampling": (sampling_table() | None, Field(None, description="when it computes; continuous without it")),
+    }
+    return create_model("ControllerTable", __base__=Table, **fields)

@@ -1,0 +1,34 @@
+"""Machines in a few words."""
+
+from stribeck import Scenario, simulate
+
+
+def law(name="lugre_majorant", **changes):
+    """A friction law of some newtons, milli- and micrometres."""
+    own = {"k_v": 1e5} if name != "lugre" else {}
+    own |= {"z_ba": 2e-5} if name.startswith("elastoplastic") else {}
+    p = {"sigma_0": 2e4, "sigma_1": 60.0, "sigma_2": 1.5, "F_c": 1.0, "F_s": 1.4, "v_s": 0.02}
+    own |= {n: changes.pop(n) for n in ("k_v", "z_ba", "v_d") if n in changes}
+    return {"name": name, **own, "parameters": {**p, **changes}}
+
+
+def machine(bodies, t_end=0.7, rows=28, energy=True, **sections):
+    """The data of a machine."""
+    return {
+        "schema": 2, "name": "machine", "bodies": bodies, **sections,
+        "solve": {"t_end": t_end}, "output": {"step": t_end / rows, "energy": energy},
+    }  # fmt: skip
+
+
+def push(amplitude=3.0, frequency=2.0, on="a"):
+    """A sine of a force."""
+    signal = {"kind": "sine", "amplitude": amplitude, "frequency": frequency}
+    return {"on": on, "kind": "signal", "signal": signal}
+
+
+def solved(data, folder=None):
+    """The solution of a machine's data, compiled and complete."""
+    solution = simulate(Scenario(data, folder=folder))
+    assert solution.status == "done", solution.reason
+    assert solution.stats["solver"] == "rodas5p"
+    return solution

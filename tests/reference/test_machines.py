@@ -1,0 +1,38 @@
+"""The reference trajectories of machines (SciPy's LSODA by others), through the command line."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario
+from tests.shared import SHARED
+from tests.simulation.rig import needs_compiler
+
+FILES = sorted((SHARED / "reference" / "machines").glob("*.csv"))
+FORCES = (".F", ".f", ".torque", ".u", ".V", ".i")
+
+pytestmark = needs_compiler
+
+
+@pytest.mark.skipif(not FILES, reason="needs shared/reference, which is not part of the project")
+def test_every_reference_is_there():
+    assert len(FILES) == 8
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_trajectory(file, tmp_path):
+    path = SHARED / "scenarios" / "machines" / f"{file.stem}.toml"
+    words = [sys.executable, "-m", "stribeck", "run", str(path), "--out", str(tmp_path), "--json"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout)["status"] == "done"
+    names = file.read_text().partition("\n")[0].split(",")
+    assert (tmp_path / "trajectory.csv").read_text().partition("\n")[0].split(",") == names
+    expected, found = (np.loadtxt(f, delimiter=",", skiprows=1) for f in (file, tmp_path / "trajectory.csv"))
+    rows = np.rint(expected[:, 0] / Scenario.load(path).output.step).astype(int)
+    for i, name in enumerate(names[1:], start=1):
+        tolerance = 1e-5 if name.endswith((".y", ".v", ".w", ".r")) else 2e-4
+        peak = np.max(np.abs(expected[:, i]))
+        assert np.max(np.abs(found[rows, i] - expected[:, i])) <= tolerance * peak, name
