@@ -127,8 +127,8 @@ class Balance:
         if not isinstance(link.span.start, str):
             self.far = self.far + stored
         plain = wrap(link.kind.stored_energy(link.p, own, tuple(rates)))
-        (slope,) = substitute([derivative(plain, own)], {own: d})
-        self.lost = self.lost + (f * w - slope * w - total_derivative(plain, rates) if rates else (f - slope) * w)
+        slope, by_states = substitute([derivative(plain, own), total_derivative(plain, rates)], {own: d})
+        self.lost = self.lost + ((f - slope) * w - by_states)
 
     def _controllers(self) -> None:
         for each in self.machine.controllers:
