@@ -59,7 +59,14 @@ def test_compare_at_a_contact(stribeck, tmp_path):
 
 @needs_compiler
 def test_sweep(stribeck, tmp_path):
-    words = ("sweep", str(examples.path("belt")), "--vary", "links.spring.stiffness=300:500:3", "--set", "solve.t_end=0.5")
+    words = (
+        "sweep",
+        str(examples.path("belt")),
+        "--vary",
+        "links.spring.stiffness=300:500:3",
+        "--set",
+        "solve.t_end=0.5",
+    )
     assert stribeck(*words, "--summary", "--out", str(tmp_path / "s")).status == 0
     table = parquet.read_table(tmp_path / "s/part-000000.parquet")
     assert table["links.spring.stiffness"].to_pylist() == [300.0, 400.0, 500.0]
@@ -70,7 +77,10 @@ def test_sweep(stribeck, tmp_path):
 
 def test_show(stribeck, tmp_path):
     done = stribeck("show", str(examples.path("gear")), "--out", str(tmp_path / "gear.svg"))
-    assert "gear  rotor --/\\/\\/-- arm  stiffness 9000 N m/rad, damping 3 N m s/rad, gap 0.0004 rad, ratio 0.01" in done.out
+    assert (
+        "gear  rotor --/\\/\\/-- arm  stiffness 9000 N m/rad, damping 3 N m s/rad, gap 0.0004 rad, ratio 0.01"
+        in done.out
+    )
     text = (tmp_path / "gear.svg").read_text()
     for words in ("<svg", ">rotor<", ">mesh<", ">gear<", "gap 0.0004 rad"):
         assert words in text, words

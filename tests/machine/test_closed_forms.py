@@ -91,9 +91,7 @@ def test_outputs_act_after_their_delay(delay):
     """A body that hardly moves: u is -K_p (y - r) of the sample before, held; the reading is a whole count."""
     pid = {"kind": "pid", "on": "a", "K_p": 3.0, "signal": {"kind": "ramp", "rate": 2.0},
            "sampling": {"period": 0.01, "delay": delay, "resolution": 0.07}}  # fmt: skip
-    s = solved(
-        machine({"a": {"mass": 1e12, "initial": {"y": 0.3}}}, controllers={"u": pid}, t_end=0.1, rows=200)
-    )
+    s = solved(machine({"a": {"mass": 1e12, "initial": {"y": 0.3}}}, controllers={"u": pid}, t_end=0.1, rows=200))
     k = np.floor((s.t - delay) / 0.01 * (1 + 1e-12) + 1e-9)
     reading = 0.07 * round(0.3 / 0.07)
     expected = np.where(k < 0, 0.0, -3 * (reading - 2.0 * 0.01 * k))
@@ -141,7 +139,9 @@ def random_machine(seed):
         "r": {"on": names[0], "kind": "ripple", "amplitude": [0.4], "waves": [9.0], "phase": [0.0]},
     }
     move = {"kind": "point_to_point", "t": [0.1, 0.5], "value": [0.0, 0.2]}
-    controllers = {"u": {"kind": "cascade", "on": "m", "K_p": 8.0, "K_v": 3.0, "T_i": 0.2, "limit": 4.0, "signal": move}}
+    controllers = {
+        "u": {"kind": "cascade", "on": "m", "K_p": 8.0, "K_v": 3.0, "T_i": 0.2, "limit": 4.0, "signal": move}
+    }
     if random.random() < 0.5:
         controllers["u"]["sampling"] = {"period": 0.004, "delay": 0.001, "resolution": 1e-4}
     motors = {"m": {"on": names[0], "K": 0.5, "R": 1.0, **({"L": 0.01} if random.random() < 0.5 else {})}}

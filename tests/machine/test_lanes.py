@@ -53,7 +53,9 @@ def test_lanes_agree_with_single_runs(name):
 
 
 def test_a_constant_that_is_off_is_turned_on():
-    plain = machine({"a": {"mass": 0.5}}, links={"k": {"from": "a", "to": "ground", "stiffness": 9.0}}, loads={"p": push()})
+    plain = machine(
+        {"a": {"mass": 0.5}}, links={"k": {"from": "a", "to": "ground", "stiffness": 9.0}}, loads={"p": push()}
+    )
     ensemble = simulate_ensemble(plain, {"links.k.damping": [0.5, 1.0]})
     one = simulate(Scenario(plain).replace({"links.k.damping": 1.0}))
     np.testing.assert_allclose(ensemble["a.y"][1], one["a.y"], rtol=0, atol=1e-8 * one.peaks["a.y"])

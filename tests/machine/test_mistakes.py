@@ -135,7 +135,12 @@ def test_gear(name):
 def test_every_problem_is_told():
     changes = {"links.gear.ratio": 0, "bodies.arm.inertia": -1.0, "loads.gravity.on": "x", "output.step": "x"}
     found = problems(edited(ARM, changes))
-    assert [line.split(":")[0] for line in found] == ["output.step", "bodies.arm.inertia", "links.gear.ratio", "loads.gravity.on"]
+    assert [line.split(":")[0] for line in found] == [
+        "output.step",
+        "bodies.arm.inertia",
+        "links.gear.ratio",
+        "loads.gravity.on",
+    ]
 
 
 def test_what_may_be_left_out():

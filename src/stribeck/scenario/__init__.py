@@ -154,7 +154,9 @@ class Scenario:
     def __getattr__(self, name: str) -> Any:
         """What only a law on a single body has, asked of a machine."""
         if name in ("drive", "drive_values", "signal") and self.__dict__.get("rig") is not None:
-            raise InputError(f"{self.name}: schema = 2: is a machine, and this takes a law on a single body (schema = 1)")
+            raise InputError(
+                f"{self.name}: schema = 2: is a machine, and this takes a law on a single body (schema = 1)"
+            )
         raise AttributeError(f"'Scenario' object has no attribute {name!r}")
 
     @property
