@@ -1,22 +1,31 @@
-# make setup | demo | test | bench   (Python 3.11 or newer; a C compiler makes it fast)
+# make setup | demo | test | bench | proofs   (Python 3.11 or newer; a C compiler makes it fast)
 PYTHON ?= $(firstword $(foreach p,python3.13 python3.12 python3.11 python3,$(if $(shell $(p) -c 'import sys; print(sys.version_info >= (3, 11) or "")' 2>/dev/null),$(p))))
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup demo test bench clean
+.PHONY: setup demo test bench proofs clean
+
+# install EXTRA: the package with an extra, by uv where there is one
+define install
+	@if command -v uv >/dev/null 2>&1; then \
+	    uv venv --quiet --allow-existing $(VENV) && uv pip install --quiet --python $(BIN)/python -e '.[$(1)]'; \
+	else \
+	    $(PYTHON) -m venv $(VENV) && $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[$(1)]'; \
+	fi
+	@touch $@
+endef
 
 setup: $(READY)
 
 $(READY): pyproject.toml
-	@if command -v uv >/dev/null 2>&1; then \
-	    uv venv --quiet --allow-existing $(VENV) && uv pip install --quiet --python $(BIN)/python -e '.[dev]'; \
-	else \
-	    $(PYTHON) -m venv $(VENV) && $(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[dev]'; \
-	fi
-	@touch $(READY)
+	$(call install,dev)
 
-demo: setup
+# what the paper's report needs; a developer's .venv has it too
+$(VENV)/.demo: pyproject.toml
+	$(call install,paper)
+
+demo: $(if $(wildcard $(READY)),$(READY),$(VENV)/.demo)
 	$(BIN)/stribeck paper --out stribeck-report
 
 test: setup
@@ -29,6 +38,10 @@ test: setup
 bench: setup
 	-xargs -n1 $(BIN)/python -m pip install --quiet --disable-pip-version-check < benchmarks/requirements.txt
 	$(BIN)/python benchmarks/run.py
+
+# installs nothing; without coqc it says so, in a line, and checks nothing
+proofs:
+	@if [ -x $(BIN)/python ]; then p=$(BIN)/python; else p='$(PYTHON)'; fi; $$p proofs/check.py || [ $$? -eq 3 ]
 
 clean:
 	rm -rf $(VENV) build dist src/*.egg-info stribeck-report

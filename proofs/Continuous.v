@@ -103,6 +103,7 @@ Ltac cont1 := match goal with
   | |- continuous_2 (fun w z => sqrt (@?h w z)) => apply (c_sqrt h)
   | |- continuous_2 (fun w z => clip01 (@?h w z)) => apply (c_clip01 h)
   | |- continuous_2 (fun w z => Rmax (@?h w z) (@?k w z)) => apply (c_max h k)
+  | |- continuous_2 (fun w z => Rmin (@?h w z) (@?k w z)) => apply (c_min h k)
   end.
 Ltac cont := repeat cont1.
 

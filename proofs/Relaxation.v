@@ -120,16 +120,23 @@ Proof.
   - intros t _. exact I.
 Qed.
 
-Let power_continuous : continuous_2 (power (sigma_0 p) (sigma_2 p) vel (fun w => m p (vel w)) N d al).
+Lemma input_force_continuous : continuous_2 (fun w z => friction (q w) (vel w) z).
 Proof.
-  apply (c_ext (fun w z => (sigma_0 p * z + d w * dz (q w) (vel w) z + sigma_2 p * vel w) * vel w)).
-  - intros w z. unfold power, force. rewrite rate_is. reflexivity.
+  apply (c_ext (fun w z => sigma_0 p * z + d w * dz (q w) (vel w) z + sigma_2 p * vel w)).
+  - intros w z. rewrite friction_is. unfold q, d. rewrite damping_level. reflexivity.
   - assert (c1 : continuous_2 (fun w z => dz (q w) (vel w) z)).
     { apply (r_continuous _ _ _ _ _ law); auto. apply Hlevel. }
     assert (c2 : continuous_2 (fun w (_ : R) => vel w)) by (apply c_fst, Hvel).
     assert (c3 : continuous_2 (fun w (_ : R) => d w)).
     { apply c_fst. intros w. apply (continuous_comp vel (damping p)); auto. }
     cont.
+Qed.
+
+Let power_continuous : continuous_2 (power (sigma_0 p) (sigma_2 p) vel (fun w => m p (vel w)) N d al).
+Proof.
+  apply (c_ext (fun w z => friction (q w) (vel w) z * vel w)); [intros; apply power_is|].
+  apply (c_mult (fun w z => friction (q w) (vel w) z) (fun w _ => vel w)); [exact input_force_continuous|].
+  apply c_fst, Hvel.
 Qed.
 
 Lemma input_stores : sigma_1 p * m0 p <= F_s p -> sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p ->
@@ -183,6 +190,13 @@ Theorem law_bounded v z t1 t2 : motion (U := R_UniformSpace) (dz p) v z t1 t2 ->
   Rabs (z t1) <= F_s p / sigma_0 p -> forall t, t1 <= t <= t2 -> Rabs (z t) <= F_s p / sigma_0 p.
 Proof.
   pose proof (input_bounded (U := R_UniformSpace) p (fun v => v) (fun _ => F_c p) (fun _ => F_s p) Hp same v z t1 t2) as B.
+  simpl in B. rewrite at_own_level in B. exact B.
+Qed.
+
+Lemma law_force_continuous : continuous_2 (U := R_UniformSpace) (friction p).
+Proof.
+  pose proof (input_force_continuous (U := R_UniformSpace) p (fun v => v) (fun _ => F_c p) (fun _ => F_s p) Hp
+    cid (cc _) (cc _) same) as B.
   simpl in B. rewrite at_own_level in B. exact B.
 Qed.
 
@@ -278,6 +292,18 @@ Theorem varying_bounded u z t1 t2 : motion (varying dz p) u z t1 t2 -> (forall t
 Proof.
   intros M Hu. apply (input_bounded ok dz m m0 share law p velocity c_ s_ Hp range u z t1 t2).
   apply (motion_ext (varying dz p) _ (within_levels p)); auto.
+Qed.
+
+Lemma varying_force_inside u z a b : piece (varying dz p) u z a b -> (forall t, a < t < b -> within_levels p (u t)) ->
+  exists F', (forall t, continuous (T := R_UniformSpace) (U := R_UniformSpace) F' t) /\
+    forall t, a < t < b -> varying friction p (u t) (z t) = F' t.
+Proof.
+  intros [_ (u' & z' & Hu & Hz & E & Hd)] W.
+  exists (fun t => friction (at_level p (c_ (u' t)) (s_ (u' t))) (velocity (u' t)) (z' t)). split.
+  - intros t. pose proof (input_force_continuous ok dz m m0 share damping friction law damping_level damping_continuous
+      friction_is p velocity c_ s_ Hp cv cc cs range) as C.
+    apply (continuous_comp_2 u' z' (fun w x => friction (at_level p (c_ w) (s_ w)) (velocity w) x)); auto.
+  - intros t Ht. destruct (Hd t Ht) as [<- _]. rewrite (E t) by lra. apply same. apply W. exact Ht.
 Qed.
 
 Theorem varying_stores : sigma_1 p * m0 p <= F_s p -> sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p ->

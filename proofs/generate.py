@@ -36,7 +36,7 @@ def laws_text() -> str:
     laws = [law for law in builtin().values() if issubclass(law, BristleLaw)]
     numbers: dict[str, None] = {}
     for law in laws:
-        numbers |= dict.fromkeys(n for n, c in law.constants().items() if not c.choices)
+        numbers |= dict.fromkeys(n for n, c in law.constants().items() if not c.choices and n != "delta")
     record = "; ".join(f"{n} : R" for n in numbers)
     found: dict[str, str] = {}
     with coq.exact_constants(*MODULES):
@@ -58,16 +58,16 @@ def _named_terms(found: dict[str, str], words: dict[str, str]) -> Iterator[None]
         words[call] = call
         return symbol(call)
 
-    before, terms.on_term = terms.on_term, by_name
+    token = terms.on_term.set(by_name)
     try:
         yield
     finally:
-        terms.on_term = before
+        terms.on_term.reset(token)
 
 
 def _law(law: type[BristleLaw], _: dict[str, str], found: dict[str, str]) -> Iterator[str]:
     """A module for each choice of the law's words, with the forms that the optional constants give."""
-    structures = law.structures()
+    structures = [s for s in law.structures() if "delta" not in s]  # with the usual curve, delta = 2
     for words in dict.fromkeys(tuple(w for w in s if "=" in w) for s in structures):
         forms = [s for s in structures if tuple(w for w in s if "=" in w) == words]
         name = "_".join([law.name, *(w.split("=")[1] for w in words)])

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from stribeck.export import export
     from stribeck.identify.api import fit
     from stribeck.laws import law
-    from stribeck.parameter_sets import parameters
+    from stribeck.parameter_sets import allow_undetermined, parameters
     from stribeck.properties import Verdict, Verdicts, check, storage_interval
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
@@ -39,8 +39,9 @@ if TYPE_CHECKING:
 __all__ = [
     "Advice", "Body", "BuildError", "Contact", "Controller", "Ensemble", "File", "InputError", "Link", "Load",
     "Machine", "Motor", "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution",
-    "Spline", "Step", "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "check", "check_all",
-    "export", "fit", "law", "margins", "parameters", "simulate", "simulate_ensemble", "storage_interval",
+    "Spline", "Step", "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined",
+    "check", "check_all", "export", "fit", "law", "margins", "parameters", "simulate", "simulate_ensemble",
+    "storage_interval",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -55,7 +56,7 @@ _HOME = {
     "check_all": "stribeck.properties.matrix",
     "law": "stribeck.laws",
     "margins": "stribeck.properties.margins",
-    "parameters": "stribeck.parameter_sets",
+    **dict.fromkeys(("allow_undetermined", "parameters"), "stribeck.parameter_sets"),
     "Scenario": "stribeck.scenario",
     **dict.fromkeys(
         (
@@ -78,11 +79,15 @@ _HOME = {
     ),
     **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),
 }
+_EXTRA = {"export": "export", "fit": "fit"}  # where one package alone would not be enough
 
 
 def __getattr__(name: str) -> Any:
     if name in _HOME:
-        return getattr(importlib.import_module(_HOME[name]), name)
+        from stribeck.errors import needed
+
+        with needed(f"stribeck.{name}", _EXTRA.get(name, "")):
+            return getattr(importlib.import_module(_HOME[name]), name)
     raise AttributeError(f"module 'stribeck' has no attribute {name!r}")
 
 

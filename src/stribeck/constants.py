@@ -6,7 +6,8 @@ Validation, the JSON Schema, the listings and the documentation all read them fr
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+import re
+from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Any
 
@@ -31,6 +32,14 @@ class Constant:
     rotary_unit: str | None = None
     example: float | None = None  # a value that makes sense, for documentation and tests
     choices: tuple[str, ...] = ()
+
+    def of_motion(self, rotary: bool) -> Constant:
+        """The declaration as a linear or a rotary machine has it: its unit and its words."""
+        return replace(self, unit=self.unit_for(True), meaning=rotary_words(self.meaning)) if rotary else self
+
+    def unit_for(self, rotary: bool) -> str:
+        """The unit, for a linear or a rotary machine."""
+        return (self.rotary_unit or rotary_unit(self.unit)) if rotary else self.unit
 
     @property
     def allowed(self) -> str:
@@ -62,6 +71,28 @@ class Constant:
         ok = ok and (self.above is None or number > self.above)
         ok = ok and (self.at_least is None or number >= self.at_least)
         return None if ok else f"must be {self.allowed}"
+
+
+_ROTARY = {
+    "m": "rad", "m/s": "rad/s", "m/s^2": "rad/s^2", "m/s^3": "rad/s^3", "m s": "rad s", "N": "N m", "N/s": "N m/s",
+    "N/m": "N m/rad", "N s/m": "N m s/rad", "N/(m s)": "N m/(rad s)", "s/m": "s/rad", "kg": "kg m^2", "1/m": "1/rad",
+}  # fmt: skip
+
+
+def rotary_unit(unit: str) -> str:
+    """The unit that a rotary machine has in the place of a linear one's: N m for N, rad for m, kg m^2 for kg."""
+    return _ROTARY.get(unit, unit)
+
+
+_ROTARY_WORDS = {
+    "position": "angle", "velocity": "angular velocity", "force": "torque", "displacement": "angle", "speed": "angular speed",
+    "mass": "moment of inertia",
+}  # fmt: skip
+
+
+def rotary_words(text: str) -> str:
+    """Words for a rotary machine in the place of a linear one's: torque for force, angle for position."""
+    return re.sub(rf"\b({'|'.join(_ROTARY_WORDS)})\b", lambda found: _ROTARY_WORDS[found[1]], text)
 
 
 def kind_of(value: Any) -> str:

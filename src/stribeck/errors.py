@@ -38,6 +38,13 @@ class BuildError(StribeckError, RuntimeError):
 class MissingExtra(StribeckError, ImportError):
     """A part of Stribeck needs a package that is not installed; the message names the extra that brings it."""
 
+    def __init__(self, what: str, package: str, extra: str) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(what, package, extra)
+
+    def __str__(self) -> str:
+        return f"{self.args[0]} needs {self.package}: pip install 'stribeck[{self.extra}]'"
+
 
 class StribeckNote(UserWarning):
     """Something a user should know that does not stop the work: a dropped constant, a missing compiler."""
@@ -74,6 +81,11 @@ def one_line(text: str) -> str:
     return text if len(text) <= _LONGEST_LINE else f"{text[:_HEAD]}...{text[_HEAD + 3 - _LONGEST_LINE :]}"
 
 
+def printable(text: str) -> str:
+    """The text with what is no printable character as an escape (``\\x1b``): a terminal shows it and obeys nothing."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 def note(text: str) -> None:
     """Tell the user one line: a :class:`StribeckNote` in Python, a line on standard error from the command."""
     warnings.warn(StribeckNote(Line(text)), stacklevel=3)
@@ -85,17 +97,39 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f" (did you mean '{match[0]}'?)" if match else ""
 
 
+# The packages that the base installation does not have, and the extra that brings each.
+EXTRAS = {
+    "matplotlib": "plot", "jinja2": "plot", "markupsafe": "plot", "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
+    "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
+    "mujoco": "mujoco",
+}  # fmt: skip
+
+
 @contextmanager
-def needed(what: str, extra: str) -> Iterator[None]:
-    """Around the imports of packages that an extra brings: where one is missing, one line says how to get it.
+def needed(what: str, extra: str = "") -> Iterator[None]:
+    """Around imports of what the base installation does not have: where it is missing, one line says how to get it.
+
+    Args:
+        what: what needs it, the line's first words.
+        extra: the extra to name, where it is not the package's own (:data:`EXTRAS`).
 
     Raises:
         MissingExtra: ``what`` needs the package; ``pip install 'stribeck[extra]'`` brings it.
     """
     try:
         yield
-    except ImportError as error:
-        package = (error.name or str(error)).partition(".")[0]
-        if package == "stribeck" or isinstance(error, MissingExtra):
+    except ModuleNotFoundError as error:
+        package = (error.name or "").partition(".")[0]
+        if package not in EXTRAS:
             raise
-        raise MissingExtra(f"{what} needs {package}: pip install 'stribeck[{extra}]'") from None
+        raise MissingExtra(what, package, extra or EXTRAS[package]) from None
+
+
+@contextmanager
+def left_out(what: str) -> Iterator[None]:
+    """Around what is written besides: where a package for it is missing, one note says so, and all goes on."""
+    try:
+        with needed(what):
+            yield
+    except MissingExtra as error:
+        note(f"without {what}: {error.package} is not installed (pip install 'stribeck[{error.extra}]')")

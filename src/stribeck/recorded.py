@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from stribeck.errors import InputError, StribeckError, arg, nearest, needed
 
 Array = NDArray[np.float64]
+_WIDEST = 1000  # columns of a matrix
+_LONGEST_PREAMBLE = 200  # lines before the head of a text file
 _SCALARS = 1  # a variable of so many values is a constant of the file, not a column
 
 
@@ -35,6 +37,17 @@ def no_column(role: str, name: str, source: Source) -> str:
     return f"{arg(role)}: {name!r}: {source.path} has no such column{guess}"
 
 
+def _matrix_columns(variables: Mapping[str, Any]) -> dict[str, Any]:
+    """The columns of matrices as variables of their own: q[0], q[1], ...; time runs along the longer side."""
+    found: dict[str, Any] = {}
+    for name, x in variables.items():
+        if isinstance(x, np.ndarray) and x.ndim == 2 and min(x.shape) > 1 and x.dtype.kind in "fiu":
+            columns = x if x.shape[0] >= x.shape[1] else x.T
+            if columns.shape[1] <= _WIDEST:
+                found |= {f"{name}[{i}]": columns[:, i] for i in range(columns.shape[1])}
+    return found
+
+
 def read_columns(data: Any, wanted: dict[str, str]) -> dict[str, Array]:
     """The columns of a file or table by role; ``wanted`` has the column's name for each role. Empty cells are NaN.
 
@@ -53,6 +66,7 @@ class Source:
     def __init__(self, path: Path | str, variables: Mapping[str, Any]) -> None:
         self.path = path
         self.variables = {name: x for name, x in variables.items() if not name.startswith(("__", "#"))}
+        self.variables |= _matrix_columns(self.variables)
         sizes = {name: int(np.size(x)) for name, x in self.variables.items()}
         self.names = [name for name, size in sizes.items() if size > _SCALARS]
         self.constants = {
@@ -71,7 +85,10 @@ class Source:
             if column.dtype.kind not in "fiub":
                 problems.append(f"{arg(role)}: {name!r}: this column of {self.path} holds text or dates, not numbers")
             elif column.ndim > 1 and max(column.shape) != column.size:
-                problems.append(f"{arg(role)}: {name!r}: this variable of {self.path} is a matrix, {column.shape}")
+                hint = f"; its columns are {name}[0], {name}[1], ..." if f"{name}[0]" in self.names else ""
+                problems.append(
+                    f"{arg(role)}: {name!r}: this variable of {self.path} is a matrix, {column.shape}{hint}"
+                )
             else:
                 own = column.base is None and column.dtype == np.float64 and list(wanted.values()).count(name) == 1
                 found[role] = column.ravel() if own else np.array(column.ravel(), float)
@@ -85,18 +102,26 @@ class CsvSource(Source):
 
     def __init__(self, path: Path) -> None:
         self.path, self.file = path, path
-        with path.open("r", encoding="utf-8-sig", errors="replace") as file:
-            first = file.readline()
-            second = file.read(1 << 16)  # whole numbers may come first: a decimal comma shows later
-        if not first.strip():
+        self.encoding = _encoding(path)
+        with path.open("r", encoding=self.encoding, newline="") as file:
+            text = file.read(1 << 16)  # whole numbers may come first: a decimal comma shows later
+        if not text.strip():
             raise InputError(f"{arg('data')}: '{path}': is empty")
-        if "\0" in first:
-            raise InputError(f"{arg('data')}: '{path}': is not text in UTF-8")
-        self.separator = max("\t;,", key=first.count)
-        cells = [cell.strip().strip('"') for cell in first.rstrip("\r\n").split(self.separator)]
-        self.head = not all(_is_number(cell) for cell in cells)
+        if "\0" in text:
+            raise InputError(f"{arg('data')}: '{path}': is not text")
+        lines = text.splitlines()
+        self.skipped, self.head, self.separator = _table_begins(lines)
+        first, second = lines[self.skipped], "\n".join(lines[self.skipped + 1 :])
+        cells = [cell.strip().strip('"') for cell in first.split(self.separator)]
         if self.head and not second.strip():
             raise InputError(f"{arg('data')}: '{path}': has a head but no rows")
+        self.rows_from = self.skipped + int(self.head)
+        if (
+            self.head
+            and len(lines) > self.rows_from + 1
+            and _is_units(lines[self.rows_from], self.separator, len(cells))
+        ):
+            self.rows_from += 1  # a line of units below the names
         self.names = cells if self.head else [str(i + 1) for i in range(len(cells))]
         self.constants = {}
         self.decimal = "," if self.separator != "," and "," in second and "." not in second else "."
@@ -117,9 +142,9 @@ class CsvSource(Source):
         """The columns without pyarrow: some twenty times slower."""
         at = {name: self.names.index(name) for name in include}
         found: dict[str, list[float]] = {name: [] for name in include}
-        with self.file.open("r", encoding="utf-8-sig", errors="replace", newline="") as file:
+        with self.file.open("r", encoding=self.encoding, newline="") as file:
             for number, cells in enumerate(csv.reader(file, delimiter=self.separator), start=1):
-                if (self.head and number == 1) or not cells:
+                if number <= self.rows_from or not cells:
                     continue
                 if len(cells) != len(self.names):
                     text = f"row {number} has {len(cells)} cells, not {len(self.names)}"
@@ -146,7 +171,11 @@ class CsvSource(Source):
             reader = arrow_csv.open_csv(
                 self.path,
                 arrow_csv.ReadOptions(
-                    column_names=self.names, skip_rows=int(self.head), block_size=1 << 20, use_threads=False
+                    column_names=self.names,
+                    skip_rows=self.rows_from,
+                    block_size=1 << 20,
+                    use_threads=False,
+                    encoding="utf8" if self.encoding == "utf-8-sig" else self.encoding,
                 ),
                 arrow_csv.ParseOptions(delimiter=self.separator),
                 options,
@@ -179,6 +208,58 @@ class CsvSource(Source):
         return f"{arg('data')}: '{self.path}': cannot be read: {text}"
 
 
+def _encoding(path: Path) -> str:
+    """UTF-8 where the beginning of a file is that, else the Latin-1 of older spreadsheets, or UTF-16 by its mark."""
+    with path.open("rb") as file:
+        start = file.read(1 << 16)
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    try:
+        start.decode("utf-8")
+    except UnicodeDecodeError as error:
+        return "utf-8-sig" if error.start > len(start) - 4 else "latin-1"
+    return "utf-8-sig"
+
+
+def _table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
+    """The line that the table begins with, whether that is its head, and the separator.
+
+    Instruments write titles, dates and settings first: the table is where lines of numbers, all with as many cells, begin.
+    """
+    for i, line in enumerate(lines[:_LONGEST_PREAMBLE]):
+        separator = _separator(line)
+        cells = line.split(separator)
+        if (
+            not line.strip()
+            or not all(_is_number(c) or not c.strip() for c in cells)
+            or not any(map(_is_number, cells))
+        ):
+            continue
+        below = lines[i + 1 : i + 3]
+        if any(len(other.split(separator)) != len(cells) for other in below if other.strip()):
+            continue
+        heads = [j for j in range(i - 1, max(i - 3, -1), -1) if len(lines[j].split(separator)) == len(cells)]
+        if len(heads) == 2 and heads[1] == i - 2 and _is_units(lines[i - 1], separator, len(cells)):
+            return i - 2, True, separator
+        if heads and heads[0] == i - 1:
+            return i - 1, True, separator
+        return i, False, separator
+    first = lines[0]
+    separator = _separator(first)
+    return 0, not all(_is_number(cell) for cell in first.split(separator)), separator
+
+
+def _separator(line: str) -> str:
+    """The separator of a line: a comma only where there is neither a tab nor a semicolon, as it may be the decimal mark."""
+    return next((s for s in "\t;" if s in line), ",")
+
+
+def _is_units(line: str, separator: str, count: int) -> bool:
+    """Whether a line below the names holds their units: short words without digits, such as s, mm, [N]."""
+    cells = [cell.strip().strip('"') for cell in line.split(separator)]
+    return len(cells) == count and any(cells) and all(len(c) <= 8 and not _is_number(c) for c in cells)
+
+
 def _is_number(text: str) -> bool:
     try:
         float(text.replace(",", "."))
@@ -188,7 +269,7 @@ def _is_number(text: str) -> bool:
 
 
 def _parquet(path: Path) -> Source:
-    with needed("reading Parquet files", "parquet"):
+    with needed("reading Parquet files"):
         from pyarrow import parquet
 
     class Lazy(Source):
@@ -216,7 +297,7 @@ def _parquet(path: Path) -> Source:
 
 
 def _mat(path: Path) -> Source:
-    with needed("reading MAT files", "fit"):
+    with needed("reading MAT files"):
         from scipy.io import loadmat
         from scipy.io.matlab import MatReadError
 
@@ -229,7 +310,7 @@ def _mat(path: Path) -> Source:
 
 
 def _hdf5(path: Path) -> dict[str, Any]:
-    with needed("reading MAT files of version 7.3", "mat"):
+    with needed("reading MAT files of version 7.3"):
         import h5py
     with h5py.File(path) as file:
         return {name: x[()] for name, x in file.items() if isinstance(x, h5py.Dataset) and x.dtype.kind in "fiu"}
@@ -272,6 +353,8 @@ def _file(path: Path) -> Source:
             raise InputError(f"{arg('data')}: '{path}': cannot be read: it is a folder")
         if kind not in _READERS:
             raise InputError(f"{arg('data')}: '{path}': must be a file .csv, .tsv, .txt, .dat, .parquet, .mat or .npz")
+        if path.exists() and not path.is_file():
+            raise InputError(f"{arg('data')}: '{path}': cannot be read: must be a file, not a pipe or a device")
         if path.stat().st_size == 0:
             raise InputError(f"{arg('data')}: '{path}': is empty")
         return _READERS[kind](path)
@@ -280,4 +363,6 @@ def _file(path: Path) -> Source:
     except OSError as error:
         raise InputError(f"{arg('data')}: '{path}': cannot be read: {error.strerror or error}") from None
     except Exception as error:  # a damaged file fails in as many ways as there are libraries
-        raise InputError(f"{arg('data')}: '{path}': cannot be read: {str(error).splitlines()[0]}") from None
+        raise InputError(
+            f"{arg('data')}: '{path}': cannot be read: {(str(error).splitlines() or [type(error).__name__])[0]}"
+        ) from None

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from stribeck import Scenario, examples
+from stribeck import Scenario, check, examples
 from stribeck.laws import builtin
 
 
@@ -79,6 +79,14 @@ def test_new_writes_a_scenario_that_runs(stribeck, tmp_path, name, monkeypatch):
     again = stribeck("new", name)
     assert again.status == 2
     assert "exists already" in again.err
+
+
+def test_a_new_scenario_begins_with_a_law_that_is_proved_passive(stribeck, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    stribeck("new", "mine")
+    law = Scenario.load("mine.toml").law
+    assert law.name == "lugre_majorant"
+    assert check(law)["passive"].holds is True
 
 
 def test_doctor_passes_its_self_test(stribeck):

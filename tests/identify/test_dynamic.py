@@ -28,7 +28,8 @@ def test_every_parameter_of_lugre_is_found(full):
         assert fit.estimates[name].low < fit.estimates[name].value < fit.estimates[name].high
     noise = 0.1 / np.sqrt(np.mean(full.force**2))
     assert fit.relative_force_error == pytest.approx(noise, rel=0.05)
-    assert "5 of the 5 best of 20 starts" in fit.details["search"]
+    assert "of the 7 best of 20 starts ended in this minimum" in fit.details["search"]
+    assert int(fit.details["search"].split()[0]) >= 5
 
 
 def test_sigma_0_from_presliding_with_one_percent_noise_is_within_five_percent():

@@ -191,8 +191,99 @@ def test_decimal_commas_go_with_semicolons(tmp_path):
     assert found["force"].tolist() == [-2.25, 3.0]
 
 
-def test_a_file_in_another_encoding_is_refused(tmp_path):
+def test_a_file_in_utf_16_is_read(tmp_path):
     path = tmp_path / "log.csv"
-    path.write_bytes("t,y,F\n0,1,2\n".encode("utf-16"))
-    with pytest.raises(InputError, match="is not text in UTF-8"):
-        read(path, Columns({"time": "t", "position": "y", "force": "F"}))
+    path.write_bytes(("t\ty\tF\n" + "\n".join(f"{k}\t{k * k}\t2" for k in range(60))).encode("utf-16"))
+    found = read(path, Columns({"time": "t", "position": "y", "force": "F"}))
+    assert found["position"][9] == 81
+
+
+ROWS = "\n".join(f"{1e-3 * k:.4f};{np.sin(1e-2 * k):.6f};{np.cos(1e-2 * k):.6f}" for k in range(400))
+
+
+def test_a_head_in_latin_1_is_read(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_bytes(("Zeit [s];Weg [µm];Kraft [N]\n" + ROWS.replace(".", ",")).encode("latin-1"))
+    found = read(path, Columns({"time": "Zeit [s]", "position": "Weg [µm]", "force": "Kraft [N]"}, {"Weg [µm]": "um"}))
+    assert found["position"][100] == pytest.approx(1e-6 * np.sin(1.0), rel=1e-5)
+
+
+def test_titles_before_the_head_and_units_below_it_are_skipped(tmp_path):
+    path = tmp_path / "log.csv"
+    path.write_text(f"Rig 3, run 7\nDate: 2026-01-02\n\nRate;1000\nt;x;F\ns;mm;N\n{ROWS}\n")
+    found = read(path, Columns({"time": "t", "position": "x", "force": "F"}))
+    assert len(found["time"]) == 400
+    assert found["time"][:2].tolist() == [0.0, 1e-3]
+
+
+def test_columns_of_a_matrix_are_named_by_their_number(tmp_path):
+    joints = np.random.default_rng(0).standard_normal((400, 7))
+    np.savez(tmp_path / "log.npz", t=T, q=joints, tau=joints.T)
+    savemat(tmp_path / "log.mat", {"t": T[:, None], "q": joints, "tau": joints.T})
+    for name in ("log.npz", "log.mat"):
+        found = read(tmp_path / name, Columns({"time": "t", "position": "q[4]", "force": "tau[2]"}))
+        np.testing.assert_array_equal(found["position"], joints[:, 4])
+        np.testing.assert_array_equal(found["force"], joints[:, 2])
+        with pytest.raises(InputError, match=r"is a matrix.*its columns are q\[0\]"):
+            read(tmp_path / name, Columns({"time": "t", "position": "q", "force": "tau[2]"}))
+
+
+def _record(path, step, rate_changes=False, hold=1):
+    t = np.arange(0, 8, step)
+    if rate_changes:
+        t = np.concatenate([t[t < 4], np.arange(4, 8, 20 * step)])
+    x = 0.1 * np.sin(2 * np.pi * 0.5 * t)
+    v = 0.1 * np.pi * np.cos(2 * np.pi * 0.5 * t)
+    f = 2 * -0.1 * np.pi**2 * np.sin(2 * np.pi * 0.5 * t) + 5 * np.sign(v) + 3 * v
+    f += 0.01 * np.random.default_rng(0).standard_normal(len(t))
+    x = x[np.arange(len(t)) // hold * hold]
+    return _csv(path, _rows(t, x, f))
+
+
+def test_files_of_unlike_sampling_are_one_log(tmp_path):
+    files = [_record(tmp_path / f"{k}.csv", step) for k, step in enumerate((1e-3, 2e-3, 5e-3))]
+    log = load(files, Columns(NAMES), Preparation())
+    assert log.step == pytest.approx(2e-3, rel=1e-6)
+    assert any("sampled at different steps (0.001, 0.002, 0.005 s)" in note for note in log.quality)
+    assert log.files == ("0.csv", "1.csv", "2.csv")
+    for rows in log.runs():
+        assert log.time[rows][-1] > 7
+        v = 0.1 * np.pi * np.cos(np.pi * log.time[rows])
+        np.testing.assert_allclose(log.velocity[rows][100:-100], v[100:-100], atol=3e-3)
+
+
+def test_two_clocks_in_a_file_are_noticed(tmp_path):
+    log = load([_record(tmp_path / "rate.csv", 1e-3, rate_changes=True)], Columns(NAMES), Preparation())
+    assert any("two clocks: the step changes within the file" in note for note in log.quality)
+    assert log.time[-1] > 7
+    held = load([_record(tmp_path / "held.csv", 1e-3, hold=10)], Columns(NAMES), Preparation())
+    assert any("two clocks: position changes in every 10th row only" in note for note in held.quality)
+    v = 0.1 * np.pi * np.cos(np.pi * held.time)
+    np.testing.assert_allclose(held.velocity[200:-200], v[200:-200], atol=0.02 * 0.1 * np.pi)
+
+
+def test_the_hash_is_the_files(tmp_path):
+    from hashlib import sha256
+
+    files = [_record(tmp_path / f"{k}.csv", 1e-3) for k in range(2)]
+    log = load(files[:1], Columns(NAMES), Preparation())
+    assert log.hash == sha256(files[0].read_bytes()).hexdigest()
+    both = load(files, Columns(NAMES), Preparation())
+    assert both.hashes == tuple(sha256(f.read_bytes()).hexdigest() for f in files)
+
+
+def test_a_spike_at_the_end_of_a_moving_record_is_trimmed(tmp_path):
+    t = np.arange(0, 6.3, 1e-3)
+    x = 0.1 * np.sin(2 * np.pi * 0.5 * t) + 1e-6 * np.random.default_rng(0).standard_normal(len(t))
+    log = load([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(np.pi * t)))], Columns(NAMES), Preparation())
+    assert np.max(abs(log.acceleration)) < 1.5 * 0.1 * np.pi**2
+
+
+def test_a_small_motion_is_not_erased_by_the_filter(tmp_path):
+    t = np.arange(0, 20, 1e-3)
+    x = 3.5e-4 * np.sign(np.sin(2 * np.pi * t)) * abs(np.sin(2 * np.pi * t)) ** 0.2
+    x = np.round(x / 2e-5) * 2e-5 + 1e-6 * np.random.default_rng(0).standard_normal(len(t))
+    log = load([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(t)))], Columns(NAMES), Preparation())
+    assert np.ptp(log.position) > 0.9 * np.ptp(x)
+    kept = np.searchsorted(t, log.time - 1e-6)
+    assert np.std(log.position - x[kept]) < 0.12 * np.std(x)

@@ -34,6 +34,8 @@ def test_no_verdict_is_wrong(case):
 
 def test_every_law_states_its_truth_and_derives_it():
     assert len(ALL) >= 80
+    assert len({case.name for case in ALL}) == len(ALL)
     for case in ALL:
-        assert type(case.law()).__doc__, case.name
-        assert all(case.law().claims.__dict__.get(name) is None or True for name in PROPERTIES)
+        assert len(type(case.law()).__dict__["__doc__"]) > 20, case.name
+    unclear = sum(x is None for case in ALL for x in case.truth.values())
+    assert unclear <= 0.02 * 5 * len(ALL)

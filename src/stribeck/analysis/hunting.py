@@ -7,12 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import minimum_filter
-from scipy.optimize import least_squares
 
 from stribeck.constants import kind_of, show
 from stribeck.drives.pid import Pid
-from stribeck.errors import InputError, StribeckError
+from stribeck.errors import InputError, StribeckError, needed
 from stribeck.laws import table
 from stribeck.laws.base import Law
 from stribeck.plants.mass import Mass
@@ -71,6 +69,10 @@ def hunting(scenario: Scenario, of: str = "law") -> Hunting:
         raise InputError(f"drive.kind: {scenario.drive.kind!r}: must be 'pid' to hunt")
     if of not in ("law", "body"):
         raise InputError(f"of: {show(of)}: must be 'law' or 'body'")
+    with needed("hunting()"):
+        from scipy.ndimage import minimum_filter
+        from scipy.optimize import least_squares
+
     loop = _Loop(scenario, of)
     low, high = loop.box()
     shares = (np.stack(np.meshgrid(np.arange(_GRID), np.arange(_GRID), indexing="ij"), -1) + 0.5) / _GRID

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stribeck.control.gains import at_speed, damping, decay
 from stribeck.control.proof import ERRORS, derive
 from stribeck.control.servo import ServoSystem
-from stribeck.errors import StribeckError
+from stribeck.errors import StribeckError, needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, symbol, total_derivative
 from stribeck.simulation import Solution
@@ -84,7 +84,8 @@ def along(solution: Solution) -> Along:
 
 def _bound(solution: Solution, gains: Mapping[str, float]) -> Array:
     """Eq. 19 with the errors and speeds of the rows."""
-    import sympy
+    with needed("the proof of a servo's gains"):
+        import sympy
 
     observer = solution.scenario.servo.observer  # type: ignore[union-attr]
     assert observer is not None

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.cli import show
+from stribeck.cli.text import say
 from stribeck.errors import InputError
 from stribeck.scenario import Scenario, parse_assignment
 from stribeck.steepness import Advice
@@ -62,13 +63,16 @@ def _print(advice: Advice) -> None:
     print(f"{advice.law}: k_v = {k_v_in_words(advice.k_v)}")
     for each in advice.requirements:
         tolerated = f"{100 * each.tolerance:.4g} %" if not each.unit else f"{each.tolerance:.4g} {each.unit}"
-        print(f"  {each.name}, {tolerated}: {k_v_in_words(each.k_v)}")
-        print(f"      by {each.method}: {each.detail}")
+        say(f"{each.name}, {tolerated}: {k_v_in_words(each.k_v)}", 6, "  ")
+        say(f"by {each.method}: {each.detail}", 8, "      ")
     if advice.cost is not None:
         c = advice.cost
-        print(
-            f"  up to {c.v_max:.4g} m/s: stiffness {c.stiffness:.4g} 1/s, explicit steps below {c.largest_step:.4g} s"
+        say(
+            f"up to {c.v_max:.4g} m/s: stiffness {c.stiffness:.4g} 1/s, explicit steps below {c.largest_step:.4g} s",
+            4,
+            "  ",
         )
         if c.body_stiffness is not None:
             print(f"  with the body: eigenvalues up to {c.body_stiffness:.4g} 1/s")
-        print(f"  |v| is bent within {c.bend:.4g} m/s; dF/dv changes by up to {c.force_bend:.4g} N s/m per m/s there")
+        bent = f"dF/dv changes by up to {c.force_bend:.4g} N s/m per m/s there"
+        say(f"|v| is bent within {c.bend:.4g} m/s; {bent}", 4, "  ")

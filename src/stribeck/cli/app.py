@@ -7,45 +7,12 @@ from typing import Annotated
 
 import typer
 
-import stribeck
+from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
 
-app = typer.Typer(
-    help="Friction models that you can simulate, prove, fit and ship.",
-    no_args_is_help=True,
-    add_completion=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-ScenarioFile = Annotated[
-    Path, typer.Argument(metavar="SCENARIO.toml", help="Scenario file; 'stribeck new' writes one.")
-]
-Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files; made if need be.")]
-Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Replace a value, such as law.k_v=1e6; may be repeated."),
-]
-Trust = Annotated[
-    bool, typer.Option("--trust", help="Let the scenario run laws (FILE.py:NAME) that lie outside its folder.")
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")]
+__all__ = ["app"]
 
 
-def _version(wanted: bool) -> None:
-    if wanted:
-        print(f"stribeck {stribeck.__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def _common(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
-    ] = False,
-) -> None:
-    pass
-
-
-@app.command()
+@app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
 def run(
     scenario: ScenarioFile,
     out: Out = None,
@@ -55,6 +22,7 @@ def run(
     keep_c: Annotated[
         Path | None, typer.Option("--keep-c", metavar="FILE", help="Write the generated C here, to read or debug.")
     ] = None,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Simulate one scenario; without --out, print the summary and write nothing."""
     from stribeck.cli import run as command
@@ -62,7 +30,7 @@ def run(
     return command.run(scenario, out, set_ or [], json, keep_c, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck show machine.toml --out machine.svg")
 def show(
     machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file (schema = 2).")],
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE.svg", help="Draw it here, as a picture.")] = None,
@@ -76,7 +44,7 @@ def show(
     return command.draw(machine, out, set_ or [], json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck compare my_rig.toml --law lugre --law lugre_majorant:k_v=1e6")
 def compare(
     scenario: ScenarioFile,
     law: Annotated[
@@ -90,6 +58,7 @@ def compare(
     set_: Set = None,
     trust: Trust = False,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Simulate one scenario under several laws and show where they deviate."""
     from stribeck.cli import compare as command
@@ -97,7 +66,7 @@ def compare(
     return command.compare(scenario, law, out, set_ or [], json, trust, contact)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
 def sweep(
     scenario: ScenarioFile,
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the parts; made if need be.")],
@@ -110,20 +79,22 @@ def sweep(
     ] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="S", help="What the random points are drawn by.", min=0)] = 0,
     summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Write CSV in the place of Parquet.")] = False,
     set_: Set = None,
     threads: Annotated[
         int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
     ] = None,
     trust: Trust = False,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
     from stribeck.cli import sweep as command
 
-    return command.sweep(scenario, vary or [], samples, seed, summary, out, set_ or [], threads, json, trust)
+    return command.sweep(scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck laws lugre_majorant")
 def laws(
     law: Annotated[
         list[str] | None, typer.Argument(metavar="[LAW]...", help="Only these; FILE.py:NAME is one too.")
@@ -140,7 +111,7 @@ def laws(
     return command.laws(law or [], json, test, sets)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck advise lugre_sobczyk --parameters canudas1995 --creep 1e-6")
 def advise(
     law: Annotated[str, typer.Argument(metavar="LAW", help="A bristle law with k_v.")],
     parameters: Annotated[
@@ -169,6 +140,7 @@ def advise(
     trust: Trust = False,
     out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Which k_v? The smallest that meets what you tolerate, what it costs, and the same for the majorant law."""
     from stribeck.cli import advise as command
@@ -181,12 +153,17 @@ def advise(
     return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck fit log.csv --law lugre --time t --position y --force F --out fit")
 def fit(
     data: Annotated[
         list[Path], typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs.")
     ],
-    law: Annotated[list[str], typer.Option("--law", metavar="NAME", help="A law; of several, one is picked.")],
+    law: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--law", metavar="NAME", help="A law; of several, or of all static ones without it, one is picked."
+        ),
+    ] = None,
     time: Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")] = None,
     position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")] = None,
     velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Column of the velocity.")] = None,
@@ -222,8 +199,12 @@ def fit(
         typer.Option("--term", metavar="TERM", help="What the force holds beside mass and offset (docs/fit.md)."),
     ] = None,
     select: Annotated[
-        bool, typer.Option("--select", help="Add the terms that lower the error over data left out.")
-    ] = False,
+        bool | None,
+        typer.Option(
+            "--select/--no-select",
+            help="Add the terms that lower the error over data left out (the default without --term and --free).",
+        ),
+    ] = None,
     cutoff: Annotated[
         float | None,
         typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter; else from the data; 0: none."),
@@ -261,10 +242,69 @@ def fit(
         "output": output, "drive": None if drive is None else work.drive(drive),
     }  # fmt: skip
     options = work.Options(columns, unit or [], force_gain, set_ or [], cutoff, trim, request)
-    return work.fit(data, law, options, out, json)
+    return work.fit(data, law or [], options, out, json)
 
 
 @app.command()
+def predict(
+    data: Annotated[list[Path], typer.Argument(metavar="DATA...", help="A record that the fit has not seen.")],
+    fit: Annotated[Path, typer.Option("--fit", metavar="DIR", help="The folder that stribeck fit --out wrote.")],
+    time: Annotated[
+        str | None, typer.Option("--time", metavar="COL", help="Columns: as in the fit unless given.")
+    ] = None,
+    position: Annotated[str | None, typer.Option("--position", metavar="COL")] = None,
+    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL")] = None,
+    force: Annotated[str | None, typer.Option("--force", metavar="COL")] = None,
+    force_gain: Annotated[str | None, typer.Option("--force-gain", metavar="X")] = None,
+    load: Annotated[str | None, typer.Option("--load", metavar="COL")] = None,
+    pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL")] = None,
+    unit: Annotated[list[str] | None, typer.Option("--unit", metavar="COL=UNIT")] = None,
+    cutoff: Annotated[float | None, typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter.")] = None,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """The force that a fitted model predicts for another record: error, overlay and page."""
+    from stribeck.cli import fit as words
+    from stribeck.cli import predict as command
+
+    columns = {
+        "time": time, "position": position, "velocity": velocity, "force": force, "load": load, "pressure": pressure,
+    }  # fmt: skip
+    given = {"columns": columns, "units": words.units(unit or []), "force_gain": force_gain, "cutoff": cutoff}
+    return command.predict(data, fit, given, out, json)
+
+
+@app.command()
+def validate(
+    scenario: ScenarioFile,
+    log: Annotated[Path, typer.Option("--log", metavar="FILE", help="The measured record.")],
+    time: Annotated[str | None, typer.Option("--time", metavar="COL")] = None,
+    position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Compared with y.")] = None,
+    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Compared with v.")] = None,
+    force: Annotated[
+        str | None, typer.Option("--force", metavar="COL", help="Measured friction, compared with F.")
+    ] = None,
+    force_gain: Annotated[str | None, typer.Option("--force-gain", metavar="X")] = None,
+    command: Annotated[
+        str | None,
+        typer.Option("--command", metavar="COL", help="What drove the rig: it replaces the scenario's signal."),
+    ] = None,
+    unit: Annotated[list[str] | None, typer.Option("--unit", metavar="COL=UNIT")] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    out: Out = None,
+    json: Json = False,
+) -> int:
+    """A scenario against a measured record: overlay, error, residuals."""
+    from stribeck.cli import fit as words
+    from stribeck.cli import predict as work
+
+    columns = {"time": time, "position": position, "velocity": velocity, "force": force, "command": command}
+    given = {"columns": columns, "units": words.units(unit or []), "force_gain": force_gain}
+    return work.validate(scenario, log, given, set_ or [], out, json, trust)
+
+
+@app.command(epilog="Example: stribeck rig --stroke 0.05 --speed 0.1 --force 50 --out plan")
 def rig(
     stroke: Annotated[float, typer.Option("--stroke", metavar="M", help="The rig's travel, m.")],
     speed: Annotated[float, typer.Option("--speed", metavar="M/S", help="Its highest speed, m/s.")],
@@ -284,6 +324,7 @@ def rig(
     seed: Annotated[int, typer.Option("--seed", help="Of its noise.")] = 0,
     out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Print what to measure to fit a law: speeds, amplitudes, force rates for the limits of a rig."""
     from stribeck.cli import rig as command
@@ -292,7 +333,7 @@ def rig(
     return command.rig(limits, simulate, law, parameters, set_ or [], seed, out, json)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck check lugre_sobczyk --parameters canudas1995 --set k_v=1e7")
 def check(
     law: Annotated[str | None, typer.Argument(metavar="LAW", help="A law; FILE.py:NAME is one too.")] = None,
     parameters: Annotated[
@@ -309,20 +350,25 @@ def check(
         bool, typer.Option("--margins", help="How far each constant can move before passivity changes.")
     ] = False,
     verify: Annotated[
-        bool, typer.Option("--verify", help="Run each proof and replay each counterexample again.")
+        bool, typer.Option("--verify", help="Check each proof by other code, and replay each counterexample.")
     ] = False,
+    certificate: Annotated[
+        Path | None, typer.Option("--certificate", metavar="FILE", help="Write the proofs here, for others to check.")
+    ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="DIR", help="Write counterexamples here, as scenarios to run.")
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Folder for a page, and for counterexamples as scenarios to run."),
     ] = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
     from stribeck.cli import check as command
 
-    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out)
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck new my_rig")
 def new(
     name: Annotated[
         str, typer.Argument(metavar="[NAME]", help="A name for it, or that of a built-in example.")
@@ -336,7 +382,7 @@ def new(
     return command.new(name, out, examples)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck paper --out report")
 def paper(
     out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the report.")] = Path("stribeck-report"),
     json: Json = False,
@@ -347,7 +393,7 @@ def paper(
     return command.paper(out, json)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck export lugre --parameters canudas1995 --target c --out firmware")
 def export(
     target: Annotated[
         str, typer.Option("--target", metavar="NAME", help="The tool: c, fmu, modelica, mujoco, st or table.")
@@ -382,6 +428,7 @@ def export(
     fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
     trust: Trust = False,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
     from stribeck.cli import export as command
@@ -389,7 +436,7 @@ def export(
     return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck gains servo.toml --out gains")
 def gains(
     scenario: ScenarioFile,
     v_max: Annotated[
@@ -398,15 +445,17 @@ def gains(
     ] = None,
     set_: Set = None,
     trust: Trust = False,
+    out: Out = None,
     json: Json = False,
+    _undetermined: Undetermined = False,
 ) -> int:
     """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation."""
     from stribeck.cli import gains as command
 
-    return command.gains(scenario, v_max, set_ or [], json, trust)
+    return command.gains(scenario, v_max, set_ or [], out, json, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck doctor --json")
 def doctor(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""
     from stribeck.cli import doctor as command

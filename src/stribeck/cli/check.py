@@ -3,31 +3,35 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from json import dumps
 from pathlib import Path
 from typing import Any
 
 from stribeck import laws, parameter_sets
 from stribeck.cli import show
+from stribeck.cli.text import say
 from stribeck.constants import show as shown
-from stribeck.errors import InputError, note
+from stribeck.errors import InputError, left_out, note
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.properties import NAMES, Verdict, Verdicts
 from stribeck.properties import check as decide
 from stribeck.scenario import parse_assignment
 
 _DEFAULT_SET = "canudas1995"
+_BESIDE = 23  # columns, where the words of a verdict begin
 _WORDS = {True: "yes", False: "no", None: "undecided"}
 
 
 def check(
     name: str | None, parameters: str | None, assignments: list[str], v_max: float | None, json: bool,
     every: bool = False, margins: bool = False, verify: bool = False, out: Path | None = None,
+    certificate: Path | None = None,
 ) -> int:  # fmt: skip
     """Check the law named, or every law, and print the verdicts; 0 whatever they are."""
     if every == (name is not None):
         raise InputError("LAW: must be given, or --all for every law, and not both")
-    if every and (margins or out is not None):
-        raise InputError("--all: must stand without --margins and --out, which are for one law")
+    if every and (margins or out is not None or certificate is not None):
+        raise InputError("--all: must stand without --margins, --out and --certificate, which are for one law")
     if v_max is not None and not 0 < v_max < float("inf"):
         raise InputError(f"--v-max: {shown(v_max)}: must be a finite number > 0, in m/s")
     given = dict(parse_assignment(text) for text in assignments)
@@ -50,6 +54,15 @@ def check(
         data["margins"] = _margins(verdicts)
     if out is not None:
         data["files"] = _write(verdicts, out)
+        with left_out("the page"):
+            from stribeck.report import check as report
+
+            data["files"] += map(str, report.write(verdicts, out, data, show.command_line()))
+    if certificate is not None:
+        from stribeck.files import write_text
+
+        write_text(certificate, dumps(verdicts.certificates(), indent=1) + "\n")
+        data["files"] = [*data.get("files", ()), str(certificate)]
     if json:
         show.print_json(data)
     else:
@@ -86,7 +99,8 @@ def _all(parameters: str | None, given: Mapping[str, Any], v_max: float | None, 
         _print_matrix(checked, parameters)
         if verify:
             odd = [f"{v.law.name}: {n}" for v in checked for n, p in v.properties.items() if p.verified is False]
-            print(f"NOT CONFIRMED by a second run: {', '.join(odd)}" if odd else "confirmed by a second run of all")
+            fine = "all proofs confirmed by the independent checker, all counterexamples replayed"
+            print(f"NOT CONFIRMED: {', '.join(odd)}" if odd else fine)
     return 0
 
 
@@ -100,7 +114,7 @@ def _margins(verdicts: Verdicts) -> dict[str, Any]:
 
 def _write(verdicts: Verdicts, out: Path) -> list[str]:
     """A scenario for each counterexample that one can show."""
-    from tomli_w import dumps
+    from tomli_w import dumps as toml
 
     from stribeck.files import write_text
 
@@ -110,7 +124,7 @@ def _write(verdicts: Verdicts, out: Path) -> list[str]:
             path = out / f"{name}.toml"
             write_text(
                 path,
-                f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}{dumps(verdict.scenario)}",
+                f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}{toml(verdict.scenario)}",
             )
             files.append(str(path))
     return files
@@ -127,19 +141,19 @@ def _constants(law: Law) -> str:
 
 
 def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
-    print(f"{verdicts.law.name} with {_constants(verdicts.law)}")
+    say(f"{verdicts.law.name} with {_constants(verdicts.law)}", 4)
     for name, verdict in verdicts.properties.items():
-        again = {True: ", verified", False: ", NOT CONFIRMED by a second run", None: ""}[verdict.verified]
+        again = {True: ", verified", False: ", NOT CONFIRMED", None: ""}[verdict.verified]
         reason = verdict.evidence.get("reason") if verdict.holds is None else verdict.method
-        print(f"  {name:11}{_WORDS[verdict.holds]:10}{reason}{again}")
+        say(f"{reason}{again}", _BESIDE, f"  {name:11}{_WORDS[verdict.holds]:10}")
         for line in _lines(verdict.evidence):
-            print(f"  {'':21}{line}")
+            say(line, _BESIDE + 2, " " * _BESIDE)
     for name, margin in data.get("margins", {}).get("constants", {}).items():
         ends = [
             f"{word} {margin[end]:.9g}" for word, end in (("from", "low"), ("up to", "high")) if margin[end] is not None
         ]
         word = "passive" if data["margins"]["passive"] else "not passive"
-        print(f"  margin     {name} = {margin['value']:g}: {word} {' '.join(ends) or 'whatever it is'}")
+        say(f"{name} = {margin['value']:g}: {word} {' '.join(ends) or 'whatever it is'}", 15, "  margin     ")
     if largest := data.get("margins", {}).get("largest_v_d"):
         print(f"  remedy     passive with v_d up to {largest:.6g} m/s (as sampled)")
     for file in data.get("files", ()):
@@ -154,16 +168,16 @@ def _lines(evidence: Mapping[str, Any]) -> list[str]:
         lines.append(", ".join(f"{n} {x:.9g}" if isinstance(x, float) else f"{n} {x}" for n, x in plain.items()))
     for name in ("programme", "levels"):
         rows = evidence.get(name, ())
-        lines += ["  " + ", ".join(f"{n} {x:.6g}" for n, x in row.items()) for row in rows]
+        lines += [", ".join(f"{n} {x:.6g}" for n, x in row.items()) for row in rows]
     return lines
 
 
 def _print_matrix(checked: list[Verdicts], parameters: str | None) -> None:
-    print(f"parameters {parameters or 'as given'}; own constants: " + _own(checked))
+    say(f"parameters {parameters or 'as given'}; own constants: " + _own(checked), 4)
     width = max(len(v.law.name) for v in checked)
-    print(f"{'':{width}}  " + "".join(f"{name:12}" for name in NAMES))
+    print(f"{'':{width}}  " + "".join(f"{name:11}" for name in NAMES))
     for v in checked:
-        print(f"{v.law.name:{width}}  " + "".join(f"{_WORDS[v[name].holds]:12}" for name in NAMES))
+        print(f"{v.law.name:{width}}  " + "".join(f"{_WORDS[v[name].holds]:11}" for name in NAMES))
 
 
 def _own(checked: list[Verdicts]) -> str:

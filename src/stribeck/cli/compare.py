@@ -7,12 +7,14 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from stribeck.analysis.comparison import Comparison, compare_laws, compared
+from stribeck.analysis.comparison import Comparison, compare_laws
 from stribeck.cli import show
+from stribeck.cli.text import say, width
 from stribeck.errors import InputError, StribeckNote, nearest
 from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario, parse_assignment
 
+_NUMBERS = 40  # columns of a row beside the label
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
 
 
@@ -35,7 +37,7 @@ def compare(
     if out is not None:
         from stribeck.report.compare import write
 
-        summary["files"] = write(comparison, out, summary)
+        summary["files"] = write(comparison, out, summary, show.command_line())
     if json:
         show.print_json(summary)
     else:
@@ -80,14 +82,19 @@ def _changes(text: str, table: str) -> dict[str, Any]:
 
 
 def _print(comparison: Comparison, files: list[str]) -> None:
-    reference = next(iter(comparison.solutions))
-    print(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak")
-    width = max(map(len, comparison.solutions))
-    names = compared(comparison.solutions[reference].scenario)
-    print(f"  {'law':{width}}" + "".join(f"{name:>24}" for name in names))
+    reference, *others = comparison.solutions
+    units = {column.name: column.unit for column in comparison.solutions[reference].columns}
+    say(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak", 2)
+    wide = max(map(len, comparison.solutions))
+    beside = wide if wide <= width() - _NUMBERS else 0  # the labels' column; none where they would fold the table
+    if others:
+        print(f"  {'law' if beside else '':{beside}}{'deviation':>14}{'share':>12}  of")
     for label, deviations in comparison.deviations.items():
-        cells = "".join(f"{d['max']:13.4g} {_percent(d['max_relative']):>10}" for d in deviations.values())
-        print(f"  {label:{width}}{cells}")
+        if not beside:
+            print(f"  {label}")
+        for i, (name, d) in enumerate(deviations.items()):
+            named = label if beside and not i else ""
+            print(f"  {named:{beside}}{d['max']:14.4g}{_percent(d['max_relative']):>12}  {name} ({units[name]})")
     for file in files:
         print(f"  wrote {file}")
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import stribeck.export as exports
-from stribeck import laws
+from stribeck import laws, parameter_sets
 from stribeck.cli.show import print_json
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
@@ -84,15 +84,16 @@ def _law(name: str | None, parameters: str | None, assignments: list[str], rig: 
         name = rig.law.name
     found = laws.find(name)
     given = dict(parse_assignment(text) for text in assignments)
-    values = {}
+    values, rotary = {}, False
     if parameters is not None:
-        values = laws.parameters_for(found, parameters)
+        values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters).rotary
     elif rig is not None:
         own = found.own_constants()
         values = rig.law.machine | {n: x for n, x in vars(rig.law.p).items() if n in own and x is not None}
+        rotary = rig.rotary
     if problems := found.problems({**values, **given}):
         raise InputError([f"{key}: {text}" for key, text in problems])
-    law = found({**values, **given})
+    law = found({**values, **given}, rotary)
     if ".py:" in name and (trouble := laws.trouble(law)):
         raise InputError(f"{name!r}: {trouble}")
     return law

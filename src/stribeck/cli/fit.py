@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import shlex
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from stribeck.cli import show
+from stribeck.cli.text import say
 from stribeck.constants import show as shown
 from stribeck.errors import InputError
 from stribeck.identify import api as fitting
@@ -16,6 +18,8 @@ from stribeck.identify.log import Log
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics.choose import Choice
 from stribeck.scenario import parse_assignment
+
+_READ = 0.05  # of the work
 
 
 @dataclass(frozen=True)
@@ -43,8 +47,9 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
             data, columns, _units(options.units), options.force_gain, options.cutoff, options.trim, sharp
         )
         if tell is not None:
-            tell(0.1)
-        result = fitting.fit(log, laws if len(laws) > 1 else laws[0], constants=constants, **options.request)
+            tell(_READ)
+        law = laws[0] if len(laws) == 1 else laws or None
+        result = fitting.fit(log, law, constants=constants, progress=_rest_of(tell), **options.request)
     summary = result.to_json()
     summary["data"] = {
         "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
@@ -55,11 +60,35 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
 
         command = "stribeck " + shlex.join(sys.argv[1:])
         summary["files"] = write(result, log, out, command, ", ".join(p.name for p in data))
+        summary["files"].append(_save(result, options, columns, out))
     if json:
         show.print_json(summary)
     else:
         _print(result, log, summary["files"])
-    return 0
+    stopped = (result.best if isinstance(result, Choice) else result).status == "stopped"
+    return 130 if stopped else 0
+
+
+def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | None:
+    """The progress of what follows the reading."""
+    return None if tell is None else lambda share: tell(_READ + (1 - _READ) * share)
+
+
+def _save(result: Fit | Choice, options: Options, columns: dict[str, str], out: Path) -> str:
+    """Write what ``stribeck predict`` needs; the path."""
+    from stribeck.files import write_text
+    from stribeck.identify import predict
+
+    reading = {
+        "columns": columns, "units": _units(options.units), "force_gain": options.force_gain, "cutoff": options.cutoff
+    }  # fmt: skip
+    write_text(out / predict.FILE, predict.saved(result.best if isinstance(result, Choice) else result, reading))
+    return str(out / predict.FILE)
+
+
+def units(texts: list[str]) -> dict[str, str]:
+    """``COL=UNIT`` as a mapping."""
+    return _units(texts)
 
 
 def drive(text: str) -> dict[str, Any]:
@@ -102,13 +131,13 @@ def _units(texts: list[str]) -> dict[str, str]:
 def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
     if isinstance(result, Choice):
         _print_choice(result)
+    elif result.details.get("candidates"):
+        _print_candidates(result.details["candidates"])
     best = result.best if isinstance(result, Choice) else result
-    print(
-        f"{best.law}, {best.method}: {len(log)} rows, relative force error {_percent(best.relative_force_error)}",
-        end="",
-    )
     left_out = best.cross_validated_error
-    print("" if left_out is None else f", on data left out {_percent(left_out)}")
+    beyond = "" if left_out is None else f", on data left out {_percent(left_out)}"
+    error = f"relative force error {_percent(best.relative_force_error)}{beyond}"
+    say(f"{best.law}, {best.method}: {len(log)} rows, {error}", 4)
     rows = {**best.estimates, **best.body}
     width = max(map(len, rows), default=4)
     print(f"  {'':{width}}  {'value':>12}  {'95 % interval':>27}  unit")
@@ -117,16 +146,21 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
             print(f"  {name:{width}}  {_digits(e.value):>12}  {_interval(e):>27}  {e.unit}")
     for name, e in rows.items():
         if not e.identifiable:
-            print(f"  {name}: not determined by the data: {e.doubt}")
-            print(f"  {'':{width}}  to determine it: {e.experiment}")
+            say(f"{name}: not determined by the data: {e.doubt}", 6, "  ")
+            say(f"to determine it: {e.experiment}", 6, "      ")
     for r in best.details.get("levels", ()):
         at = "".join(f" at {n.removeprefix('F_c_by_')} {x:.4g}" for n, x in r["at"].items())
         told = f", predicted from the others {r['predicted']:.4g}" if "predicted" in r else ""
-        print(f"  {r['file']}{at}: F_c {r['level']:.4g} ({r['low']:.4g} ... {r['high']:.4g}) N{told}")
+        say(f"{r['file']}{at}: F_c {r['level']:.4g} ({r['low']:.4g} ... {r['high']:.4g}) N{told}", 6, "  ")
     for text in (*log.quality, *best.notes):
-        print(f"  note: {text}")
+        say(text, 6, "  note: ")
     for file in files:
         print(f"  wrote {file}")
+
+
+def _print_candidates(candidates: list[dict[str, Any]]) -> None:
+    told = ", ".join(f"{c['name']} {_percent(c['cross_validated_error'])}" for c in candidates)
+    print(f"error on data left out: {told}")
 
 
 def _print_choice(choice: Choice) -> None:
@@ -136,8 +170,9 @@ def _print_choice(choice: Choice) -> None:
         error, whole = row["cross_validated_error"], row["relative_force_error"]
         print(f"{row['law']:{width}}  {_percent(error):>9}  {_percent(whole):>9}  {row['numbers']}")
     for name, why in choice.failed.items():
-        print(f"{name:{width}}  {why}")
-    print(f"picked: {choice.picked}: {choice.reason}\n")
+        say(why, 6, f"{name:{width}}  ")
+    say(f"picked: {choice.picked}: {choice.reason}", 6)
+    print()
 
 
 def _percent(share: float | None) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 from stribeck import laws as registry
 from stribeck.cli.show import print_json
+from stribeck.cli.text import say
 from stribeck.errors import InputError
 from stribeck.laws.base import Claims, Law
 from stribeck.laws.render import Equation, condition, equations
@@ -28,7 +29,7 @@ def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
     for law in described:
         _print(law)
     if not names:
-        print("parameter sets: " + ", ".join(parameters()) + " (--sets shows what is passive with each)")
+        say("parameter sets: " + ", ".join(parameters()) + " (--sets shows what is passive with each)", 4)
     return 0
 
 
@@ -53,10 +54,10 @@ def _sets(names: list[str], json: bool) -> int:
     for name, s in listed.items():
         passive = [law for law, holds in s["passive"].items() if holds]
         own = ", ".join(f"{n} = {x:g}" for n, x in s["own_constants"].items())
-        print(f"{name}: {s['title']} ({s['motion']})")
-        print(f"    {', '.join(f'{n} = {x:g}' for n, x in s['values'].items())}")
-        print(f"    passive with {', '.join(passive) or 'no law'} (with {own})")
-        print(f"    source: {s['source']}")
+        say(f"{name}: {s['title']} ({s['motion']})", 4)
+        say(", ".join(f"{n} = {x:g}" for n, x in s["values"].items()), 4, "    ")
+        say(f"passive with {', '.join(passive) or 'no law'} (with {own})", 6, "    ")
+        say(f"source: {s['source']}", 6, "    ")
     return 0
 
 
@@ -101,21 +102,22 @@ def _changed(law: type[Law], form: tuple[str, ...]) -> dict[str, Any]:
 
 
 def _print(law: dict[str, Any]) -> None:
-    print(f"{law['name']}: {law['summary']}")
+    say(f"{law['name']}: {law['summary']}", 4)
     for equation in law["equations"]:
-        print(f"    {equation['text']}")
+        say(equation["text"], 8, "    ")
     words = _words(law["guarantees"])
-    print(
-        f"  claims     {words or ('none stated' if law['has_z'] else 'no internal state, so none of the five properties')}"
-    )
+    none = "none stated" if law["has_z"] else "no internal state, so none of the five properties"
+    say(words or none, 13, "  claims     ")
     for form, changed in law["with"].items():
         parts = [*(e["text"] for e in changed["equations"]), _words(changed["guarantees"])]
-        print(f"  with {form}: {'; '.join(part for part in parts if part)}")
+        say("; ".join(part for part in parts if part), 13, f"  with {form}: ")
     own = [f"{n} ({_unit_or_words(p)}, {p['meaning']})" for n, p in law["parameters"].items() if p["where"] == "law"]
     if own:
-        print(f"  constants  {'; '.join(own)}")
-    print(f"  parameters {', '.join(n for n, p in law['parameters'].items() if p['where'] != 'law') or 'none'}")
-    print(f"  source     {law['source']}\n")
+        say("; ".join(own), 13, "  constants  ")
+    used = [n for n, p in law["parameters"].items() if p["where"] != "law"]
+    say(", ".join(used) or "none", 13, "  parameters ")
+    say(law["source"], 13, "  source     ")
+    print()
 
 
 def _words(guarantees: dict[str, Any]) -> str:

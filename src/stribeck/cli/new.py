@@ -6,18 +6,26 @@ import re
 from pathlib import Path
 
 from stribeck import examples
+from stribeck.cli import show
 from stribeck.errors import InputError
 from stribeck.files import write_text
 
-_START = "stick_slip"  # the example that a new name starts from
+_START = "stick_slip"  # the example that a new name starts from, under another law
+_LAW = """\
+[law]
+name = "lugre_majorant"         # smooth, and with these constants passive; 'stribeck laws' lists the others
+k_v = 1e6                       # s/m, steepness near rest; 'stribeck advise' names the smallest that will do
+v_d = 0.02                      # m/s, bristle damping falls with speed; without it this set is not passive
+
+"""
 
 _HELP = """\
-# {name}: a scenario for 'stribeck run'. SI units everywhere (rotary machines: N m, rad).
+# {name}: a scenario for 'stribeck run'. SI units everywhere; with rotary = true N m and rad.
 # [law] name: 'stribeck laws' lists them; parameters: a table as here, a built-in set ("canudas1995") or a file.
 # [drive] kind: "force" (N), "spring" (position of the far end, m), "pid" (setpoint, m) or "velocity" (m/s);
 #         "cascade", a pneumatic servo, has an example of its own: stribeck new servo.
 # [drive.signal] kind: "points" (t, value), "ramp" (rate), "sine" (amplitude, frequency, offset, phase),
-#                      "step" (value, time) or "file" (path, time, value: columns of a CSV or Parquet file).
+#                      "step" (value, time) or "file" (path, time, value, unit: columns of a recorded file).
 """
 
 
@@ -34,14 +42,14 @@ def new(name: str, out: Path | None, show_list: bool) -> int:
     text = examples.path(name if known else _START).read_text(encoding="utf-8")
     if not known:
         body = text[text.index("schema = ") :].replace(f'name = "{_START}"', f'name = "{name}"', 1)
-        text = _HELP.format(name=name) + body
+        begin, end = body.index("[law]"), body.index("[law.parameters]")
+        text = _HELP.format(name=name) + body[:begin] + _LAW + body[end:]
     target = out or Path(f"{name}.toml")
     copies = {target.parent / data.name: data for data in (examples.companions(name) if known else [])}
     for path in (target, *copies):
+        show.check_file("--out", path)
         if path.exists():
             raise InputError(f"--out: {str(path)!r}: exists already; must be a new file")
-    if not target.parent.is_dir():
-        raise InputError(f"--out: {str(target)!r}: there is no folder {target.parent}")
     for path, data in copies.items():
         write_text(path, data.read_text(encoding="utf-8"))
         print(f"wrote {path}")

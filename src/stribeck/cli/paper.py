@@ -11,7 +11,7 @@ from stribeck.cli import show
 def paper(out: Path, json: bool) -> int:
     """Write the report and say which file to open."""
     show.check_folder(out)
-    with show.progress("report") as tell:
+    with show.stages("report") as tell:
         summary = report.write(out, tell)
     if json:
         show.print_json(summary)

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import json
+import shlex
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
+from stribeck.constants import show as shown
 from stribeck.errors import InputError
+from stribeck.files import trouble
 from stribeck.scenario import Scenario, parse_assignment
+
+if TYPE_CHECKING:
+    from rich.progress import Progress
 
 
 def load(path: Path, assignments: list[str], trust: bool) -> Scenario:
@@ -25,19 +31,33 @@ def print_json(data: Any) -> None:
     print(json.dumps(finite(data), allow_nan=False))
 
 
+def command_line() -> str:
+    """The command as it was given, for pages."""
+    return "stribeck " + shlex.join(sys.argv[1:])
+
+
 def check_folder(out: Path) -> None:
     """Refuse, before anything runs, a folder that cannot be written.
 
     Raises:
         InputError: with the reason.
     """
-    existing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
-    if not existing.is_dir():
-        raise InputError(f"--out: {str(out)!r}: {existing} is a file; must be a folder or a new name")
+    if text := trouble(out, folder=True):
+        raise InputError(f"--out: {shown(str(out))}: {text}")
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"--out: {str(out)!r}: cannot be made: {error.strerror}") from None
+        raise InputError(f"--out: {shown(str(out))}: cannot be made: {error.strerror}") from None
+
+
+def check_file(option: str, path: Path) -> None:
+    """Refuse, before anything runs, a file that cannot be written.
+
+    Raises:
+        InputError: with the reason.
+    """
+    if text := trouble(path, parents=False):
+        raise InputError(f"{option}: {shown(str(path))}: {text}")
 
 
 @contextmanager
@@ -48,39 +68,64 @@ def progress(what: str) -> Iterator[Callable[[float], None] | None]:
 
 
 @contextmanager
+def stages(what: str) -> Iterator[Callable[[float | None, str], None] | None]:
+    """A progress bar that is told what is being done, and the share done where that is known (None: it moves)."""
+    with _bar(what) as bar:
+        if bar is None:
+            yield None
+            return
+
+        def tell(share: float | None, text: str) -> None:
+            bar.update(bar.task_ids[0], completed=share or 0.0, total=None if share is None else 1.0)
+            bar.update(bar.task_ids[0], description=f"{what}: {text}")
+
+        yield tell
+
+
+@contextmanager
 def rate(what: str, unit: str = "") -> Iterator[Callable[[float, float], None] | None]:
     """A progress bar that also shows how many units a second are done: told the share done, and how many by now."""
+    with _bar(what) as bar:
+        if bar is None:
+            yield None
+            return
+        from time import monotonic
+
+        started = monotonic()
+
+        def tell(share: float, count: float) -> None:
+            speed = f"{count / max(monotonic() - started, 1e-9):.0f} {unit}/s" if unit else ""
+            bar.update(bar.task_ids[0], completed=share, total=1.0, speed=speed)
+
+        yield tell
+
+
+@contextmanager
+def _bar(what: str) -> Iterator[Progress | None]:
+    """A bar that appears after half a second and moves from then on, whether it is told anything or not."""
     if not sys.stderr.isatty():
         yield None
         return
-    from time import monotonic
+    from threading import Timer
 
-    started, bar = monotonic(), None
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
-    def tell(share: float, count: float) -> None:
-        nonlocal bar
-        if bar is None and monotonic() - started > 0.5:
-            from rich.console import Console
-            from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
-
-            columns = (
-                TextColumn("{task.description}"),
-                BarColumn(),
-                TimeRemainingColumn(),
-                TextColumn("{task.fields[speed]}"),
-            )
-            bar = Progress(*columns, console=Console(stderr=True), transient=True)
-            bar.start()
-            bar.add_task(what, total=1.0, speed="")
-        if bar is not None:
-            speed = f"{count / (monotonic() - started):.0f} {unit}/s" if unit else ""
-            bar.update(bar.task_ids[0], completed=share, speed=speed)
-
+    columns = (
+        SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), TimeElapsedColumn(),
+        TextColumn("{task.fields[speed]}"),
+    )  # fmt: skip
+    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    bar.add_task(what, total=None, speed="")
+    timer = Timer(0.5, bar.start)
+    timer.daemon = True
+    timer.start()
     try:
-        yield tell
+        yield bar
     finally:
-        if bar is not None:
-            bar.stop()
+        timer.cancel()
+        timer.join()
+        bar.stop()
 
 
 def failed(what: str, reason: str | None) -> None:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 from time import perf_counter
+from typing import Any
 
 from stribeck.cli import show
-from stribeck.errors import InputError
+from stribeck.errors import InputError, left_out
 from stribeck.report.sweep import Range, Sweep, lanes_of
 
 
@@ -17,6 +18,7 @@ def sweep(
     samples: int | None,
     seed: int,
     summary: bool,
+    as_csv: bool,
     out: Path,
     assignments: list[str],
     threads: int | None,
@@ -35,12 +37,12 @@ def sweep(
         problems.append(f"--seed {seed}: goes with --samples, which is not given")
     if problems:
         raise InputError(problems)
-    job = Sweep(scenario, lanes_of(ranges, samples, seed), out, summary)
+    job = Sweep(scenario, lanes_of(ranges, samples, seed), out, summary, as_csv)
     show.check_folder(out)
     started, there = perf_counter(), job.parts - len(job.missing())
     with show.rate(f"{scenario.name}: {len(job.lanes)} lanes", "lanes") as tell:
         failed = job.run(threads, tell)
-    report = {
+    report: dict[str, Any] = {
         "status": "failed" if failed == len(job.lanes) else "done",
         "scenario": scenario.name,
         "lanes": len(job.lanes),
@@ -50,12 +52,18 @@ def sweep(
         "seconds": perf_counter() - started,
         "files": [str(out / "_manifest.json"), *(str(job.path(i)) for i in range(job.parts))],
     }
+    with left_out("the page"):
+        from stribeck.report import sweep_page
+
+        report["files"] += map(str, sweep_page.write(job, show.command_line()))
     if json:
         show.print_json(report)
     else:
         found = f", {there} of them there already" if there else ""
         print(f"{scenario.name}: {len(job.lanes)} lanes in {job.parts} parts{found}, {report['seconds']:.1f} s")
-        print(f"  wrote {out / '_manifest.json'} and {out}/part-*.parquet")
+        print(f"  wrote {out / '_manifest.json'} and {out}/part-*{job.path(0).suffix}")
+        if len(report["files"]) > 1 + job.parts:
+            print(f"  wrote {report['files'][-1]}")
     if failed:
         print(f"stribeck: {failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
     return 1 if report["status"] == "failed" else 0

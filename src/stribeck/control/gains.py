@@ -10,13 +10,15 @@ from typing import Any
 import numpy as np
 
 from stribeck.control.proof import derive
+from stribeck.errors import needed
 from stribeck.expressions.boxes import grid, not_negative
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.intervals import Evaluator, Interval, point
 from stribeck.laws.base import Law
 
-FASTEST = 1e6  # m/s; what holds up to here is taken to hold at any speed
+FASTEST = 1e6  # m/s: speeds are looked at up to here; "any speed" needs a proof for all of them
+_SPEEDS = 4000
 
 
 @dataclass(frozen=True)
@@ -74,14 +76,14 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
     Raises:
         StribeckError: SymPy is not installed.
     """
-    import sympy
+    with needed("the proof of a servo's gains"):
+        import sympy
 
     form, w = derive(), sympy.Symbol("w", real=True)
     K_D, K = (sympy.Symbol(n, positive=True) for n in ("K_D", "K"))
     p = {sympy.Symbol(n, positive=True): law.values[n] for n in ("sigma_0", "sigma_1")}
     of_speed = at_speed(law, decay(law))
-    # w grows with |v| in every law here; the interval proof does not rely on it
-    w_max = float(of_speed(v_max))
+    w_max = float(np.max(of_speed(_both_signs(_up_to(v_max)))))  # w need not rise with |v|
     exact = form.exact.subs(p)
     error, deflection = (each.subs(p) for each in form.sufficient)
 
@@ -90,32 +92,83 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
         found = sympy.solve(expr, K_D)
         least = float(found[0].subs({K: gains["K"], w: w_max})) if found else 0.0
         roots = sympy.solve(expr.subs({K: gains["K"], K_D: gains["K_D"]}), w)
-        speed = _speed(of_speed, float(roots[0])) if roots else None
+        speed = _speed(law, of_speed, float(roots[0])) if roots else None
         margin = gains["K_D"] - least
         return Condition(also and margin >= 0, least, margin, speed if also else 0.0)
 
     largest_K = float(sympy.solve(deflection, K)[0]) if law.values["sigma_1"] else math.inf
-    needed = 2.0 * condition(exact, True).least_K_D
+    twice = 2.0 * condition(exact, True).least_K_D
     roots = sympy.solve(exact.subs({K_D: gains["K_D"], w: w_max}), K)
     limit = float(roots[0]) if roots else math.inf
     # half of what the condition allows; where it allows any K, what is given
-    proposed = {"K_D": max(gains["K_D"], needed), "K": gains["K"] if limit <= 0 else min(gains["K"], limit / 2)}
+    proposed = {"K_D": max(gains["K_D"], twice), "K": gains["K"] if limit <= 0 else min(gains["K"], limit / 2)}
     return Verdict(
         v_max, w_max, condition(exact, True), condition(error, gains["K"] < largest_K), largest_K, proposed
     )  # fmt: skip
 
 
-def _speed(of_speed: Any, w: float) -> float | None:
-    """The largest speed at which w is not passed."""
-    if of_speed(FASTEST) <= w:
-        return None
-    if of_speed(0.0) > w:
+def _up_to(v_max: float) -> Any:
+    """Speeds from 0 to v_max, at every scale."""
+    return np.unique([0.0, *np.geomspace(v_max * 1e-12, v_max, _SPEEDS), *np.linspace(0, v_max, _SPEEDS)])
+
+
+def _both_signs(u: Any) -> Any:
+    return np.concatenate([-u[::-1], u])
+
+
+def _speed(law: Law, of_speed: Any, w: float) -> float | None:
+    """The speed up to which w is not passed, at any lower one either; None where intervals show that it never is."""
+    u = _up_to(FASTEST)
+    passed = np.flatnonzero(np.maximum(of_speed(u), of_speed(-u)) > w)
+    if not len(passed):
+        return None if _never_above(law, w) else FASTEST
+    if passed[0] == 0:
         return 0.0
-    low, high = 0.0, FASTEST
+    low, high = float(u[passed[0] - 1]), float(u[passed[0]])
     for _ in range(200):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if of_speed(middle) <= w else (low, middle)
+        below = max(float(of_speed(middle)), float(of_speed(-middle))) <= w
+        low, high = (middle, high) if below else (low, middle)
     return low
+
+
+def _never_above(law: Law, w: float) -> bool:
+    """Whether w(v) stays at or below a value at every speed, by interval arithmetic."""
+    evaluate = Evaluator([decay(law)])
+    constants = {name: point(x) for name, x in law.values.items() if x is not None}
+
+    def room(box: Sequence[Interval]) -> Interval:
+        return point(w) - evaluate({**constants, "v": box[0]})[0]
+
+    return all(not_negative(room, *grid([edges])).holds for edges in ([0.0, np.inf], [-np.inf, 0.0]))
+
+
+@dataclass(frozen=True)
+class Staying:
+    """From which starts the speed stays below the one that the gains are good for, so that V falls for ever.
+
+    As long as the speed is below v_max, V falls, so that |s| <= s_max = sqrt(2 V(0)/M). As de/dt = s - lambda e, lambda |e|
+    stays below the larger of lambda |e(0)| and s_max. And |v| <= |dy_d/dt| + |s| + lambda |e|.
+
+    Attributes:
+        path_speed: the largest speed of the path, m/s.
+        largest_V: every start with V(0) below this, and with lambda |e(0)| <= sqrt(2 V(0)/M), stays, J.
+        bound: the speed that is not passed from the start of this run, m/s.
+        holds: whether that is below v_max.
+    """
+
+    path_speed: float
+    largest_V: float
+    bound: float
+    holds: bool
+
+
+def staying(v_max: float, mass: float, path_speed: float, V_0: float, lambda_e_0: float) -> Staying:
+    """The invariant sublevel set of V for a path that is nowhere faster than ``path_speed``."""
+    room = max(v_max - path_speed, 0.0) / 2
+    s_max = math.sqrt(2 * V_0 / mass)
+    bound = path_speed + s_max + max(abs(lambda_e_0), s_max)
+    return Staying(path_speed, mass * room**2 / 2, bound, bound < v_max)
 
 
 @dataclass(frozen=True)
@@ -154,7 +207,8 @@ def prove(law: Law, gains: Mapping[str, float], v: tuple[float, float]) -> Proof
 
 def _in_graph(expr: Any, **replaced: Expr) -> Expr:
     """A SymPy expression of gains, constants and w as a graph, with some of them replaced."""
-    import sympy
+    with needed("the proof of a servo's gains"):
+        import sympy
 
     inputs = sorted(expr.free_symbols, key=str)
     function = sympy.lambdify(inputs, expr, modules=[{}])

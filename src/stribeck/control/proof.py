@@ -13,7 +13,7 @@ from typing import Any
 
 from stribeck.control.cascade import Cascade
 from stribeck.control.observer import observe
-from stribeck.errors import StribeckError
+from stribeck.errors import StribeckError, needed
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw
 from stribeck.plants.cylinder import Cylinder
@@ -37,7 +37,8 @@ class Form:
     @property
     def derivative(self) -> Any:
         """dV/dt."""
-        import sympy
+        with needed("the proof of a servo's gains"):
+            import sympy
 
         s, p_err, z_err = sympy.symbols(ERRORS, real=True)
         return -self.ss * s**2 - self.pp * p_err**2 - self.zz * z_err**2 - self.sz * s * z_err
@@ -45,14 +46,16 @@ class Form:
     @property
     def exact(self) -> Any:
         """What must not be negative for dV/dt <= 0 in all errors, where w > 0: 4 ss zz - sz^2, divided by w."""
-        import sympy
+        with needed("the proof of a servo's gains"):
+            import sympy
 
         return sympy.expand(sympy.cancel((4 * self.ss * self.zz - self.sz**2) / sympy.Symbol("w", real=True)))
 
     @property
     def sufficient(self) -> tuple[Any, Any]:
         """The paper's way to eq. 21, |s z_err| <= (s^2 + z_err^2)/2: neither may be negative (the second divided by w)."""
-        import sympy
+        with needed("the proof of a servo's gains"):
+            import sympy
 
         w = sympy.Symbol("w", real=True)
         return self.ss - self.sz / 2, sympy.expand(sympy.cancel((self.zz - self.sz / 2) / w))
@@ -68,7 +71,8 @@ def derive() -> Form:
     Raises:
         StribeckError: the derivative is not such a form.
     """
-    import sympy
+    with needed("the proof of a servo's gains"):
+        import sympy
 
     def named(*groups: Any) -> SimpleNamespace:
         return SimpleNamespace(**{n: sympy.Symbol(n, positive=True) for group in groups for n in group})

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from stribeck.constants import Constant
+from stribeck.constants import Constant, rotary_unit, rotary_words
 from stribeck.expressions.ops import Value
 
 
@@ -16,6 +16,10 @@ class Column:
     name: str
     unit: str
     meaning: str
+
+    def of_motion(self, rotary: bool) -> Column:
+        """The column as a linear or a rotary machine has it: torque in N m for force in N."""
+        return Column(self.name, rotary_unit(self.unit), rotary_words(self.meaning)) if rotary else self
 
 
 class Drive:

@@ -5,21 +5,14 @@ from __future__ import annotations
 import importlib
 from types import ModuleType
 
-from stribeck.errors import StribeckError
-
-
-class MissingPackage(StribeckError, ImportError):
-    """A tool's Python package is not installed; the message says how to get it."""
+from stribeck.errors import needed
 
 
 def package(name: str, extra: str) -> ModuleType:
-    """The package called ``name``, which the extra of that name brings.
+    """The package called ``name``, which an extra brings.
 
     Raises:
-        MissingPackage: it is not installed.
+        MissingExtra: it is not installed.
     """
-    try:
+    with needed("this export", extra):
         return importlib.import_module(name)
-    except ImportError as error:
-        text = f"needs the package '{name}', which is not installed: pip install 'stribeck[{extra}]'"
-        raise MissingPackage(f"{text} ({error})") from error

@@ -6,7 +6,7 @@ import re
 import unicodedata
 from dataclasses import dataclass
 
-from stribeck.constants import Constant
+from stribeck.constants import Constant, rotary_unit, rotary_words
 from stribeck.errors import InputError, arg
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.render import equations
@@ -49,6 +49,24 @@ class Request:
         """The constants that the equations use, by name; optional ones that are off are left out."""
         return {name: value for name, value in self.law.values.items() if value is not None}
 
+    @property
+    def rotary(self) -> bool:
+        """Whether the machine turns: rad and N m in every unit then."""
+        return self.law.rotary or (self.scenario is not None and self.scenario.rotary)
+
+    @property
+    def declared(self) -> dict[str, Constant]:
+        """The declarations of the law's constants, with the units of the machine's motion."""
+        return {name: constant.of_motion(self.rotary) for name, constant in self.law.constants().items()}
+
+    def unit(self, linear: str) -> str:
+        """A unit as the machine's motion has it."""
+        return rotary_unit(linear) if self.rotary else linear
+
+    def words(self, linear: str) -> str:
+        """Words as the machine's motion has them."""
+        return rotary_words(linear) if self.rotary else linear
+
     def about(self) -> list[str]:
         """Lines for the header: law, equations, source, parameters with units, what it guarantees, version."""
         law = self.law
@@ -57,9 +75,10 @@ class Request:
         lines = [f"{law.name}: {' '.join((law.__doc__ or '').split())}", ""]
         lines += [f"  {each.text}" for each in equations(type(law), law.structure)]
         lines += ["", f"Source: {law.source}", f"Parameters: {self.origin or _origin(law)}"]
-        declared = law.constants()
+        declared = self.declared
         lines += [valued(n, x, declared[n]) for n, x in self.constants.items()]
-        lines.append("  (linear motion; a rotary machine has N m for N and rad for m)")
+        rotary, linear = "rotary motion: N m and rad", "linear motion; a rotary machine has N m for N and rad for m"
+        lines.append(f"  ({rotary if self.rotary else linear})")
         if kept or lost:
             lines.append(
                 f"The law is {', '.join(kept) or 'none of the five properties'}{'; not ' if lost else ''}{', '.join(lost)}."

@@ -53,8 +53,8 @@ def write(expr: Expr, names: Mapping[str, str] | None = None) -> str:
 
     Args:
         expr: the expression.
-        names: what stands for each symbol, a name or a function applied to its arguments; a symbol that is not named
-            stands for itself, pi and e for the numbers.
+        names: what stands for each symbol: a name, or a function with its arguments. A symbol that is not named stands
+            for itself, pi and e for the numbers.
 
     Raises:
         InputError: a constant is not finite, or a symbol's name is none in Coq.

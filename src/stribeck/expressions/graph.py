@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.expressions import ops
+from stribeck.expressions.exact import Exact, combined, function
 
 Number = int | float
 
@@ -99,7 +100,7 @@ _lock = threading.Lock()
 
 def _node(op: str, *args: Expr, value: float | str | None = None) -> Expr:
     # repr tells 0.0 from -0.0, which compare equal
-    key = (op, args, repr(value))
+    key = (op, args, repr(value), value.tree if isinstance(value, Exact) else None)
     with _lock:  # two threads must not make the same symbol twice
         node = _nodes.get(key)
         if node is None:
@@ -116,7 +117,7 @@ def symbol(name: str) -> Expr:
 
 def constant(x: Number) -> Expr:
     """A number."""
-    return _node("constant", value=float(x))
+    return _node("constant", value=x if isinstance(x, Exact) else float(x))
 
 
 def wrap(x: Any) -> Expr:
@@ -124,7 +125,7 @@ def wrap(x: Any) -> Expr:
     if isinstance(x, Expr):
         return x
     if isinstance(x, int | float | np.floating | np.integer):
-        return constant(float(x))
+        return constant(x if isinstance(x, Exact) else float(x))
     raise TypeError(f"{x!r} does not mix with expressions: {type(x).__name__}")
 
 
@@ -143,7 +144,7 @@ def _number(x: Expr) -> float | None:
 def _add(a: Expr, b: Expr) -> Expr:
     m, n = _number(a), _number(b)
     if m is not None and n is not None:
-        return constant(m + n)
+        return constant(combined("add", m, n))
     if m == 0.0:
         return b
     if n == 0.0:
@@ -158,7 +159,7 @@ def _add(a: Expr, b: Expr) -> Expr:
 def _sub(a: Expr, b: Expr) -> Expr:
     m, n = _number(a), _number(b)
     if m is not None and n is not None:
-        return constant(m - n)
+        return constant(combined("sub", m, n))
     if n == 0.0:
         return a
     if m == 0.0:
@@ -171,7 +172,7 @@ def _sub(a: Expr, b: Expr) -> Expr:
 def _mul(a: Expr, b: Expr) -> Expr:
     m, n = _number(a), _number(b)
     if m is not None and n is not None:
-        return constant(m * n)
+        return constant(combined("mul", m, n))
     if m == 0.0 or n == 0.0:
         return ZERO
     if m == 1.0:
@@ -192,7 +193,7 @@ def _mul(a: Expr, b: Expr) -> Expr:
 def _div(a: Expr, b: Expr) -> Expr:
     m, n = _number(a), _number(b)
     if m is not None and n:
-        return constant(m / n)
+        return constant(combined("div", m, n))
     if m == 0.0:
         return ZERO
     if n == 1.0:
@@ -232,7 +233,7 @@ def _function(op: str, x: Expr) -> Expr:
     if n is None:
         return _node(op, x)
     with np.errstate(all="ignore"):
-        return constant(float(abs(n) if op == "abs" else getattr(ops, op)(n)))
+        return constant(function(op, n, float(abs(n) if op == "abs" else getattr(ops, op)(float(n)))))
 
 
 class _Graph:

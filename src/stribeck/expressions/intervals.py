@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stribeck.expressions import ranges
+from stribeck.expressions.exact import Exact
 from stribeck.expressions.graph import Expr, ordered
-from stribeck.expressions.pretty import multiple_of_pi
 
 Array = NDArray[np.float64]
 
@@ -254,13 +255,9 @@ _FUNCTIONS: dict[str, Callable[..., Any]] = {
 
 
 def number(x: float) -> Interval:
-    """A constant of an equation; multiples of pi are meant exactly, and not as the float nearest to them."""
-    multiple = multiple_of_pi(x)
-    if multiple is None:
-        return point(x)
-    ratio, above = multiple
-    top, bottom = point(float(ratio.numerator)), point(float(ratio.denominator))
-    return top * pi() / bottom if above else top / (pi() * bottom)
+    """A constant of an equation: the number that it stands for, pi where pi was written."""
+    low, high = ranges.number(x)
+    return interval(low, high)
 
 
 Polynomial = tuple[Expr, tuple[Fraction, ...]]
@@ -272,7 +269,7 @@ def polynomials(outputs: Iterable[Expr]) -> dict[Expr, Polynomial]:
     for node in ordered(outputs):
         args = [known[a] for a in node.args] if node.op in ("add", "sub", "mul", "neg", "div") else []
         x = node.value
-        if isinstance(x, float) and np.isfinite(x) and multiple_of_pi(x) is None:
+        if isinstance(x, float) and np.isfinite(x) and not isinstance(x, Exact):
             known[node] = Fraction(x)
         else:
             known[node] = _combined(node, args) or (node, (Fraction(0), Fraction(1)))

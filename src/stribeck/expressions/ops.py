@@ -8,16 +8,16 @@ the type of the arguments; a further kind of value joins with :func:`register`.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 
-Value = Any  # a number, an array, a graph node, a SymPy expression: whatever a backend works on
+from stribeck.expressions.exact import Exact, function
+from stribeck.expressions.exact import pi as pi
 
-pi = math.pi
+Value = Any  # a number, an array, a graph node, a SymPy expression: whatever a backend works on
 
 
 class _Sympy:
@@ -43,14 +43,27 @@ _numeric: Any = SimpleNamespace(
     floor=np.floor,
     where=_where, both=np.logical_and, either=np.logical_or,
 )  # fmt: skip
+
+
+class _Exact:
+    """Numbers that know what they stand for."""
+
+    def __getattr__(self, name: str) -> Callable[..., Value]:
+        of = getattr(_numeric, name)
+        if name in ("where", "both", "either"):
+            return of  # type: ignore[no-any-return]
+        return lambda x: function(name, x, float(of(float(x))))
+
+
 _by_package: dict[str, Any] = {"sympy": _Sympy()}
-_by_type: dict[type, Any] = {}
+_by_type: dict[type, Any] = {Exact: _Exact()}
 
 
 def register(package: str, backend: Any) -> None:
     """Let values whose type lives in ``package`` be handled by ``backend``, which has the operations."""
     _by_package[package] = backend
     _by_type.clear()
+    _by_type[Exact] = _Exact()
 
 
 def _backend(*values: Value) -> Any:

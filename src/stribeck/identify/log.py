@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-_COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "run")
+_COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "unfiltered", "run")
 
 
 @dataclass(frozen=True)
@@ -23,11 +23,13 @@ class Log:
     direction of positive motion: mass * acceleration + friction + spring, gravity and offset.
 
     Attributes:
+        unfiltered: the measured position, or the velocity where that was measured, before any filter.
         sources: where each column is from: "measured", "from position, cut-off 20 Hz", ...
         quality: what was found in the raw data and what was done about it, a line each.
         noise: standard deviation of a measured column's noise, where it could be told.
         bandwidth: the cut-off of the filter that was applied, Hz; None for data taken as they are.
         files: the name of the file that each run is from.
+        hashes: SHA-256 of each file that it was read from.
         spectrum: frequencies (Hz), power spectral density of the measured motion, and its noise floor.
     """
 
@@ -40,12 +42,14 @@ class Log:
     load: Array | None = None
     pressure: Array | None = None
     command: Array | None = None
+    unfiltered: Array | None = None
     step: float = 0.0
     sources: dict[str, str] = field(default_factory=dict)
     quality: tuple[str, ...] = ()
     noise: dict[str, float] = field(default_factory=dict)
     bandwidth: float | None = None
     files: tuple[str, ...] = ()
+    hashes: tuple[str, ...] = ()
     spectrum: tuple[Array, Array, float] | None = None
 
     def __len__(self) -> int:
@@ -53,7 +57,9 @@ class Log:
 
     @cached_property
     def hash(self) -> str:
-        """SHA-256 of the columns."""
+        """SHA-256 of the file; of several, of their sums in order; of the columns where there is no file."""
+        if self.hashes:
+            return self.hashes[0] if len(self.hashes) == 1 else sha256("".join(self.hashes).encode()).hexdigest()
         digest = sha256()
         for name, column in self.columns().items():
             digest.update(name.encode())

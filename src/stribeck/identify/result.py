@@ -14,6 +14,16 @@ from stribeck.errors import InputError
 from stribeck.laws.base import Law
 
 Array = NDArray[np.float64]
+_TOLD = (
+    "levels",
+    "selection",
+    "candidates",
+    "friction_error",
+    "rest",
+    "misfit_share",
+    "intervals_over",
+    "output_error",
+)
 
 
 @dataclass(frozen=True)
@@ -21,7 +31,8 @@ class Estimate:
     """A parameter as the data tell it.
 
     ``low`` and ``high`` bound the 95 % interval; None is an open side. Where the data do not determine the parameter,
-    ``identifiable`` is False, ``value`` is None, ``why`` says what is missing and ``experiment`` what to measure.
+    ``identifiable`` is False, ``value`` is None, ``why`` says what is missing and ``experiment`` what to measure; ``best`` is
+    what the fitted curve uses, known or not.
     """
 
     value: float | None
@@ -31,12 +42,17 @@ class Estimate:
     identifiable: bool = True
     why: str = ""
     experiment: str = ""
+    best: float | None = None
 
     @property
     def doubt(self) -> str:
         """Why the data do not determine it, and the range that they leave."""
+        alike = self.low and self.high and abs(self.high / self.low - 1) < 0.02
+        digits = 6 if alike else 3
         ends = [
-            f"{word} {x:.3g} {self.unit}" for word, x in (("above", self.low), ("below", self.high)) if x is not None
+            f"{word} {x:.{digits}g} {self.unit}"
+            for word, x in (("above", self.low), ("below", self.high))
+            if x is not None
         ]
         return self.why + (f" (95 %: {' and '.join(ends)})" if ends else "")
 
@@ -44,7 +60,8 @@ class Estimate:
         """As the contract has it, with why and experiment where there is something to say."""
         words = {key: getattr(self, key) for key in ("why", "experiment") if getattr(self, key)}
         keys = ("value", "low", "high", "unit", "identifiable")
-        return {key: getattr(self, key) for key in keys} | words
+        best = {} if self.identifiable or self.best is None else {"best": self.best}
+        return {key: getattr(self, key) for key in keys} | best | words
 
 
 @dataclass(frozen=True)
@@ -81,6 +98,7 @@ class Fit:
         relative_force_error: norm(residual)/norm(force), a fraction.
         cross_validated_error: the same over blocks that were left out; None where it was not computed.
         notes: what a reader should know, a line each.
+        status: "done", or "stopped" where Ctrl-C ended it: the values are the best until then.
     """
 
     law: str
@@ -98,6 +116,7 @@ class Fit:
     prediction: Prediction | None = None
     notes: tuple[str, ...] = ()
     details: dict[str, Any] = field(default_factory=dict)
+    status: str = "done"
 
     @property
     def correlations(self) -> Array:
@@ -142,6 +161,7 @@ class Fit:
         return {
             "law": self.law,
             "method": self.method,
+            "status": self.status,
             "parameters": {n: e.to_json() for n, e in self.estimates.items()},
             "body": {n: e.to_json() for n, e in self.body.items()},
             "fixed": self.fixed,
@@ -150,7 +170,7 @@ class Fit:
             "relative_force_error": self.relative_force_error,
             "cross_validated_error": self.cross_validated_error,
             "unidentified": list(self.unidentified),
-            **{name: self.details[name] for name in ("levels", "selection") if self.details.get(name)},
+            **{name: self.details[name] for name in _TOLD if self.details.get(name) is not None},
             "data_hash": self.data_hash,
             "notes": list(self.notes),
         }

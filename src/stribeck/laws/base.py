@@ -107,6 +107,7 @@ class Law(Evaluation, ToTools):
 
     Args:
         values: the constants by name, SI units.
+        rotary: of a machine that turns: N m in the place of N, rad in that of m; the numbers are the same.
 
     Raises:
         InputError: a constant is unknown, missing, of the wrong type, not finite or unphysical; every problem found.
@@ -120,7 +121,7 @@ class Law(Evaluation, ToTools):
     has_z: ClassVar[bool] = True
     symmetric: ClassVar[bool] = True  # F and dz/dt change sign with (v, z)
 
-    def __init__(self, values: Mapping[str, Any]) -> None:
+    def __init__(self, values: Mapping[str, Any], rotary: bool = False) -> None:
         if found := self.problems(values):
             raise InputError([f"{path}: {text}" for path, text in found])
         declared = self.constants()
@@ -136,6 +137,7 @@ class Law(Evaluation, ToTools):
         self.machine: dict[str, float] = {
             name: float(value) for name, value in values.items() if name in PARAMETERS and value is not None
         }
+        self.rotary = rotary
         self.p: Any = SimpleNamespace(**self.values, **self.choices)
 
     def __init_subclass__(cls) -> None:

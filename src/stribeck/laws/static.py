@@ -73,3 +73,25 @@ class Makkar(StaticLaw):
         """The speed at which the steeper tanh bends."""
         speed = 1 / max(p.g2, p.g5)
         return Scales(_TIME * speed, speed, max(p.g1, p.g4, p.g6 * speed))
+
+
+class StribeckTanh(StaticLaw):
+    """The Stribeck curve with a hyperbolic tangent for its sign, as regressions of measured friction mostly have it."""
+
+    name = "stribeck_tanh"
+    source = "Andersson, Soderberg, Bjorklund, Tribology International 40(4):580-587, 2007"
+    uses = ("F_c", "F_s", "v_s", "sigma_2")
+    relations = STATIC_ABOVE_COULOMB
+    k_v = Constant(
+        K_V.unit, "steepness of the smooth sign tanh(k_v v)", above=0, rotary_unit=K_V.rotary_unit, example=100.0
+    )
+
+    @staticmethod
+    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+        return tanh(p.k_v * v) * (p.F_c + (p.F_s - p.F_c) * exp(-((v / p.v_s) ** 2))) + p.sigma_2 * v
+
+    @staticmethod
+    def scales(p: Any) -> Scales:
+        """The Stribeck velocity, or 1/k_v where that is slower."""
+        speed = min(p.v_s, 1 / p.k_v)
+        return Scales(_TIME * speed, speed, p.F_s)

@@ -8,6 +8,7 @@ from stribeck.analysis.comparison import deviations
 from stribeck.paper.break_away import break_away_force
 from stribeck.paper.common import REFERENCE, Done, Variant, percent, solve_all
 from stribeck.report import plots
+from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.simulation import Solution
 
@@ -46,10 +47,10 @@ def chapter(done: Done) -> Chapter:
 def _figure(runs: dict[str, dict[str, Solution]]) -> FigureSvg:
     with plots.style():
         made, axes = plots.figure([["presliding", "stick_slip"], ["sine_force", "limit_cycle"]], 5.4)
-        plots.draw(axes["presliding"], runs["presliding"], "y", "F")
-        plots.draw(axes["stick_slip"], runs["stick_slip"], "t", "y")
-        plots.draw(axes["sine_force"], runs["sine_force"], "t", "v")
-        plots.draw(axes["limit_cycle"], runs["limit_cycle"], "t", "y")
+        curves(axes["presliding"], runs["presliding"], "y", "F")
+        curves(axes["stick_slip"], runs["stick_slip"], "t", "y")
+        curves(axes["sine_force"], runs["sine_force"], "t", "v")
+        curves(axes["limit_cycle"], runs["limit_cycle"], "t", "y")
         last = float(runs["stick_slip"][REFERENCE].events["slip"][-2])
         axes["stick_slip"].set_xlim(last - 0.15, last + 0.35)
         axes["stick_slip"].set_ylim(2.54, 2.57)

@@ -7,6 +7,7 @@ from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.paper import sketches
 from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, solve_all
 from stribeck.report import plots
+from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
 
 SETTLED = 150.0  # s
@@ -19,7 +20,7 @@ def chapter(done: Done) -> Chapter:
     with plots.style():
         made, axes = plots.figure([["all", "all"], ["first", "late"]], 5.2)
         for panel in ("all", "first", "late"):
-            plots.draw(axes[panel], solutions, "t", "y")
+            curves(axes[panel], solutions, "t", "y")
             axes[panel].plot(reference.t, reference["r"], color=plots.GREY, linewidth=0.8)
         axes["all"].set_title("(a) complete simulation (setpoint in grey)")
         axes["first"].set_xlim(0, 100)

@@ -7,6 +7,7 @@ import numpy as np
 from stribeck.analysis.comparison import deviations
 from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, solve_all
 from stribeck.report import plots
+from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
 
 _INSTANTS = (10.0, 15.0, 35.0, 40.0)  # s: the ends of the ramps and of the holds
@@ -21,8 +22,8 @@ def chapter(done: Done) -> Chapter:
     held = {label: float(np.interp(15.0, s.t, s["y"]) - np.interp(14.0, s.t, s["y"])) for label, s in solutions.items()}
     with plots.style():
         made, axes = plots.figure([["F_y", "y_t"]], 3.3)
-        plots.draw(axes["F_y"], solutions, "y", "F")
-        plots.draw(axes["y_t"], solutions, "t", "y")
+        curves(axes["F_y"], solutions, "y", "F")
+        curves(axes["y_t"], solutions, "t", "y")
         plots.legend(made, axes["F_y"])
         figure = plots.finish(
             made, "fig04_presliding",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from stribeck.analysis.comparison import deviations
 from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, scenario, solve, solve_all
 from stribeck.report import plots
+from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
 
 
@@ -18,11 +19,11 @@ def chapter(done: Done) -> Chapter:
     viscous = solve(scenario("sine_force", ("makkar", viscous_law)), "viscous friction")
     with plots.style():
         made, axes = plots.figure([["F"], ["v"]], 5.0)
-        plots.draw(axes["F"], solutions, "t", "F")
+        curves(axes["F"], solutions, "t", "F")
         axes["F"].plot(reference.t, reference["u"], color=plots.GREY, linewidth=0.8)
         axes["F"].annotate("applied force", (1.45, 1.45), color=plots.GREY, fontsize=8)
         axes["F"].set_title("(a) friction force")
-        plots.draw(axes["v"], solutions, "t", "v")
+        curves(axes["v"], solutions, "t", "v")
         axes["v"].plot(viscous.t, viscous["v"], color=plots.GREY, linewidth=1.0)
         axes["v"].annotate("viscous friction alone", (2.6, 1.25), color=plots.GREY, fontsize=8)
         axes["v"].set_title("(b) velocity")

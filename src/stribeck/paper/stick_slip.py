@@ -6,6 +6,7 @@ from stribeck.analysis.comparison import deviations
 from stribeck.paper import sketches
 from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, solve_all
 from stribeck.report import plots
+from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
 
 
@@ -15,18 +16,18 @@ def chapter(done: Done) -> Chapter:
     reference = solutions[REFERENCE]
     with plots.style():
         made, axes = plots.figure([["y", "detail"], ["v", "F"]], 5.4)
-        plots.draw(axes["y"], solutions, "t", "y")
+        curves(axes["y"], solutions, "t", "y")
         axes["y"].plot(reference.t, reference["x"], color=plots.GREY, linewidth=0.8)
         axes["y"].annotate("far end x", (14, 2.6), color=plots.GREY, fontsize=8)
         axes["y"].set_title("(a) complete simulation")
-        plots.draw(axes["detail"], solutions, "t", "y")
+        curves(axes["detail"], solutions, "t", "y")
         last = float(reference.events["slip"][-2])
         near = (reference.t > last - 0.6) & (reference.t < last + 0.7)
         axes["detail"].set_xlim(last - 0.6, last + 0.7)
         axes["detail"].set_ylim(reference["y"][near].min() - 0.02, reference["y"][near].max() + 0.05)
         axes["detail"].set_title("(b) detail: the fifth slip")
-        plots.draw(axes["v"], solutions, "t", "v")
-        plots.draw(axes["F"], solutions, "t", "F")
+        curves(axes["v"], solutions, "t", "v")
+        curves(axes["F"], solutions, "t", "F")
         plots.legend(made, axes["y"])
         figure = plots.finish(
             made, "fig06_stick_slip",

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.errors import InputError, nearest
+from stribeck.files import read_file
 
 _FOLDER = Path(__file__).parent
 
@@ -22,6 +23,12 @@ class ParameterSet:
     source: str
     motion: str  # "linear" or "rotary"
     values: dict[str, float] = field(hash=False)
+    undetermined: tuple[str, ...] = ()  # values that a fit wrote, and that its data do not determine
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the machine turns: N m in the place of N, rad in that of m."""
+        return self.motion == "rotary"
 
 
 @lru_cache(maxsize=1)
@@ -34,18 +41,34 @@ def parameters() -> dict[str, ParameterSet]:
     return {name: replace(each, values=dict(each.values)) for name, each in _built_in().items()}
 
 
+_allowed = [False]  # for every thread: a sweep's lanes read what the command allowed
+
+
+def allow_undetermined(allowed: bool = True) -> None:
+    """Whether sets may be used that hold numbers which the data behind them do not determine, from here on."""
+    _allowed[0] = allowed
+
+
 def load(name: str, folder: Path | None = None) -> ParameterSet:
     """A built-in set by name, or the set in a TOML file, its path relative to ``folder``.
 
-    A file holds its numbers in ``[parameters]`` or at the top; a number may also be a table with a ``value``.
+    A file holds its numbers in ``[parameters]`` or at the top; a number may also be a table with a ``value``, and with
+    ``determined = false`` where a fit could not tell it (:func:`allow_undetermined`).
 
     Raises:
-        InputError: there is no such set, or its file cannot be read.
+        InputError: there is no such set, its file cannot be read, or it holds numbers that are not determined.
     """
     if name in parameters():
         return parameters()[name]
     if name.endswith(".toml"):
-        return _read((folder or Path()) / name)
+        found = _read((folder or Path()) / name)
+        if found.undetermined and not _allowed[0]:
+            open_ones = ", ".join(found.undetermined)
+            raise InputError(
+                f"{name!r}: the data of this fit do not determine {open_ones}: allow their best values with "
+                "--allow-undetermined (stribeck.allow_undetermined()), or measure what [unknown] in it says"
+            )
+        return found
     guess = nearest(name, parameters()) or f" (known: {', '.join(parameters())}; or a file NAME.toml)"
     raise InputError(f"{name!r}: no such parameter set{guess}")
 
@@ -57,9 +80,11 @@ def read_toml(path: Path) -> dict[str, Any]:
         InputError: the file cannot be read, or is not TOML.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))  # some editors begin a file with a mark
+        return tomllib.loads(read_file(path).decode("utf-8-sig"))  # some editors begin a file with a mark
     except OSError as error:
         text = f"cannot be read: {error.strerror}"
+    except MemoryError:
+        text = "cannot be read: it does not fit into memory"
     except UnicodeDecodeError:
         text = "is not text in UTF-8"
     except tomllib.TOMLDecodeError as error:
@@ -78,4 +103,5 @@ def _read(path: Path) -> ParameterSet:
     if not isinstance(table, dict):
         raise InputError(f"{path}: parameters must be a table of numbers")
     values = {k: v["value"] if isinstance(v, dict) and "value" in v else v for k, v in table.items()}
-    return ParameterSet(path.stem, words["title"], words["source"], words["motion"] or "linear", values)
+    unknown = tuple(k for k, v in table.items() if isinstance(v, dict) and v.get("determined") is False)
+    return ParameterSet(path.stem, words["title"], words["source"], words["motion"] or "linear", values, unknown)

@@ -2,71 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.expressions.boxes import grid, not_negative
-from stribeck.expressions.graph import Expr, substitute, symbol, wrap
-from stribeck.expressions.intervals import Evaluator, Interval, point
-from stribeck.properties import replay
-from stribeck.properties.algebra import sign_over_all
+from stribeck.properties import enclosed, replay
+from stribeck.properties.certificate import Certificate
+from stribeck.properties.claims import Claims
 from stribeck.properties.cycles import integrate
-from stribeck.properties.elastic import speed_edges
-from stribeck.properties.model import Model, Z, over_u, reciprocal
+from stribeck.properties.model import Model
 from stribeck.properties.storage import Storage
-from stribeck.properties.verdicts import Verdict, later, undecided
+from stribeck.properties.unique import prove as prove_unique
+from stribeck.properties.verdicts import Verdict, proved, undecided
 
-_ALGEBRA = "exact algebra: on |z| = Z, dz/dt points inward for every v (signs of polynomials by Bernstein coefficients)"
-_BOXES = "interval arithmetic over all v: on |z| = Z, dz/dt points inward"
-_PASSED = "held speeds that take z past the bound, replayed by simulation"
+_OUTSIDE = "wherever |z| >= Z, dz/dt points inward or is 0, for every v: |z| does not grow there"
+_EDGE = "on |z| = Z dz/dt points inward or is 0, for every v, and solutions are unique up to |z| = 2 Z: none leaves"
+_PASSED = "held speeds that take z past the bound: dz/dt keeps its sign on the way (interval arithmetic)"
 _LEVELS = (2.0, 10.0, 100.0, 1e4, 1e6)
 _REPLAYED = 10.0
 
 
-def decide(model: Model, deadline: float) -> Verdict:
-    """Whether |z| = Z is never passed outward."""
-    law = model.law
-    z_bound = float(law.z_bound(law.p))
-    for method in (_ALGEBRA, _BOXES):
-        if _inward(model, method, deadline):
-            return Verdict(True, method, {"Z": z_bound}, again=lambda m=method: _inward(model, m, later()))  # type: ignore[misc]
-    return _passed(model, z_bound)
+def prove(model: Model, claims: Claims) -> Certificate | None:
+    """Z is never passed outward."""
+    low, high = model.bound
+    found = claims.inward((low, None))
+    if found is not None:
+        return Certificate("bounded", "outside", found)
+    if low != high:
+        return None
+    found = claims.inward((high, high))
+    if found is None:
+        return None
+    unique = prove_unique(model, claims, None, 2 * high)
+    return Certificate("bounded", "edge", found, {}, {"unique": unique}) if isinstance(unique, Certificate) else None
 
 
-def _inward(model: Model, method: str, deadline: float) -> bool:
-    values = {n: x for n, x in model.law.values.items() if x is not None}
-    bound = wrap(model.law.z_bound(model.law.symbolic(symbol, model.law.structure)))
-    for z_side in (1, -1):
-        edge = bound if z_side > 0 else -bound
-        rest = Evaluator([substitute([model.rate], {Z: edge})[0] * z_side])({**model.constants, "v": point(0.0)})[0]
-        if not rest.high <= 0:
-            return False
-        for v_side in (1, -1):
-            outward = substitute([model.sided(model.rate, v_side)], {Z: edge})[0] * z_side
-            algebra = method is _ALGEBRA
-            if algebra and not sign_over_all(outward, values).not_positive:
-                return False
-            if not algebra and not _by_boxes(model, outward, deadline):
-                return False
-    return True
+def decide(model: Model, certificate: Certificate | None) -> Verdict:
+    """Whether |z| = Z is never passed outward; a proof that was found is given."""
+    if certificate is not None:
+        method = _OUTSIDE if certificate.theorem == "outside" else _EDGE
+        return proved(model, certificate, method, {"Z": float(model.bound[1])})
+    return _passed(model)
 
 
-def _by_boxes(model: Model, outward: Expr, deadline: float) -> bool:
-    evaluate = Evaluator([outward, over_u(outward)])
-
-    def bound(box: Sequence[Interval]) -> Interval:
-        plain, slope = evaluate({**model.constants, "u": box[0], "t": reciprocal(box[0])})
-        return Interval(-np.fmin(plain.high, slope.high), -np.fmax(plain.low, slope.low))
-
-    return not_negative(bound, *grid([speed_edges(model, None)]), deadline).holds
-
-
-def _passed(model: Model, z_bound: float) -> Verdict:
+def _passed(model: Model) -> Verdict:
     """Speeds that take z past the bound from z = 0, and how far."""
-    law = model.law
+    law, z_bound = model.law, float(model.bound[1])
     levels: list[dict[str, float]] = []
     for level in (1 + 1e-6, *_LEVELS):
         found = _fastest(model, level * z_bound)
@@ -74,23 +56,49 @@ def _passed(model: Model, z_bound: float) -> Verdict:
             break
         levels.append({"z": level * z_bound, "z_over_Z": level, "v": found[0], "time": found[1]})
     if not levels:
-        return undecided("no proof, and no held speed was found that takes z past the bound", Z=z_bound)
+        return _from_the_edge(model)
     farthest = levels[-1]["z_over_Z"]
     shown = max((x for x in levels if x["z_over_Z"] <= _REPLAYED), key=lambda x: x["z"])
     if farthest < _LEVELS[-1]:
         shown = _to_the_end(model, shown, farthest)
-    drive, end = replay.velocity_drive([shown["v"]], [shown["time"]])
-    tables = replay.scenario_of(law, "bounded", drive, end, {}, energy=True)  # compiled for passive, too
     evidence: dict[str, Any] = {
         "Z": z_bound, "levels": levels if farthest >= _LEVELS[-1] else [shown],
         "passes_any_level": farthest >= _LEVELS[-1],
     }  # fmt: skip
+    way = enclosed.least(model, model.rate * np.sign(shown["z"]), shown["v"], 0.0, shown["z"])
+    if not way > 0:
+        return undecided("held speeds take z past the bound by quadrature, but intervals do not confirm it", **evidence)
+    evidence["enclosed"] = {"v": shown["v"], "z_from": 0.0, "z_to": shown["z"], "dz_dt_at_least": way}
+    drive, end = replay.velocity_drive([shown["v"]], [shown["time"]])
+    tables = replay.scenario_of(law, "bounded", drive, end, {}, energy=True)  # compiled for passive, too
     solution = replay.run(tables)
-    if tables is None or solution is None or not abs(solution.final["z"]) > z_bound:
-        return undecided("held speeds take z past the bound by quadrature; it could not be replayed", **evidence)
-    stated = {"z": solution.final["z"]}
-    evidence["replay"] = {"v": shown["v"], "time": shown["time"], **stated}
-    return Verdict(False, _PASSED, evidence, tables, again=lambda: replay.repeats(tables, stated))
+    if solution is None or not abs(solution.final["z"]) > z_bound:
+        return Verdict(False, _PASSED, evidence)
+    evidence["replay"] = {"v": shown["v"], "time": shown["time"], "z": solution.final["z"]}
+    return Verdict(False, _PASSED, evidence, tables, stated={"z": solution.final["z"]})
+
+
+def _from_the_edge(model: Model) -> Verdict:
+    """A held speed, or rest, that moves z outward from the bound itself."""
+    z_bound = float(model.bound[1])
+    speeds = np.append(Storage(model.law, per_decade=4).v, 0.0)
+    for side in (1.0, -1.0):
+        start = z_bound if side > 0 else -z_bound
+        with np.errstate(all="ignore"):
+            outward = side * model.law.rate(speeds, start)
+            size = np.maximum(abs(model.law.rate(speeds, -start)), abs(model.law.rate(speeds, 0.0)))
+            share = np.where(np.isfinite(outward), outward / np.maximum(size, 1e-300), -1.0)
+        v = float(speeds[int(np.argmax(share))])
+        if not share.max() > 1e-6:
+            continue
+        for reach in (1e-2, 1e-4, 1e-6):
+            end = start * (1 + reach)
+            way = enclosed.least(model, model.rate * side, v, start * (1 - reach), end)
+            if way > 0:
+                evidence = {"Z": z_bound, "v": v, "z_start": start, "enclosed": {
+                    "v": v, "z_from": start, "z_to": end, "dz_dt_at_least": way}}  # fmt: skip
+                return Verdict(False, "from |z| = Z a held speed moves z outward (interval arithmetic)", evidence)
+    return undecided("no proof, and no held speed was found that takes z past the bound", Z=z_bound)
 
 
 def _to_the_end(model: Model, shown: dict[str, float], level: float) -> dict[str, float]:

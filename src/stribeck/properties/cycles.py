@@ -74,27 +74,23 @@ def find(law: Law, storage: Storage) -> Cycle | None:
     return _closed(law, up, down, low, high)
 
 
-def unwinding(law: Law, storage: Storage) -> Cycle:
-    """A run from the bound that draws more than a million times the energy that a spring would keep there."""
-    side = storage.endless
-    assert storage.reach is not None
-    high = side * storage.reach
+def unwinding(law: Law, storage: Storage, high: float, sign: int) -> Cycle | None:
+    """A run from z = high that draws more than a million times the energy that a spring would keep there, or the most
+    that was found; None where none draws any."""
+    side = 1 if high > 0 else -1
     wanted = 1e6 * abs(float(law.force(0.0, high)) * high)
-    fast = storage.v[[0, -1]]
-    v = fast[
-        np.argmax(np.where(side * law.rate(fast, high) < 0, storage.slopes(fast, np.asarray(high))[1] * side, -np.inf))
-    ]
+    speeds = abs(storage.v)
     found: Cycle | None = None
     for share in (1e-1, 1e-3, 1e-5, 1e-7):
-        for speed in np.sign(v) * np.geomspace(abs(storage.v).min(), abs(v), 120):
+        for speed in sign * np.geomspace(speeds[speeds > 0].min(), speeds.max(), 120):
             low = high * (1 - share)
-            if side * law.rate(speed, low) < 0:
+            if side * law.rate(speed, low) < 0 and side * law.rate(speed, high) < 0:
                 time, energy = integrate(law, float(speed), high, low)
-                found = Cycle(high, (float(speed),), (low,), (time,), (energy,))
+                if np.isfinite(time) and np.isfinite(energy) and (found is None or energy < found.energies[0]):
+                    found = Cycle(high, (float(speed),), (low,), (time,), (energy,))
                 if energy < -wanted:
                     return found
-    assert found is not None
-    return found
+    return found if found is not None and found.drawn > 0 else None
 
 
 def _windows(storage: Storage, at: float) -> list[Array]:
@@ -112,7 +108,7 @@ def _candidates(storage: Storage, at: float) -> tuple[Array, Array]:
     u = np.logspace(np.log10(min(own[0] * 1e-3, top * 1e-3)), np.log10(top), 40)
     u[-1] = top
     _, _, v_low, v_high = storage.extremes(np.array([at]))
-    speeds = np.concatenate([-u, u])
+    speeds = np.concatenate([-u, [0.0], u])
     return np.append(speeds, v_high), np.append(speeds, v_low)
 
 

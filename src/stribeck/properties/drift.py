@@ -2,81 +2,106 @@
 
 from __future__ import annotations
 
-from time import monotonic
+from collections.abc import Iterator
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
+from stribeck.expressions.graph import wrap
 from stribeck.laws.base import Law
 from stribeck.properties import replay
-from stribeck.properties.model import U
-from stribeck.properties.seams import Quadrants, fold, vanishes
+from stribeck.properties.certificate import Certificate
+from stribeck.properties.claims import NULL, Claims
+from stribeck.properties.model import SIGNS, Model, U
+from stribeck.properties.prover.search import Work
 from stribeck.properties.storage import own_speeds
-from stribeck.properties.verdicts import Verdict, undecided
+from stribeck.properties.verdicts import Verdict, proved, undecided
 
-_METHOD = "exact algebra: for |z| <= z_0 every case of dz/dt that occurs (interval arithmetic) is v identically"
-_MOVED = "a load below F_s that comes back to 0 leaves the body displaced, replayed by simulation"
+_METHOD = "for |z| <= z_0 every case of dz/dt that occurs is v identically"
+_MOVED = "dz/dt is not v for any z in (0, z_1] at a held speed (signs over the whole range): no z_0 > 0 will do"
 _SLOW = 0.1  # of v_s: the speed of the dithered body
 _STIFF = 20.0  # how far the contact's resonance lies above the dither
 _CYCLES = 10
+_WORK = 12
 _VISIBLE = 0.01  # of the elastic displacement: enough to show
 _NOISE = 1e-6  # of the elastic displacement: a smaller one would be rounding
 
 
-def decide(quadrants: Quadrants, deadline: float) -> Verdict:
+def decide(model: Model, claims: Claims) -> Verdict:
     """dz/dt = v for |z| <= z_0; or a load that moves the body for good."""
-    law = quadrants.model.law
-    z_0 = _elastic(law)
-    if z_0 > 0 and _is_v(quadrants, z_0):
-        evidence = {"z_0": z_0, "F_0": float(law.force(0.0, z_0))}
-        return Verdict(True, _METHOD, evidence, again=lambda: _is_v(quadrants, z_0))
-    if z_0 > 0:
-        return undecided(f"dz/dt is v up to |z| = {z_0:g} as far as sampled; no proof was found")
-    return _moved(law, deadline)
+    law = model.law
+    for z_0 in _candidates(law):
+        shown = claims.elastic((NULL, Fraction(z_0)))
+        if shown is not None:
+            evidence = {"z_0": z_0, "F_0": float(law.force(0.0, z_0))}
+            return proved(model, Certificate("drift_free", "elastic", shown, {"z_0": Fraction(z_0)}), _METHOD, evidence)
+    apart = _departs(model)
+    if apart is None:
+        return undecided("neither was dz/dt shown to be v up to some |z|, nor to differ from v near z = 0")
+    return _shown(law, apart)
 
 
-def _elastic(law: Law) -> float:
-    """The largest deflection, among the law's own and halves of the natural one, up to which dz/dt = v as sampled."""
+def _candidates(law: Law) -> Iterator[float]:
+    """Deflections up to which dz/dt = v as sampled: the law's own, and then halves of the natural one."""
     scales = law.scales(law.p)
     try:
         own = [float(law.z_elastic(law.p))]
-    except NotImplementedError:
+    except (NotImplementedError, AttributeError, TypeError):
         own = []
-    v = np.concatenate([-np.logspace(-9, 6, 60), np.logspace(-9, 6, 60)]) * scales.speed
+    v = np.concatenate([-np.logspace(-9, 6, 60), [0.0], np.logspace(-9, 6, 60)]) * scales.speed
+    tried = 0
     for z_0 in (*own, *(scales.length * 2.0**-k for k in range(40))):
         z = np.linspace(-z_0, z_0, 41)[:, None]
-        if np.all(law.rate(v, z) == v + 0 * z):
-            return z_0
-    return 0.0
+        if z_0 > 0 and np.all(abs(law.rate(v, z) - v) <= 1e-12 * abs(v)) and tried < 4:
+            tried += 1
+            yield z_0
 
 
-def _is_v(quadrants: Quadrants, z_0: float) -> bool:
-    within = quadrants.within(z_0)
-    return all(vanishes(fold(form, within, True) - side[0] * U) for side, form in quadrants.form.items())
+def _departs(model: Model) -> dict[str, float] | None:
+    """A held speed at which dz/dt is not v on a whole range of deflections from 0 on."""
+    law = model.law
+    length, own = law.scales(law.p).length, own_speeds(law)
+    prover = model.prover
+    for speed in (*own, own[0] / 10, own[-1] * 10, 0.0):
+        for s in SIGNS if speed else (0,):
+            for t in SIGNS:
+                for share in (0.1, 1e-4, 1e-8):
+                    exact = Fraction(speed)
+                    form = model.form(s, t) - (U * s if s else wrap(0.0))
+                    ranges = {"u": (exact, exact)} if s else {}
+                    top = Fraction(length * share)
+                    if prover.show(form, "!=0", {**ranges, "w": (NULL, top)}, Work(_WORK)) is not None:
+                        return {"v": s * speed, "z_from": 0.0, "z_to": t * float(top)}
+    return None
 
 
-def _moved(law: Law, deadline: float) -> Verdict:
-    """A sawtooth load, between a fifth and all of its peak, that begins and ends at 0: fast enough to be short, or slow
-    enough for the smooth signs to be felt."""
+def _shown(law: Law, apart: dict[str, float]) -> Verdict:
+    """The verdict, with a sawtooth load between a fifth and all of its peak that begins and ends at 0: fast enough to be
+    short, or slow enough for the smooth signs to be felt."""
     slow = own_speeds(law)[0]
+    best: Verdict | None = None
     for speed in (_SLOW * getattr(law.p, "v_s", law.scales(law.p).speed), slow, slow / 10):
-        verdict = _moved_at(law, speed)
-        if (
-            verdict.holds is False
-            and abs(verdict.evidence["distance"]) > _VISIBLE * verdict.evidence["elastic_displacement"]
-        ):
+        found = _moved_at(law, speed)
+        if found is None:
             break
-        if monotonic() > deadline or "distance" not in verdict.evidence:
+        evidence, tables = found
+        best = Verdict(
+            False, _MOVED, {"not_elastic": apart, **evidence}, tables, stated={"y": float(evidence["distance"])}
+        )
+        if abs(evidence["distance"]) > _VISIBLE * evidence["elastic_displacement"]:
             break
-    return verdict
+    if best is not None and abs(best.evidence["distance"]) > _NOISE * best.evidence["elastic_displacement"]:
+        return best
+    return Verdict(False, _MOVED, {"not_elastic": apart})
 
 
-def _moved_at(law: Law, speed: float) -> Verdict:
+def _moved_at(law: Law, speed: float) -> tuple[dict[str, Any], dict[str, Any]] | None:
     scales = law.scales(law.p)
     own = getattr(law.p, "z_ba", None)
     stiffness = abs(float(law.force(0.0, 1e-6 * scales.length))) / (1e-6 * scales.length)
-    if not stiffness > 0:
-        return undecided("dz/dt is not v at any |z| as far as sampled; the contact has no stiffness to load")
+    if not (stiffness > 0 and np.isfinite(stiffness)):
+        return None
     peak = 0.5 * scales.force if own is None else min(0.5 * scales.force, 0.9 * stiffness * own)
     length = peak / stiffness
     rise, fall = length / speed, 0.2 * length / speed
@@ -91,13 +116,10 @@ def _moved_at(law: Law, speed: float) -> Verdict:
     tables = replay.scenario_of(law, "drift_free", drive, times[-1], {"mass": mass})
     solution = replay.run(tables)
     if tables is None or solution is None:
-        return undecided("dz/dt is not v at any |z| as far as sampled; a dithered load could not be simulated")
+        return None
     moved = solution.final["y"]
-    evidence: dict[str, Any] = {
+    evidence = {
         "largest_load": peak, "F_s": scales.force, "cycles": _CYCLES, "time": times[-1], "distance": moved,
         "elastic_displacement": length, "replay": {"y": moved},
     }  # fmt: skip
-    if not abs(moved) > _NOISE * length:
-        reason = "dz/dt is not v at any |z| as far as sampled, but a dithered load moved the body too little"
-        return undecided(reason, **evidence)
-    return Verdict(False, _MOVED, evidence, tables, again=lambda: replay.repeats(tables, {"y": moved}))
+    return evidence, tables

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from time import monotonic
 
 from stribeck import laws
 from stribeck.laws.base import Law
-from stribeck.properties import check
-from stribeck.properties.elastic import prove
-from stribeck.properties.model import Model
+from stribeck.properties import WORK, check
+from stribeck.properties.checked import Checked
 from stribeck.properties.storage import Storage, reach_of
 from stribeck.properties.verdicts import Verdicts
 
-_SECONDS = 5.0  # for a proof in a listing; most take a hundredth of one
 _STEEP = 1e4  # k_v v_s where k_v is not given
 _ELASTIC = 0.7  # sigma_0 z_ba / F_c where z_ba is not given
 
@@ -52,5 +49,5 @@ def passive_with(values: Mapping[str, float | str]) -> dict[str, bool | None]:
         if not Storage(law, None, reach).exists:
             found[law.name] = False
         else:
-            found[law.name] = True if prove(Model(law), None, reach, monotonic() + _SECONDS).holds else None
+            found[law.name] = Checked(law, None, WORK).passive_with_own_energy()
     return found

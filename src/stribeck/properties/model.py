@@ -1,19 +1,19 @@
-"""A law's equations as expressions, taken apart for the proofs; nothing is written a second time."""
+"""A law's equations as expressions, with its constants as exact rational numbers; nothing is written a second time."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Mapping
+from fractions import Fraction
 from functools import cached_property
-
-import numpy as np
 
 from stribeck.expressions.graph import (
     ONE,
     ZERO,
     Expr,
-    derivative,
+    constant,
     is_zero,
+    ordered,
     rebuild,
     rewrite,
     substitute,
@@ -21,21 +21,19 @@ from stribeck.expressions.graph import (
     symbols,
     wrap,
 )
-from stribeck.expressions.intervals import Evaluator, Interval, point
-from stribeck.expressions.ops import sqrt
+from stribeck.expressions.ops import sqrt, where
+from stribeck.expressions.ranges import Box, Range
 from stribeck.laws.base import Law
+from stribeck.properties.prover.ring import Quotient, Ring, Unclear
+from stribeck.properties.prover.search import Hints, Prover
 
-V, Z, RATE, U, T = symbol("v"), symbol("z"), symbol("dz_dt"), symbol("u"), symbol("t")  # u = |v|, t = 1/u
+V, Z, RATE, U, W, T = (symbol(n) for n in ("v", "z", "dz_dt", "u", "w", "t"))  # u = |v|, w = |z|, t = 1/u
+REST = symbol("rest")  # 0, where v or z is exactly that: unlike a literal it cancels nothing
+SIGNS = (1, -1)
 
 
-@dataclass(frozen=True)
-class Relaxation:
-    """dz/dt = v - rho(v, z) z, F = a z + b(v) dz/dt + c(v) v and the stored energy e z^2/2, with a = e."""
-
-    rho: Expr
-    b: Expr
-    c: Expr
-    e: float
+class Unreadable(Exception):
+    """An equation that the proofs cannot treat."""
 
 
 class Model:
@@ -44,51 +42,241 @@ class Model:
     Attributes:
         rate: dz/dt as an expression of v and z.
         force: F as an expression of v, z and dz_dt.
-        constants: the values of the constants, as intervals.
+        values: the constants, exactly; they are called ``c_NAME`` in the expressions.
+        v_max: the largest speed that passivity is asked for, None for no limit.
     """
 
-    def __init__(self, law: Law) -> None:
+    def __init__(self, law: Law, v_max: float | None = None) -> None:
         self.law = law
-        p = law.symbolic(symbol, law.structure)
-        self.rate = wrap(law.dz_dt(p, V, Z))
-        self.force = wrap(law.friction(p, V, Z, RATE))
-        self.stored = wrap(law.stored_energy(p, Z))
-        self.constants: dict[str, Interval] = {n: point(x) for n, x in law.values.items() if x is not None}
-
-    def value(self, expr: Expr) -> Interval:
-        """An expression of the constants alone."""
-        return Evaluator([expr])(self.constants)[0]
+        p = law.symbolic(lambda name: symbol(f"c_{name}"), law.structure)
+        self.rate = finite(wrap(law.dz_dt(p, V, Z)))
+        self.force = finite(wrap(law.friction(p, V, Z, RATE)))
+        self.power_force = substitute([self.force], {RATE: self.rate})[0]
+        self.stored = finite(wrap(law.stored_energy(p, Z)))
+        self._bound = finite(wrap(law.z_bound(p)))
+        self.values = {f"c_{n}": Fraction(x) for n, x in law.values.items() if x is not None}
+        self.values["rest"] = Fraction(0)
+        self.v_max = Fraction(v_max) if v_max is not None else None
+        self.inputs: dict[str, Range] = {n: (float(x), float(x)) for n, x in self.values.items()}
+        self.ring = Ring(self.values)
 
     @cached_property
-    def relaxation(self) -> Relaxation | None:
-        """The law as a relaxation; None where it has another form."""
-        loss = self.rate.args[1] if self.rate.op == "sub" and self.rate.args[0] is V else None
-        rho = divided(loss, Z) if loss is not None else ZERO if self.rate is V else None
-        b, a = derivative(self.force, RATE), derivative(self.force, Z)
-        c = divided(substitute([self.force], {RATE: ZERO, Z: ZERO})[0], V)
-        if rho is None or c is None or symbols([a]) & {"v", "z", "dz_dt"} or symbols([b, c]) & {"z", "dz_dt"}:
-            return None
-        slope = derivative(derivative(self.stored, Z), Z)
-        if "z" in symbols([slope]):
-            return None
-        stiffness, spring = self.value(slope), self.value(a)
-        exact = stiffness.low == stiffness.high == spring.low == spring.high
-        return Relaxation(rho, b, c, float(spring.low)) if exact and spring.low > 0 else None
+    def bound(self) -> tuple[Fraction, Fraction]:
+        """Z of the law between two rational numbers, equal where it is rational.
+
+        Raises:
+            Unreadable: it is not a positive number.
+        """
+        from stribeck.properties.prover.leaf import Leaf, Region, Rules
+
+        low, high = Box(self.inputs)(self._bound)
+        if not 0 < low <= high < math.inf:
+            raise Unreadable(f"z_bound of the law is not a positive number: {low:g}")
+        try:
+            found = Leaf(self.ring, Region((), ()), Rules(), self.inputs).convert(self._bound)
+        except Unclear:
+            return Fraction(low), Fraction(high)
+        exact = rational_of(found)
+        return (exact, exact) if exact is not None else (Fraction(low), Fraction(high))
+
+    @cached_property
+    def prover(self) -> Prover:
+        """The prover of claims, with what is known of the law's own scales."""
+        from stribeck.properties.storage import own_speeds
+
+        scales = self.law.scales(self.law.p)
+        speeds = {Fraction(x) for x in own_speeds(self.law)}
+        lengths = {Fraction(scales.length)} if 0 < scales.length < math.inf else set()
+        for name, c in self.law.constants().items():
+            value = self.values.get(f"c_{name}")
+            if value and value > 0:
+                speeds |= {1 / value} if c.unit == "s/m" else {value} if c.unit == "m/s" else set()
+                lengths |= {value} if c.unit == "m" else set()
+        lengths |= {self.bound[1], 2 * self.bound[1]}  # strictly beyond Z cases are settled
+        own = sorted(own_speeds(self.law))
+        for u in (own[-1] * 1e6, own[0] * 1e-6):  # where z settles when slid fast, and slowly
+            z = abs(float(self.law.steady_deflection(u)))
+            lengths |= {Fraction(z)} if 0 < z < 1e3 * float(self.bound[1]) else set()
+        places = self._switches()
+        speeds |= places["u"]
+        lengths |= places["w"]
+        slopes: set[Fraction] = set()
+        sigma_0, sigma_1 = (self.values.get(f"c_{n}", Fraction(0)) for n in ("sigma_0", "sigma_1"))
+        if sigma_0 > 0 and sigma_1 > 0:
+            slopes = {sigma_1 / sigma_0}
+        return Prover(
+            self.ring, self.inputs, Hints(tuple(sorted(speeds)), tuple(sorted(lengths)), tuple(sorted(slopes)))
+        )
+
+    def _switches(self) -> dict[str, set[Fraction]]:
+        """The speeds and deflections at which conditions switch, where these are rational."""
+        from stribeck.properties.prover.leaf import Axis, Leaf, Region, Rules
+
+        found: dict[str, set[Fraction]] = {"u": set(), "w": set()}
+        axes = (Axis("u", Fraction(0), None), Axis("w", Fraction(0), None))
+        leaf = Leaf(self.ring, Region(axes, axes), Rules(opaque=True), self.inputs)
+        for s in SIGNS:
+            for t in SIGNS:
+                for node in ordered([self.form(s, t), self.form_of(self.power_force, s, t)]):
+                    if node.op not in ("lt", "le"):
+                        continue
+                    try:
+                        difference = leaf.convert(node.args[0] - node.args[1])
+                    except Unclear:
+                        continue
+                    for name, root in linear_roots(difference):
+                        found[name].add(root)
+        return {name: {x for x in roots if x > 0} for name, roots in found.items()}
+
+    # -- forms -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _forms(self) -> dict[tuple[Expr, int, int], Expr]:
+        return {}
+
+    def form(self, v_side: int, z_side: int) -> Expr:
+        """dz/dt for v = v_side u and z = z_side w, with u, w > 0; a side of 0 is v = 0 or z = 0 exactly."""
+        return self.form_of(self.rate, v_side, z_side)
+
+    def form_of(self, expr: Expr, v_side: int, z_side: int) -> Expr:
+        """An expression of v and z for such signs; |x|, signs and combined conditions as cases."""
+        key = (expr, v_side, z_side)
+        if key not in self._forms:
+            here = {V: _sided(U, v_side), Z: _sided(W, z_side)}
+            self._forms[key] = rewrite(rewrite(substitute([expr], here), self._positive), as_cases)[0]
+        return self._forms[key]
+
+    def _positive(self, node: Expr) -> Expr:
+        return positive(node, self.values)
 
     def sided(self, expr: Expr, side: int) -> Expr:
         """The expression with v = side u, u > 0."""
-        return rewrite(substitute([expr], {V: U if side > 0 else -U}), _without_u)[0]
+        return rewrite(substitute([expr], {V: U if side > 0 else -U}), self._positive)[0]
 
 
-def _without_u(node: Expr) -> Expr:
-    """u x <= 0 means x <= 0, and |u| is u."""
-    if node.op == "abs" and (node.args[0] is U or node.args[0] is -U):
-        return U
+def _sided(x: Expr, side: int) -> Expr:
+    return REST if side == 0 else x if side > 0 else -x
+
+
+def finite(expr: Expr) -> Expr:
+    """The expression without literals that are infinite, which only ever are far limits.
+
+    Raises:
+        Unreadable: one is used otherwise, or a literal is no number.
+    """
+    found = rewrite([expr], _without_infinite)[0]
+    for node in ordered([found]):
+        if isinstance(node.value, float) and not math.isfinite(node.value):
+            raise Unreadable(f"the equations hold the number {node.value}")
+        if node.op in ("both", "either", "where"):
+            for a in node.args[: 1 if node.op == "where" else 2]:
+                if a.op not in ("lt", "le", "both", "either"):
+                    raise Unreadable(f"a condition that is no comparison: {a.op}")
+    return found
+
+
+TRUE, FALSE = constant(0.0) < constant(1.0), constant(1.0) < constant(0.0)
+
+
+def _without_infinite(node: Expr) -> Expr:
+    def limit(x: Expr) -> float:
+        return x.value if isinstance(x.value, float) and math.isinf(x.value) else 0.0
+
+    if node.op in ("lt", "le"):
+        a, b = map(limit, node.args)
+        if a or b:
+            return TRUE if a < b or (a == b and node.op == "le") else FALSE
+    if node.op == "where" and node.args[0] in (TRUE, FALSE):
+        return node.args[1 if node.args[0] is TRUE else 2]
+    if node.op == "both" and set(node.args) & {TRUE, FALSE}:
+        return FALSE if FALSE in node.args else node.args[1] if node.args[0] is TRUE else node.args[0]
+    if node.op == "either" and set(node.args) & {TRUE, FALSE}:
+        return TRUE if TRUE in node.args else node.args[1] if node.args[0] is FALSE else node.args[0]
+    if node.op == "div" and limit(node.args[1]):
+        return ZERO
+    return node
+
+
+def positive(node: Expr, values: Mapping[str, Fraction]) -> Expr:
+    """What u > 0, w > 0 and the constants' signs say of |x|, signs and conditions."""
+    if node.op in ("abs", "sign"):
+        x = node.args[0]
+        side = _sign_of(x, values)
+        if side:
+            size = x if side > 0 else -x
+            return size if node.op == "abs" else constant(side)
+        if x is REST:
+            return REST if node.op == "abs" else ZERO
     if node.op in ("lt", "le"):
         for i, other in ((0, node.args[1]), (1, node.args[0])):
-            if is_zero(other) and (part := divided(node.args[i], U)) is not None:
+            if is_zero(other):
+                part = node.args[i]
+                side = _sign_of(part, values)
+                if side:
+                    return TRUE if (side < 0) == (i == 0) else FALSE
+                for by in (U, W):
+                    rest = divided(part, by)
+                    part = part if rest is None else rest
                 return rebuild(node, (part, other) if i == 0 else (other, part))
+    if node.op in ("both", "either", "where"):
+        node = _without_infinite(node)
+    if node.op == "where":
+        condition = node.args[0]
+        if condition.op in ("lt", "le") and all(a.op == "constant" for a in condition.args):
+            a, b = (float(x.value) for x in condition.args)  # type: ignore[arg-type]
+            if a != b:
+                return node.args[1 if a < b else 2]
     return node
+
+
+def as_cases(node: Expr) -> Expr:
+    """|x|, sign(x) and combined conditions as cases of single conditions."""
+    if node.op == "abs":
+        return wrap(where(node.args[0] >= ZERO, node.args[0], -node.args[0]))
+    if node.op == "sign":
+        x = node.args[0]
+        return wrap(where(x > ZERO, 1.0, where(x < ZERO, -1.0, 0.0)))
+    if node.op == "where":
+        condition, a, b = node.args
+        if condition.op == "both":
+            inner = as_cases(wrap(where(condition.args[1], a, b)))
+            return as_cases(wrap(where(condition.args[0], inner, b)))
+        if condition.op == "either":
+            inner = as_cases(wrap(where(condition.args[1], a, b)))
+            return as_cases(wrap(where(condition.args[0], a, inner)))
+    return node
+
+
+def _sign_of(x: Expr, values: Mapping[str, Fraction]) -> int:
+    if x is U or x is W:
+        return 1
+    if x.op == "neg":
+        return -_sign_of(x.args[0], values)
+    if x.op in ("mul", "div"):
+        return _sign_of(x.args[0], values) * _sign_of(x.args[1], values)
+    value = values.get(str(x.value), 0) if x.op == "symbol" else x.value if isinstance(x.value, float) else 0
+    return int(value > 0) - int(value < 0)
+
+
+def rational_of(x: Quotient) -> Fraction | None:
+    """The rational number that a normal form is; None where it is none."""
+    if x.is_zero:
+        return Fraction(0)
+    if not (x.top.is_constant() and x.bottom.is_constant()):
+        return None
+    value = x.top.leading_coefficient() / x.bottom.leading_coefficient()
+    return Fraction(int(value.p), int(value.q))
+
+
+def linear_roots(x: Quotient) -> list[tuple[str, Fraction]]:
+    """The u or w at which a normal form vanishes, where it is linear in that and holds nothing else."""
+    degrees = [int(d) for d in x.top.degrees()]
+    used = [i for i, d in enumerate(degrees) if d]
+    if len(used) != 1 or used[0] not in (1, 2) or degrees[used[0]] != 1:
+        return []
+    terms = {k[used[0]]: c for k, c in x.top.to_dict().items()}
+    root = -terms.get(0, 0) / terms[1]
+    return [(("u", "w")[used[0] - 1], Fraction(int(root.p), int(root.q)) if root else Fraction(0))]
 
 
 def divided(node: Expr, by: Expr, remainder: Callable[[Expr], Expr] | None = None) -> Expr | None:
@@ -132,14 +320,13 @@ def grows(node: Expr, by: Expr) -> bool:
     return node is by or (node.op == "div" and grows(node.args[0], by))
 
 
-def over_u(node: Expr) -> Expr:
-    """node/u with t = 1/u for what u does not divide."""
-    found = divided(node, U, lambda rest: rest * T)
+def over(node: Expr, by: Expr, inverse: Expr) -> Expr:
+    """node/by, with ``inverse`` = 1/by for what ``by`` does not divide."""
+    found = divided(node, by, lambda rest: rest * inverse)
     assert found is not None
     return found
 
 
-def reciprocal(u: Interval) -> Interval:
-    """t = 1/u for u >= 0."""
-    with np.errstate(all="ignore"):
-        return point(np.ones_like(u.low)) / u
+def depends(expr: Expr, *on: Expr) -> bool:
+    """Whether an expression holds one of these symbols."""
+    return bool(symbols([expr]) & {str(x.value) for x in on})

@@ -2,85 +2,190 @@
 
 from __future__ import annotations
 
-from time import monotonic
+from collections.abc import Iterator
+from fractions import Fraction
 from typing import Any
 
-from stribeck.expressions.boxes import Cover
-from stribeck.properties import cells, cycles, elastic, replay
-from stribeck.properties.model import Model
-from stribeck.properties.storage import Storage, largest_speed, reach_of
-from stribeck.properties.verdicts import Verdict, later, undecided
+import numpy as np
 
-_CYCLE = "a cycle of held speeds that returns z to its start and draws energy, replayed by simulation"
-_ENDLESS = (
-    "unwinding from |z| = Z draws energy in proportion to the speed, without limit: more than any storage function holds; "
-    "one such run, replayed by simulation"
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, wrap
+from stribeck.properties import cycles, enclosed, fitted, replay
+from stribeck.properties.certificate import Certificate, Claim
+from stribeck.properties.claims import NULL, Claims
+from stribeck.properties.endless import steady_gain, without_limit
+from stribeck.properties.model import RATE, SIGNS, Model, V, Z, depends
+from stribeck.properties.storage import Storage, largest_speed
+from stribeck.properties.verdicts import Verdict, proved, undecided
+
+_OWN = (
+    "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with the elastic energy as storage S"
 )
+_FITTED = (
+    "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with S' the elastic force near z = 0 and "
+    "fitted to [L, U] beyond"
+)
+_NEITHER = "no storage function exists as far as sampled, but no run that draws energy was confirmed"
+_CYCLE = "a cycle of held speeds that returns z to its start and draws energy (enclosed by interval arithmetic)"
 
 
-def decide(model: Model, v_max: float | None, bounded: bool | None, deadline: float) -> Verdict:
-    """Passive, with a storage function that a proof confirms; or not, with a cycle that draws energy."""
-    law = model.law
-    storage = Storage(law, v_max, reach_of(law, bounded))
-    found = _proved(model, storage, deadline) if storage.exists else _refuted(storage)
+def decide(model: Model, claims: Claims, bounded: Certificate | None, refuted: bool) -> Verdict:
+    """Passive, with a storage function that a proof confirms; or not, with energy that can be drawn for ever.
+
+    Args:
+        model: the law.
+        claims: what proves.
+        bounded: the proof that z keeps its bound; without it z is not restricted in a proof.
+        refuted: whether z is known to pass its bound; unless it is, a counterexample keeps z within it.
+    """
+    v_max = float(model.v_max) if model.v_max is not None else None
+    reach = float(model.bound[1]) if bounded is not None else None
+    storage = Storage(model.law, v_max, reach)
+    found = _proved(model, claims, storage, bounded) if storage.exists else None
+    if found is None or found.holds is None:
+        within = Storage(model.law, v_max, None if refuted else float(model.bound[0]))
+        no = _refuted(model, claims, within, refuted) if found is None or not within.exists or refuted else None
+        found = (
+            no
+            or found
+            or undecided("no storage function exists as far as sampled, but no run that draws energy was confirmed")
+        )
     found.evidence["v_max"] = v_max
-    if v_max is None and found.holds is not True and monotonic() < deadline:
-        largest = largest_speed(law, storage.reach, deadline)
-        found.evidence["largest_v_max"] = largest
+    if v_max is None and found.holds is not True:
+        found.evidence["largest_v_max"] = largest_speed(model.law, reach)
         found.evidence["largest_v_max_method"] = "bisection with the storage interval as sampled"
     return found
 
 
-def _proved(model: Model, storage: Storage, deadline: float) -> Verdict:
-    v_max, reach = storage.v_max, storage.reach
-    bounds = {"z_within": reach, "speeds": "all" if v_max is None else f"|v| <= {v_max:g}"}
-    cover = elastic.prove(model, v_max, reach, deadline)
-    if cover.holds:
-        evidence: dict[str, Any] = {
-            "storage": "the law's own stored energy, sigma_0 z^2/2",
-            "boxes": cover.boxes,
-            **bounds,
-        }
-        return Verdict(True, elastic.METHOD, evidence, again=lambda: elastic.prove(model, v_max, reach, later()).holds)
-    own = cover
-    cover, fitted = cells.prove(model, storage, deadline)
-    if not cover.holds or fitted is None:
-        return undecided(_why(own, cover), sampled="a storage function exists as far as sampled", **bounds)
+def elastic_forces(model: Model) -> Iterator[Expr]:
+    """Candidates for S': that of the law's stored energy, and F at rest."""
+    slope = derivative(model.stored, Z) if model.stored is not None else ZERO
+    if not is_zero(slope):
+        yield slope
+    try:
+        at_rest = substitute([model.force], {V: wrap(0.0), RATE: wrap(0.0)})[0]
+    except (ZeroDivisionError, TypeError):
+        return
+    if not is_zero(at_rest) and at_rest is not slope and depends(at_rest, Z):
+        yield at_rest
+    if is_zero(at_rest):
+        yield ZERO
+
+
+def _numeric(model: Model, slope: Expr) -> fitted.Slope:
+    names = [n for n in model.values if n.isidentifier()]
+    function = python_function([*names, "z"], [slope])
+    values = [float(model.values[n]) for n in names]
+
+    def of(z: fitted.Array) -> fitted.Array:
+        with np.errstate(all="ignore"):
+            return np.asarray(function(*values, z)[0]) + 0 * z
+
+    return of
+
+
+def _proved(model: Model, claims: Claims, storage: Storage, bounded: Certificate | None) -> Verdict:
+    reach = model.bound[1] if bounded is not None else None
+    top = float(model.bound[1]) if reach is not None else storage.largest
+    hypotheses = {"bounded": bounded} if bounded is not None else {}
+    bounds = {
+        "z_within": None if reach is None else float(reach),
+        "speeds": "all" if model.v_max is None else f"|v| <= {float(model.v_max):g}",
+    }
+    u = (NULL, model.v_max)
+    reasons = []
+    for slope in elastic_forces(model):
+        rising = claims.rising(slope, (NULL, reach))
+        if rising is None:
+            reasons.append("the elastic energy has no least value")
+            continue
+        served = fitted.serves(storage, _numeric(model, slope), top)
+        if served.all():
+            shown = claims.power(slope, u, (NULL, reach), (*SIGNS, 0))
+            if shown is not None:
+                certificate = Certificate("passive", "storage", [*shown, *rising], {"slope": slope}, hypotheses)
+                evidence = {"storage": "the elastic energy, sigma_0 z^2/2 for a linear spring", **bounds}
+                return proved(model, certificate, _OWN, evidence)
+            reasons.append("with the elastic energy as storage no proof was found")
+        elif reach is not None and served[0]:
+            found = _with_cells(model, claims, storage, slope, rising, hypotheses)
+            if found is not None:
+                found.evidence.update(bounds)
+                return found
+            reasons.append("with a fitted storage function no proof was found")
+        else:
+            reasons.append("the elastic energy does not serve near z = 0")
+    reason = "no proof: " + ("; ".join(dict.fromkeys(reasons)) or "the law stores no energy that is known")
+    return undecided(reason, sampled="a storage function exists as far as sampled", **bounds)
+
+
+def own_energy(model: Model, claims: Claims, bounded: Certificate | None) -> bool:
+    """Whether the elastic energy is shown to serve as storage, with no limit on the speed."""
+    reach = model.bound[1] if bounded is not None else None
+    return any(
+        claims.rising(slope, (NULL, reach)) is not None
+        and claims.power(slope, (NULL, model.v_max), (NULL, reach), (*SIGNS, 0)) is not None
+        for slope in elastic_forces(model)
+    )
+
+
+def _with_cells(
+    model: Model, claims: Claims, storage: Storage, slope: Expr, rising: list[Claim], hypotheses: dict[str, Certificate]
+) -> Verdict | None:
+    reach = model.bound[1]
+    cells = fitted.fit(storage, _numeric(model, slope), float(reach))
+    if cells is None:
+        return None
+    u, own = (NULL, model.v_max), Fraction(cells.own)
+    shown = claims.power(slope, u, (NULL, own), (*SIGNS, 0))
+    if shown is None:
+        return None
+    table = []
+    for low, high, value in zip(cells.low, cells.high, cells.slope, strict=True):
+        side = 1 if high > 0 else -1
+        ends = sorted(abs(Fraction(float(x))) for x in (low, high))
+        if abs(float(ends[1]) - float(reach)) <= 1e-12 * float(reach):
+            ends[1] = reach
+        number = claims.number(Fraction(float(value)))
+        part = claims.power(number, u, (ends[0], ends[1]), (side,))
+        if part is None:
+            return None
+        shown += part
+        table.append([side, ends[0], ends[1], Fraction(float(value))])
+    data = {"slope": slope, "own_up_to": own, "cells": table}
+    certificate = Certificate("passive", "storage", [*shown, *rising], data, hypotheses)
     evidence = {
-        "storage": "S' = sigma_0 z up to |z| = own_up_to, beyond it fitted between L and U",
-        "own_up_to": fitted.own, "boxes": cover.boxes, **bounds,
-        "slopes": [[float(x) for x in row] for row in zip(fitted.low, fitted.high, fitted.slope, strict=True)],
+        "storage": "S' is the elastic force up to |z| = own_up_to, beyond it fitted between L and U",
+        "own_up_to": cells.own,
+        "slopes": [[float(x) for x in row] for row in zip(cells.low, cells.high, cells.slope, strict=True)],
     }  # fmt: skip
-    return Verdict(True, cells.METHOD, evidence, again=lambda: cells.prove(model, storage, later())[0].holds)
+    return proved(model, certificate, _FITTED, evidence)
 
 
-def _why(own: Cover, fitted: Cover) -> str:
-    def text(cover: Cover) -> str:
-        return f"{cover.reason} after {cover.boxes} boxes" if cover.boxes else cover.reason
-
-    return f"no proof: with the law's own stored energy {text(own)}; with a fitted one {text(fitted)}"
-
-
-def _refuted(storage: Storage) -> Verdict:
-    law = storage.law
+def _refuted(model: Model, claims: Claims, storage: Storage, unrestricted: bool) -> Verdict | None:
+    law = model.law
     cycle = cycles.find(law, storage)
-    found = undecided("no storage function exists as far as sampled, but no cycle that draws energy was found")
-    if cycle is not None:
-        found = _replayed(storage, cycle, _CYCLE)
-    if found.holds is None and storage.endless:
-        found = _replayed(storage, cycles.unwinding(law, storage), _ENDLESS)
-    return found
+    if cycle is not None and (found := _by_cycle(model, storage, cycle)) is not None:
+        return found
+    if (found := steady_gain(model, storage)) is not None:
+        return found
+    if model.v_max is None:
+        return without_limit(model, claims, storage, unrestricted)
+    return None
 
 
-def _replayed(storage: Storage, cycle: cycles.Cycle, method: str) -> Verdict:
+def _by_cycle(model: Model, storage: Storage, cycle: cycles.Cycle) -> Verdict | None:
+    if storage.reach is not None and max(abs(x) for x in (cycle.start, *cycle.turns)) > storage.reach:
+        return None
+    bounds = enclosed.programme(model, cycle.start, cycle.speeds, cycle.turns)
+    if bounds is None or not bounds[1] < 0:
+        return None
+    evidence: dict[str, Any] = {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}}
     tables = cycles.scenario(storage.law, cycle)
     solution = replay.run(tables)
-    if tables is None or solution is None:
-        reason = "energy can be drawn, by quadrature, and it could not be replayed"
-        return undecided(reason, **cycle.evidence())
-    stated = {"E_in": solution.final["E_in"], "z": solution.final["z"]}
-    evidence: dict[str, Any] = {**cycle.evidence(), "energy_drawn": -stated["E_in"], "replay": stated}
     span = max(*cycle.turns, cycle.start) - min(*cycle.turns, cycle.start)
-    if not stated["E_in"] < 0 or abs(stated["z"] - cycle.turns[-1]) > 1e-4 * span:
-        return undecided("energy can be drawn, by quadrature, but the replay differs", **evidence)
-    return Verdict(False, method, evidence, tables, again=lambda: replay.repeats(tables, stated))
+    if solution is None or abs(solution.final["z"] - cycle.turns[-1]) > 1e-4 * span or not solution.final["E_in"] < 0:
+        return Verdict(False, _CYCLE, evidence)
+    stated = {"E_in": solution.final["E_in"], "z": solution.final["z"]}
+    evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
+    return Verdict(False, _CYCLE, evidence, tables, stated=stated)

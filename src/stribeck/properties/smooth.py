@@ -1,88 +1,199 @@
-"""Continuous differentiability of dz/dt in (v, z)."""
+"""Continuous differentiability of dz/dt, and of F, in (v, z)."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
+from itertools import product
+from typing import Any
 
 import numpy as np
 
-from stribeck.expressions.graph import Expr
-from stribeck.expressions.intervals import Evaluator, point
-from stribeck.properties.model import U
-from stribeck.properties.seams import Quadrants, Seam, W, solved
-from stribeck.properties.verdicts import Verdict, undecided
+from stribeck.expressions.graph import Expr, derivative, ordered
+from stribeck.expressions.ranges import Box, Range
+from stribeck.properties.certificate import Certificate, Claim
+from stribeck.properties.claims import Claims
+from stribeck.properties.model import SIGNS, Model, U, W, depends
+from stribeck.properties.seams import EVERYWHERE, Joints, Seam, seams
+from stribeck.properties.verdicts import Verdict, proved, undecided
 
 _METHOD = (
-    "exact algebra: dz/dt is built of analytic functions, and where its cases meet, values and first derivatives agree"
+    "dz/dt and F are built of functions that are smooth where they are used, and where cases meet, values and first "
+    "derivatives agree (identities)"
 )
-_BROKEN = "one-sided derivatives of dz/dt that differ, from the equations by interval arithmetic"
+_BROKEN = "one-sided derivatives of {} that differ, enclosed by interval arithmetic"
+_TORN = "values of {} on the two sides of a case that differ, enclosed by interval arithmetic"
+_APART = 1e-9  # of their size: a smaller difference may be rounding in a constant, and is not called a kink
+_TINY = 1e-12
+_NAMES = ("dz/dt", "F")
 
 
-def decide(quadrants: Quadrants) -> Verdict:
+def decide(model: Model, claims: Claims) -> Verdict:
     """C1: every seam joins values and derivatives; or not: a point where the one-sided derivatives differ."""
-    bad = _bad(quadrants)
-    if not bad and quadrants.regular and quadrants.at_rest():
-        evidence = {"cases_that_meet": len(quadrants.seams())}
-        return Verdict(True, _METHOD, evidence, again=lambda: not _bad(quadrants) and quadrants.at_rest())
-    for seam in bad:
-        for found in _differences(quadrants, seam):
-            return found
-    if not quadrants.regular:
-        return undecided("a divisor, root, logarithm or power may be singular somewhere")
-    where = bad[0].text if bad else "v = 0 or z = 0"
-    return undecided(f"could not show that the cases of dz/dt meet smoothly where {where}")
+    found: list[Claim] = []
+    reason = ""
+    for name, expr in zip(_NAMES, (model.rate, model.power_force), strict=True):
+        shown = _smooth(model, claims, expr)
+        if isinstance(shown, str):
+            reason = reason or shown.format(name)
+            for verdict in _kinks(model, name, expr):
+                return verdict
+        else:
+            found += shown
+    if reason:
+        return undecided(reason)
+    certificate = Certificate("smooth", "seams", found, {"of": ["dz_dt", "force"]})
+    return proved(model, certificate, _METHOD, {"cases_that_meet": sum(c.about == "seam" for c in found)})
 
 
-def _bad(quadrants: Quadrants) -> list[Seam]:
-    return [seam for seam in quadrants.seams() if not quadrants.meet(seam, 1)]
+def _smooth(model: Model, claims: Claims, expr: Expr) -> list[Claim] | str:
+    joints = Joints(model, claims, expr)
+    found: list[Claim] = []
+    for s, t in product(SIGNS, SIGNS):
+        form = model.form_of(expr, s, t)
+        for node in ordered([form]):
+            for part, relation in _delicate(model, node):
+                claim = claims.divisor((s, t), part, relation, _present(part))
+                if claim is None:
+                    return f"a {node.op} in {{}} may be singular somewhere"
+                found.append(claim)
+        for seam in seams(form, (s, t)):
+            shown = joints.at_condition(seam, 1)
+            if shown is None:
+                return f"could not show that the cases of {{}} meet smoothly where {seam.text}"
+            found += shown
+    for axis, side in product("vz", SIGNS):
+        shown = joints.at_axis(axis, side, 1)
+        if shown is None:
+            return f"could not show that the cases of {{}} meet smoothly where {axis} = 0"
+        found += shown
+    return found
 
 
-def _differences(quadrants: Quadrants, seam: Seam) -> Iterator[Verdict]:
-    """Points of a seam where a first derivative certainly differs between the two sides."""
-    law = quadrants.model.law
-    scales = law.scales(law.p)
-    for share_v in (1.0, 0.3, 3.0, 0.01):
-        for share_z in (0.5, 0.9, 0.7, 0.3):
-            guess: dict[Expr, float] = {U: share_v * scales.speed, W: share_z * scales.length}
-            place = _place(quadrants, seam, guess)
-            if place is None:
-                continue
-            for name, (a, b) in zip(("v", "z"), quadrants.slopes(seam), strict=True):
-                inputs = {**quadrants.model.constants, "u": point(place[U]), "w": point(place[W])}
-                right, left = Evaluator([a, b])(inputs)
-                apart = (right.low > left.high) | (right.high < left.low)
-                if np.all(apart) and np.all(np.isfinite([right.low, right.high, left.low, left.high])):
-                    yield _verdict(seam, name, place, float(right.low), float(left.low), (a, b), quadrants)
+def _delicate(model: Model, node: Expr) -> Iterator[tuple[Expr, str]]:
+    """What must not vanish, or must be positive."""
+    if node.op == "div":
+        part, relation = node.args[1], "!=0"
+    elif node.op in ("sqrt", "log"):
+        part, relation = node.args[0], ">0"
+    elif node.op == "pow":
+        part, power = node.args
+        low: Range = Box(model.inputs)(power) if not depends(power, U, W) else (0.0, 0.0)
+        relation = ">=0" if low[0] > 1 else ">0"
+    else:
+        return
+    if depends(part, U, W) or (part.op != "constant" and relation != ">=0"):
+        yield part, relation
 
 
-def _verdict(
-    seam: Seam, name: str, place: dict[Expr, float], right: float, left: float, forms: tuple[Expr, Expr], q: Quadrants
-) -> Verdict:
-    v, z = place[U] * seam.quadrant[0], place[W] * seam.quadrant[1]
-    sides = {"v = 0": (v == 0, seam.quadrant[0]), "z = 0": (z == 0, seam.quadrant[1])}
-    swap = sides.get(seam.text, (False, 1))[1] < 0
-    unit = "" if name == "v" else " in 1/s"
-    evidence = {
-        "v": v, "z": z, "where": seam.text, "derivative": f"of dz/dt by {name}{unit}",
-        "from_below": right if swap else left, "from_above": left if swap else right,
-    }  # fmt: skip
-
-    def again() -> bool:
-        inputs = {**q.model.constants, "u": point(place[U]), "w": point(place[W])}
-        above, below = Evaluator(forms)(inputs)
-        return bool(np.all((above.low > below.high) | (above.high < below.low)))
-
-    return Verdict(False, _BROKEN, evidence, again=again)
+def _present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
+    return {n: r for n, r in EVERYWHERE.items() if depends(expr, {"u": U, "w": W}[n])}
 
 
-def _place(quadrants: Quadrants, seam: Seam, guess: dict[Expr, float]) -> dict[Expr, float] | None:
-    """A point of the seam near the guess."""
-    if seam.text in ("v = 0", "z = 0"):
-        return {**guess, **dict.fromkeys(seam.there, 0.0)}
-    for there in solved(seam.there):
-        ((x, value),) = there.items()
-        inputs = {**quadrants.model.constants, "u": point(guess[U]), "w": point(guess[W])}
-        found = float(Evaluator([value])(inputs)[0].low)
-        if np.isfinite(found) and found > 0:
-            return {**guess, x: found}
+# -- kinks -------------------------------------------------------------------------------------------------------------
+
+
+def _kinks(model: Model, name: str, expr: Expr) -> Iterator[Verdict]:
+    """Points where a first derivative, or the value, certainly differs between the two sides."""
+    scales = model.law.scales(model.law.p)
+    places = [(a * scales.speed, b * scales.length) for a in (1.0, 0.3, 3.0, 0.01) for b in (0.5, 0.9, 0.7, 0.3)]
+    for (s, t), (speed, length) in product(product(SIGNS, SIGNS), places):
+        yield from _at_axis(model, name, expr, "v", t, length, speed)
+        yield from _at_axis(model, name, expr, "z", s, speed, length)
+        form = model.form_of(expr, s, t)
+        for seam in seams(form, (s, t)):
+            yield from _at_seam(model, name, seam, (speed, length))
+
+
+def _at_axis(model: Model, name: str, expr: Expr, axis: str, side: int, other: float, own: float) -> Iterator[Verdict]:
+    """On both sides of v = 0 (or z = 0), for one value of the other."""
+    here, there = (U, W) if axis == "v" else (W, U)
+    sides = [(t, side) if axis == "v" else (side, t) for t in SIGNS]
+    box = {**model.inputs, str(here.value): (0.0, own * _TINY), str(there.value): (other, other)}
+    forms = [model.form_of(expr, *each) for each in sides]
+    for by in (here, there, None):
+        above, below = (_range(derivative(f, by) if by is not None else f, box) for f in forms)
+        if by is here:
+            below = (-below[1], -below[0])
+        if _apart(above, below):
+            at = (0.0, other * side) if axis == "v" else (other * side, 0.0)
+            yield _verdict(name, f"{axis} = 0", at, by, above, below)
+
+
+def _at_seam(model: Model, name: str, seam: Seam, guess: tuple[float, float]) -> Iterator[Verdict]:
+    difference = seam.condition.args[0] - seam.condition.args[1]
+    for x, y, given in ((W, U, guess[0]), (U, W, guess[1])):
+        if not depends(difference, x):
+            continue
+        place = _crossing(model, difference, x, y, given, guess[1] if x is W else guess[0])
+        if place is None:
+            continue
+        box = {**model.inputs, str(x.value): place, str(y.value): (given, given)}
+        for by in (U, W, None):
+            a, b = (_range(derivative(f, by) if by is not None else f, box) for f in (seam.if_true, seam.if_false))
+            if _apart(a, b):
+                middle = 0.5 * (place[0] + place[1])
+                u, w = (given, middle) if x is W else (middle, given)
+                side = seam.sides[0 if x is U else 1]
+                rising = (_range(derivative(difference, x), box)[0] > 0) == (side > 0)  # then the condition holds below
+                above, below = (b, a) if rising else (a, b)
+                at = (u * seam.sides[0], w * seam.sides[1])
+                if by is not None and seam.sides[0 if by is U else 1] < 0:
+                    above, below = ((-r[1], -r[0]) for r in (above, below))
+                yield _verdict(name, seam.text, at, by, above, below)
+
+
+def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, guess: float) -> Range | None:
+    """A small interval of x in which a condition certainly switches, its difference rising or falling throughout."""
+
+    def value(at: float) -> Range:
+        return Box({**model.inputs, str(x.value): (at, at), str(y.value): (given, given)})(difference)  # type: ignore[no-any-return]
+
+    points = guess * np.geomspace(1e-4, 1e4, 161)
+    signs = [_sign(value(float(p))) for p in points]
+    for i in range(len(points) - 1):
+        if signs[i] * signs[i + 1] >= 0:
+            continue
+        low, high, first = float(points[i]), float(points[i + 1]), signs[i]
+        while high - low > 1e-13 * high:
+            middle = 0.5 * (low + high)
+            sign = _sign(value(middle))
+            if sign == 0 or not low < middle < high:
+                break
+            low, high = (middle, high) if sign == first else (low, middle)
+        slope = Box({**model.inputs, str(x.value): (low, high), str(y.value): (given, given)})(
+            derivative(difference, x)
+        )
+        if high - low <= 1e-6 * high and (slope[0] > 0 or slope[1] < 0):
+            return low, high
     return None
+
+
+def _sign(x: Range) -> int:
+    return 1 if x[0] > 0 else -1 if x[1] < 0 else 0
+
+
+def _range(expr: Expr, box: dict[str, Range]) -> Range:
+    """The range; everything where a case is not settled in the box."""
+    found = Box(box)
+    value: Range = found(expr)
+    unsettled = any(n.op in ("lt", "le") and found.known[n] is None for n in ordered([expr]))
+    return (-np.inf, np.inf) if unsettled else value
+
+
+def _apart(a: Range, b: Range) -> bool:
+    if not np.all(np.isfinite([*a, *b])):
+        return False
+    gap = max(a[0] - b[1], b[0] - a[1])
+    return gap > _APART * max(abs(a[0]), abs(a[1]), abs(b[0]), abs(b[1]))
+
+
+def _verdict(name: str, where: str, at: tuple[float, float], by: Expr | None, above: Range, below: Range) -> Verdict:
+    what = "value" if by is None else f"derivative of {name} by {'v' if by is U else 'z'}"
+    evidence: dict[str, Any] = {
+        "of": name, "v": at[0], "z": at[1], "where": where,
+        "derivative": what if by is not None else f"value of {name}",
+        "from_below": 0.5 * (below[0] + below[1]), "from_above": 0.5 * (above[0] + above[1]),
+        "enclosed": {"from_below": list(below), "from_above": list(above)},
+    }  # fmt: skip
+    return Verdict(False, (_BROKEN if by is not None else _TORN).format(name), evidence)

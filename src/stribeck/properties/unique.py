@@ -2,106 +2,143 @@
 
 from __future__ import annotations
 
-from time import monotonic
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
-from stribeck.expressions.boxes import grid
 from stribeck.expressions.graph import derivative
-from stribeck.expressions.intervals import Evaluator, Interval
-from stribeck.properties import replay
-from stribeck.properties.elastic import speed_edges
-from stribeck.properties.model import over_u, reciprocal
-from stribeck.properties.seams import Quadrants, W
-from stribeck.properties.storage import own_speeds
-from stribeck.properties.verdicts import Verdict, later, undecided
+from stribeck.properties.certificate import Certificate, Claim
+from stribeck.properties.claims import NULL, Claims, every
+from stribeck.properties.escape import escape
+from stribeck.properties.model import SIGNS, Model, W, depends
+from stribeck.properties.seams import Joints, seams
+from stribeck.properties.verdicts import Verdict, proved, undecided
 
-_METHOD = (
-    "dz/dt is continuous (exact algebra where its cases meet) and Lipschitz in z, uniformly over bounded v: "
-    "its derivative by z is bounded on boxes that cover {} (interval arithmetic)"
+METHOD = (
+    "dz/dt is continuous in z (identities where its cases meet) and Lipschitz in z, uniformly over bounded v "
+    "(its derivative by z is bounded, region by region)"
 )
-_ROUNDS = 4
+_POWERS = (1, 2, 4)
+_SLACK = 128.0  # any bound will do: one that is far off is shown with few regions
 
 
-def decide(quadrants: Quadrants, reach: float | None, deadline: float) -> Verdict:
-    """Lipschitz for all z, or within the bound that z keeps."""
-    seams = quadrants.seams()
-    torn = [seam for seam in seams if not quadrants.meet(seam, 0)]
-    if not torn and quadrants.at_rest():
-        length = reach if reach is not None else quadrants.model.law.scales(quadrants.model.law.p).length
-        everywhere = [0.0, length, 4 * length, np.inf]
-        for edges, words in (
-            (everywhere, "all v and z"),
-            ([0.0, length], "all v and |z| <= Z, which z does not leave"),
-        ):
-            if (words == "all v and z" or reach is not None) and (bound := _lipschitz(quadrants, edges, deadline)):
-                evidence = {"lipschitz": {"at_rest": bound[0], "per_speed": bound[1]}, "seams": len(seams)}
-                return Verdict(True, _METHOD.format(words), evidence, again=lambda e=edges: _again(quadrants, e))  # type: ignore[misc]
-    if (escape := _escape(quadrants)) is not None:
-        return escape
-    if torn:
-        return undecided(f"dz/dt may jump where {torn[0].text}")
-    return undecided("no bound on the derivative of dz/dt by z was found")
+def prove(
+    model: Model, claims: Claims, bounded: Certificate | None, within: Fraction | None = None
+) -> Certificate | str:
+    """The certificate, for all z or for |z| <= within; or why there is none."""
+    found = _continuous(model, claims)
+    if isinstance(found, str):
+        return found
+    w: tuple[Fraction, Fraction | None] = (NULL, within)
+    for growth in _growths(model, within):
+        more = _bounded_slope(claims, growth, w)
+        if more is None:
+            continue
+        rest = every(claims.finite(s, growth, sign) for s in (0, *SIGNS) for sign in SIGNS)
+        if rest is None:
+            return "dz/dt at z = 0 is not shown to be finite"
+        hypotheses = {}
+        if growth["m"] and within is None:
+            if bounded is not None and bounded.theorem == "outside":
+                hypotheses["bounded"] = bounded
+            else:
+                tame = every(claims.grows((s, t), growth) for s in (0, *SIGNS) for t in SIGNS)
+                if tame is None:
+                    continue
+                rest += tame
+        if within is not None and bounded is not None:
+            hypotheses["bounded"] = bounded
+        data = {"within": within} if within is not None else {}
+        return Certificate("unique", "lipschitz", [*found, *more, *rest], data, hypotheses)
+    return "no bound on the derivative of dz/dt by z was found"
 
 
-def _again(quadrants: Quadrants, edges: list[float]) -> bool:
-    whole = all(quadrants.meet(seam, 0) for seam in quadrants.seams())
-    return whole and _lipschitz(quadrants, edges, later()) is not None
+def _continuous(model: Model, claims: Claims) -> list[Claim] | str:
+    joints = Joints(model, claims, model.rate)
+    found: list[Claim] = []
+    for s in (0, *SIGNS):
+        for t in SIGNS:
+            for seam in seams(model.form(s, t), (s, t)):
+                if not depends(seam.condition.args[0] - seam.condition.args[1], W):
+                    continue
+                shown = joints.at_condition(seam, 0)
+                if shown is None:
+                    return f"dz/dt may jump where {seam.text}"
+                found += shown
+        shown = joints.at_axis("z", s, 0)
+        if shown is None:
+            return "dz/dt may jump at z = 0"
+        found += shown
+    return found
 
 
-def _lipschitz(quadrants: Quadrants, w_edges: list[float], deadline: float) -> tuple[float, float] | None:
-    """(a, b) with |d(dz/dt)/dz| <= a + b |v|, in 1/s and 1/m; None where no bound is found."""
-    at_rest = per_speed = 0.0
-    for form in quadrants.form.values():
-        slope = derivative(form, W)
-        evaluate = Evaluator([slope, over_u(slope)])
-        low, high = grid([speed_edges(quadrants.model, None), w_edges])
-        for _ in range(_ROUNDS):
-            u = Interval(low[0], high[0])
-            plain, by_speed = (
-                np.broadcast_to(np.maximum(abs(x.low), abs(x.high)), low.shape[1:])
-                for x in evaluate({**quadrants.domain, "u": u, "t": reciprocal(u), "w": Interval(low[1], high[1])})
-            )
-            good = np.isfinite(plain) | np.isfinite(by_speed)
-            if good.all():
-                break
-            middle = np.where(np.isinf(high), 8 * np.maximum(low, 1e-300), 0.5 * (low + high))[:, ~good]
-            low, high = _quartered(low, high, ~good, middle)
-            if monotonic() > deadline:
-                return None
-        else:
-            return None
-        at_rest = max(at_rest, float(np.max(plain, where=np.isfinite(plain), initial=0.0)))
-        per_speed = max(per_speed, float(np.max(by_speed, where=~np.isfinite(plain), initial=0.0)))
-    return at_rest, per_speed
+def _bounded_slope(
+    claims: Claims, growth: Mapping[str, Any], w: tuple[Fraction, Fraction | None]
+) -> list[Claim] | None:
+    return every(claims.lipschitz((s, t), w, growth, sign) for s in (0, *SIGNS) for t in SIGNS for sign in SIGNS)
 
 
-def _quartered(low: Any, high: Any, bad: Any, middle: Any) -> tuple[Any, Any]:
-    lows, highs = [low[:, ~bad]], [high[:, ~bad]]
-    for first in (True, False):
-        for second in (True, False):
-            upper = np.array([[not first], [not second]])
-            lows.append(np.where(upper, middle, low[:, bad]))
-            highs.append(np.where(upper, high[:, bad], middle))
-    return np.hstack(lows), np.hstack(highs)
-
-
-def _escape(quadrants: Quadrants) -> Verdict | None:
-    """A held speed that takes z to infinity in finite time: dz/dt grows faster than z."""
-    law = quadrants.model.law
-    length = law.scales(law.p).length
-    for v in (x * side for x in own_speeds(law) for side in (1, -1)):
-        for side in (1, -1):
-            z = side * length * np.logspace(0, 12, 4000)
+def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Any]]:
+    """Bounds (a + b u^k)(1 + (w/l)^m) of the derivative that sampling does not contradict, the simplest first."""
+    length = model.bound[1]
+    u, w, slope, size = _samples(model, within)
+    for m in (0, 1, 2, 3, 4, 6) if within is None else (0,):
+        for k in _POWERS:
+            value = np.maximum(slope / (1 + (w / float(length)) ** m), size / np.maximum(w + float(length), 0))
+            if not np.all(np.isfinite(value)):
+                return
+            by_speed = value.max(axis=1)
+            scale = u[len(u) // 2]
+            slow = float(by_speed[u <= scale].max()) * 2
             with np.errstate(all="ignore"):
-                outward = side * law.rate(v, z)
-                power = np.log(outward[-1] / outward[2000]) / np.log(z[-1] / z[2000])
-            if not (np.all(outward > 0) and np.isfinite(power) and power > 1.02):
+                fast = float((by_speed / (u / scale) ** k).max(where=u > scale, initial=0.0)) * 2
+            tail = by_speed[-1] / max(by_speed[-20], 1e-300) / (u[-1] / u[-20]) ** k
+            steep = (
+                slope[:, -1]
+                / (1 + (w[-1] / float(length)) ** m)
+                / np.maximum(slope[:, -20] / (1 + (w[-20] / float(length)) ** m), 1e-300)
+            )
+            if tail > 1.5 or (within is None and float(steep.max()) > 1.5 and slope[:, -1].max() > 0):
                 continue
-            time = float(np.trapezoid(1 / outward, abs(z)))
-            drive, end = replay.velocity_drive([v], [2 * time])
-            tables = replay.scenario_of(law, "unique", drive, end, {"initial": {"z": float(z[0])}})
-            evidence = {"v": v, "z_start": float(z[0]), "escape_time": time, "growth": f"dz/dt ~ |z|^{power:.3g}"}
-            return Verdict(False, "a held speed takes z to infinity in finite time (quadrature)", evidence, tables)
-    return None
+            b = Fraction(_SLACK * max(fast, slow, 1e-300) / scale**k)
+            a = Fraction(_SLACK * max(slow, fast, 1e-300))
+            finite = Fraction(float(max(size[:, 0].max(), 1e-300)))
+            a = max(a, finite / length if finite < 1e300 else a)
+            yield {"a": a, "b": b, "k": k, "l": length, "m": m}
+
+
+def _samples(model: Model, within: Fraction | None) -> tuple[Any, Any, Any, Any]:
+    """|d(dz/dt)/dz| and |dz/dt| on a grid of speeds and deflections."""
+    from stribeck.expressions.emit import python_function
+    from stribeck.properties.storage import own_speeds
+
+    own, length = own_speeds(model.law), float(model.bound[1])
+    u = np.geomspace(own[0] * 1e-4, own[-1] * 1e6, 61)
+    top = float(within) if within is not None else length * 1e4
+    w = np.concatenate([[0.0], np.geomspace(length * 1e-6, top, 60)])
+    names = [n for n in model.values if n.isidentifier()]
+    slope = size = np.zeros((len(u), len(w)))
+    for s in SIGNS:
+        for t in SIGNS:
+            form = model.form(s, t)
+            function = python_function([*names, "u", "w"], [form, derivative(form, W)])
+            with np.errstate(all="ignore"):
+                values = function(*(float(model.values[n]) for n in names), u[:, None], w)
+            first, second = (np.broadcast_to(abs(np.asarray(x)), size.shape) for x in values)
+            size, slope = np.fmax(size, first), np.fmax(slope, second)
+    return u, w, slope, size
+
+
+def decide(model: Model, claims: Claims, bounded: Certificate | None) -> Verdict:
+    """Lipschitz for all z, or within the bound that z keeps; or a speed that takes z to infinity."""
+    certificate = prove(model, claims, bounded)
+    words = "all v and z"
+    if isinstance(certificate, str) and bounded is not None:
+        reason, words = certificate, "all v and |z| <= Z, which z does not leave"
+        certificate = prove(model, claims, bounded, model.bound[1])
+        certificate = reason if isinstance(certificate, str) else certificate
+    if isinstance(certificate, Certificate):
+        return proved(model, certificate, f"{METHOD}, for {words}", {"within": words})
+    return escape(model) or undecided(certificate)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from time import monotonic
 from typing import Any
 
 from stribeck.laws.base import Law
+from stribeck.properties.certificate import FORMAT, Certificate
 
-_AGAIN = 60.0  # s: a second run of a proof that was found in a few may take as long
 NAMES = ("unique", "bounded", "smooth", "passive", "drift_free")
 
 
@@ -22,7 +21,9 @@ class Verdict:
         method: how it was decided.
         evidence: numbers that belong to it, SI units.
         scenario: of a counterexample, the tables of a scenario that shows it; else None.
-        verified: whether a second run of the proof or the replay agreed; None where none was made.
+        certificate: of a proof, plain data that ``stribeck check --verify`` and others can check; else None.
+        verified: whether the independent checker, or a second run of the scenario, agreed; None where neither was asked.
+        stated: what the scenario ends with.
     """
 
     holds: bool | None
@@ -30,22 +31,36 @@ class Verdict:
     evidence: dict[str, Any] = field(default_factory=dict)
     scenario: dict[str, Any] | None = None
     verified: bool | None = None
-    again: Callable[[], bool] | None = field(default=None, repr=False)
+    certificate: dict[str, Any] | None = field(default=None, repr=False)
+    stated: Mapping[str, float] = field(default_factory=dict, repr=False)
 
     def to_json(self) -> dict[str, Any]:
         """The verdict as JSON."""
         data: dict[str, Any] = {"holds": self.holds, "method": self.method, "evidence": self.evidence}
         return data if self.verified is None else {**data, "verified": self.verified}
 
+    def verify(self, law: Law, name: str, v_max: float | None = None) -> bool | None:
+        """Check the certificate with code that shares nothing with the prover, or run the scenario again."""
+        from stribeck.properties import replay
 
-def later() -> float:
-    """The deadline of a proof's second run."""
-    return monotonic() + _AGAIN
+        if self.holds:
+            from stribeck.properties.verify_certificate import verify
+
+            self.verified = self.certificate is not None and not verify(self.certificate, law, name, v_max)
+        elif self.scenario is not None and self.stated:
+            self.verified = replay.repeats(self.scenario, self.stated)
+        return self.verified
 
 
 def undecided(reason: str, **evidence: Any) -> Verdict:
     """Neither proved nor refuted."""
     return Verdict(None, "undecided", {"reason": reason, **evidence})
+
+
+def proved(model: Any, certificate: Certificate, method: str, evidence: Mapping[str, Any]) -> Verdict:
+    """A proof."""
+    found = {**evidence, "regions": certificate.leaves}
+    return Verdict(True, method, found, certificate=certificate.to_json(model))
 
 
 @dataclass
@@ -61,11 +76,21 @@ class Verdicts:
         return self.properties[name]
 
     def verify(self) -> bool:
-        """Run every proof and replay every counterexample once more; True where all agree."""
-        for verdict in self.properties.values():
-            if verdict.again is not None:
-                verdict.verified = verdict.again()
-        return all(verdict.verified is not False for verdict in self.properties.values())
+        """Check every proof's certificate and replay every counterexample; True where all agree."""
+        found = [
+            verdict.verify(self.law, name, self.v_max) for name, verdict in self.properties.items()
+        ]  # every one, also after one that fails
+        return False not in found
+
+    def certificates(self) -> dict[str, Any]:
+        """The certificates of all proofs, as plain data."""
+        return {
+            "format": FORMAT,
+            "law": self.law.name,
+            "certificates": {
+                n: v.certificate for n, v in self.properties.items() if v.holds and v.certificate is not None
+            },
+        }
 
     def to_json(self) -> dict[str, Any]:
         """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and what belongs to it."""

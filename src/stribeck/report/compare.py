@@ -6,20 +6,58 @@ import re
 from pathlib import Path
 from typing import Any
 
-from stribeck.analysis.comparison import Comparison
-from stribeck.files import write_json, write_text
-from stribeck.report import plots
-from stribeck.report.files import write_table
+from stribeck.analysis.comparison import Comparison, compared
+from stribeck.errors import left_out
+from stribeck.files import together, write_json
+from stribeck.report import chapters, overview
+from stribeck.report.files import write_figure, write_table
+from stribeck.report.page import Chapter, FigureSvg, Table
+
+_LONGEST = 100  # characters of a label in a file's name
 
 
-def write(comparison: Comparison, folder: Path, summary: dict[str, Any]) -> list[str]:
-    """Write a trajectory for each law, compare.svg and, last, summary.json with the deviations; the paths."""
+def write(comparison: Comparison, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
+    """Write a trajectory for each law, compare.svg, .png and .pdf, report.html and, last, summary.json with the
+    deviations; the paths."""
     paths: list[Path] = []
-    for i, (label, solution) in enumerate(comparison.solutions.items()):
-        paths += write_table(solution, folder, f"{i}_{re.sub(r'[^A-Za-z0-9_.=+-]+', '_', label).strip('_')}")
-    paths.append(folder / "compare.svg")
-    write_text(paths[-1], plots.overview(comparison.solutions))
-    paths.append(folder / "summary.json")
-    files = [str(path) for path in paths]
-    write_json(paths[-1], {**summary, "files": files})
+    with together(folder) as place:
+        for i, (label, solution) in enumerate(comparison.solutions.items()):
+            name = re.sub(r"[^A-Za-z0-9_.=+-]+", "_", label).strip("_")
+            paths += write_table(solution, place, f"{i}_{name[:_LONGEST]}")
+        with left_out("the plot and the page"):
+            figure = overview.comparison(comparison.solutions)
+            paths += write_figure(figure, place)
+            paths.append(_page(comparison, figure, place, command))
+        paths.append(place / "summary.json")
+        files = [str(folder / path.name) for path in paths]
+        write_json(paths[-1], {**summary, "files": files})
     return files
+
+
+def _page(comparison: Comparison, figure: FigureSvg, folder: Path, command: str) -> Path:
+    reference, *others = comparison.solutions
+    names = compared(comparison.solutions[reference].scenario)
+    units = {c.name: c.unit for c in comparison.solutions[reference].columns}
+    rows = [
+        [label, *(cell for n in names for cell in (f"{d[n]['max']:.4g}", chapters.percent(d[n]["max_relative"])))]
+        for label, d in comparison.deviations.items()
+    ]
+    head = ["law", *(cell for n in names for cell in (f"{n} ({units[n]})", "of its peak"))]
+    text = [f"The largest deviation from {reference} over the rows that both reached."]
+    if failed := [f"{label} failed: {s.reason}." for label, s in comparison.solutions.items() if s.reason]:
+        text += failed
+    slips = [
+        [label, str(chapters.slips(s)), *(f"{s.peaks[n]:.6g}" for n in names), str(s.stats["accepted"])]
+        for label, s in comparison.solutions.items()
+    ]
+    about = Table(["law", "slips", *(f"largest {n} ({units[n]})" for n in names), "steps"], slips)
+    found = [Chapter("deviations", "Deviations", text, [Table(head, rows), about]), *chapters.plots([figure])]
+    if comparison.solutions[reference].scenario.rig is None:
+        found += [chapters.of_law(s.scenario.law, f"law-{i}") for i, s in enumerate(comparison.solutions.values())]
+    else:
+        found += chapters.of_laws(comparison.solutions[reference].scenario)
+    introduction = [f"{', '.join(others)} beside {reference}."]
+    return chapters.write_page(
+        folder, f"{comparison.name}: {len(comparison.solutions)} laws", introduction,
+        [*found, chapters.of_scenario(comparison.solutions[reference].scenario)], command,
+    )  # fmt: skip

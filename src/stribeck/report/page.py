@@ -8,6 +8,10 @@ from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
 
+from stribeck.errors import needed
+
+_NUMBER = re.compile(r"(open|given|any|-|[-+\N{MINUS SIGN}]?(\d[\d.e+-]*|nan|inf)( ?%)?)$")
+
 
 @dataclass(frozen=True)
 class Table:
@@ -17,15 +21,21 @@ class Table:
     rows: Sequence[Sequence[str]]
     prose: bool = False
 
+    @property
+    def words(self) -> set[int]:
+        """The columns of words, which stand to the left; numbers stand to the right."""
+        return {i for i in range(len(self.head)) if any(not _NUMBER.match(row[i]) for row in self.rows if row[i:])}
+
 
 @dataclass(frozen=True)
 class FigureSvg:
-    """A figure: a name for its files, the SVG (and PNG), and a caption that says what to see."""
+    """A figure: a name for its files, the SVG (PNG, PDF), and a caption that says what to see."""
 
     name: str
     svg: str
     caption: str
     png: bytes = b""
+    pdf: bytes = b""
 
     @property
     def inline(self) -> str:
@@ -41,7 +51,7 @@ class FigureSvg:
 
 @dataclass(frozen=True)
 class Chapter:
-    """A chapter of a report: text, tables and figures for people, ``numbers`` and ``data`` (columns) for programs."""
+    """A chapter of a report: text, tables, figures and code for people, ``numbers`` and ``data`` (columns) for programs."""
 
     key: str
     title: str
@@ -50,6 +60,7 @@ class Chapter:
     figures: Sequence[FigureSvg] = ()
     numbers: dict[str, Any] = field(default_factory=dict)
     data: dict[str, Any] = field(default_factory=dict)
+    code: str = ""
 
 
 def _whole(text: str) -> str:
@@ -61,7 +72,8 @@ def _whole(text: str) -> str:
 
 def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence[Chapter]) -> str:
     """The page: nothing in it is fetched from elsewhere."""
-    import jinja2
+    with needed("a page"):
+        import jinja2
 
     template = files("stribeck.report").joinpath("page.html").read_text(encoding="utf-8")
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.errors import needed
 from stribeck.report.page import FigureSvg
-from stribeck.simulation import Solution
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +42,7 @@ _STYLE: dict[str, Any] = {
     "axes.grid": True,
     "axes.axisbelow": True,
     "axes.formatter.limits": (-3, 4),
+    "axes.formatter.useoffset": False,
     "axes.formatter.use_mathtext": False,
     "grid.color": "#dddddd",
     "grid.linewidth": 0.5,
@@ -50,19 +51,19 @@ _STYLE: dict[str, Any] = {
     "legend.fontsize": 9,
     "legend.handlelength": 3,
     "svg.fonttype": "none",
+    "pdf.fonttype": 42,
     "svg.hashsalt": "stribeck",
 }
-_BODY = [["y", "v"], ["F", "F"], ["Fv", "Fy"]]
-_AXES = [("y", "t", "y"), ("v", "t", "v"), ("F", "t", "F"), ("Fv", "v", "F"), ("Fy", "y", "F")]
-_SERVO = [["y", "e"], ["p_1", "p_2"], ["u", "V"], ["F", "F_hat"]]
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LONGEST = 60  # characters of a label
 _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
 
 
 @contextmanager
 def style() -> Iterator[None]:
     """Within, matplotlib draws in the common style."""
-    import matplotlib
+    with needed("a plot"):
+        import matplotlib
 
     with matplotlib.rc_context(cast(Any, _STYLE)):
         yield
@@ -104,18 +105,17 @@ def thin(x: Array, y: Array) -> tuple[Array, Array]:
     return x[keep], y[keep]
 
 
+def plain(text: str, longest: int = _LONGEST) -> str:
+    """A user's text as a label: no formulae between dollars, no more than fits, never hidden by a leading underscore."""
+    text = text if len(text) <= longest else f"{text[: longest - 3]}..."
+    text = text.replace("$", r"\$")
+    return f"\u200b{text}" if text.startswith("_") else text
+
+
 def line(axis: Axes, i: int, x: Any, y: Any, label: str, **options: Any) -> None:
     """The figure's line number ``i``: its colour and dashes follow from the number."""
-    axis.plot(x, y, color=COLOURS[i % len(COLOURS)], linestyle=DASHES[i % len(DASHES)], label=label, **options)
-
-
-def draw(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
-    """One line a solution of column ``y`` against column ``x``, with names and units on the axes."""
-    units = {column.name: column.unit for column in next(iter(solutions.values())).columns} | {"t": "s"}
-    for i, (label, solution) in enumerate(solutions.items()):
-        line(axis, i, *thin(solution[x], solution[y]), label)
-    axis.set_xlabel(f"{x} ({units[x]})")
-    axis.set_ylabel(f"{y} ({units[y]})")
+    style = {"color": COLOURS[i % len(COLOURS)], "linestyle": DASHES[i % len(DASHES)], "label": plain(label)}
+    axis.plot(x, y, **style, **options)
 
 
 def logarithmic(axis: Axes, x: bool = True, y: bool = True) -> None:
@@ -134,45 +134,43 @@ def _power(x: float, _: float = 0.0) -> str:
     return "10" + str(exponent).translate(_RAISED) if np.isclose(x, 10.0**exponent, atol=0) else f"{x:g}"
 
 
-def legend(made: Figure, axis: Axes) -> None:
-    """One legend for the whole figure, above the panels, from one panel's lines."""
+def number(x: float) -> str:
+    """A tick's label: plain digits, or a power of ten where these would be many."""
+    if not x or 1e-3 <= abs(x) < 1e4:
+        return f"{x:g}".replace("-", "\N{MINUS SIGN}")
+    return ("\N{MINUS SIGN}" if x < 0 else "") + _power(abs(x))
+
+
+def legend(made: Figure, axis: Axes, names: Sequence[str] | None = None) -> None:
+    """One legend for the whole figure, above the panels, from one panel's lines (those of ``names``)."""
     handles, labels = axis.get_legend_handles_labels()
+    if names is not None:
+        handles, labels = (
+            [x for x, label in zip(kind, labels, strict=True) if label in names] for kind in (handles, labels)
+        )
     room = 88  # characters beside each other at the legend's size, a line's sample counted as six
-    fits = max(1, room // (6 + max(map(len, labels))))
+    fits = max(1, room // (6 + max(map(len, labels), default=0)))
     columns = len(labels) if sum(len(label) + 6 for label in labels) <= room else min(fits, (len(labels) + 1) // 2)
     made.legend(handles, labels, loc="outside upper center", ncols=columns)
 
 
-def finish(made: Figure, name: str, caption: str) -> FigureSvg:
-    """The drawn figure as SVG and PNG under a name, with its caption. Call within :func:`style`."""
+def key(axis: Axes, names: Sequence[str], beside: int) -> None:
+    """A small legend within one panel: ``names`` of its own line, where it is named, and of the ``beside`` first ones."""
+    lines = axis.get_lines()
+    handles = [*([lines[beside]] if len(names) > beside else []), *lines[:beside]]
+    axis.legend(handles, names, loc="best", fontsize=8, handlelength=2, borderaxespad=0.2, labelspacing=0.2)
+
+
+def finish(made: Figure, name: str, caption: str, pdf: bool = False) -> FigureSvg:
+    """The drawn figure as SVG and PNG (and PDF) under a name, with its caption. Call within :func:`style`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    text, buffer = svg(made), io.BytesIO()
+    text, buffer, print_ = svg(made), io.BytesIO(), io.BytesIO()
     FigureCanvasAgg(made)
     made.savefig(buffer, format="png", dpi=160, metadata={"Software": None})
-    return FigureSvg(name, text, caption, buffer.getvalue())
+    if pdf:
+        from matplotlib.backends.backend_pdf import FigureCanvasPdf
 
-
-def overview(solutions: Mapping[str, Solution]) -> str:
-    """Position, velocity and friction force against time, and the force against velocity and position; of a servo its
-    errors, pressures, voltage, forces and V against time. As SVG."""
-    if next(iter(solutions.values())).scenario.rig is not None:
-        from stribeck.report.machines import overview as of_machine
-
-        return of_machine(solutions)
-    failed = [label for label, solution in solutions.items() if solution.status != "done"]
-    name = next(iter(solutions.values())).scenario.name
-    servo = all(solution.scenario.servo is not None for solution in solutions.values())
-    layout, height, panels = (
-        (_SERVO, 8.4, [(y, "t", y) for row in _SERVO for y in row]) if servo else (_BODY, 6.6, _AXES)
-    )
-    with style():
-        made, axes = figure(layout, height)
-        for panel, x, y in panels:
-            draw(axes[panel], solutions, x, y)
-        if servo:
-            axes["V"].set_yscale("log")
-        early = f" (failed early: {', '.join(failed)})" if failed else ""
-        axes["y"].set_title(f"{name}{early}")
-        legend(made, axes["y"])
-        return svg(made)
+        FigureCanvasPdf(made)
+        made.savefig(print_, format="pdf", metadata={"CreationDate": None, "Producer": None, "Creator": None})
+    return FigureSvg(name, text, caption, buffer.getvalue(), print_.getvalue())

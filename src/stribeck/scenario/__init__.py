@@ -17,7 +17,7 @@ from stribeck.control.cascade import Cascade
 from stribeck.control.servo import ServoSystem
 from stribeck.drives import Drive
 from stribeck.equations import Equations
-from stribeck.errors import InputError
+from stribeck.errors import InputError, printable
 from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario import servo, tables
@@ -61,7 +61,10 @@ class Scenario:
         trust: bool | Collection[str] = True,
         **tables_: Any,
     ) -> None:
-        self.data: dict[str, Any] = plain({"schema": 1, **tables_} if data is None else {**data, **tables_})
+        given = {"schema": 1, **tables_} if data is None else {**data, **tables_}
+        if isinstance(law := given.get("law"), Law) and law.rotary:
+            given.setdefault("rotary", True)
+        self.data: dict[str, Any] = plain(given)
         self.folder = Path(folder) if folder is not None else Path()
         self.drive: type[Drive] | type[Cascade]
         self.signal: Signal
@@ -176,8 +179,14 @@ class Scenario:
 
     @property
     def name(self) -> str:
-        """The scenario's name."""
-        return str(self.data.get("name", "scenario"))
+        """The scenario's name; what a terminal or a file could take for more than text is written as an escape."""
+        return printable(str(self.data.get("name", "scenario")))
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the one body turns: the columns are in rad and N m then, the numbers are the same. A machine of many
+        bodies says it for each."""
+        return self.rig is None and self.law.rotary
 
     @cached_property
     def rows(self) -> int:

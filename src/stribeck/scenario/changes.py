@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from stribeck import laws
+from stribeck import laws, parameter_sets
 from stribeck.errors import InputError, arg, note
 from stribeck.laws.base import PARAMETERS
 
@@ -112,9 +112,12 @@ def _unfold_parameters(data: dict[str, Any], path: str, folder: Path) -> bool:
     except InputError:
         known = None
     try:
+        rotary = parameter_sets.load(law["parameters"], folder).rotary
         law["parameters"] = laws.parameters_for(known, law["parameters"], folder)
     except InputError:
         return False
+    if rotary:
+        data.setdefault("rotary", True)  # the set's name said so
     return True
 
 

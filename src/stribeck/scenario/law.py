@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-from stribeck import laws
+from stribeck import laws, parameter_sets
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import PARAMETERS, Law
@@ -43,6 +43,12 @@ class LawReader:
         self.table, self.path, self.folder, self.executes = table, path, folder, executes
         self.problems: list[Problem] = []
         self.law: Law | None = None
+
+    @property
+    def rotary(self) -> bool:
+        """Whether the set of parameters that the table names is of a machine that turns."""
+        given = self.table.get("parameters") if isinstance(self.table, dict) else None
+        return isinstance(given, str) and parameter_sets.load(given, self.folder).rotary
 
     def read(self) -> Law | None:
         """The law, or None; ``problems`` then says why."""
@@ -81,7 +87,7 @@ class LawReader:
         return self.law
 
     def _evaluate(self, law: Law) -> None:
-        if ".py:" in self.table["name"] and (trouble := laws.trouble(law)):
+        if trouble := laws.trouble(law) if in_a_file(self.table["name"]) else laws.overflow(law):
             self.problems.append((f"{self.path}.name", f"{show(self.table['name'])}: {trouble}"))
         else:
             self.law = law

@@ -117,8 +117,10 @@ class Reader:
         self.problems += unknown(table, path, known)
 
     def _top(self) -> None:
-        self._unknown(self.data, "", ("schema", "name", *_TABLES))
+        self._unknown(self.data, "", ("schema", "name", "rotary", *_TABLES))
         self._schema(1)
+        if not isinstance(rotary := self.data.get("rotary", False), bool):
+            self.problems.append(("rotary", f"{show(rotary)}: must be true or false, not {kind_of(rotary)}"))
         self._name()
 
     def _law(self) -> None:
@@ -126,6 +128,7 @@ class Reader:
         law = reader.read()
         self.problems += reader.problems
         if law is not None:
+            law.rotary = self.data.get("rotary", reader.rotary) is True
             self.scenario.law = law
 
     def _drive(self) -> None:
@@ -190,6 +193,8 @@ class Reader:
                 self.problems += [p for p in found if not p[1].startswith("missing")]
             return
         if drive is Cascade:
+            if self.data.get("rotary") is True:
+                self.problems.append(("rotary", "true: must be left out: the piston of a cylinder does not turn"))
             self._servo()
             return
         table = self._table(tables.plant_table(not moved), "plant")

@@ -67,6 +67,7 @@ def _body() -> Node:
         **_object(
             {
                 **_common(1),
+                "rotary": {"type": "boolean", "description": "the machine turns: N m for N, rad for m, kg m^2 for kg"},
                 "law": {"$ref": "#/$defs/law"},
                 "plant": {"description": "what friction acts on"},
                 "drive": {"oneOf": [_drive(kind) for kind in tables.DRIVES], "description": "what moves it"},

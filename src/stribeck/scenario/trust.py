@@ -8,11 +8,13 @@ the law himself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from stribeck.constants import show
+
+_DEEPEST = 16  # tables within tables; no valid file has as many
 
 
 def in_a_file(name: object) -> bool:
@@ -22,21 +24,18 @@ def in_a_file(name: object) -> bool:
 
 def named(data: Mapping[str, Any]) -> dict[str, str]:
     """The laws and elements in files that a scenario's data names, by the path of the key."""
-    tables = {key: value for key, value in data.items() if isinstance(value, Mapping)}
-    return {path: value for key, table in tables.items() for path, value in _within(table, key)}
-
-
-def _within(value: Any, path: str) -> Iterator[tuple[str, str]]:
-    """Every ``name`` and ``kind`` that stands in a file."""
-    if isinstance(value, Mapping):
-        for key, inside in value.items():
-            if key in ("name", "kind") and in_a_file(inside):
-                yield f"{path}.{key}", inside
-            else:
-                yield from _within(inside, f"{path}.{key}")
-    elif isinstance(value, list):
-        for i, inside in enumerate(value):
-            yield from _within(inside, f"{path}[{i}]")
+    found: dict[str, str] = {}
+    left: list[tuple[str, Any]] = [(key, value) for key, value in data.items() if isinstance(value, Mapping)]
+    while left:  # a file may nest deeper than Python calls
+        path, value = left.pop()
+        inside = value.items() if isinstance(value, Mapping) else enumerate(value)
+        for key, each in inside:
+            place = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}"
+            if key in ("name", "kind") and in_a_file(each):
+                found[place] = each
+            elif isinstance(each, Mapping | list) and place.count(".") + place.count("[") < _DEEPEST:
+                left.append((place, each))
+    return found
 
 
 def problems(data: Mapping[str, Any], folder: Path, trusted: Iterable[str]) -> list[tuple[str, str]]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.constants import Constant, show
+from stribeck.errors import needed
 from stribeck.expressions.ops import Value
 from stribeck.signals.piecewise import Points, Signal
 
@@ -126,7 +127,8 @@ class Spline(Curve):
     @staticmethod
     def between(t: Array, value: Array) -> Array:
         """The spline with zero speed, acceleration and jerk at both ends."""
-        from scipy.interpolate import PPoly, make_interp_spline
+        with needed("a signal of kind 'spline'"):
+            from scipy.interpolate import PPoly, make_interp_spline
 
         rest = [(order, 0.0) for order in (1, 2, 3)]
         spline = make_interp_spline(t, value, k=7, bc_type=(rest, rest))  # type: ignore[arg-type]

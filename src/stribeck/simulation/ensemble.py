@@ -6,6 +6,7 @@ import ctypes
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck.codegen import source
 from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK
-from stribeck.errors import BuildError, InputError, nearest
+from stribeck.errors import BuildError, InputError, StribeckError, arg, nearest
 from stribeck.scenario import Scenario, memory
 from stribeck.scenario.objects import Machine, Varied, scenario_of
 from stribeck.simulation import cache, compiler, lanes
@@ -75,7 +76,7 @@ class Ensemble:
     @property
     def columns(self) -> tuple[Column, ...]:
         """The columns after t: name, unit and meaning."""
-        return self.scenario.system.columns
+        return tuple(c.of_motion(self.scenario.rotary) for c in self.scenario.system.columns)
 
     @cached_property
     def _columns(self) -> dict[str, Array]:
@@ -101,6 +102,7 @@ def simulate_ensemble(
     t_end: float | None = None,
     step: float | None = None,
     threads: int | None = None,
+    device: str = "cpu",
     progress: Callable[[float], None] | None = None,
 ) -> Ensemble:
     """Simulate a scenario once for each value of some of its numbers.
@@ -116,6 +118,8 @@ def simulate_ensemble(
         t_end, step: as for :func:`simulate`.
         values: numbers by path, as many for each path as there are lanes; a single number holds for all.
         threads: how many to use; all of the machine's unless given.
+        device: ``"cuda"`` for a GPU, one trajectory a thread (``pip install 'stribeck[cuda]'``); its lanes agree with
+            those of the processor within the tolerances.
         progress: called now and then with the share of the lanes done, 0 to 1.
 
     Returns:
@@ -123,7 +127,10 @@ def simulate_ensemble(
 
     Raises:
         InputError: a path is none that can be varied, its values are no numbers, or the rows do not fit into memory.
+        StribeckError: ``device="cuda"`` where there is no GPU, or for what runs lane by lane.
     """
+    if device not in ("cpu", "cuda"):
+        raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
     if isinstance(scenario, Varied):
         values = {**scenario.values, **(values or {})}
     shared = scenario.machine if isinstance(scenario, Varied) else scenario
@@ -142,11 +149,19 @@ def simulate_ensemble(
     counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected")}
     counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
     if len(possible):
-        library = _library(scenario) if isinstance(variations, Variations) else None
+        on_gpu = device == "cuda"
+        if on_gpu and not isinstance(variations, Variations):
+            raise StribeckError("device 'cuda': this scenario runs lane by lane, which a GPU cannot; use the processor")
+        library = _library(scenario) if isinstance(variations, Variations) and not on_gpu else None
         threads = threads or lanes.threads_of_this_machine()
-        if library is not None and isinstance(variations, Variations):
+        if (on_gpu or library is not None) and isinstance(variations, Variations):
             some = variations if len(possible) == count else variations.part(possible)
-            found = lanes.solve(library, some, threads, progress)
+            if library is None:
+                from stribeck.simulation import cuda
+
+                found = cuda.solve(some, progress)
+            else:
+                found = lanes.solve(library, some, threads, progress)
             states[possible] = found.states
             watched = found.counts["happened"].shape[1]
             for name, x in counts.items():
@@ -190,8 +205,14 @@ def _one_by_one(
     scenario = variations.scenario
     columns = {c.name: np.full(states.shape[:2], np.nan) for c in scenario.system.columns}
 
+    stopped = Event()
+
+    def go_on(share: float) -> None:
+        if stopped.is_set():
+            raise KeyboardInterrupt
+
     def run(lane: int) -> Solution:
-        return simulate(scenario.with_changes(variations.changes(lane)))
+        return simulate(scenario.with_changes(variations.changes(lane)), go_on)
 
     with ThreadPoolExecutor(threads) as pool:
         try:
@@ -207,6 +228,7 @@ def _one_by_one(
                 if progress is not None:
                     progress((done + 1) / len(places))
         except BaseException:
+            stopped.set()
             pool.shutdown(cancel_futures=True)
             raise
     return columns
@@ -221,7 +243,7 @@ def _count_crossings(
     for i, lane in enumerate(places):
         if threshold[i] > 0:
             done = found.counts["status"][i] == 0
-            end = scenario.end if done else float(found.counts["rows_reached"][i]) * scenario.output.step
+            end = scenario.end if done else max(float(found.counts["rows_reached"][i]) - 1, 0.0) * scenario.output.step
             rises = [up for _, up in signals[which[i]].crossings(float(threshold[i]), end)]
             counts["happened"][lane, 0, :2] = sum(rises), len(rises) - sum(rises)
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.control.sampled import Log
+from stribeck.errors import needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.scenario import Scenario
@@ -186,7 +187,8 @@ class _Run:
 
     def advance(self, begin: float, end: float) -> None:
         """Integrate from ``begin`` to ``end``, within one piece of the signals."""
-        from scipy.integrate import Radau
+        with needed("solving without a C compiler"):
+            from scipy.integrate import Radau
 
         scenario, equations, rows = self.scenario, self.equations, self.rows
         solver: Any = Radau(

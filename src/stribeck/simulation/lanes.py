@@ -8,6 +8,7 @@ from collections.abc import Callable
 from ctypes import POINTER, c_double, c_int8, c_int64
 from dataclasses import dataclass
 from threading import Thread
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,10 +72,16 @@ def threads_of_this_machine() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def solve(
-    library: ctypes.CDLL, lanes: Variations, threads: int, progress: Callable[[float], None] | None = None
-) -> Outcome:
-    """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
+@dataclass(frozen=True)
+class Arrays:
+    """A batch in memory: the numbers of its arrays by name, and the struct whose pointers are theirs."""
+
+    by_name: dict[str, NDArray[Any]]
+    batch: Batch
+
+
+def arrays(lanes: Variations) -> Arrays:
+    """What the compiled solver of the lanes reads and writes."""
     scenario, count = lanes.scenario, len(lanes)
     share, pieces, levels = step_share(scenario), lanes.pieces(), lanes.levels()
     room, noise = held_back(scenario.end, lanes.sampling())
@@ -98,8 +105,22 @@ def solve(
         setattr(batch, name, x.ctypes.data_as(POINTER(c_double)))
     for name, i in integers.items():
         setattr(batch, name, i.ctypes.data_as(POINTER(c_int64)))
-    _run(library, batch, integers["turn"], threads, progress)
-    return Outcome(numbers["out"], numbers["t_reached"], {name: integers[name] for name in _COUNTS})
+    return Arrays({**numbers, **integers, "piece_restart": restart}, batch)
+
+
+def outcome(made: Arrays) -> Outcome:
+    """What became of the lanes, from the arrays that the solver filled."""
+    found = made.by_name
+    return Outcome(found["out"], found["t_reached"], {name: found[name] for name in _COUNTS})
+
+
+def solve(
+    library: ctypes.CDLL, lanes: Variations, threads: int, progress: Callable[[float], None] | None = None
+) -> Outcome:
+    """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
+    made = arrays(lanes)
+    _run(library, made.batch, made.by_name["turn"], threads, progress)
+    return outcome(made)
 
 
 def _run(

@@ -1,4 +1,5 @@
-"""A law's friction force for a measured velocity, compiled; several sets of parameters at a time."""
+"""A law's friction force for a measured velocity, and a body's motion for a measured force, compiled; several sets of
+parameters at a time."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from ctypes import POINTER, c_double, c_int, c_int64
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.codegen.response import parameters, response_source
+from stribeck.codegen.response import motion_source, parameters, response_source
 from stribeck.errors import BuildError
 from stribeck.laws.base import Law
 from stribeck.simulation import cache, compiler
@@ -18,17 +19,20 @@ Array = NDArray[np.float64]
 _STEPS_A_SAMPLE = 1000
 
 
+_P, _N = POINTER(c_double), c_int64
+_CALLS: dict[str, list[object]] = {
+    "stribeck_respond": [_N, _P, _P, _P, _N, _P, _P, _P, c_double, _N, _P, _P, _P],
+    "stribeck_move": [_N, _P, _P, _P, _N, _P, _P, _P, _N, POINTER(c_int64), _P, _P, _N, _P, _P, _P],
+}
+
+
 def _check(library: ctypes.CDLL) -> None:
-    """Make sure that the library answers to a motion, and say how it is called."""
-    pointer, whole = POINTER(c_double), c_int64
-    try:
-        call = library.stribeck_respond
-    except AttributeError:
-        raise BuildError("the library built is no compiled response") from None
-    call.argtypes = [
-        whole, pointer, pointer, pointer, whole, pointer, pointer, pointer, c_double, whole, pointer, pointer, pointer,
-    ]  # fmt: skip
-    call.restype = c_int
+    """Make sure that the library answers to a velocity or a force, and say how it is called."""
+    name = next((name for name in _CALLS if hasattr(library, name)), None)
+    if name is None:
+        raise BuildError("the library built is no compiled response")
+    call = getattr(library, name)
+    call.argtypes, call.restype = _CALLS[name], c_int
 
 
 class Response:
@@ -43,13 +47,8 @@ class Response:
     """
 
     def __init__(self, law: type[Law], structure: tuple[str, ...] = ()) -> None:
-        chosen = compiler.find()
-        if chosen is None:
-            raise BuildError(
-                "a simulation-error fit needs a C compiler, and none was found (pip install 'stribeck[compiler]')"
-            )
         self.names = parameters(law, structure)
-        library = cache.library(response_source(law, structure), chosen, _check)[0]
+        library = _built(response_source(law, structure))
         self._call = library.stribeck_respond
 
     def lanes(self, sets: Sequence[Mapping[str, float]]) -> Array:
@@ -89,6 +88,67 @@ class Response:
             present_, state_, out_,
         )  # fmt: skip
         return out if status == 0 and np.isfinite(out).all() else None
+
+
+class Motion:
+    """The motion of a body under a measured force and a law's friction: y(t), v(t) for F(t) given by samples.
+
+    Args:
+        law: the law.
+        structure: its optional constants that are on.
+
+    Raises:
+        BuildError: there is no C compiler, or it failed.
+    """
+
+    def __init__(self, law: type[Law], structure: tuple[str, ...] = ()) -> None:
+        self.names = parameters(law, structure)
+        self._call = _built(motion_source(law, structure)).stribeck_move
+
+    def of(
+        self, t: Array, force: Array, sets: Sequence[Mapping[str, float]], first: NDArray[np.int64], states: Array,
+        tolerance: tuple[float, float, float], straight: bool = False,
+    ) -> tuple[Array, Array] | None:  # fmt: skip
+        """Position (m) and velocity (m/s), each of shape (lanes, samples); None where the integration failed.
+
+        Args:
+            t: times of the samples, s, rising evenly.
+            force: the driving force there, N; a cubic through four samples gives its mean from one to the next.
+            sets: for each lane the law's constants, "mass" (kg) and "offset" (N, taken off the force).
+            first: the samples at which windows begin, rising from 0; each has states of its own.
+            states: position, velocity and deflection of each lane at the start of each window, (windows, lanes, 3).
+            tolerance: largest error of the first lane's position, velocity and deflection in a step; all lanes take the
+                same steps.
+            straight: take the force from sample to sample as a straight line.
+        """
+        lanes = len(sets)
+        constants = np.array([[each[name] for name in self.names] for each in sets], float)
+        mass, offset = (np.array([each[name] for each in sets], float) for name in ("mass", "offset"))
+        bend = np.zeros(len(force)) if straight else _bends(force)
+        inputs = [np.ascontiguousarray(x, float) for x in (t, force, bend, constants, mass, offset, states)]
+        t_, force_, bend_, constants_, mass_, offset_, states_ = (_pointer(x) for x in inputs)
+        begin, limits = np.ascontiguousarray(first, np.int64), np.array(tolerance)
+        work, y, v = np.zeros((lanes, 3)), np.empty((lanes, len(t))), np.empty((lanes, len(t)))
+        status = self._call(
+            len(t), t_, force_, bend_, lanes, constants_, mass_, offset_, len(begin),
+            begin.ctypes.data_as(POINTER(c_int64)), states_, _pointer(limits), _STEPS_A_SAMPLE * len(t),
+            _pointer(work), _pointer(y), _pointer(v),
+        )  # fmt: skip
+        return (y, v) if status == 0 and np.isfinite(y).all() and np.isfinite(v).all() else None
+
+
+def _built(text: str) -> ctypes.CDLL:
+    """The compiled library of a source.
+
+    Raises:
+        BuildError: there is no C compiler, or it failed.
+    """
+    chosen = compiler.find()
+    if chosen is None:
+        raise BuildError(
+            "a simulation-error fit needs a C compiler, and none was found (pip install 'stribeck[compiler]')"
+        )
+    return cache.library(text, chosen, _check)[0]
 
 
 def _pointer(array: Array) -> ctypes._Pointer[c_double]:

@@ -57,10 +57,10 @@ class Solution:
         """Times of the rows, s: i * output.step."""
         return np.arange(len(self.states), dtype=float) * self.scenario.output.step
 
-    @property
+    @cached_property
     def columns(self) -> tuple[Column, ...]:
         """The columns after t: name, unit and meaning."""
-        return self.scenario.system.columns
+        return tuple(c.of_motion(self.scenario.rotary) for c in self.scenario.system.columns)
 
     @cached_property
     def _columns(self) -> dict[str, Array]:
@@ -108,7 +108,7 @@ class Solution:
         Raises:
             MissingExtra: pandas is not installed.
         """
-        with needed("to_pandas()", "pandas"):
+        with needed("to_pandas()"):
             import pandas
 
         return pandas.DataFrame({"t": self.t, **self._columns})

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import jinja2
-
 from stribeck.control.observer import correction
+from stribeck.errors import needed
 from stribeck.expressions.emit import Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
@@ -141,6 +140,9 @@ def expression(node: Expr, names: Iterable[str]) -> str:
 
 def render(template: str, **values: Any) -> str:
     """A template of this package, filled in."""
+    with needed("an export", "export"):
+        import jinja2
+
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("stribeck.export"), trim_blocks=True, lstrip_blocks=True,
         keep_trailing_newline=True, undefined=jinja2.StrictUndefined,

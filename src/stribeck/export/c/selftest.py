@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.control.sampled import phi_1
+from stribeck.errors import needed
 from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, Cascade
 from stribeck.export.c.ccode import Equations
 from stribeck.export.request import Request
@@ -129,7 +130,8 @@ def _magnitude(node: Expr, known: dict[Expr, Expr]) -> Expr:
 
 def advance(law: Law, v: float, z: float, dt: float) -> float:
     """z after dt with v held, by SciPy at tolerances near rounding."""
-    from scipy.integrate import solve_ivp
+    with needed("a self-test", "export"):
+        from scipy.integrate import solve_ivp
 
     if not law.has_z:
         return z

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import zipfile
-from importlib.resources import files as resources
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,8 +18,6 @@ from stribeck.export.request import Request
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.plants.mass import Mass
 
-_HEADERS = {2: ("Functions", "FunctionTypes", "TypesPlatform"), 3: ("Functions", "FunctionTypes", "PlatformTypes")}
-
 
 def files(request: Request) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
@@ -30,11 +27,9 @@ def files(request: Request) -> dict[str, str | bytes]:
     sources = {
         f"{name}.h": render(f"{part}.h", **values),
         f"{name}.c": render(f"{part}.c", **values),
+        f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
         "fmu.c": render(f"{model}.c", **values) + render(f"fmi{fmi}.c", **values),
     }
-    for header in _HEADERS[fmi]:
-        path = resources("stribeck.export").joinpath("fmi", f"fmi{fmi}{header}.h")
-        sources[path.name] = path.read_text(encoding="utf-8")
     content: dict[str, str | bytes] = {"modelDescription.xml": model_description(values)}
     content |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:
@@ -58,7 +53,7 @@ def context(request: Request) -> dict[str, Any]:
     by_name = {v.name: v.reference for v in variables}
     states = [v for v in variables if v.start is not None and v.name in ("y", "v", "z") and v.nominal is not None]
     model = f"{request.name}_{request.part}"
-    about = [*request.about(), *([f"mass = {mass!r} kg"] if body else [])]
+    about = [*request.about(), *([f"mass = {mass!r} {request.unit('kg')}"] if body else [])]
     return values | {
         "fmi": request.fmi, "body": body, "mass": mass, "model": model, "about": about, "variables": variables,
         "states": states, "token": token(model, request.fmi, about, variables), "acceleration": _acceleration(),
@@ -75,6 +70,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
 
     def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Any) -> int:
         variability = "tunable" if causality == "parameter" else "continuous"
+        unit, meaning = request.unit(unit), request.words(meaning)
         found.append(Variable(len(found), name, unit, meaning, causality, variability, c, **rest))
         return len(found) - 1
 
@@ -106,7 +102,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
     if bad := [key for key in request.constants if key in {variable.name for variable in found}]:
         raise InputError([f"{key}: the FMU has a variable of this name: rename the constant" for key in bad])
     for key, value in request.constants.items():
-        constant = law.constants()[key]
+        constant = request.declared[key]
         least = constant.above if constant.above is not None else constant.at_least
         meaning = f"{constant.meaning}, {constant.allowed}"
         add(key, constant.unit, meaning, "parameter", f"m->p.{key}", start=value, minimum=least)

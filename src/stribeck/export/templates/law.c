@@ -294,7 +294,7 @@ int {{ P }}_observer_step(const parameters *p, {{ P }}_state *s, real v, real er
 {% endif %}
 {% if with_body %}
 
-/* How far a velocity w at the end of the step is from balance, N; z there, the derivative by w, the friction, and the
+/* How far a velocity w at the end of the step is from balance, {{ u("N") }}; z there, the derivative by w, the friction, and the
  * sum of the absolute terms. */
 typedef struct {
     real excess, z, slope, force, terms;

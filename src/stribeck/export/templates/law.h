@@ -17,6 +17,9 @@
  * A force that is computed from a measured velocity acts a sample late: {{ P }}_step inside a loop with a mass is
  * stable for short steps only{% if with_body %}; {{ P }}_body_step is stable for all{% endif %}.
 {% endif %}
+{% for line in costs %}
+ * {{ line }}
+{% endfor %}
  */
 #ifndef {{ P | upper }}_H
 #define {{ P | upper }}_H
@@ -40,15 +43,15 @@ typedef struct {
 
 /* State of the law. */
 typedef struct {
-    {{ P }}_real z; /* m: mean bristle deflection{{ "" if law.has_z else "; this law has none, it stays 0" }} */
+    {{ P }}_real z; /* {{ u("m") }}: mean bristle deflection{{ "" if law.has_z else "; this law has none, it stays 0" }} */
 } {{ P }}_state;
 {% if with_body %}
 
 /* State of a body with this friction. */
 typedef struct {
-    {{ P }}_real y; /* m: position */
-    {{ P }}_real v; /* m/s: velocity */
-    {{ P }}_real z; /* m: mean bristle deflection */
+    {{ P }}_real y; /* {{ u("m") }}: {{ w("position") }} */
+    {{ P }}_real v; /* {{ u("m/s") }}: {{ w("velocity") }} */
+    {{ P }}_real z; /* {{ u("m") }}: mean bristle deflection */
 } {{ P }}_body;
 {% endif %}
 
@@ -79,14 +82,14 @@ int {{ P }}_check(const {{ P }}_parameters *p);
 /* At rest, not deflected. */
 void {{ P }}_reset({{ P }}_state *s);
 
-/* Friction force in N at velocity v (m/s) and deflection z (m), positive when it opposes positive velocity. */
+/* Friction {{ w("force") }} in {{ u("N") }} at {{ w("velocity") }} v ({{ u("m/s") }}) and deflection z ({{ u("m") }}), positive when it opposes positive {{ w("velocity") }}. */
 int {{ P }}_force(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real z, {{ P }}_real *force);
 
-/* dz/dt in m/s. */
+/* dz/dt in {{ u("m/s") }}. */
 int {{ P }}_rate(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real z, {{ P }}_real *rate);
 {% if smooth %}
 
-/* dF/dt in N/s at acceleration dv_dt (m/s^2). */
+/* dF/dt in {{ u("N/s") }} at acceleration dv_dt ({{ u("m/s^2") }}). */
 int {{ P }}_force_rate(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real z, {{ P }}_real dv_dt,
     {{ P }}_real *force_rate);
 {% else %}
@@ -94,14 +97,14 @@ int {{ P }}_force_rate(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real
 /* There is no dF/dt: it does not exist at v = 0 for this law. */
 {% endif %}
 
-/* The friction force in N when v is held for long; 0 at v = 0. */
+/* The {{ w("friction force") }} in {{ u("N") }} when v is held for long; 0 at v = 0. */
 int {{ P }}_steady_force(const {{ P }}_parameters *p, {{ P }}_real v, {{ P }}_real *force);
 
-/* One sample: the state moves on by dt (s) with the measured velocity v (m/s) held, and gives the friction force in N
+/* One sample: the state moves on by dt (s) with the measured {{ w("velocity") }} v ({{ u("m/s") }}) held, and gives the {{ w("friction force") }} in {{ u("N") }}
  * at the end of it. */
 int {{ P }}_step(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_real v, {{ P }}_real dt, {{ P }}_real *force);
 
-/* Friction compensation: the force in N to add to the drive's, c->gain times the friction after one sample at v (m/s).
+/* Friction compensation: the {{ w("force") }} in {{ u("N") }} to add to the drive's, c->gain times the friction after one sample at v ({{ u("m/s") }}).
  * With v the reference velocity it is a feedforward, and cannot destabilise the loop; with v measured it also acts on
  * what the reference does not know, but a gain of 1 leaves no margin: an F_s or F_c set too high makes it hunt. */
 int {{ P }}_compensate(const {{ P }}_parameters *p, const {{ P }}_compensator *c, {{ P }}_state *s, {{ P }}_real v,
@@ -113,7 +116,7 @@ int {{ P }}_compensation(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_
 {% if with_observer %}
 
 /* The friction observer, one sample: dz/dt = (the law's) - K sigma_0 error, v and error held over the step.
- * error (m/s) is s = de/dt + lambda e with e = y - y_desired; K (m/N) its gain; force (N) the friction estimated.
+ * error ({{ u("m/s") }}) is s = de/dt + lambda e with e = y - y_desired; K ({{ "m/N" if u("m") == "m" else "rad/(N m)" }}) its gain; force ({{ u("N") }}) the friction estimated.
 {% if proven_observer %}
  * Sobczyk, Perondi, Cunha, eqs 14-15. With exact knowledge of v the error of the estimate tends to zero if
  * K_D >= K sigma_1 (sigma_1 w/4 - sigma_0), w = -d(dz/dt)/dz at the highest speed, K_D the gain on s of the drive force.
@@ -126,9 +129,9 @@ int {{ P }}_observer_step(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}
 {% endif %}
 {% if with_body %}
 
-/* A body of this mass (kg) with this friction, one step under the drive force u (N), which is held: implicit Euler for
+/* A body of this {{ w("mass") }} ({{ u("kg") }}) with this friction, one step under the drive {{ w("force") }} u ({{ u("N") }}), which is held: implicit Euler for
  * y, v and z together. Stable for every dt, of order 1; energy is never created where the law creates none.
- * force (N) is the friction at the end of the step. */
+ * force ({{ u("N") }}) is the friction at the end of the step. */
 int {{ P }}_body_step(const {{ P }}_parameters *p, {{ P }}_body *s, {{ P }}_real mass, {{ P }}_real u, {{ P }}_real dt,
     {{ P }}_real *force);
 {% endif %}

@@ -6,7 +6,7 @@ import html
 import re
 from collections.abc import Mapping
 
-from stribeck.constants import Constant
+from stribeck.constants import Constant, rotary_unit, rotary_words
 from stribeck.export.request import Request
 from stribeck.expressions.emit import ADD, ATOM, UNARY, Dialect, Writer
 from stribeck.expressions.graph import Expr, symbol, wrap
@@ -74,8 +74,7 @@ def _package(request: Request, name: str) -> str:
     comment = "\n".join(f"// {line}".rstrip() for line in about)
     info = html.escape("\n".join(about), quote=False).replace("\\", "\\\\").replace('"', '\\"')
     mass = getattr(request.scenario, "mass", None) or 1.0
-    return f"""\
-{comment}
+    made = f"""\
 within;
 package {name} "{_line(law)}"
   connector RealInput = input Real "a signal in, as Modelica.Blocks.Interfaces.RealInput";
@@ -97,6 +96,18 @@ package {name} "{_line(law)}"
   annotation(version="{__version__}", Documentation(info="<html><pre>{info}</pre></html>"));
 end {name};
 """
+    return f"{comment}\n{_turned(made) if request.rotary else made}"
+
+
+def _turned(text: str) -> str:
+    """The package of a machine that turns: its units, and the words beside them."""
+
+    def unit(found: re.Match[str]) -> str:
+        turned = rotary_unit(found[1].replace(".", " ")).replace(" ", ".")
+        return f'unit="{turned}"'
+
+    text = re.sub(r'unit="([^"]+)"', unit, text)
+    return re.sub(r'(?<!=)"([^"]*)"(?= annotation|;|\n)', lambda found: f'"{rotary_words(found[1])}"', text)
 
 
 def _block(law: Law, constants: Mapping[str, float]) -> str:

@@ -86,10 +86,11 @@ def files(request: Request) -> dict[str, str | bytes]:
         "bound": statements([("w_bound", "bound")]) if equations.bounded else [],
         "force": [*(statements([("w_rate", "rate")]) if law.has_z else []), *statements([("F", "force_at_rate")])],
     }
-    declared = law.constants()
+    declared = request.declared
     constants = [(n, number(x), declared[n]) for n, x in request.constants.items()]
     text = render(
         "law.st", name=request.name, about=request.about(), law=law, eq=equations, constants=constants,
+        u=request.unit, w=request.words,
         variables=list(dict.fromkeys(writer.variables)), parts=1 if equations.linear else _PARTS, **sections,
     )  # fmt: skip
     return {f"{request.name}.st": text}

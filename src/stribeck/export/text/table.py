@@ -20,14 +20,15 @@ def files(request: Request) -> dict[str, str | bytes]:
     v, force, error = fit(request.law)
     law = request.law
     size = float(np.max(abs(law.steady_force(_grid(law)))))
+    N, speed = request.unit("N"), request.unit("m/s")
     rest = [
-        f"Steady friction at v >= 0: F(-v) = -F(v). At v = 0 the force jumps: 0 there, {force[0]:.6g} N next to it."
+        f"Steady friction at v >= 0: F(-v) = -F(v). At v = 0 the force jumps: 0 there, {force[0]:.6g} {N} next to it."
         if force[0] > 1e-3 * size
         else "Steady friction at v >= 0: F(-v) = -F(v).",
         f"Interpolate linearly; beyond the last point go on along the last two. {len(v)} points, fitted by minimax.",
-        f"Greatest error for 0 < v <= {v[-1]:g} m/s: {error:.3g} N ({100 * error / size:.2g} % of the greatest force).",
+        f"Greatest error for 0 < v <= {v[-1]:g} {speed}: {error:.3g} {N} ({100 * error / size:.2g} % of the greatest force).",
         "The table has no memory: no presliding, no hysteresis, no varying break-away.",
-        "v in m/s, F in N (rotary: rad/s, N m)",
+        f"v in {speed}, F in {N}",
     ]
     head = "".join(f"# {line}".rstrip() + "\n" for line in [*request.about(), *rest])
     rows = "".join(f"{x!r},{y!r}\n" for x, y in zip(v.tolist(), force.tolist(), strict=True))

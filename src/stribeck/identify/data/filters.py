@@ -18,10 +18,11 @@ _ENDS = 1.2  # periods of the cut-off
 
 
 def zero_phase(b: Array, a: Array, x: Array, padding: int = 0) -> Array:
-    """filtfilt with MATLAB's padding, 3 (order), or more; long arrays in overlapping pieces, so that no copy is as long."""
+    """filtfilt with MATLAB's padding, 3 (order), or more; long arrays in overlapping pieces, so that no copy is as long;
+    the rows of a matrix each by itself."""
     padding = max(3 * (max(len(a), len(b)) - 1), padding)
-    if len(x) <= 2 * _CHUNK:
-        return np.asarray(signal.filtfilt(b, a, x, padlen=min(padding, len(x) - 1)))
+    if x.ndim > 1 or len(x) <= 2 * _CHUNK:
+        return np.asarray(signal.filtfilt(b, a, x, padlen=min(padding, x.shape[-1] - 1)))
     slowest = float(np.max(abs(np.roots(a))))
     overlap = min(int(np.log(_FORGOTTEN) / np.log(slowest)) + padding, _CHUNK)
     out = np.empty(len(x))
@@ -65,7 +66,7 @@ def _anti_alias(q: int) -> tuple[Array, Array]:
 def decimate(x: Array, q: int) -> Array:
     """Samples 1, 1 + q, 1 + 2 q, ... (from 0) behind a Chebyshev filter of type 1 (order 8, 0.05 dB, 0.8/q)."""
     for part in stages(q):
-        x = zero_phase(*_anti_alias(part), x)[1::part].copy()  # and not a view, which would hold all of it
+        x = zero_phase(*_anti_alias(part), x)[..., 1::part].copy()  # and not a view, which would hold all of it
     return x
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from hashlib import file_digest
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from stribeck.errors import InputError, arg
+from stribeck.identify.data.clocks import on_one_clock, pieces, released
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import Columns, read
@@ -25,6 +27,10 @@ _LONGEST_LOOK = 1 << 18  # samples from which a spectrum is taken
 _HIGHEST = 0.4  # of the sampling rate
 _RAISED, _NOISE_ALLOWED = 4.0, 1e-3
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
+_ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
+_STILL = 0.01  # of the fastest speed
+_LOST = 0.01  # of the motion's variance: less may go
+_MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
 _SETTLED = 5.0  # periods of the cut-off dropped at the start of a run
 
 
@@ -51,16 +57,29 @@ def load(sources: Sequence[Any], columns: Columns, how: Preparation | None = Non
         InputError: a file cannot be read or used; a line for each problem.
     """
     names = [f"table {i}" if is_table(each) else Path(each).name for i, each in enumerate(sources, start=1)]
-    cleaned = [clean(read(each, columns), name) for each, name in zip(sources, names, strict=True)]
-    return prepare(cleaned, how or Preparation(), names)
+    cleaned, owners = [], []
+    for each, name in zip(sources, names, strict=True):
+        notes: list[str] = []
+        for part in pieces(read(each, columns), name, notes):
+            released(part, name, notes)
+            found = clean(part, name)
+            cleaned.append(replace(found, notes=[*notes, *found.notes]))
+            owners.append(name)
+            notes = []
+    hashes = tuple(_hash(Path(each)) for each in sources if not is_table(each))
+    log = prepare(on_one_clock(cleaned), how or Preparation(), owners)
+    return log.with_columns(hashes=hashes if len(hashes) == len(sources) else ())
+
+
+def _hash(path: Path) -> str:
+    """SHA-256 of a file."""
+    with path.open("rb") as file:
+        return file_digest(file, "sha256").hexdigest()
 
 
 def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ()) -> Log:
     """One log from cleaned columns."""
     step = parts[0].step
-    if any(abs(p.step - step) > 0.02 * step for p in parts):
-        steps = ", ".join(f"{p.step:.4g} s" for p in parts)
-        raise InputError(f"{arg('data')}: the files are sampled at different steps ({steps}); must be alike within 2 %")
     roles = list(parts[0].columns)
     notes = [note for part in parts for note in part.notes]
     measured = "position" if "position" in roles else "velocity"
@@ -69,6 +88,9 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     if cutoff is None:
         cutoff, why = choose_cutoff(measured, *seen, step)
         notes.append(why)
+        if (kept := keeping_all(parts, measured, seen[2], cutoff, step)) > cutoff:
+            cutoff = kept
+            notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
         if how.sharp and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
             notes.append(
@@ -82,7 +104,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
-    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim)
+    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.sharp)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
             rows = slice(last - count, last)
@@ -90,19 +112,24 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
     sources = _sources(roles, measured, cutoff, parts)
-    parts_of_log: dict[str, Any] = dict(columns)
+    if how.sharp:
+        sources["unfiltered"] = measured
+    parts_of_log: dict[str, Any] = {**columns, "run": run}
+    if how.trim is None and cutoff > 0:
+        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)), how.sharp)
     return Log(
-        **parts_of_log, run=run, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
+        **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
         files=tuple(names[i] for i in files) if names else (), spectrum=seen,
     )  # fmt: skip
 
 
 def _columns(
-    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int
+    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, keep: bool
 ) -> tuple[dict[str, Array], list[int]]:
     """Every column of the log, one after the other so that little is held twice; and the rows of each run."""
     if len(parts) == 1 and len(parts[0].runs) == 1:  # however long: nothing is copied that need not be
-        whole = _run(parts[0], parts[0].runs[0], _grid(parts[0], parts[0].runs[0], step), step, cutoff)
+        grid = _grid(parts[0], parts[0].runs[0], step)
+        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured if keep else "")
         parts[0].columns.clear()
         return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]) - trim, trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
@@ -110,15 +137,35 @@ def _columns(
     _enough(max(kept), trim)
     place = np.concatenate([[0], np.cumsum(kept)])
     names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
+    names += ["unfiltered"] if keep else []
     out = {name: np.empty(place[-1]) for name in names}
     number = 0
     for part in parts:
         for r in part.runs:
             rows = slice(place[number], place[number + 1])
-            for name, x in _run(part, r, grids[number], step, cutoff).items():
+            for name, x in _run(part, r, grids[number], step, cutoff, measured if keep else "").items():
                 out[name][rows] = x[trim:]
             number += 1
     return out, kept
+
+
+def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, always: bool) -> dict[str, Any]:
+    """The columns without the last rows of the runs that end in motion, where the filter goes astray.
+
+    Unless ``always``, only where it shows: the acceleration there exceeds all others of the run.
+    """
+    v, a = abs(columns["velocity"]), abs(columns["acceleration"])
+    fastest = float(v.max())
+    keep = np.ones(len(v), bool)
+    for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
+        if n > 4 * end and end > 0 and v[stop - 1] > _STILL * fastest:
+            rest = float(a[stop - n : stop - end].max())
+            keep[stop - end : stop] = not (always or float(a[stop - end : stop].max()) > rest)
+    if keep.all():
+        return columns
+    if len(lengths) == 1:  # a view: nothing is copied
+        return {name: x[:-end] for name, x in columns.items()}
+    return {name: x[keep] for name, x in columns.items()}
 
 
 def _enough(rows: int, trim: int) -> int:
@@ -136,12 +183,14 @@ def _grid(part: Clean, rows: slice, step: float) -> Array:
     return time if part.even else time[0] + step * np.arange(int((time[-1] - time[0]) / step * (1 + 1e-12)) + 1)
 
 
-def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float) -> dict[str, Array]:
+def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep: str) -> dict[str, Array]:
     time = part.columns["time"][rows]
     found = {"time": grid}
     for name, column in part.columns.items():
         if name != "time":
             found[name] = column[rows] if part.even else np.interp(grid, time, column[rows])
+    if keep:
+        found["unfiltered"] = found[keep]
     for name in ("position", "velocity", "acceleration"):
         if name in found and cutoff > 0:
             found[name] = low_pass(found[name], cutoff, step)
@@ -189,6 +238,28 @@ def choose_cutoff(measured: str, frequency: Array, power: Array, floor: float, s
         f"{measured}: its spectrum stands {_ABOVE_NOISE:g} times above the noise floor up to {edge:.3g} Hz; "
         f"low-pass at {cutoff:g} Hz, zero phase"
     )
+
+
+def keeping_all(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:
+    """The cut-off, raised until what the filter takes away is no more than the noise, or little of the motion.
+
+    Small reversals on a long slow motion, such as presliding, stand high in no part of the spectrum; yet they are no noise.
+    """
+    part, rows = max(((p, r) for p in parts for r in p.runs), key=lambda pr: pr[1].stop - pr[1].start)
+    rows = slice(rows.start, min(rows.stop, rows.start + _LONGEST_LOOK))
+    x = part.columns[measured][rows]
+    if not part.even:
+        grid = _grid(part, rows, step)
+        x = np.interp(grid, part.columns["time"][rows], x)
+    edge = min(round(_SETTLED / (cutoff * step)), len(x) // 4)
+    highest = _HIGHEST / step
+    while cutoff < highest:
+        taken = (x - low_pass(x, cutoff, step))[edge : len(x) - edge]
+        lost = float(np.mean(taken**2))
+        if lost <= max(_MORE_THAN_NOISE * floor * (0.5 / step - cutoff), _LOST * float(np.var(x))):
+            break
+        cutoff = min(cutoff * 1.5, highest)
+    return float(cutoff)
 
 
 def raised(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:

@@ -77,8 +77,13 @@ def from_toml(path: Path) -> Columns:
     return Columns(names, units, gain)
 
 
-def read(data: Any, columns: Columns) -> dict[str, Array]:
+def read(data: Any, columns: Columns, needs_force: bool = True) -> dict[str, Array]:
     """The columns of a file or table by role, in SI units, as long as each other; NaN where a cell is empty.
+
+    Args:
+        data: a file or table.
+        columns: which of its columns is what.
+        needs_force: refuse a record without a force.
 
     Raises:
         InputError: the file or a column is not there, or holds no numbers; an unknown unit; a line for each problem.
@@ -91,11 +96,11 @@ def read(data: Any, columns: Columns) -> dict[str, Array]:
         problems.append(
             f"{arg('time')}: must be given, the name of the time column ({path} has {listed(source.names)})"
         )
-    if not {"position", "velocity"} & set(columns.names):
+    if needs_force and not {"position", "velocity"} & set(columns.names):
         problems.append(
             f"{arg('position')} or {arg('velocity')}: must be given (columns of {path}: {listed(source.names)})"
         )
-    if "force" not in columns.names:
+    if needs_force and "force" not in columns.names:
         problems.append(
             f"{arg('force')}: must be given, the column of the driving force ({path} has {listed(source.names)})"
         )
@@ -128,7 +133,8 @@ def read(data: Any, columns: Columns) -> dict[str, Array]:
         raise InputError(
             [f"{arg(r)}: {wanted[r]!r}: has {len(x)} rows, others of {path} have not" for r, x in found.items()]
         )
-    factors["force"] *= gain
+    if "force" in factors:
+        factors["force"] *= gain
     for role, column in found.items():
         if factors[role] != 1.0:
             np.multiply(column, factors[role], out=column)

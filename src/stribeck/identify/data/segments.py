@@ -8,32 +8,46 @@ from numpy.typing import NDArray
 from stribeck.identify.log import Log
 
 Array = NDArray[np.float64]
-_SHORTEST = 40  # rows
-_SPREAD = 0.04  # of the speed: what it may vary by within a stretch
+_SHORTEST = 60  # rows
+_BLOCK = 20  # rows whose mean is looked at: ripple and noise average out
+_SPREAD = 0.04  # of the speed: what a block's mean may be off
+_NOISES = 4.0
 _SETTLING = 0.3  # of a stretch, left out at its start
 _SLOWEST = 1e-3  # of the fastest: below, the body counts as at rest
 
 
 def constant_speed(log: Log) -> list[slice]:
-    """The stretches in which the speed stays within 4 % (and the noise), without their settling."""
-    v = log.velocity
-    fastest = float(np.quantile(abs(v), 0.99))
-    noise = 3 * float(np.median(abs(np.diff(v, 2)))) if len(v) > 2 else 0.0
+    """The stretches in which the speed, averaged over twenty rows, stays within 4 % (and its noise), without their
+    settling."""
+    fastest = float(np.quantile(abs(log.velocity), 0.99))
     found = []
     for rows in log.runs():
-        values = v[rows].tolist()
-        first, low, high = 0, values[0], values[0]
-        for i in range(1, len(values) + 1):
-            if i < len(values):
-                low, high = min(low, values[i]), max(high, values[i])
-                room = _SPREAD * abs(low + high) / 2 + noise
-                if high - low <= room:
-                    continue
-            if i - first >= _SHORTEST and abs(sum(values[first:i]) / (i - first)) > _SLOWEST * fastest:
-                start = first + int(_SETTLING * (i - first))
-                found.append(slice(rows.start + start, rows.start + i))
-            if i < len(values):
-                first, low, high = i, values[i], values[i]
+        count = (rows.stop - rows.start) // _BLOCK
+        if count * _BLOCK < _SHORTEST:
+            continue
+        means = log.velocity[rows][: count * _BLOCK].reshape(count, _BLOCK).mean(axis=1)
+        noise = _NOISES * float(np.median(abs(np.diff(means, 2)))) / 2 if count > 2 else 0.0
+        ends = [*_stretches(means, noise)]
+        for first, last in ends:
+            stop = rows.stop if last == count else rows.start + last * _BLOCK
+            start = rows.start + first * _BLOCK
+            if stop - start >= _SHORTEST and abs(float(means[first:last].mean())) > _SLOWEST * fastest:
+                found.append(slice(start + int(_SETTLING * (stop - start)), stop))
+    return found
+
+
+def _stretches(means: Array, noise: float) -> list[tuple[int, int]]:
+    """First and last block of each stretch whose blocks agree with the mean of those before."""
+    values = means.tolist()
+    found, first, total = [], 0, values[0]
+    for i in range(1, len(values) + 1):
+        middle = total / (i - first)
+        if i < len(values) and abs(values[i] - middle) <= _SPREAD * abs(middle) + noise:
+            total += values[i]
+            continue
+        found.append((first, i))
+        if i < len(values):
+            first, total = i, values[i]
     return found
 
 

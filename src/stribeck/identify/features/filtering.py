@@ -36,16 +36,26 @@ def leeway(problem: Problem, u: Array, slopes: Array) -> Array:
     return np.asarray(_WHOLE * abs(shift))
 
 
+def smoother_log(log: Log) -> Log:
+    """The log with velocity and acceleration of a lower cut-off."""
+    acceleration = _smoothed(log, log.acceleration, "differences" in log.sources.get("acceleration", ""))
+    return log.with_columns(velocity=_smoother(log), acceleration=acceleration)
+
+
 def _smoother(log: Log) -> Array:
     """The velocity with a lower cut-off, as it is at the ends of runs."""
+    return _smoothed(log, log.velocity, "differences" in log.sources.get("velocity", ""))
+
+
+def _smoothed(log: Log, x: Array, differences: bool) -> Array:
+    """A column with a lower cut-off; differences with their error, of the second order, once more."""
     assert log.bandwidth is not None
-    found = log.velocity.copy()
-    differences = "differences" in log.sources.get("velocity", "")  # their error, of the second order, once more
+    found = x.copy()
     edge = round(1 / (log.bandwidth * log.step))
     for rows in log.runs():
         inside = slice(rows.start + edge, rows.stop - edge)
         if inside.stop - inside.start > edge:
-            found[inside] = low_pass(log.velocity[rows], _LOWER * log.bandwidth, log.step)[edge:-edge]
+            found[inside] = low_pass(x[rows], _LOWER * log.bandwidth, log.step)[edge:-edge]
             if differences:
                 found[inside][1:-1] += np.diff(found[inside], 2) / 6
     return found

@@ -13,6 +13,8 @@ from stribeck.laws.base import Law
 
 Array = NDArray[np.float64]
 _REVERSALS_LOOKED_AT = 200
+_REST = 0.01  # of the largest speed
+_FEWEST_AT_REST = 8  # samples
 _TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
 
 
@@ -70,7 +72,33 @@ def reversals(v: Array) -> list[tuple[int, int]]:
 
 
 def _stiffness(log: Log, force: Array, level: float) -> float:
-    """Force over way on the first half of the rise that follows a reversal; the median of the steeper ones."""
+    """The stiffness that a contact shows where it holds: the median over stretches of rest and over reversals."""
+    found = [*_at_rest(log, force, level), *_after_reversals(log, force, level)]
+    if not found:
+        return level / max(_TYPICAL_BREAK_AWAY * float(np.ptp(log.position)), 1e-12)
+    return float(np.median(found))
+
+
+def _at_rest(log: Log, force: Array, level: float) -> list[float]:
+    """Force over way by least squares in each stretch of rest in which the force changes much."""
+    fast = float(np.max(abs(log.velocity)))
+    found = []
+    for rows in log.runs():
+        v, y, f = log.velocity[rows], log.position[rows], force[rows]
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], abs(v) < _REST * fast, [0]])))
+        for first, last in edges.reshape(-1, 2)[:_REVERSALS_LOOKED_AT].tolist():
+            margin = (last - first) // 8
+            inside = slice(first + margin, last - margin)
+            if inside.stop - inside.start < _FEWEST_AT_REST or np.ptp(f[inside]) < 0.3 * level:
+                continue
+            way, push = y[inside] - y[inside].mean(), f[inside] - f[inside].mean()
+            if (both := float(way @ push)) > 0:
+                found.append(float(push @ push) / both)
+    return found
+
+
+def _after_reversals(log: Log, force: Array, level: float) -> list[float]:
+    """Force over way on the first half of the rise that follows a reversal, where it takes a few samples."""
     found = []
     for rows in log.runs():
         v, y, f = log.velocity[rows], log.position[rows], force[rows]
@@ -80,9 +108,7 @@ def _stiffness(log: Log, force: Array, level: float) -> float:
                 half = int(np.argmax(rise >= rise.max() / 2))
                 way = abs(y[first + half] - y[first])
                 found += [rise[half] / way] if way > 0 and half else []
-    if not found:
-        return level / max(_TYPICAL_BREAK_AWAY * float(np.ptp(log.position)), 1e-12)
-    return float(np.quantile(found, 0.75))
+    return found
 
 
 def ranges(law: type[Law], sizes: Scales) -> dict[str, Range]:

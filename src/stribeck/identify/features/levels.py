@@ -7,93 +7,116 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import t as student
 
-from stribeck.identify.log import Log
-from stribeck.identify.methods.optimise import descend
-from stribeck.identify.models.static_problem import StaticProblem, kept_rows
+from stribeck.identify.methods.static_start import Model
+from stribeck.identify.models.columns import column
+from stribeck.identify.models.separable import Separable, Solution
+from stribeck.identify.models.static_problem import Rows
 from stribeck.identify.models.terms import TERMS
+from stribeck.identify.statistics.clusters import BLOCKS
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory
 
 Array = NDArray[np.float64]
 _NORMAL = 1.96
+_FEWEST_ROWS = 30
 
 
-def levels(problem: StaticProblem, u: Array, log: Log, q: int) -> list[dict[str, Any]]:
+def levels(rows: Rows, model: Model, solution: Solution) -> list[dict[str, Any]]:
     """The level F_c of each file on its own, and as the law predicts it from the others, with 95 % intervals.
 
-    All files share the rest of the model: a pressure's area, the offset, viscous friction. Empty where there is one file,
-    or where the law has no F_c.
+    All files share the rest of the model: a pressure's area, the offset, viscous friction. What the levels scatter by about
+    the law is part of their intervals: a file measured again would differ by as much. Empty where there is one file, where
+    the law has no F_c, or where friction and offset cannot be told apart.
     """
+    log, whole = rows.log, model.whole
     files = list(dict.fromkeys(log.files))
-    if len(files) < 2 or "F_c" not in problem.names:
+    if len(files) < 2 or "F_c" not in whole.wanted or "F_c" not in whole.columns.names or "offset" in model.unseen:
         return []
-    part = np.array([files.index(f) for f in log.files])[log.run[kept_rows(log, q)]]
-    values = problem.values(u)
-    own, spread = _own(problem, values, part, len(files))
-    varying = [n for n in problem.terms if TERMS[n].level]
-    found = []
-    for k, name in enumerate(files):
-        row: dict[str, Any] = {
-            "file": name, "level": own[k], "low": own[k] - _NORMAL * spread[k], "high": own[k] + _NORMAL * spread[k]
-        }  # fmt: skip
-        at = np.array([files.index(f) for f in log.files])[log.run] == k
-        means = {n: float(np.mean(_column(n, log)[at])) for n in varying}
-        row |= {"at": means, "rows": int(at.sum())}
-        if len(files) > 2:
-            row |= _predicted(problem, u, part == k, means)
+    of_row = np.array([files.index(f) for f in log.files])[log.run]
+    part = np.where(rows.weight > 0, of_row[rows.kept], -1)
+    there = [k for k in range(len(files)) if int(np.sum(part == k)) >= _FEWEST_ROWS]
+    own, spread = _own(whole, solution.values, part, there)
+    varying = [n for n in whole.terms if TERMS[n].level]
+    found: list[dict[str, Any]] = []
+    for i, k in enumerate(there):
+        means = {n: float(np.mean(column(n, log)[of_row == k])) for n in varying}
+        row: dict[str, Any] = {"file": files[k], "level": float(own[i]), "at": means, "rows": int(np.sum(of_row == k))}
+        if len(there) > 2:
+            row |= _predicted(whole, solution, part == k, means)
         found.append(row)
+    _with_intervals(found, spread, 1 + len(varying))
     return found
 
 
-def _column(name: str, log: Log) -> Array:
-    column = TERMS[name].column
-    assert column is not None
-    return column(log)
+def _with_intervals(found: list[dict[str, Any]], spread: Array, numbers: int) -> None:
+    """Ends of each level: its own spread, and the scatter of all levels about what the others predict."""
+    missed = np.array([r["level"] - r["predicted"] for r in found if "predicted" in r])
+    free = len(missed) - numbers
+    scatter, factor = 0.0, _NORMAL
+    if free > 0:
+        noise = float(np.mean(spread**2))
+        leverage = free / len(missed)  # a prediction without the file errs more than a fit with it
+        scatter = max(float(np.mean(missed**2)) * leverage - noise, 0.0)
+        factor = float(student.ppf(0.975, free)) if scatter > noise else _NORMAL
+    for row, own in zip(found, spread.tolist(), strict=True):
+        half = factor * float(np.sqrt(own**2 + scatter))
+        row |= {"low": row["level"] - half, "high": row["level"] + half}
+        if "predicted" in row:
+            half = float(np.hypot(row.pop("spread") * _NORMAL, factor * np.sqrt(scatter)))
+            row |= {"predicted_low": row["predicted"] - half, "predicted_high": row["predicted"] + half}
 
 
 def _own(
-    problem: StaticProblem, values: Mapping[str, float], part: NDArray[np.intp], count: int
+    whole: Separable, values: Mapping[str, float], part: NDArray[np.intp], there: list[int]
 ) -> tuple[Array, Array]:
     """A level for each file, everything else shared, and their standard deviations."""
-    columns = problem.columns_at(values)
+    columns = whole.columns.at(values, whole.terms)
     sign = columns["F_c"] + columns.get("F_s", 0.0)
-    rest = problem.force.copy()
+    rest = whole.force.copy()
     shared = []
-    free = {c.name for c in problem.coordinates}
-    for name, column in columns.items():
+    for name, x in columns.items():
         if name == "F_s":  # what F_s is above F_c keeps its share
-            rest -= (values["F_s"] - values["F_c"]) * column
-        elif name in free and name != "F_c" and not (name in TERMS and TERMS[name].level):
-            shared.append(column)
-        elif name not in free:
-            rest -= values[name] * column
-    matrix = np.column_stack([*(sign * (part == k) for k in range(count)), *shared])
-    weight = problem.weight[:, None]
-    solution = np.linalg.lstsq(weight * matrix, problem.weight * rest, rcond=1e-12)[0]
-    missed = problem.weight * (rest - matrix @ solution)
-    variance = float(missed @ missed) / max(len(missed) - matrix.shape[1], 1)
-    inner = covariance(weight * matrix, variance, noise_memory(missed))
-    return solution[:count], np.sqrt(np.diag(inner))[:count]
+            rest -= (values["F_s"] - values["F_c"]) * x
+        elif name in (*whole.wanted, *whole.free) and name != "F_c" and not (name in TERMS and TERMS[name].level):
+            if values[name] != 0:
+                shared.append(x)
+        elif name not in whole.free and name != "F_c":
+            rest -= values[name] * x
+    matrix = np.column_stack([*(sign * (part == k) for k in there), *shared])
+    w = np.where(np.isin(part, there), whole.weight, 0.0)
+    solution = np.linalg.lstsq(w[:, None] * matrix, w * rest, rcond=1e-12)[0]
+    missed = w * (rest - matrix @ solution)
+    slopes = w[:, None] * matrix
+    variance = float(missed @ missed) / max(int((w > 0).sum()) - matrix.shape[1], 1)
+    noise = np.sqrt(np.maximum(np.diag(covariance(slopes, variance, noise_memory(missed))), 0.0))[: len(there)]
+    return solution[: len(there)], np.maximum(noise, [_in_blocks(sign, missed, w * (part == k)) for k in there])
+
+
+def _in_blocks(sign: Array, missed: Array, w: Array) -> float:
+    """The standard deviation of a level by what blocks of its file differ."""
+    inside = np.flatnonzero(w > 0)
+    s, r = sign[inside] * w[inside], missed[inside]
+    block = np.arange(len(s)) * BLOCKS // max(len(s), 1)
+    scores = np.bincount(block, s * r)
+    return float(np.sqrt(BLOCKS / (BLOCKS - 1) * np.sum(scores**2)) / max(float(s @ s), 1e-300))
 
 
 def _predicted(
-    problem: StaticProblem, u: Array, out: NDArray[np.bool_], means: Mapping[str, float]
+    whole: Separable, solution: Solution, out: NDArray[np.bool_], means: Mapping[str, float]
 ) -> dict[str, float]:
-    """The level that the fit to the other files gives for this one."""
-    training = problem.reweighted(np.where(out, 0.0, problem.weight))
-    there = descend(training, u, 1e-8, 20).point
-    values, slopes, misfit = training.values(there), training.sensitivities(there), training.misfit(there)
-    assert slopes is not None
-    assert misfit is not None
-    variance = float(misfit @ misfit) / max(int((~out).sum()) - len(u), 1)
-    inner = covariance(slopes, variance, noise_memory(misfit[~out]))
-    names = [c.name for c in training.coordinates]
-    by = np.zeros(len(names))
-    for k, c in enumerate(training.coordinates):
-        if c.name == "F_c":
-            by[k] = values["F_c"] if c.log else c.scale
-        elif c.name in means:
-            by[k] = means[c.name] * (values[c.name] if c.log else c.scale)
+    """The level that the fit to the other files gives for this one, at the same shape of the curve."""
+    from stribeck.identify.statistics.static_intervals import linearised
+
+    training = whole.weighted(np.where(out, 0.0, whole.weight))
+    found = training.solve({s.name: solution.values[s.name] for s in whole.shapes})
+    at, values = linearised(training, found), found.values
+    rows = int((training.weight > 0).sum())
+    variance = float(at.misfit @ at.misfit) / max(rows - len(at.names), 1)
+    inner = covariance(at.slopes, variance, noise_memory(at.misfit[training.weight > 0]))
+    by = np.zeros(len(at.names))
+    for k, name in enumerate(at.names):
+        factor = 1.0 if name == "F_c" else means.get(name, 0.0)
+        by[k] = factor * (at.values[k] if at.log[k] else 1.0)
     level = values["F_c"] + sum(values[n] * mean for n, mean in means.items())
-    spread = _NORMAL * float(np.sqrt(by @ inner @ by))
-    return {"predicted": level, "predicted_low": level - spread, "predicted_high": level + spread}
+    return {"predicted": float(level), "spread": float(np.sqrt(max(float(by @ inner @ by), 0.0)))}

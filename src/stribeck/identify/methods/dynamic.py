@@ -11,13 +11,16 @@ from threadpoolctl import threadpool_limits
 
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
-from stribeck.identify.methods.optimise import Optimum, multistart, starting_points
+from stribeck.identify.methods.optimise import STOPPED, Optimum, multistart, starting_points
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, velocity_problem
-from stribeck.identify.models.problem import Tie
+from stribeck.identify.models.motion_problem import white_noise
+from stribeck.identify.models.problem import Problem, Tie
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit, Prediction
 from stribeck.identify.statistics import uncertainty
 from stribeck.identify.statistics.crossvalidate import cross_validate
+from stribeck.identify.statistics.uncertainty import Noise
+from stribeck.identify.work import Work
 
 Array = NDArray[np.float64]
 _STARTS = 20
@@ -37,6 +40,7 @@ def fit_dynamic(
     seed: int = 0,
     profiles: bool = True,
     folds: int = 0,
+    work: Work | None = None,
 ) -> Fit:
     """Fit a law's constants so that the force simulated for the measured velocity meets the measured force.
 
@@ -55,6 +59,7 @@ def fit_dynamic(
         profiles: find intervals from profiles of the likelihood; else from the covariance alone.
         folds: parts of a cross-validation, whose :class:`stribeck.identify.statistics.crossvalidate.LeftOut` is then in
             ``details["left_out"]``; 0 for none.
+        work: told how far the fit is, and asked whether to stop; Ctrl-C leaves a fit with status "stopped".
 
     Returns:
         The fit; its ``details["search"]`` says how the starts ended.
@@ -67,15 +72,21 @@ def fit_dynamic(
     problem, first, low, high = velocity_problem(
         log, law, fixed=fixed, free=free, tied=tied, start=start, mass=mass, body=body
     )
+    work = work or Work()
+    level = white_noise(log.force, list(log.runs()))
+    noise = Noise(level, level)
     with threadpool_limits(1):  # the starts run beside each other; more threads of linear algebra only spin
-        optimum = multistart(problem, starting_points(problem, first, low, high, starts, seed))
+        work.section(0.7)
+        optimum = multistart(problem, starting_points(problem, first, low, high, starts, seed), work)
         if problem.misfit(optimum.point) is None:
             raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
-        judged = uncertainty.judge(problem, optimum.point, log, profiles)
-        fit = fit_of(problem, judged, optimum, log)
-        if folds < 2:
+        work.section(0.9 if folds >= 2 else 1.0)
+        judged = judged_of(problem, optimum, log, profiles, noise, work)
+        fit = fit_of(problem, judged.point, judged, optimum, log, work)
+        if folds < 2 or work.stopped:
             return fit
         left_out = cross_validate(problem, judged.point, log, folds)
+        work.done(1.0)
     return replace(
         fit,
         cross_validated_error=left_out.error,
@@ -84,11 +95,25 @@ def fit_dynamic(
     )
 
 
-def fit_of(problem: VelocityProblem, judged: uncertainty.Judgement, optimum: Optimum, log: Log) -> Fit:
-    """The fit from its optimum and what was judged of it."""
-    force = problem.force(judged.point[None, :])
-    assert force is not None
-    values, misfit = problem.values(judged.point), log.force - force[0]
+def judged_of(
+    problem: Problem, optimum: Optimum, log: Log, profiles: bool, noise: Noise, work: Work
+) -> uncertainty.Judgement:  # fmt: skip
+    """What is known at an optimum; the bare values where Ctrl-C comes before that is clear."""
+    try:
+        return uncertainty.judge(problem, optimum.point, log, profiles, noise, work)
+    except KeyboardInterrupt:
+        work.stop()
+        return uncertainty.without(problem, optimum.point, STOPPED)
+
+
+def fit_of(
+    problem: VelocityProblem, point: Array, judged: uncertainty.Judgement, optimum: Optimum, log: Log, work: Work
+) -> Fit:  # fmt: skip
+    """The fit from its optimum and what was judged of it; ``point``: the optimum in the problem's coordinates."""
+    force = problem.force(point[None, :])
+    if force is None:
+        raise StribeckError(f"law '{problem.law.name}': the fit cannot be simulated along the measured motion")
+    values, misfit = problem.values(point), log.force - force[0]
     beside = problem.of_body([values])[0]
     notes = [] if optimum.converged and (optimum.starts == 1 or optimum.agreeing > 1) else [optimum.verdict]
     return Fit(
@@ -97,13 +122,14 @@ def fit_of(problem: VelocityProblem, judged: uncertainty.Judgement, optimum: Opt
         estimates={n: e for n, e in judged.estimates.items() if n not in TERMS},
         body={n: e for n, e in judged.estimates.items() if n in TERMS},
         fixed=problem.fixed,
-        used=problem.describe(judged.point),
+        used=problem.describe(point),
         names=judged.names,
         covariance=judged.covariance,
         relative_force_error=float(np.linalg.norm(misfit) / np.linalg.norm(log.force)),
         data_hash=log.hash,
         profiles=judged.profiles,
         prediction=Prediction(log.time, log.position, log.velocity, log.force - beside, force[0] - beside),
-        notes=(*notes, *judged.notes),
+        notes=(*([] if optimum.exhausted else notes), *judged.notes),
         details={"search": optimum.verdict, "noise": judged.noise},
+        status="stopped" if work.stopped else "done",
     )

@@ -13,23 +13,32 @@ from threadpoolctl import threadpool_limits
 
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.log import Log
-from stribeck.identify.methods.dynamic import fit_of
+from stribeck.identify.methods.dynamic import fit_of, judged_of
+from stribeck.identify.methods.horizons import first_values, follow
 from stribeck.identify.methods.optimise import multistart, starting_points
+from stribeck.identify.models.columns import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, first_deflection, velocity_problem
+from stribeck.identify.models.motion_problem import MotionProblem, raw, white_noise
 from stribeck.identify.models.problem import Problem, Tie
 from stribeck.identify.result import Fit
-from stribeck.identify.statistics import uncertainty
+from stribeck.identify.statistics.uncertainty import Noise
+from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
 from stribeck.signals import Points
 from stribeck.simulation import simulate
 
 Array = NDArray[np.float64]
 _RTOL = 1e-6
+_STARTS_THERE = 8
+_MISSED = 0.02  # of the output's changes: a fit that leaves more, and more than noise, has missed it
 _OUTPUTS = {"position": "y", "velocity": "v"}
 
 
-class MotionProblem(Problem):
-    """Measured force or command in, motion out: the rig as a scenario.
+_BESIDE = {"offset", "gravity_sin", "gravity_cos", "stiffness", "area", "sigma_2_by_direction"}
+
+
+class RigProblem(Problem):
+    """Measured force or command in, motion out: the rig as a scenario, from the first row of each run to its last.
 
     Args:
         inverse: the problem the other way round, which names the coordinates.
@@ -76,6 +85,13 @@ class MotionProblem(Problem):
                 out[lane, rows] = part
         return out
 
+    def _beside(self, rows: slice, values: Given) -> Array:
+        """What of the measured force neither moves the body nor is the law's: at the measured position and speed."""
+        part = self.log.rows(rows)
+        return np.asarray(
+            sum((values[n] * column(n, part) for n in self.inverse.body if n != "mass"), np.zeros(len(part)))
+        )
+
     def _simulated(self, number: int, rows: slice, values: Given) -> Array | None:
         scenario = copy.copy(self.scenarios[number])  # its numbers change, its structure does not
         scenario.__dict__.pop("threshold", None)
@@ -87,7 +103,9 @@ class MotionProblem(Problem):
         z = values.get(first_deflection(number), 0.0) * self.length(values)
         scenario.initial = {**scenario.initial, **({"z": z} if self.law.has_z else {})}
         time = self.log.time[rows] - self.log.time[rows][0]
-        scenario.signal = Points(time, self.signal[rows] - (values.get("offset", 0.0) if self.kind == "force" else 0.0))
+        scenario.signal = Points(
+            time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0)
+        )
         solution = simulate(scenario)
         found = solution[self.column]
         return found if solution.status == "done" and np.isfinite(found).all() else None
@@ -108,6 +126,7 @@ def fit_motion(
     starts: int = 8,
     seed: int = 0,
     profiles: bool = True,
+    work: Work | None = None,
 ) -> Fit:
     """Fit a law's constants so that the motion simulated for the measured force or command meets the measured one.
 
@@ -115,7 +134,8 @@ def fit_motion(
         drive: what moves the body, as ``[drive]`` of a scenario without its signal: ``{"kind": "force"}``, the default,
             takes the log's force; ``{"kind": "pid", "K_p": ..., ...}`` and ``{"kind": "spring", ...}`` its command.
         output: the motion that is met, "velocity" or "position".
-        body: "offset" beside mass, for measured forces.
+        body: beside mass, for measured forces: "offset", "gravity_sin", "gravity_cos", "stiffness", "area",
+            "sigma_2_by_direction", all taken at the measured position and speed.
 
     The other arguments, what is returned and raised: as in :func:`stribeck.identify.methods.dynamic.fit_dynamic`;
     ``details["output_error"]`` is norm(residual)/norm(output).
@@ -128,7 +148,7 @@ def fit_motion(
         problems.append(f"drive.kind: {drive['kind']!r}: the log has no column 'command'")
     if output not in _OUTPUTS:
         problems.append(f"output: {output!r}: must be 'position' or 'velocity'")
-    allowed = {"offset"} if drive.get("kind") == "force" else set()
+    allowed = _BESIDE if drive.get("kind") == "force" else set()
     problems += [
         f"{arg('terms')}: {name!r}: has no place in a fit of the motion" for name in body if name not in allowed
     ]
@@ -137,18 +157,69 @@ def fit_motion(
     inverse, first, low, high = velocity_problem(
         log, law, fixed=fixed, free=free, tied=tied, start=start, mass=mass, body=body
     )
+    work, runs = work or Work(), list(log.runs())
+    noise, force_noise = white_noise(raw(log, output), runs), white_noise(log.force, runs)
+
+    def the_other_way() -> Array:
+        return multistart(inverse, starting_points(inverse, first, low, high, _STARTS_THERE, seed), work).point
+
     with threadpool_limits(1):
-        # a start in the right place comes from the other way round, which costs a tenth
-        there = multistart(inverse, starting_points(inverse, first, low, high, 8, seed))
-        problem = MotionProblem(inverse, drive, output)
-        points = starting_points(problem, there.point, low, high, starts, seed)
-        optimum = multistart(problem, points)
-        misfit = problem.misfit(optimum.point)
-        if misfit is None:
+        problem: MotionProblem | RigProblem
+        plain = set(inverse.body) <= {"mass", "offset"}
+        if drive == {"kind": "force"} and plain and inverse.law.has_z and inverse.values(first)["mass"] > 0:
+            given = (
+                first_values(inverse, starts, seed)
+                if not start
+                else [inverse.values(first), *first_values(inverse, starts, seed)]
+            )
+            followed = follow(
+                inverse, output, given[:starts], noise, force_noise, work, lambda: inverse.values(the_other_way())
+            )
+            problem, optimum = followed.problem, followed.optimum
+            expected = float(np.hypot(noise, problem.input_noise(optimum.point, force_noise)))
+        else:
+            # a start in the right place comes from the other way round, which costs a tenth
+            work.section(0.4)
+            there = the_other_way()
+            work.section(0.7)
+            problem = RigProblem(inverse, drive, output)
+            optimum = multistart(problem, starting_points(problem, there, low, high, starts, seed), work)
+            expected = noise
+        if problem.misfit(optimum.point) is None:
             raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
-        judged = uncertainty.judge(problem, optimum.point, log, profiles)
-        found = fit_of(inverse, judged, optimum, log)
+        work.section(1.0)
+        alone = optimum.agreeing < 2 and not optimum.exhausted
+        judged = judged_of(problem, optimum, log, profiles, Noise(noise, expected, _MISSED, alone), work)
+        values = {**inverse.values(first), **problem.values(judged.point)}
+        found = fit_of(inverse, inverse.point(values), judged, optimum, log, work)
+        work.done(1.0)
     misfit = problem.misfit(judged.point)
     assert misfit is not None
+    unit = "m" if output == "position" else "m/s"
     error = float(np.linalg.norm(misfit) / np.linalg.norm(problem.measured))
-    return replace(found, details={**found.details, "output": output, "output_error": error})
+    left = f"the {output} is missed by {np.sqrt(np.mean(misfit**2)):.3g} {unit} rms, its noise is {noise:.3g} {unit}"
+    if isinstance(problem, MotionProblem):
+        left += f"; {len(problem.windows)} windows of some {followed.seconds:.3g} s, each with a start of its own"
+    details = {
+        **found.details,
+        "output": output,
+        "output_error": error,
+        "output_trace": _trace(problem, judged.point, output),
+    }
+    return replace(found, details=details, notes=(left, *found.notes))
+
+
+def _trace(problem: MotionProblem | RigProblem, u: Array, output: str) -> dict[str, Any]:
+    """The measured and the simulated output, row by row."""
+    log = problem.log
+    measured = raw(log, output)
+    if isinstance(problem, RigProblem):
+        fitted = problem.outputs(u[None, :])
+        rows = np.arange(len(log))
+    else:
+        fitted, rows = problem.outputs(u[None, :]), problem.rows
+        if fitted is not None and output == "position":
+            for part in problem.parts:
+                fitted[0, part] += measured[rows[part]].mean()
+    assert fitted is not None
+    return {"time": log.time[rows], "velocity": log.velocity[rows], "measured": measured[rows], "fitted": fitted[0]}

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +12,13 @@ from scipy.optimize import least_squares
 from scipy.stats import qmc
 
 from stribeck.identify.models.problem import Problem
+from stribeck.identify.work import Stopped, Work, cores
 
 Array = NDArray[np.float64]
-_FIRST_LOOK = 12  # evaluations after which the better half of the starts goes on
+STOPPED = "stopped by Ctrl-C: the best values so far"
+_MANY = 200  # evaluations
+_FIRST_LOOK = 12  # evaluations after which the better starts go on
+_KEPT = 3  # of the starts up to one's own
 _SAME = 1e-3  # relative difference of costs that are one minimum
 _ROUGH, _MIDDLE, _FINE = 1e-4, 1e-6, 1e-8
 
@@ -39,12 +42,15 @@ class Optimum:
     agreeing: int
     converged: bool
     reason: str
+    exhausted: bool = False  # it leaves no more than the measurement's noise: there is nothing better
 
     @property
     def verdict(self) -> str:
         """For a reader, in a line."""
         if not self.converged:
-            return f"not converged: {self.reason}"
+            return self.reason if self.reason == STOPPED else f"not converged: {self.reason}"
+        if self.exhausted:
+            return f"one of {self.starts} starts led down to the noise of the measurement: more starts could find no better"
         found = f"{self.agreeing} of the {self.finished} best of {self.starts} starts ended in this minimum"
         alone = self.starts > 1 and self.agreeing < 2
         return found + ("; a lower one may exist: give more starts" if alone else "")
@@ -66,25 +72,77 @@ def starting_points(problem: Problem, given: Array, low: Array, high: Array, cou
     return [given, *(u for u in points if problem.allowed(u))][:count]
 
 
-def multistart(problem: Problem, starts: Sequence[Array], workers: int | None = None) -> Optimum:
-    """The best minimum from the starts: a first look from each, then the better ones to the end."""
-    with ThreadPoolExecutor(workers or os.cpu_count() or 1) as pool:
+def multistart(problem: Problem, starts: Sequence[Array], work: Work | None = None, enough: float = 0.0) -> Optimum:
+    """The best minimum from the starts: a first look from each, then the better ones to the end.
 
-        def each(points: Sequence[Array], tolerance: float, evaluations: int) -> list[_Run]:
-            runs = pool.map(lambda u: descend(problem, u, tolerance, evaluations), points)
-            return sorted(runs, key=lambda run: run.cost)
+    What becomes of a start hangs on those before it alone, so that more starts never find less: it goes to the end where
+    it is among the best few up to its own place.
 
-        looks = each(starts, _ROUGH, _FIRST_LOOK)
-        kept = max(min(3, len(looks)), (len(looks) + 3) // 4)
-        done = each([run.point for run in looks[:kept]], _MIDDLE, 200)
-    best = descend(problem, done[0].point, _FINE, 200)
-    agreeing = sum(run.cost <= best.cost * (1 + _SAME) + 1e-12 for run in done)
+    Args:
+        work: told how far this is, and asked whether to stop.
+        enough: a cost with which nothing better is looked for: the measurement's own noise.
+
+    Raises:
+        KeyboardInterrupt: nothing was found before it.
+    """
+    work = work or Work()
+    best: dict[str, Any] = {"cost": np.inf, "point": None}
+    watched = _Watched(problem, work, best)
+    batch, tried = max(cores(), 2), 0
+    done: list[_Run] = []
+    looks: list[_Run] = []
+    try:
+        while tried < len(starts) and not work.stopped:
+            some = starts[tried : tried + (1 if not tried else batch)]
+            chosen = []
+            for run in filter(None, work.each(lambda u: descend(watched, u, _ROUGH, _FIRST_LOOK), some)):
+                looks.append(run)
+                if sum(other.cost <= run.cost for other in looks) <= _KEPT:
+                    chosen.append(run)
+            ended = work.each(lambda run: descend(watched, run.point, _MIDDLE, _MANY), chosen)
+            done += [run for run in ended if run]
+            tried += len(some)
+            work.done(tried / len(starts))
+            if any(run.cost <= enough for run in done):
+                break
+        if not work.stopped:
+            met = [run for run in done if run.cost <= enough]
+            # the first that met it, however many ran beside it
+            first = met[0] if met else min(done, key=lambda run: run.cost)
+            last = descend(watched, first.point, _FINE, _MANY)
+    except (KeyboardInterrupt, Stopped):
+        work.stop()
+    if work.stopped:
+        if best["point"] is None:
+            raise KeyboardInterrupt
+        return Optimum(problem.nearest(best["point"]), best["cost"], tried, len(done), 0, False, STOPPED)
+    final = last if last.cost <= first.cost else first
+    agreeing = sum(run.cost <= final.cost * (1 + _SAME) + 1e-12 for run in done)
     return Optimum(
-        problem.nearest(best.point), best.cost, len(starts), len(done), agreeing, best.converged, best.reason
-    )
+        problem.nearest(final.point), final.cost, tried, len(done), agreeing, final.converged, final.reason,
+        final.cost <= enough,
+    )  # fmt: skip
 
 
-def descend(problem: Problem, start: Array, tolerance: float, evaluations: int) -> _Run:
+class _Watched:
+    """A problem whose best point is kept, and which ends when the work is to stop."""
+
+    def __init__(self, problem: Problem, work: Work, best: dict[str, Any]) -> None:
+        self.problem, self.work, self.best = problem, work, best
+        self.bounds, self.jacobian = problem.bounds, problem.jacobian
+
+    def residual(self, u: Array) -> Array:
+        """The problem's."""
+        self.work.check()
+        self.work.tick()
+        found = self.problem.residual(u)
+        cost = 0.5 * float(found @ found)
+        if cost < self.best["cost"]:
+            self.best.update(cost=cost, point=u.copy())
+        return found
+
+
+def descend(problem: Problem | _Watched, start: Array, tolerance: float, evaluations: int) -> _Run:
     """Least squares from one start, with bounds (SciPy's trust-region reflective)."""
     low, high = problem.bounds
     inside = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))

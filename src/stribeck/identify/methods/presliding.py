@@ -20,6 +20,7 @@ from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.result import Estimate, Fit
+from stribeck.identify.work import Work
 
 Array = NDArray[np.float64]
 _NOISES = 6.0  # standard deviations that a reversal must stand above the noise
@@ -93,6 +94,7 @@ def fit_presliding(
     starts: int = 8,
     seed: int = 0,
     profiles: bool = True,
+    work: Work | None = None,
 ) -> Fit:
     """Fit sigma_0, sigma_1 and the force level of break-away to the small reversals of a log.
 
@@ -113,7 +115,7 @@ def fit_presliding(
     given, free = _arranged(found, dict(fixed or {}), float(np.max(abs(cut.velocity))))
     fit = fit_dynamic(
         cut, law, fixed=given, free=free, mass=mass, starts=starts, seed=seed,
-        profiles=profiles,
+        profiles=profiles, work=work,
     )  # fmt: skip
     level = "F_s" if "F_s" in found.uses else "F_c"
     unseen = [n for n in found.uses if n not in ("sigma_0", "sigma_1", level) and n not in (fixed or {})]

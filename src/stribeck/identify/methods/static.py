@@ -9,33 +9,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stribeck import laws
 from stribeck.errors import InputError, arg
-from stribeck.identify.data.segments import constant_speed, distinct_speeds
-from stribeck.identify.features.guess import scales
+from stribeck.identify.data.segments import constant_speed
 from stribeck.identify.features.levels import levels
-from stribeck.identify.features.what_to_measure import experiment_for
-from stribeck.identify.log import Log, thinned
-from stribeck.identify.methods.optimise import descend
-from stribeck.identify.methods.static_start import Start, solve, unit_of
+from stribeck.identify.log import Log
+from stribeck.identify.methods.static_start import Model, model
 from stribeck.identify.models import terms
-from stribeck.identify.models.static_problem import StaticProblem, averaging, decimation, kept_rows, thinning
+from stribeck.identify.models.columns import column
+from stribeck.identify.models.separable import Separable, Solution
+from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Estimate, Fit, Prediction
-from stribeck.identify.statistics import uncertainty
 from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, groups
+from stribeck.identify.statistics.static_intervals import judge, linearised
 
 Array = NDArray[np.float64]
-_FEWEST_SPEEDS, _FEWEST_SEGMENTS = 5, 8
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
 _HUBER = 1.345
-_PARTS = 10  # of a stretch of constant speed
+_LONGEST_STEP = 0.5  # of a shape's logarithm, in the fit without a part
 
 
 @dataclass(frozen=True)
@@ -49,8 +47,6 @@ class Setting:
         body: terms beside mass (:data:`stribeck.identify.models.terms.TERMS`).
         decimate: rows to thin by; None chooses from the data.
         robust: Huber's loss instead of squares.
-        segments: take the curve from stretches of constant speed; None does where the law has a Stribeck velocity and
-            there are enough of them.
         folds: of the cross-validation; with several files, one is left out at a time instead.
     """
 
@@ -60,56 +56,128 @@ class Setting:
     body: Sequence[str] = ("offset",)
     decimate: int | None = None
     robust: bool = False
-    segments: bool | None = None
     folds: int = FOLDS
 
 
-def fit_static(log: Log, law: str, setting: Setting | None = None, profiles: bool = True) -> Fit:
+@dataclass(frozen=True)
+class Settled:
+    """A model at its optimum."""
+
+    setting: Setting
+    model: Model
+    solution: Solution
+    rows: Rows
+
+    @cached_property
+    def left_out(self) -> LeftOut:
+        """What it comes to on data left out."""
+        return cross_validate(self.model.whole, self.solution, self.rows, self.setting.folds, len(self.model.unseen))
+
+    @property
+    def shapes(self) -> dict[str, float]:
+        """Where a wider model begins."""
+        return {s.name: self.solution.values[s.name] for s in self.model.whole.shapes}
+
+
+def fit_static(
+    log: Log, law: str, setting: Setting | None = None, profiles: bool = True, rows: Rows | None = None
+) -> Fit:
     """Fit a law's sliding friction and the body's terms by least squares on the force.
+
+    Args:
+        log, law, setting: what to fit to what, and how.
+        profiles: draw the likelihood's profiles.
+        rows: of the log, where other fits of it have made them.
 
     Raises:
         InputError: constants or terms are unknown or missing; the data do not move enough, or against the force.
     """
     setting = setting or Setting({})
-    found = laws.find(law)
     terms.check(tuple(setting.body), log)
     check_motion(log)
-    q, why = (setting.decimate, f"one row in {setting.decimate} is fitted") if setting.decimate else decimation(log)
-    begun = solve(log, found, setting.fixed, setting.free, setting.mass, setting.body, thinning(log, q))
-    problem, u = begun.problem, _settled(begun.problem, begun.point, setting.robust)
-    notes = [why, *begun.notes]
-    near = log.rows(slice(0, _LOOKED_AT))
-    segments = constant_speed(near)
-    speeds = distinct_speeds(log, segments)
-    wanted = setting.segments
-    if wanted is None:
-        wanted = "v_s" in begun.free
-    if wanted and speeds >= _FEWEST_SPEEDS and len(segments) >= _FEWEST_SEGMENTS:
-        fit = _by_segments(log, begun, u, setting, segments, profiles)
-    else:
-        if wanted:
-            notes.append(
-                f"{len(segments)} stretches of constant speed at {speeds} speeds are too few for a curve of their own "
-                f"({_FEWEST_SPEEDS} speeds, {_FEWEST_SEGMENTS} stretches): all rows were fitted together"
-            )
-        fit = _judged(begun, problem, u, log, profiles)
-    values = {**problem.values(u), **fit.used}
-    left_out = cross_validate(problem, u, log, q, setting.folds)
-    left_out = replace(left_out, parameters=len(u) + len(begun.unseen))  # what the law wants to know
-    return replace(
-        fit,
-        relative_force_error=_error(problem, values),
-        cross_validated_error=left_out.error,
-        prediction=_prediction(problem, values, log, kept_rows(log, q)),
-        notes=(*notes, *fit.notes, f"cross-validated {left_out.how}"),
+    rows = rows or rows_of(log, setting.decimate)
+    return finished(rows, settle(rows, law, setting), profiles)
+
+
+def settle(
+    rows: Rows, law: str, setting: Setting, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True
+) -> Settled:
+    """The optimum of a model; no intervals yet.
+
+    Args:
+        warm: shapes of narrower models, from which the search begins too.
+        everywhere: look over the whole grid of shapes; else only over those that the first of ``warm`` lacks.
+    """
+    terms.check(tuple(setting.body), rows.log)
+    made = model(rows, laws.find(law), setting.fixed, setting.free, setting.mass, setting.body)
+    whole = made.whole
+    if not (whole.wanted or whole.free or whole.shapes):
+        raise InputError(f"law '{made.law.name}': every constant is given: there is nothing to fit")
+    solution = whole.search(warm, everywhere)
+    if setting.robust:
+        whole, solution = _robust(whole, solution)
+        made = replace(made, whole=whole)
+    _physical(made, solution)
+    return Settled(setting, made, solution, rows)
+
+
+def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
+    """The fit with intervals, verdicts and what a report shows."""
+    made, solution, log = settled.model, settled.solution, rows.log
+    judged = judge(rows, made, solution, profiles)
+    law, values = made.law, solution.values
+    estimates = {n: judged.estimates[n] for n in law.constants() if n in judged.estimates}
+    body = {n: e for n, e in judged.estimates.items() if n in TERMS}
+    body |= _by_direction(estimates, body, judged.names, judged.covariance)
+    known = set(law.constants()) - set(made.unseen)
+    prediction, friction = _prediction(made.whole, values, log, rows)
+    near = rows.source.rows(slice(0, _LOOKED_AT))
+    return Fit(
+        law=law.name,
+        method="static",
+        estimates=estimates,
+        body=body,
+        fixed=_given(made, values),
+        used={n: v for n, v in values.items() if n in known or n in TERMS or n in made.unseen},
+        names=judged.names,
+        covariance=judged.covariance,
+        relative_force_error=_error(made.whole, values),
+        data_hash=rows.source.hash,
+        cross_validated_error=settled.left_out.error,
+        profiles=judged.profiles,
+        prediction=prediction,
+        notes=(
+            *rows.why,
+            *made.notes,
+            *_zeros(judged.estimates),
+            *judged.notes,
+            f"cross-validated {settled.left_out.how}",
+        ),
         details={
-            **fit.details,
-            "decimation": q,
-            "segments": _curve(problem, values, segments, near),
-            "left_out": left_out,
-            "levels": levels(problem, u, log, q),
+            **judged.details,
+            "friction_error": friction,
+            "rest": float(np.mean(rows.rest)),
+            "decimation": rows.q,
+            "segments": _curve(made.whole, values, constant_speed(near), near),
+            "left_out": settled.left_out,
+            "levels": levels(rows, made, solution),
         },
     )
+
+
+def _given(made: Model, values: Mapping[str, float]) -> dict[str, float]:
+    """What was given, and the steepness of a sign that was taken as exact: the curve that was fitted, and no other."""
+    found = dict(made.given)
+    own = made.law.constants()
+    if "k_v" in own and own["k_v"].default is not None and "k_v" not in found and "k_v" not in made.free:
+        found["k_v"] = values["k_v"]
+    return found
+
+
+def _zeros(estimates: Mapping[str, Estimate]) -> list[str]:
+    return [
+        f"{n}: comes out as 0, at most {e.high:.3g} {e.unit}" for n, e in estimates.items() if e.value == 0.0 and e.high
+    ]
 
 
 def check_motion(log: Log) -> None:
@@ -133,65 +201,48 @@ def check_motion(log: Log) -> None:
     every = max(len(log) // 1_000_000, 1)
     thin = v[::every]
     rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), np.ones(len(thin))])
+    rough = np.column_stack(
+        [rough, log.position[::every], np.sin(log.position[::every]), np.cos(log.position[::every])]
+    )
     coefficients = np.linalg.lstsq(rough / np.maximum(np.abs(rough).max(0), 1e-300), log.force[::every], rcond=1e-10)[0]
     both = v.min() < -0.1 * fastest and v.max() > 0.1 * fastest
-    if both and coefficients[1] + coefficients[2] < 0 and coefficients[2] < 0:
+    against = float(np.sum((coefficients[1] * thin / fastest + coefficients[2] * np.sign(thin)) * thin))
+    if both and against < 0 and coefficients[1] + coefficients[2] < 0 and coefficients[2] < 0:
         raise InputError(
             f"{arg('force')}: acts against the motion: friction would put energy in; the sign is wrong "
             f"({arg('force_gain')} -1 turns it)"
         )
 
 
-def _settled(problem: StaticProblem, u: Array, robust: bool) -> Array:
-    """The optimum; with Huber's weights where the loss is to be robust (they stay in the problem)."""
-    if not len(u):
-        raise InputError(f"law '{problem.law.name}': every constant is given: there is nothing to fit")
-    u = descend(problem, u, 1e-14, 60).point
-    for _ in range(12 if robust else 0):
-        rest = problem.force - problem.model(problem.values(u))
-        scale = 1.4826 * float(np.median(abs(rest))) or 1.0
-        problem.reweigh(np.sqrt(np.minimum(1.0, _HUBER * scale / np.maximum(abs(rest), 1e-300))))
-        u = descend(problem, u, 1e-10, 30).point
-    return u
+def _robust(whole: Separable, solution: Solution) -> tuple[Separable, Solution]:
+    """The optimum with Huber's weights, which stay in the model."""
+    base = whole.weight
+    for _ in range(12):
+        rest = whole.force - whole.force_at(solution.values)
+        scale = 1.4826 * float(np.median(abs(rest[base > 0]))) or 1.0
+        whole = whole.weighted(base * np.sqrt(np.minimum(1.0, _HUBER * scale / np.maximum(abs(rest), 1e-300))))
+        before = solution
+        solution = whole.refined(solution.values, 6) if whole.shapes else whole.solve({})
+        if all(
+            abs(solution.values[n] - x) <= 1e-6 * abs(x) for n, x in before.values.items() if not isinstance(x, str)
+        ):
+            break
+    return whole, solution
 
 
-def _judged(begun: Start, problem: StaticProblem, u: Array, log: Log, profiles: bool) -> Fit:
-    """The fit of one problem, without what is told of all rows."""
-    judged = uncertainty.judge(problem, u, thinned(log), profiles)
-    values = problem.values(judged.point)
-    judgements = {**judged.estimates, **_unseen(begun, log, values)}
-    estimates = {n: e for n, e in judgements.items() if n not in TERMS}
-    order = [n for n in problem.law.constants() if n in estimates]
-    body = {n: e for n, e in judgements.items() if n in TERMS}
-    body |= _by_direction(estimates, body, judged.names, judged.covariance)
-    return Fit(
-        law=problem.law.name,
-        method="static",
-        estimates={n: estimates[n] for n in order},
-        body=body,
-        fixed=dict(begun.given),
-        used={n: v for n, v in values.items() if n in problem.law.constants() or n in TERMS},
-        names=judged.names,
-        covariance=judged.covariance,
-        relative_force_error=_error(problem, values),
-        data_hash=log.hash,
-        profiles=judged.profiles,
-        notes=judged.notes,
-        details={"noise": judged.noise},
-    )
+def _physical(made: Model, solution: Solution) -> None:
+    """Refuse a fit in which nothing opposes the motion.
 
-
-def _unseen(begun: Start, log: Log, values: Mapping[str, float]) -> dict[str, Estimate]:
-    """Verdicts on the constants that a static fit cannot see, or that the data show nothing of."""
-    found = {}
-    for name, why in begun.unseen.items():
-        unit = begun.problem.law.constants()[name].unit
-        advice = experiment_for(name, values, scales(thinned(log)))
-        found[name] = Estimate(None, None, None, unit, False, why, advice)
-    for name, high in begun.at_bound.items():
-        unit = unit_of(begun.problem.law, name)
-        found[name] = Estimate(0.0, 0.0, high, unit, True, "at its lower bound, 0")
-    return found
+    Raises:
+        InputError: friction comes out as nothing.
+    """
+    whole, values = made.whole, solution.values
+    own = [n for n in whole.wanted if n in values]
+    if own and whole.wanted and all(values[n] <= 2 * whole.least for n in own) and "F_c" in own:
+        raise InputError(
+            f"{arg('force')}: friction comes out as 0 or negative, Coulomb and viscous: check the sign and gain of the force "
+            f"({arg('force_gain')}), and what it holds beside friction ({arg('terms')})"
+        )
 
 
 def _by_direction(
@@ -206,57 +257,26 @@ def _by_direction(
             continue
         i, k = names.index(name), names.index(other)
         mean, half = estimates[name], body[other]
-        if mean.value is None or half.value is None:
+        if mean.value is None or half.value is None or not (mean.identifiable and half.identifiable):
             continue
         for sign, word in ((1, "forwards"), (-1, "backwards")):
             value = mean.value + sign * half.value
-            spread = 1.96 * float(np.sqrt(covariance[i, i] + covariance[k, k] + 2 * sign * covariance[i, k]))
+            spread = 1.96 * float(np.sqrt(max(covariance[i, i] + covariance[k, k] + 2 * sign * covariance[i, k], 0.0)))
             found[f"{name}_{word}"] = Estimate(value, value - spread, value + spread, mean.unit)
     return found
 
 
-# -- constant speeds -------------------------------------------------------------------------------------------------
-
-
-def _by_segments(log: Log, begun: Start, u: Array, setting: Setting, segments: Sequence[slice], profiles: bool) -> Fit:
-    """The curve from stretches of constant speed; what needs acceleration stays as all rows tell it."""
-    whole = _judged(begun, begun.problem, u, log, profiles=False)
-    held: dict[str, float] = {n: x for n, x in begun.problem.values(u).items() if n in ("mass", "delay")}
-    body = [n for n in setting.body if n != "delay"]
-    again = solve(
-        log, begun.problem.law, setting.fixed, setting.free, held.get("mass", 0.0), body, averaging(_parts(segments)),
-        delay=held.get("delay", 0.0),
-    )  # fmt: skip
-    point = _settled(again.problem, again.point, setting.robust)
-    fit = _judged(again, again.problem, point, log, profiles)
-    kept = {n: e for n, e in whole.body.items() if n in ("mass", "delay")}
-    note = (
-        f"friction from {len(segments)} stretches of constant speed (their error {100 * fit.relative_force_error:.3g} % of "
-        "their force), mass from all rows"
-    )
-    return replace(fit, body={**kept, **fit.body}, used={**fit.used, **held}, notes=(*again.notes, *fit.notes, note))
-
-
-def _parts(segments: Sequence[slice]) -> list[slice]:
-    """Each stretch in up to ten parts: what they differ by is noise, and tells how sure the curve is."""
-    found = []
-    for s in segments:
-        count = min(_PARTS, (s.stop - s.start) // 20 or 1)
-        edges = np.linspace(s.start, s.stop, count + 1).astype(int).tolist()
-        found += [slice(a, b) for a, b in pairwise(edges)]
-    return found
+# -- what a report shows -----------------------------------------------------------------------------------------------
 
 
 def _curve(
-    problem: StaticProblem, values: Mapping[str, float], segments: Sequence[slice], log: Log
+    whole: Separable, values: Mapping[str, float], segments: Sequence[slice], log: Log
 ) -> list[dict[str, float]]:
     """Speed and friction of each stretch of constant speed."""
-    delay = values.get("delay", 0.0)
     rest = np.zeros(len(log))
-    for name in problem.terms:
-        term = TERMS[name]
-        if term.column is not None and not (term.level or term.friction):
-            rest += values.get(name, 0.0) * term.column(log)
+    for name in whole.terms:
+        if not (TERMS[name].level or TERMS[name].friction):
+            rest += values.get(name, 0.0) * column(name, log)
     found = []
     for s in segments:
         friction = log.force[s] - rest[s]
@@ -264,38 +284,62 @@ def _curve(
             {
                 "time": float(log.time[s.start]), "duration": float(log.time[s.stop - 1] - log.time[s.start]),
                 "velocity": float(np.mean(log.velocity[s])), "friction": float(np.mean(friction)),
-                "deviation": float(np.std(friction)), "delay": delay,
+                "deviation": float(np.std(friction)), "delay": values.get("delay", 0.0),
             }
         )  # fmt: skip
     return found
 
 
-# -- all rows --------------------------------------------------------------------------------------------------------
+def _error(whole: Separable, values: Mapping[str, float]) -> float:
+    w = whole.weight > 0
+    return float(np.linalg.norm((whole.force - whole.force_at(values))[w]) / np.linalg.norm(whole.force[w]))
 
 
-def _error(problem: StaticProblem, values: Mapping[str, float]) -> float:
-    return float(np.linalg.norm(problem.force - problem.model(values)) / np.linalg.norm(problem.force))
-
-
-def _prediction(problem: StaticProblem, values: Mapping[str, float], log: Log, rows: NDArray[np.intp]) -> Prediction:
-    """Friction, measured and fitted, at the rows that were compared."""
-    body = np.zeros(len(rows))
-    for name, column in problem.columns_at(values).items():
+def _prediction(whole: Separable, values: Mapping[str, float], log: Log, rows: Rows) -> tuple[Prediction, float]:
+    """Friction, measured and fitted, at the rows that were compared; and norm(residual)/norm(measured friction)."""
+    body = np.zeros(len(rows.kept))
+    for name, x in whole.columns.at(values, whole.terms).items():
         if name in TERMS and not (TERMS[name].level or TERMS[name].friction):
-            body += values[name] * column
-    fitted = problem.model(values) - body
-    return Prediction(log.time[rows], log.position[rows], log.velocity[rows], problem.force - body, fitted)
+            body += values[name] * x
+    measured, fitted, w = whole.force - body, whole.force_at(values) - body, rows.weight > 0
+    kept = rows.kept[w]
+    found = Prediction(log.time[kept], log.position[kept], log.velocity[kept], measured[w], fitted[w])
+    size = float(np.linalg.norm(measured[w]))
+    return found, float(np.linalg.norm((measured - fitted)[w])) / max(size, 1e-300)
 
 
-def cross_validate(problem: StaticProblem, u: Array, log: Log, q: int, folds: int) -> LeftOut:
-    """Fit the problem anew without each part of the log and predict the part."""
-    group, how = groups(log.rows(kept_rows(log, q)), folds)
+def cross_validate(whole: Separable, solution: Solution, rows: Rows, folds: int, unseen: int = 0) -> LeftOut:
+    """Fit the model anew without each part of the log and predict the part.
+
+    Coefficients are solved for exactly; shapes move by a step of Gauss and Newton where that fits the rest better.
+    """
+    group, how = groups(rows.log.rows(rows.kept), folds)
+    at = linearised(whole, solution)
     squares, size = [], []
     for number in range(int(group.max()) + 1):
         out = group == number
-        training = problem.reweighted(np.where(out, 0.0, problem.weight))
-        there = descend(training, u, 1e-6, 10).point
-        missed = (problem.force - problem.model(problem.values(there)))[out]
+        training = whole.weighted(np.where(out, 0.0, whole.weight))
+        here = {s.name: solution.values[s.name] for s in whole.shapes}
+        found = training.solve(here)
+        if whole.shapes:
+            there = training.solve(_stepped(whole, here, at.names, at.slopes[~out], at.misfit[~out]))
+            found = min(found, there, key=lambda s: s.cost)
+        out &= rows.weight > 0
+        missed = (whole.force - whole.force_at(found.values))[out]
         squares.append(float(missed @ missed))
-        size.append(float(problem.force[out] @ problem.force[out]))
-    return LeftOut(np.array(squares), np.array(size), how, len(u))
+        size.append(float(whole.force[out] @ whole.force[out]))
+    return LeftOut(np.array(squares), np.array(size), how, len(at.names) + unseen)
+
+
+def _stepped(
+    whole: Separable, here: Mapping[str, float], names: Sequence[str], slopes: Array, misfit: Array
+) -> dict[str, float]:
+    """Shapes after a step of Gauss and Newton, within their range."""
+    size: Array = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
+    step = dict(zip(names, (np.linalg.lstsq(slopes / size, misfit, rcond=1e-10)[0] / size).tolist(), strict=True))
+    moved = {}
+    for s in whole.shapes:
+        by = step.get(s.name, 0.0)
+        by = float(np.clip(by, -_LONGEST_STEP, _LONGEST_STEP)) if s.log else by
+        moved[s.name] = s.at(s.share(here[s.name] * np.exp(by) if s.log else here[s.name] + by))
+    return moved

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from stribeck import laws
 from stribeck.errors import InputError, arg, nearest
+from stribeck.identify.data.filters import shifted
 from stribeck.identify.features.guess import Range, ranges, scales
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
@@ -55,11 +56,12 @@ class VelocityProblem(Problem):
         self.rows = np.ones(len(log), bool) if rows is None else rows
         size = float(np.sqrt(np.mean(log.force**2)))
         super().__init__(law, coordinates, fixed, tied, log.force[self.rows], size)
-        self.response = Response(law, _structure(law, fixed))
+        self.response = Response(law, structure(law, fixed))
         self.runs = list(log.runs())
         self.levels = [name for name in body if TERMS[name].level]
-        self.body = [name for name in body if not TERMS[name].level]
-        self.frictional = [i for i, c in enumerate(self.coordinates) if c.name not in self.body]
+        self.body = [name for name in body if not TERMS[name].level and TERMS[name].column is not None]
+        self.late = "delay" in body
+        self.frictional = [i for i, c in enumerate(self.coordinates) if c.name not in (*self.body, "delay")]
         self.level_columns = _columns(log, self.levels)
         self.body_columns = _columns(log, self.body)
 
@@ -77,7 +79,7 @@ class VelocityProblem(Problem):
         return self._with(self.log.with_columns(velocity=velocity), self.coordinates, self.rows)
 
     def _with(self, log: Log, coordinates: Sequence[Coordinate], rows: NDArray[np.bool_]) -> VelocityProblem:
-        body = (*self.body, *self.levels)
+        body = (*self.body, *self.levels, *(["delay"] if self.late else []))
         other = VelocityProblem(log, self.law, coordinates, self.fixed, self.tied, body, rows)
         other.home = self.home
         return other
@@ -101,7 +103,19 @@ class VelocityProblem(Problem):
         sets = [self.values(u) for u in points]
         lanes, place = _distinct(points[:, self.frictional])  # the body's terms need no simulation of their own
         friction = self._friction([sets[i] for i in lanes])
-        return None if friction is None else friction[place] + self.of_body(sets)
+        if friction is None:
+            return None
+        total = friction[place] + self.of_body(sets)
+        return total + self._lag(sets) if self.late else total
+
+    def _lag(self, sets: Sequence[Given]) -> Array:
+        """What a delay of the motion takes off the difference to the measured force: as if that came later by as much."""
+        found = np.empty((len(sets), len(self.log)))
+        for lane, each in enumerate(sets):
+            for rows in self.runs:
+                x = self.log.force[rows]
+                found[lane, rows] = x - shifted(x, -each["delay"] / self.log.step)
+        return found
 
     def of_body(self, sets: Sequence[Given]) -> Array:
         """The force beside friction at every row, for each set of values."""
@@ -129,7 +143,7 @@ class VelocityProblem(Problem):
         return out
 
 
-def _structure(law: type[Law], given: Given) -> tuple[str, ...]:
+def structure(law: type[Law], given: Given) -> tuple[str, ...]:
     """The form of the law's equations: optional constants that are given, and words."""
     words = {
         n: f"{n}={given[n]}"
@@ -191,10 +205,6 @@ def velocity_problem(
     free = free_constants(law, fixed, tied, free)
     body = list(dict.fromkeys(["mass", *body, *held]))
     terms.check(tuple(body), log)
-    if "delay" in body:
-        raise InputError(
-            f"{arg('terms')}: 'delay': the dynamic method shifts nothing: align force and motion beforehand"
-        )
     if mass is not None:
         held["mass"] = mass
     if any(TERMS[name].level for name in body) and "F_c" not in law.constants():
@@ -244,6 +254,9 @@ def free_constants(law: type[Law], fixed: Given, tied: Mapping[str, Tie], free: 
 def _body_coordinate(name: str, log: Log, force: float, offset: float) -> tuple[Coordinate, float, float, float]:
     """A term of the body with a first value and the range of the starts: what makes a tenth of the friction level."""
     term = TERMS[name]
+    if name == "delay":
+        step = log.step
+        return Coordinate(name, term.unit, -50 * step, 50 * step, log=False, scale=step), 0.0, -3 * step, 3 * step
     if name == "offset":
         return Coordinate(name, term.unit, -1e3 * force, 1e3 * force, log=False, scale=force), offset, -force, force
     column = _columns(log, [name])[0]

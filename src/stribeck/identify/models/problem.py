@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from types import SimpleNamespace
 from typing import Any, ClassVar
 
@@ -167,10 +168,7 @@ class Problem(ABC):
 
     def sensitivities(self, u: Array) -> Array | None:
         """The derivatives of the output by the inner coordinates, (rows, coordinates)."""
-        # coordinates that change different rows share a lane
-        lanes = [[i] for i, c in enumerate(self.coordinates) if c.rows is None]
-        if local := [i for i, c in enumerate(self.coordinates) if c.rows is not None]:
-            lanes.append(local)
+        lanes = self._lanes
         points = np.repeat(u[None, :], 1 + len(lanes), axis=0)
         for lane, moved in enumerate(lanes, start=1):
             points[lane, moved] += self.step
@@ -184,6 +182,24 @@ class Problem(ABC):
                 where = self.coordinates[i].rows or slice(None)
                 result[where, i] = slope[where]
         return result
+
+    @cached_property
+    def _lanes(self) -> list[list[int]]:
+        """The coordinates that are moved together: those that change different rows share a lane."""
+        lanes = [[i] for i, c in enumerate(self.coordinates) if c.rows is None]
+        shared: list[list[int]] = []
+        ends: list[int] = []
+        for i, c in enumerate(self.coordinates):
+            if c.rows is None:
+                continue
+            free = next((k for k, end in enumerate(ends) if end <= c.rows.start), None)
+            if free is None:
+                shared.append([i])
+                ends.append(c.rows.stop)
+            else:
+                shared[free].append(i)
+                ends[free] = c.rows.stop
+        return lanes + shared
 
     def describe(self, u: Array) -> dict[str, Any]:
         """Values that belong to the machine, by name."""

@@ -1,114 +1,88 @@
-"""The problem of a static fit: which rows are compared, and what the force is made of there."""
+"""Which rows a static fit compares: the band of the force, filtered and thinned, without rest."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import lru_cache
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
 from stribeck.identify.data import filters
+from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
-from stribeck.identify.models.problem import Coordinate, Problem, Tie
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.columns import Columns, Reduce
 
 Array = NDArray[np.float64]
-Reduce = Callable[[Array], Array]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
 _RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
-_MOST_ROWS = 500_000
+_MOST_ROWS = 25_000
+_MOST_RAW, _BLOCKS, _SHORTEST_BLOCK = (
+    200_000,
+    24,
+    600,
+)  # of a record: more tell nothing new; blocks of a run, rows of one
+_FEWEST = 150  # rows that a band lowered for the mass's sake leaves
+_MOVES = 0.015  # of the mass: what half the band may change it by
+_HEAVY = 0.05  # of the force: less inertia tells nothing of the band
+_LITTLE_REST = 0.02  # of the rows: less rest stays in
 
 
-class StaticProblem(Problem):
-    """Measured motion in, force out, without memory: friction at the speed of the moment, and the body's terms.
+@dataclass
+class Rows:
+    """A record as a static fit compares it; trials of one record share this.
 
-    Args:
-        log: the record.
-        sliding: the law's steady force.
-        coordinates, fixed, tied: as in :class:`Problem`.
-        body: the terms beside friction.
-        reduce: from all rows to those that are compared: filter and thin out, or the means of stretches.
-        weight: of the rows compared; all alike where None.
+    Attributes:
+        log: the record, with a velocity of 0 where the body rests; of a very long one stretches evenly over it.
+        source: all of it.
+        q: one row in so many is kept behind the filter; ``why`` in words.
+        kept: the rows of the log that are; ``weight``: 0 for those in which the body rests.
+        rest: the rows of the log in which it does.
     """
 
-    def __init__(
-        self,
-        log: Log,
-        sliding: Sliding,
-        coordinates: Sequence[Coordinate],
-        fixed: Mapping[str, float],
-        tied: Mapping[str, Tie],
-        body: Sequence[str],
-        reduce: Reduce,
-        weight: Array | None = None,
-    ) -> None:
-        self.log, self.sliding, self.terms, self.reduce = log, sliding, tuple(body), reduce
-        self.force = reduce(log.force)
-        self.fastest = max(float(log.velocity.max()), -float(log.velocity.min()))
-        self.weight = np.ones(len(self.force)) if weight is None else weight
-        size = float(np.sqrt(np.mean(self.force**2)))
-        super().__init__(sliding.law, coordinates, fixed, tied, self.weight * self.force, size)
-        self.names = list(sliding.linear)
-        self.of_friction = lru_cache(maxsize=8)(self._of_friction)
-        self.of_body = lru_cache(maxsize=3 * len(self.terms) + 3)(self._of_body)
+    log: Log
+    source: Log
+    q: int
+    why: list[str]
+    kept: NDArray[np.intp]
+    weight: Array
+    rest: NDArray[np.bool_]
+    _columns: dict[Any, Columns] = field(default_factory=dict)
 
-    def reweighted(self, weight: Array) -> StaticProblem:
-        """The same problem with other weights of the rows."""
-        other = StaticProblem.__new__(StaticProblem)
-        other.__dict__.update(self.__dict__)
-        other.reweigh(weight)
-        return other
-
-    def reweigh(self, weight: Array) -> None:
-        """Give the rows other weights."""
-        self.weight, self.measured = weight, weight * self.force
-
-    def _moved(self, column: Array, delay: float) -> Array:
-        if delay == 0:
-            return column
-        parts = [filters.shifted(column[rows], delay / self.log.step) for rows in self.log.runs()]
-        return np.concatenate(parts)
-
-    def _of_friction(self, shape: tuple[tuple[str, float], ...], delay: float) -> dict[str, Array]:
-        """What each coefficient of the law and of its level multiplies, for given other constants and delay."""
-        v = self._moved(self.log.velocity, delay)
-        speeds, table = self.sliding.table(dict(shape), self.fastest, self.names)
-        found = {name: self.reduce(np.interp(v, speeds, x)) for name, x in table.items()}
-        levels = [name for name in self.terms if TERMS[name].level]
-        if levels:
-            level = np.interp(v, speeds, table["F_c"] + table.get("F_s", 0.0))
-            found |= {name: self.reduce(level * self._moved(self._column(name), delay)) for name in levels}
-        return found
-
-    def _of_body(self, name: str, delay: float) -> Array:
-        return self.reduce(self._moved(self._column(name), 0.0 if name == "offset" else delay))
-
-    def _column(self, name: str) -> Array:
-        column = TERMS[name].column
-        assert column is not None
-        return column(self.log)
-
-    def columns_at(self, values: Mapping[str, float]) -> dict[str, Array]:
-        """The columns for all constants by name."""
-        own, delay = self.law.constants(), values.get("delay", 0.0)
-        shape = tuple((n, v) for n, v in values.items() if n in own and n not in self.names)
-        body = [n for n in self.terms if TERMS[n].column is not None and not TERMS[n].level]
-        return {**self.of_friction(shape, delay), **{n: self.of_body(n, delay) for n in body}}
-
-    def model(self, values: Mapping[str, float]) -> Array:
-        """The force at the rows that are compared."""
-        columns = self.columns_at(values)
-        return np.asarray(sum(values.get(name, 1.0) * x for name, x in columns.items()))
-
-    def outputs(self, points: Array) -> Array | None:
-        """The weighted force at the rows that are compared."""
-        return np.array([self.weight * self.model(self.values(u)) for u in points])
+    def columns(self, sliding: Sliding) -> Columns:
+        """The columns for a law."""
+        key = (sliding.law, tuple(sorted((n, str(x)) for n, x in sliding.base.items())))
+        if key not in self._columns:
+            self._columns[key] = Columns(self.log, sliding, thinning(self.log, self.q))
+        return self._columns[key]
 
 
-# -- rows ------------------------------------------------------------------------------------------------------------
+def rows_of(log: Log, decimate: int | None = None) -> Rows:
+    """The rows that a static fit of a record compares."""
+    notes, source = [], log
+    if len(log) > _MOST_RAW:
+        log = _stretches(log)
+        notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
+    rest = at_rest(log)
+    share = float(np.mean(rest))
+    if share <= _LITTLE_REST or share > 0.98:
+        rest[:] = False
+    else:
+        log = log.with_columns(velocity=np.where(rest, 0.0, log.velocity))
+        notes.append(
+            f"the body rests in {share:.0%} of the rows: they are left out, as friction takes any value there up to break-away"
+        )
+    if decimate:
+        q, why = decimate, f"one row in {decimate} is fitted"
+    else:
+        q, why = _by_effect(log, *decimation(log), rest)
+    kept = kept_rows(log, q)
+    near = rest
+    if q > 1 and rest.any():  # the filter spreads a jump over some rows
+        near = np.convolve(rest, np.ones(2 * q + 1), mode="same") > 0.5
+    return Rows(log, source, q, [why, *notes], kept, np.where(near[kept], 0.0, 1.0), rest)
 
 
 def decimation(log: Log) -> tuple[int, str]:
@@ -122,16 +96,67 @@ def decimation(log: Log) -> tuple[int, str]:
     shortest = min(r.stop - r.start for r in log.runs())
     while q > 1 and shortest < 30 * q:
         q = _RATES[_RATES.index(q) - 1]
-    while len(log) / q > _MOST_ROWS:
+    while len(log) / q > _MOST_ROWS and q < _RATES[-1]:
         q = next(r for r in _RATES if r > q)
     return q, f"{100 * _POWER_KEPT:g} % of the force's power lies below {band:.3g} Hz: one row in {q} is fitted"
 
 
+def _by_effect(log: Log, q: int, why: str, rest: NDArray[np.bool_]) -> tuple[int, str]:
+    """A lower band where the mass hangs on it: noise of the acceleration makes the mass too small.
+
+    Force and motion pass the same filter, so that a band that is too low costs rows and biases nothing.
+    """
+    shortest = min(r.stop - r.start for r in log.runs())
+    allowed = [r for r in _RATES if r >= q and len(log) / r >= _FEWEST and shortest >= 30 * r]
+    before: tuple[int, float] | None = None
+    for rate in allowed:
+        mass, share = _mass_at(log, rate, rest)
+        if before is not None and (share < _HEAVY or abs(mass - before[1]) <= _MOVES * abs(mass)):
+            break
+        before = rate, mass
+    if before is None or before[0] == q:
+        return q, why
+    band = 0.4 / (before[0] * log.step)
+    return before[0], (
+        f"below {band:.3g} Hz the mass no longer hangs on the filter (noise of the acceleration makes it too small above): "
+        f"force and motion pass that filter, and one row in {before[0]} is fitted"
+    )
+
+
+def _mass_at(log: Log, q: int, rest: NDArray[np.bool_]) -> tuple[float, float]:
+    """The mass of a plain regression in a band, and what share of the force it makes."""
+    reduce = thinning(log, q)
+    columns = [log.acceleration, np.sign(log.velocity), log.velocity, np.ones(len(log)), np.where(rest, log.force, 0.0)]
+    matrix = np.column_stack([reduce(x) for x in columns])
+    size = np.maximum(np.sqrt(np.mean(matrix**2, axis=0)), 1e-300)
+    force = reduce(log.force)
+    found = np.linalg.lstsq(matrix / size, force, rcond=1e-10)[0] / size
+    return float(found[0]), float(abs(found[0]) * size[0] / max(np.sqrt(np.mean(force**2)), 1e-300))
+
+
 def thinning(log: Log, q: int) -> Reduce:
-    """Filter and decimation of each run."""
+    """Filter and decimation of each run; runs of one length at once."""
     filters.stages(q)
+    if q == 1:
+        return lambda x: x
     rows = list(log.runs())
-    return lambda x: x if q == 1 else np.concatenate([filters.decimate(x[r], q) for r in rows])
+    lengths = np.array([r.stop - r.start for r in rows])
+    counts = [len(filters.decimated_rows(int(n), q)) for n in lengths]
+    ends = np.concatenate([[0], np.cumsum(counts)])
+
+    def reduce(x: Array) -> Array:
+        out = np.empty(ends[-1])
+        for length in np.unique(lengths).tolist():
+            same = np.flatnonzero(lengths == length).tolist()
+            if len(same) == 1:
+                out[ends[same[0]] : ends[same[0] + 1]] = filters.decimate(x[rows[same[0]]], q)
+                continue
+            made = filters.decimate(np.stack([x[rows[k]] for k in same]), q)
+            for k, row in zip(same, made, strict=True):
+                out[ends[k] : ends[k + 1]] = row
+        return out
+
+    return reduce
 
 
 def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
@@ -139,6 +164,21 @@ def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
     return np.concatenate([r.start + filters.decimated_rows(r.stop - r.start, q) for r in log.runs()])
 
 
-def averaging(segments: Sequence[slice]) -> Reduce:
-    """The mean of each stretch."""
-    return lambda x: np.array([float(np.mean(x[s])) for s in segments])
+def _stretches(log: Log) -> Log:
+    """Stretches of a long record, evenly over every run, as runs of their own."""
+    parts, owner = [], []
+    runs = list(log.runs())
+    shares = [max(int(_MOST_RAW * (r.stop - r.start) / len(log)), 1) for r in runs]
+    counts = [int(np.clip(share // _SHORTEST_BLOCK, 1, _BLOCKS)) for share in shares]
+    usual = int(np.median([max(s // c, _SHORTEST_BLOCK) for s, c in zip(shares, counts, strict=True)]))
+    for number, (rows, count) in enumerate(zip(runs, counts, strict=True)):
+        length = min(usual, rows.stop - rows.start)  # of one length where it can be: they are filtered together
+        if count * length >= rows.stop - rows.start:
+            count, length = 1, rows.stop - rows.start
+        starts = np.linspace(rows.start, rows.stop - length, count).astype(int).tolist()
+        parts += [slice(a, a + length) for a in starts]
+        owner += [number] * count
+    every = np.concatenate([np.arange(p.start, p.stop) for p in parts])
+    run = np.repeat(np.arange(len(parts), dtype=np.int32), [p.stop - p.start for p in parts])
+    files = tuple(log.files[i] for i in owner) if log.files else ()
+    return log.rows(every).with_columns(run=run, files=files)

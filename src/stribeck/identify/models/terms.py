@@ -41,6 +41,8 @@ TERMS: dict[str, Term] = {
     "mass": Term("kg", "inertia", lambda log: log.acceleration, positive=True),
     "offset": Term("N", "constant force, such as gravity", lambda log: np.ones(len(log))),
     "stiffness": Term("N/m", "spring to ground", lambda log: log.position),
+    "gravity_sin": Term("N", "what the sine of the position (rad) multiplies: an arm's weight", lambda log: np.sin(log.position)),
+    "gravity_cos": Term("N", "what its cosine multiplies", lambda log: np.cos(log.position)),
     "area": Term("m^2", "area that the pressure pushes on", lambda log: _get(log.pressure), needs="pressure"),
     "sigma_2_by_direction": Term(
         "N s/m", "half of what viscous friction is more forwards", lambda log: abs(log.velocity), friction=True

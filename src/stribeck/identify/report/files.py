@@ -28,7 +28,7 @@ def write(result: Fit | Choice, log: Log, folder: Path, command: str, data: str)
 
 
 def toml(fit: Fit, command: str, data: str) -> str:
-    """The fit as a parameter set: what is known stands in [parameters], what is not in [unknown]."""
+    """The fit as a parameter set; what the data do not determine is marked in [parameters], and explained in [unknown]."""
     lines = [
         "# Friction parameters from measured data, by 'stribeck fit'. SI units; intervals at 95 %.",
         f"title = {_text(f'{fit.law} fitted to {data}')}",
@@ -39,19 +39,26 @@ def toml(fit: Fit, command: str, data: str) -> str:
         f"data_sha256 = {_text(fit.data_hash)}",
         f"version = {_text(__version__)}",
         f"command = {_text(command)}",
+        f"status = {_text(fit.status)}",
         f"relative_force_error = {_number(fit.relative_force_error)}",
     ]
     if fit.cross_validated_error is not None:
         lines.append(f"cross_validated_error = {_number(fit.cross_validated_error)}")
-    known = {n: e for n, e in fit.estimates.items() if e.identifiable}
-    lines += ["", "[parameters]"]
-    lines += [f"{name} = {_estimate(e)}" for name, e in known.items()]
+    if any(not e.identifiable for e in fit.estimates.values()):
+        lines += [
+            "",
+            "# determined = false: the data do not tell this number; it is the fitted curve's, and is refused",
+        ]
+        lines += ["# unless --allow-undetermined is given. [unknown] says why, and what to measure.", "[parameters]"]
+    else:
+        lines += ["", "[parameters]"]
+    lines += [f"{name} = {text}" for name, e in fit.estimates.items() if (text := _estimate(e, fit.used.get(name)))]
     lines += [f"{name} = {_given(value)}" for name, value in fit.fixed.items() if name in stribeck_constants(fit.law)]
-    if body := {n: e for n, e in fit.body.items() if e.identifiable}:
-        lines += ["", "# The rig, not the law", "[body]", *(f"{name} = {_estimate(e)}" for name, e in body.items())]
+    if body := {n: text for n, e in fit.body.items() if (text := _estimate(e, fit.used.get(n)))}:
+        lines += ["", "# The rig, not the law", "[body]", *(f"{name} = {text}" for name, text in body.items())]
     unknown = {n: e for n, e in {**fit.estimates, **fit.body}.items() if not e.identifiable}
     if unknown:
-        lines += ["", "# Not determined by the data; no value is given on purpose"]
+        lines += ["", "# Not determined by the data"]
     for name, e in unknown.items():
         lines += [f"[unknown.{name}]", f"unit = {_text(e.unit)}", f"why = {_text(e.why)}"]
         lines += [f"{side} = {_number(x)}" for side, x in (("low", e.low), ("high", e.high)) if x is not None]
@@ -70,9 +77,14 @@ def stribeck_constants(law: str) -> Mapping[str, Any]:
     return laws.find(law).constants()
 
 
-def _estimate(e: Estimate) -> str:
+def _estimate(e: Estimate, used: float | None) -> str:
+    """The value with its interval, or the best one, marked; nothing where there is none."""
+    best = e.value if e.identifiable else e.best if e.best is not None else used
+    if best is None:
+        return ""
     ends = "".join(f", {side} = {_number(x)}" for side, x in (("low", e.low), ("high", e.high)) if x is not None)
-    return f"{{ value = {_number(e.value)}{ends}, unit = {_text(e.unit)} }}"
+    mark = "" if e.identifiable else ", determined = false"
+    return f"{{ value = {_number(best)}{ends}, unit = {_text(e.unit)}{mark} }}"
 
 
 def _given(value: float | str) -> str:

@@ -2,18 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
+
+import numpy as np
 
 from stribeck import laws
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.log import Log
-from stribeck.identify.methods.static import Setting, fit_static
+from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, settle
+from stribeck.identify.models import terms
+from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate
 
+_TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
+_PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
+BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
+_CANDIDATES = ("coulomb_viscous", "stribeck", "stribeck_tanh")
 
 
 @dataclass(frozen=True)
@@ -68,52 +77,197 @@ def choose(fits: dict[str, Fit], failed: dict[str, str]) -> Choice:
     return Choice(fits, picked, reason, failed)
 
 
-def select_terms(log: Log, law: str, setting: Setting, tell: Any = None) -> Fit:
+# -- terms -----------------------------------------------------------------------------------------------------------
+
+
+def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], None] | None = None) -> Fit:
     """Add terms to a static fit one by one, each time the one that lowers the error over left-out blocks most.
 
-    It stops where the best of the rest lowers it by less than a hundredth. The steps stand in ``details["selection"]``.
+    It stops where the best of the rest lowers it by less than a hundredth, or by less than chance would. The steps stand in
+    ``details["selection"]``; ``details["candidates"]`` has what least squares and a tanh-Stribeck curve come to.
     """
-    open_terms = [
-        n for n, t in TERMS.items()
-        if n not in ("mass", *setting.body)
-        and (not t.needs or getattr(log, t.needs) is not None)
-        and (not t.level or "F_c" in laws.find(law).constants())
-    ]  # fmt: skip
-    own = laws.find(law).constants()
-    extra = ["k_v"] if "k_v" in own and "k_v" not in setting.fixed else []
-    best = fit_static(log, law, setting, profiles=False)
-    steps: list[dict[str, Any]] = [_step("(as asked)", best)]
-    while open_terms or extra:
-        trials: dict[str, tuple[Setting, Fit]] = {}
-        for name in [*open_terms, *extra]:
-            wider = _wider(setting, law, name)
+    check_motion(log)
+    terms.check(tuple(setting.body), log)
+    rows = rows_of(log, setting.decimate)
+    found, steps = _forward(rows, law, settle(rows, law, setting), tell)
+    fit = finished(rows, found)
+    return replace(
+        fit,
+        details={**fit.details, "selection": steps, "candidates": [*baselines(rows, setting), _row("this fit", found)]},
+    )
+
+
+def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
+    """The fit that is asked for, and in ``details["candidates"]`` what plainer models come to on data left out."""
+    check_motion(log)
+    terms.check(tuple(setting.body), log)
+    rows = rows_of(log, setting.decimate)
+    settled = settle(rows, law, setting)
+    fit = finished(rows, settled)
+    found = [*baselines(rows, setting), _row("this fit", settled)]
+    least = min(found, key=lambda r: r["cross_validated_error"])
+    notes = fit.notes
+    if least["cross_validated_error"] < (1 - _WORTH) * settled.left_out.error:
+        told = f"{least['name']} ({least['law']}) predicts data left out better: {least['cross_validated_error']:.3%}"
+        notes = (f"{told}; without --law the best law and terms are looked for", *notes)
+    return replace(fit, notes=notes, details={**fit.details, "candidates": found})
+
+
+def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None = None) -> Choice:
+    """The static law and the terms that predict data left out best, with the plainer ones beside it.
+
+    Least squares (Coulomb, viscous and an offset) and the tanh-Stribeck curve that a few lines of SciPy would fit are among
+    the candidates, so that nothing worse than they are is picked.
+    """
+    check_motion(log)
+    rows = rows_of(log, setting.decimate)
+    plain: dict[str, Settled] = {}
+    failed: dict[str, str] = {}
+    for law in _CANDIDATES:
+        try:
+            plain[law] = settle(rows, law, _for_law(setting, law))
+        except StribeckError as error:
+            failed[law] = str(error).splitlines()[0]
+    if not plain:
+        raise InputError([f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()])
+    start = min(plain, key=lambda n: plain[n].left_out.error)
+    best, steps = _forward(rows, start, plain[start], tell)
+    wider: dict[str, tuple[Settled, list[dict[str, Any]]]] = {start: (best, steps)}
+    for law, narrow in plain.items():
+        if law != start:
             try:
-                trials[name] = wider, fit_static(log, law, wider, profiles=False)
+                with_terms = replace(narrow.setting, body=best.setting.body)
+                at = settle(rows, law, _free_steepness(with_terms, law), [best.shapes, narrow.shapes])
+                wider[law] = at, [_step("(as asked)", narrow), _step(", ".join(best.setting.body), at)]
+            except StribeckError as error:
+                failed.setdefault(law, str(error).splitlines()[0])
+    settled = {**plain, **{f"{law}, selected": s for law, (s, _) in wider.items() if _differs(s, plain[law])}}
+    picked = _lowest({n: s.left_out for n, s in settled.items()})
+    fits, plainer = {}, baselines(rows, setting)
+    for name, each in settled.items():
+        law = name.removesuffix(", selected")
+        fit = finished(rows, each, profiles=name == picked)
+        details = {**fit.details, "candidates": [*plainer, _row("this fit", each)]}
+        if name != law:
+            details["selection"] = wider[law][1]
+        fits[name] = replace(fit, details=details)
+    least = settled[picked].left_out.error
+    return Choice(fits, picked, f"the lowest error on data left out ({least:.3%})", failed)
+
+
+def _differs(one: Settled, other: Settled) -> bool:
+    return (tuple(one.setting.body), one.setting.free) != (tuple(other.setting.body), other.setting.free)
+
+
+def _lowest(candidates: Mapping[str, crossvalidate.LeftOut]) -> str:
+    """The lowest error; of those that differ by less than a two-hundredth of it, the one with the fewest numbers."""
+    least = min(c.error for c in candidates.values())
+    near = [n for n, c in candidates.items() if c.error <= (1 + _WORTH / 2) * least]
+    return min(near, key=lambda n: (candidates[n].parameters, candidates[n].error))
+
+
+def baselines(rows: Rows, setting: Setting) -> list[dict[str, Any]]:
+    """What least squares and a tanh-Stribeck curve come to on the same parts, with the asked-for terms only."""
+    found = []
+    for name, law in BASELINES.items():
+        plain = Setting(
+            {n: v for n, v in setting.fixed.items() if n in TERMS},
+            None,
+            setting.mass,
+            setting.body,
+            folds=setting.folds,
+        )
+        try:
+            found.append(_row(name, settle(rows, law, plain)))
+        except StribeckError:
+            continue
+    return found
+
+
+def _row(name: str, at: Settled) -> dict[str, Any]:
+    told = {**_step("", at), "name": name, "numbers": at.left_out.parameters, "law": at.model.law.name}
+    del told["added"]
+    return {**told, "values": _numbers(at)}
+
+
+def _numbers(at: Settled) -> dict[str, float]:
+    return {n: v for n, v in at.solution.values.items() if not (n == "delay" and v == 0)}
+
+
+def _forward(
+    rows: Rows, law: str, best: Settled, tell: Callable[[float], None] | None
+) -> tuple[Settled, list[dict[str, Any]]]:
+    steps = [_step("(as asked)", best)]
+    while True:
+        trials: dict[str, Settled] = {}
+        names = _open(rows, law, best.setting)
+        for k, name in enumerate(names):
+            try:
+                trials[name] = settle(rows, law, _wider(best.setting, law, name), [best.shapes], everywhere=False)
             except StribeckError:
                 continue
+            if tell is not None:
+                tell(min(0.1 + 0.15 * (len(steps) - 1 + k / len(names)), 0.9))
         if not trials:
-            break
-        name = min(trials, key=lambda n: trials[n][1].cross_validated_error or 0.0)
-        wider, found = trials[name]
-        if (found.cross_validated_error or 0.0) > (1 - _WORTH) * (best.cross_validated_error or 0.0):
-            break
-        setting, best = wider, found
+            return best, steps
+        likely = sorted(trials, key=lambda n: trials[n].solution.cost)[:_TRIED]
+        name = min(likely, key=lambda n: trials[n].left_out.error)
+        found = trials[name]
+        if found.left_out.error > (1 - _WORTH) * best.left_out.error or not _beyond_chance(found, best):
+            return best, steps
+        best = found
         steps.append(_step(name, found))
-        open_terms, extra = [n for n in open_terms if n != name], [n for n in extra if n != name]
-    final = fit_static(log, law, setting)
-    return replace(final, details={**final.details, "selection": steps})
+
+
+def _beyond_chance(wide: Settled, narrow: Settled) -> bool:
+    """Whether the squared error falls by more than a standard error of its fall over the parts."""
+    fall = narrow.left_out.squares - wide.left_out.squares
+    if len(fall) < 2:
+        return True
+    return bool(float(fall.sum()) > float(np.std(fall, ddof=1)) * np.sqrt(len(fall)))
+
+
+def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
+    """The terms that may be added, and k_v where the law has one."""
+    log, own = rows.log, laws.find(law).constants()
+    names = [
+        n for n, t in TERMS.items()
+        if n not in ("mass", *setting.body) and n not in setting.fixed
+        and (not t.needs or getattr(log, t.needs) is not None)
+        and (not t.level or "F_c" in own)
+        and not (n.startswith("gravity") and float(np.ptp(log.position)) < 0.3)
+    ]  # fmt: skip
+    names += [f"{n} and {_PAIRED[n]}" for n in names if n == "gravity_sin" and _PAIRED[n] in names]
+    free = setting.free or ()
+    if "k_v" in own and not own["k_v"].required and "k_v" not in setting.fixed and "k_v" not in free:
+        names = ["k_v", *names]
+    return names
 
 
 def _wider(setting: Setting, law: str, name: str) -> Setting:
-    if name in TERMS:
-        return replace(setting, body=(*setting.body, name))
+    if name == "k_v":
+        return _free_steepness(setting, law)
+    return replace(setting, body=(*setting.body, *name.split(" and ")))
+
+
+def _free_steepness(setting: Setting, law: str) -> Setting:
+    """The setting with k_v to be fitted, where the law has one that is not given."""
     found = laws.find(law)
-    free = list(setting.free) if setting.free is not None else [n for n in found.uses if n not in setting.fixed]
-    return replace(setting, free=(*free, name))
+    if "k_v" not in found.constants() or "k_v" in setting.fixed or found.has_z:
+        return setting
+    free = setting.free if setting.free is not None else [n for n in found.uses if n not in setting.fixed]
+    return setting if "k_v" in free else replace(setting, free=(*free, "k_v"))
 
 
-def _step(name: str, fit: Fit) -> dict[str, Any]:
+def _for_law(setting: Setting, law: str) -> Setting:
+    own = laws.find(law).constants()
+    return replace(setting, fixed={n: v for n, v in setting.fixed.items() if n in own or n in TERMS}, free=None)
+
+
+def _step(name: str, at: Settled) -> dict[str, Any]:
+    whole, w = at.model.whole, at.model.whole.weight > 0
+    missed = (whole.force - whole.force_at(at.solution.values))[w]
     return {
-        "added": name, "cross_validated_error": fit.cross_validated_error,
-        "relative_force_error": fit.relative_force_error,
+        "added": name, "cross_validated_error": at.left_out.error,
+        "relative_force_error": float(np.linalg.norm(missed) / np.linalg.norm(whole.force[w])),
     }  # fmt: skip

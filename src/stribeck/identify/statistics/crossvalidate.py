@@ -44,6 +44,8 @@ def groups(log: Log, folds: int = FOLDS) -> tuple[NDArray[np.intp], str]:
     rows = np.arange(len(log))
     if len(names := list(dict.fromkeys(log.files))) > 2:
         number = np.array([names.index(name) for name in log.files])[log.run]
+        if len(names) > max(folds, 2):
+            return (number % folds).astype(np.intp), f"over {len(names)} files in {folds} parts"
         return number.astype(np.intp), f"over {len(names)} files, one left out at a time"
     runs = np.cumsum(np.diff(log.run, prepend=log.run[:1]) != 0)
     if (count := int(runs[-1]) + 1) >= folds:

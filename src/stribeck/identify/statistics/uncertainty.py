@@ -14,30 +14,40 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_toeplitz
-from scipy.optimize import least_squares
-from scipy.stats import chi2
+from scipy.stats import t as student
 
 from stribeck.identify.features.filtering import leeway
-from stribeck.identify.features.guess import reversals, scales
+from stribeck.identify.features.guess import Scales, reversals, scales
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import descend
+from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Coordinate, Problem
 from stribeck.identify.result import Estimate, Profile
+from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
+from stribeck.identify.statistics.sensor_noise import again_with_noise, sharper_acceleration
+from stribeck.identify.work import Work
 
 Array = NDArray[np.float64]
-_THRESHOLD = float(chi2.ppf(0.95, 1))
 _WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
 _MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
 _BOUND = 0.95  # correlation with one that is inflated so
+_WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
+_CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
+_CLOSE_IF_CLEAN = (
+    0.1  # the same where the residual is white noise of the measurement's size: no error of the model is seen
+)
+_MORE = 1.15  # times the measurement's noise: the residual of a model that follows it
+_BEYOND = 3.0  # times what noise explains: a residual that is the model's
+_FEWEST_WINDOWS = 8  # beyond the number of constants
 _FEWEST = 12.0  # samples that an estimate must rest on
+_STRIBECK = ("F_s", "v_s")
+_ENDS = 0.3  # of the largest speed
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
 _MOST_LEEWAY = 0.2  # of the logarithm, for the motion's filter
 _LONGEST_MEMORY = 50  # samples, of the noise model
 _FRESH_STARTS = 4
-_NOTICEABLE = 0.05  # of twice the log-likelihood
-_FARTHEST = 4.0  # of the logarithm, to which a profile is followed
 
 
 @dataclass(frozen=True)
@@ -57,64 +67,146 @@ class Judgement:
     noise: dict[str, Any]
 
 
-class _Lower(Exception):
-    """A profile came to a lower cost than the optimum's."""
+@dataclass(frozen=True)
+class Noise:
+    """What a model without error would leave: the standard deviation of the measurement's noise, and that with what the
+    noise of its input does; 0 where nothing is known. ``missed``: the share of the output that a fit may miss.
+    ``alone``: no other start ended in the minimum."""
 
-    def __init__(self, point: Array) -> None:
-        super().__init__()
-        self.point = point
+    measured: float = 0.0
+    expected: float = 0.0
+    missed: float = 0.25
+    alone: bool = False
 
 
-def judge(problem: Problem, u: Array, log: Log, profiles: bool = True) -> Judgement:
-    """Intervals and verdicts for every coordinate that is no nuisance, at the optimum ``u``."""
+def judge(
+    problem: Problem, u: Array, log: Log, profiles: bool = True, noise: Noise | None = None, work: Work | None = None
+) -> Judgement:
+    """Intervals and verdicts for every coordinate that is no nuisance, at the optimum ``u``.
+
+    A fit that misses what was measured, by more than noise can, has no intervals: its numbers are those of another machine.
+    """
+    work, noise = work or Work(), noise or Noise()
     for _ in range(_FRESH_STARTS):
+        if work.stopped:
+            return without(problem, u, "the fit was stopped before its end")
         try:
-            return _judge(problem, u, log, profiles)
-        except _Lower as lower:
-            u = problem.nearest(descend(problem, lower.point, 1e-10, 200).point)
-    return _judge(problem, u, log, False)
+            return _judge(problem, u, log, profiles, noise, work)
+        except Lower as lower:
+            better = problem.nearest(descend(problem, lower.point, 1e-10, 200).point)
+            if problem.sensitivities(better) is None:
+                break
+            u = better
+    return _judge(problem, u, log, False, noise, work)
 
 
-def _judge(problem: Problem, u: Array, log: Log, profiles: bool) -> Judgement:
+def without(problem: Problem, u: Array, why: str) -> Judgement:
+    """The best values found, and nothing that is known of them."""
+    values = {c.name: c.outer(x) for c, x in zip(problem.coordinates, u.tolist(), strict=True) if not c.nuisance}
+    units = {c.name: c.unit for c in problem.coordinates}
+    misfit = problem.misfit(u)
+    deviation = float("nan") if misfit is None else float(np.sqrt(np.mean(misfit**2)))
+    estimates = {n: Estimate(None, None, None, units[n], False, why, best=x) for n, x in values.items()}
+    nothing = np.full((len(values), len(values)), np.nan)
+    return Judgement(u, estimates, tuple(values), nothing, {}, (), {"standard_deviation": deviation, "memory": 0})
+
+
+def misses(problem: Problem, misfit: Array, noise: Noise) -> str:
+    """Why nothing can be said of a fit, or nothing: it leaves more than noise does, and much of what was measured."""
+    left, whole = float(np.linalg.norm(misfit)), float(np.linalg.norm(problem.measured))
+    deviation = left / np.sqrt(max(len(misfit), 1))
+    if noise.expected <= 0 or deviation <= _BEYOND * noise.expected:
+        return ""
+    text = f"the fit misses {left / whole:.2g} of what was measured, {deviation / noise.expected:.3g} times what noise explains"
+    if left > noise.missed * whole:
+        return f"{text}: its numbers say nothing about the machine"
+    return f"{text}, and one start alone led to it: give more starts" if noise.alone else ""
+
+
+def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise, work: Work) -> Judgement:
     slopes, misfit = problem.sensitivities(u), problem.misfit(u)
-    assert slopes is not None
-    assert misfit is not None
-    free = len(misfit) - len(u)
+    if slopes is None or misfit is None:
+        return without(problem, u, "the simulation fails beside the best values")
+    if why := misses(problem, misfit, expected):
+        return without(problem, u, why)
+    free = len(misfit) - len(u) - getattr(problem, "hidden", 0)
     variance = float(misfit @ misfit) / max(free, 1)
     memory = noise_memory(misfit)
     inner = covariance(slopes, variance, memory)
     plain = covariance(slopes, variance, np.zeros(0))
+    notes = [] if free > 10 * len(u) else [f"only {len(misfit)} samples for {len(u)} numbers"]
+    if isinstance(problem, MotionProblem) and np.sqrt(variance) > _MORE * expected.measured > 0:
+        inner = by_windows(problem, slopes, misfit, inner)
+        notes.append(
+            f"the residual is {np.sqrt(variance) / expected.measured:.3g} times the noise of the {problem.output}: the "
+            f"intervals are from how the {len(problem.windows)} windows of the record differ"
+        )
     support = supporting_samples(slopes)
     alike = _alike(plain, slopes, variance)
     sizes, values = scales(log), problem.values(u)
     unseen = _presliding_unseen(problem, values, log)
-    spare = leeway(problem, u, slopes)
+    if isinstance(problem, MotionProblem):
+        spare = _between_samples(problem, u, slopes)
+    else:
+        shift, spread = again_with_noise(problem, u)
+        spare = np.maximum(leeway(problem, u, slopes), _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread)
+        spare = np.maximum(spare, _WHOLE * sharper_acceleration(problem, u, slopes))
+    deviations = np.sqrt(np.diag(inner))
+    inflation = np.maximum(np.diag(inner) / np.maximum(np.diag(plain), 1e-300), 1e-6)
+    own = [k for k, c in enumerate(problem.coordinates) if not c.nuisance]
+    beyond = not isinstance(problem, MotionProblem) and np.sqrt(variance) > _BEYOND * expected.expected > 0
+    if beyond and problem.law.has_z:
+        notes.append(
+            f"the residual is {np.sqrt(variance) / expected.expected:.2g} times the noise of the force: the intervals hold as "
+            "far as the model does"
+        )
+    # a residual that is the sensor's white noise shows no error of the model
+    clean = isinstance(problem, MotionProblem) and not len(memory) and np.sqrt(variance) < _MORE * expected.expected
+    close = _CLOSE_IF_CLEAN if clean else _CLOSE
+    doubts = {}
+    for k in own:
+        c = problem.coordinates[k]
+        confused = bool(alike[k]) and np.sqrt(THRESHOLD) * deviations[k] > close
+        doubt = (
+            unseen
+            if c.name in _BRISTLES and unseen
+            else _doubt(problem, k, u, inner, np.inf if clean else support[k], confused)
+        )
+        doubts[k] = doubt or _hangs(c, spare[k]) or (_shape(c, values, sizes, unseen) if beyond else "")
+    told = [k for k in own if profiles and not doubts[k]]
+    units = variance * inflation / problem.scale**2
+    ends = dict(straight(problem, u, inner, deviations, units, told)) if told else {}
+    bent = [k for k in told if k not in ends]
+
+    def followed(k: int) -> tuple[float | None, float | None, Profile]:
+        found = profile(problem, u, k, deviations[k], variance * inflation[k], inner)
+        work.tick()
+        return found
+
+    curves = work.each(followed, bent)
     estimates, found = {}, {}
-    for k, c in enumerate(problem.coordinates):
-        if c.nuisance:
-            continue
-        inflation = max(inner[k, k] / plain[k, k], 1e-6) if plain[k, k] > 0 else 1.0
-        deviation = float(np.sqrt(inner[k, k]))
+    bent_ends = {k: curve for k, curve in zip(bent, curves, strict=True) if curve is not None}
+    for k in own:
+        c = problem.coordinates[k]
         low: float | None
         high: float | None
-        doubt = unseen if c.name in _BRISTLES and unseen else _doubt(problem, k, u, inner, support[k], alike[k])
-        doubt = doubt or _hangs(c, spare[k])
-        if profiles and not doubt:
-            low, high, found[c.name] = profile(problem, u, k, deviation, variance * inflation, inner)
-            doubt = doubt or _open(low, high, c.log)
-            low, high = (None if x is None else c.outer(x + side * spare[k]) for x, side in ((low, -1), (high, 1)))
+        if k in ends or k in bent_ends:
+            low, high, found[c.name] = ends[k] if k in ends else bent_ends[k]
+            doubts[k] = _open(low, high, c.log)
         else:
-            ends = [u[k] + side * (np.sqrt(_THRESHOLD) * deviation + spare[k]) for side in (-1, 1)]
-            low, high = (c.outer(x) if c.inner(c.low) < x < c.inner(c.high) else None for x in ends)
-        if doubt:
+            low, high = (
+                x if c.inner(c.low) < x < c.inner(c.high) else None
+                for x in (u[k] - np.sqrt(THRESHOLD) * deviations[k], u[k] + np.sqrt(THRESHOLD) * deviations[k])
+            )
+        low, high = (None if x is None else c.outer(x + side * spare[k]) for x, side in ((low, -1), (high, 1)))
+        best = float(c.outer(u[k]))
+        if doubts[k]:
             what = experiment_for(c.name, values, sizes)
-            estimates[c.name] = Estimate(None, low, high, c.unit, False, doubt, what)
+            estimates[c.name] = Estimate(None, low, high, c.unit, False, doubts[k], what, best)
         else:
-            estimates[c.name] = Estimate(c.outer(u[k]), low, high, c.unit)
-    own = [k for k, c in enumerate(problem.coordinates) if not c.nuisance]
+            estimates[c.name] = Estimate(best, low, high, c.unit, best=best)
     stretch = np.array([c.outer(u[k]) if c.log else c.scale for k, c in enumerate(problem.coordinates)])
     outer = (inner * np.outer(stretch, stretch))[np.ix_(own, own)]
-    notes = [] if free > 10 * len(u) else [f"only {len(misfit)} samples for {len(u)} numbers"]
     notes += _widened(problem, estimates, spare, inner)
     noise = {"standard_deviation": float(np.sqrt(variance)), "memory": len(memory)}
     return Judgement(u, estimates, tuple(problem.coordinates[k].name for k in own), outer, found, tuple(notes), noise)
@@ -163,6 +255,22 @@ def covariance(slopes: Array, variance: float, memory: Array) -> Array:
     return np.asarray(variance * inverse @ middle @ inverse / np.outer(size, size))
 
 
+def by_windows(problem: MotionProblem, slopes: Array, misfit: Array, otherwise: Array) -> Array:
+    """The covariance of least squares whose errors are alike within a window in a way that nobody knows (the sandwich
+    estimate by clusters), with Student's quantile for their number; ``otherwise`` where there are too few."""
+    count, shared = len(problem.windows), problem.shared
+    if count < shared + _FEWEST_WINDOWS:
+        return otherwise
+    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
+    scaled = slopes / size
+    normal = scaled.T @ scaled
+    inverse = np.linalg.inv(normal + 1e-14 * np.trace(normal) * np.eye(len(normal)))
+    scores = np.array([scaled[part].T @ misfit[part] for part in problem.parts])
+    left = count - shared
+    wider = count / left * (student.ppf(0.975, left) / np.sqrt(THRESHOLD)) ** 2
+    return np.asarray(wider * inverse @ (scores.T @ scores) @ inverse / np.outer(size, size))
+
+
 def supporting_samples(slopes: Array) -> Array:
     """How many samples each coordinate rests on: of its slopes, less what the others can imitate, (sum s^2)^2/sum s^4."""
     found = np.zeros(slopes.shape[1])
@@ -194,7 +302,7 @@ def _doubt(problem: Problem, k: int, u: Array, inner: Array, support: float, ali
     together = f"; {' and '.join(along)} can make up for it" if along else ""
     if support < _FEWEST:
         return f"it rests on {max(support, 0):.0f} samples only{together}"
-    if c.log and np.sqrt(_THRESHOLD) * deviation > _WIDEST:
+    if c.log and np.sqrt(THRESHOLD) * deviation > _WIDEST:
         return f"the residuals hardly depend on it{together}"
     if alike:
         return f"it is hardly told apart from the others{together}"
@@ -214,7 +322,7 @@ def _alike(plain: Array, slopes: Array, variance: float) -> NDArray[np.bool_]:
 def _presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -> str:
     """Why the log does not show presliding, or nothing: after reversals the first moments, in which the bristles bend,
     must be longer than a few samples and than what the filter of the velocity resolves."""
-    if not problem.law.has_z:
+    if not problem.law.has_z or isinstance(problem, MotionProblem):
         return ""
     length = 2 * problem.length(values)
     needed = max(_RESOLVED, int(np.ceil(1 / (log.bandwidth * log.step))) if log.bandwidth and log.step else 0)
@@ -231,12 +339,33 @@ def _presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) 
     return f"no reversal passes through presliding in {needed} samples or more (at best {longest})"
 
 
+def _shape(c: Coordinate, values: Mapping[str, float], sizes: Scales, unseen: str) -> str:
+    """Why the Stribeck curve of a fit that leaves more than noise is the model's freedom and not the data's, or nothing."""
+    if c.name not in _STRIBECK:
+        return ""
+    if unseen:
+        return f"the fit leaves more than the force's noise, and {unseen}"
+    if values.get("v_s", 0.0) > _ENDS * sizes.fast:
+        return (
+            f"v_s comes out as {values['v_s']:.2g} m/s, near the largest speed ({sizes.fast:.2g} m/s), in a fit that leaves "
+            "more than the force's noise: no Stribeck curve ends within the record"
+        )
+    return ""
+
+
 def _hangs(c: Coordinate, spare: float) -> str:
     """Why the filter of the motion leaves a coordinate open, or nothing."""
     if not c.log or spare <= _MOST_LEEWAY:
         return ""
     why = "the position is too coarse or noisy, or sampled too slowly"
     return f"it hangs on the filter of the motion, which may shift it by {spare:.0%}: {why}"
+
+
+def _between_samples(problem: MotionProblem, u: Array, slopes: Array) -> Array:
+    """How far each inner coordinate may be off because nobody measured the force between its samples: the shift of the
+    optimum, by a step of Gauss and Newton, if it went straight."""
+    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
+    return abs(np.asarray(np.linalg.lstsq(slopes / size, problem.between_samples(u), rcond=1e-9)[0] / size))
 
 
 def _widened(problem: Problem, estimates: Mapping[str, Estimate], spare: Array, inner: Array) -> list[str]:
@@ -258,94 +387,3 @@ def _open(low: float | None, high: float | None, log: bool) -> str:
     if log and high - low > 2 * _WIDEST:
         return f"its 95 % interval spans a factor of {np.exp(high - low):.2g}"
     return ""
-
-
-# -- profiles --------------------------------------------------------------------------------------------------------
-
-
-def profile(
-    problem: Problem, u: Array, k: int, deviation: float, variance: float, inner: Array
-) -> tuple[float | None, float | None, Profile]:
-    """The 95 % interval of a coordinate (inner) by its profile likelihood, an open side being None; and the profile."""
-    base = _cost(problem, u)
-    unit = variance / problem.scale**2  # of twice the cost
-    tried: list[tuple[float, float]] = [(float(u[k]), 0.0)]
-    ends = [_end(problem, u, k, side, deviation, base, unit, inner, tried) for side in (-1, 1)]
-    tried.sort()
-    c = problem.coordinates[k]
-    curve = Profile(np.array([c.outer(x) for x, _ in tried]), np.array([fall for _, fall in tried]))
-    return ends[0], ends[1], curve
-
-
-def _end(
-    problem: Problem, u: Array, k: int, side: int, deviation: float, base: float, unit: float, inner: Array,
-    tried: list[tuple[float, float]],
-) -> float | None:  # fmt: skip
-    """Where twice the log-likelihood has fallen by the threshold, going from the optimum to one side."""
-    low, high = problem.bounds
-    edge = high[k] if side > 0 else low[k]
-    coordinate = problem.coordinates[k]
-    farthest = u[k] + side * _FARTHEST if coordinate.log else edge
-    limit = min(edge, farthest) if side > 0 else max(edge, farthest)
-    root = np.sqrt(_THRESHOLD)
-    near, far = (0.0, 0.0), None  # distance, root of the fall
-    distance = root * deviation
-    # where the others go along, as far as the data tell that
-    along = np.where(np.diag(inner) < 1.0, inner[:, k] / inner[k, k], 0.0)
-    for _ in range(12):
-        distance = min(distance, abs(limit - u[k]))
-        x = float(u[k] + side * distance)
-        start = u + along * (x - u[k])
-        found, best = _cost_at(problem, start, k, x)
-        fall = 2 * (found - base) / unit
-        if fall < -_NOTICEABLE:
-            raise _Lower(best)
-        fall = max(fall, 0.0)
-        tried.append((x, fall))
-        here = (distance, float(np.sqrt(fall)))
-        if abs(here[1] - root) < 0.02:
-            return x
-        if here[1] < root:
-            near = here
-            if distance >= abs(limit - u[k]) * (1 - 1e-9):
-                return None
-        else:
-            far = here
-        if far is None:
-            distance = min(distance * max(root / max(here[1], 1e-3), 1.05), 3 * distance)
-        else:
-            share = (root - near[1]) / max(far[1] - near[1], 1e-12)
-            distance = near[0] + min(max(share, 0.1), 0.9) * (far[0] - near[0])
-    return float(u[k] + side * distance)
-
-
-def _cost(problem: Problem, u: Array) -> float:
-    r = problem.residual(u)
-    return 0.5 * float(r @ r)
-
-
-def _cost_at(problem: Problem, start: Array, k: int, value: float) -> tuple[float, Array]:
-    """The smallest cost with one coordinate held, and the point."""
-    rest = np.array([i for i in range(len(start)) if i != k], int)
-    low, high = problem.bounds
-    if not len(rest):
-        return _cost(problem, np.array([value])), np.array([value])
-
-    def whole(part: Array) -> Array:
-        u = np.empty(len(start))
-        u[rest], u[k] = part, value
-        return u
-
-    room = 1e-9 * (high - low)
-    inside = np.clip(start, low + room, high - room)[rest]
-
-    def residual(part: Array) -> Array:
-        return problem.residual(whole(part))
-
-    def jacobian(part: Array) -> Array:
-        return problem.jacobian(whole(part))[:, rest]
-
-    found = least_squares(
-        residual, inside, jacobian, bounds=(low[rest], high[rest]), ftol=1e-7, xtol=1e-7, gtol=1e-15, max_nfev=20,
-    )  # fmt: skip
-    return float(found.cost), whole(found.x)

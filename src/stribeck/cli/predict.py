@@ -1,0 +1,110 @@
+"""``stribeck predict`` and ``stribeck validate``: a fitted model, or a scenario, against a measured record."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stribeck.cli import show
+from stribeck.identify import api as fitting
+from stribeck.identify import predict as predicting
+
+
+def predict(data: list[Path], folder: Path, given: dict[str, Any], out: Path | None, json: bool) -> int:
+    """Read the record as the fit's was read, predict its force, print the errors."""
+    model = predicting.load(folder)
+    if out is not None:
+        show.check_folder(out)
+    simulated = model.method != "static" and fitting.is_simulated([model.law], None)
+    columns = {**model.columns, **{role: name for role, name in given["columns"].items() if name is not None}}
+    units = {**{n: u for n, u in model.units.items() if n in columns.values()}, **given["units"]}
+    gain = given["force_gain"] if given["force_gain"] is not None else model.force_gain
+    cutoff = given["cutoff"] if given["cutoff"] is not None else model.cutoff
+    with show.progress("predict"):
+        log = fitting.read_log(data, columns, units, gain, cutoff, None, simulated)
+        found = predicting.predict(model, log)
+    summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}, "files": []}
+    if out is not None:
+        from stribeck.identify.report import overlay
+
+        traces = {
+            "force": ("N", found.traces.measured, found.traces.fitted),
+            "friction": ("N", found.friction.measured, found.friction.fitted),
+        }
+        rows = [[name, percent(x)] for name, x in _errors(found).items()]
+        introduction = [
+            f"{model.law}, {model.method}, fitted to another record ({folder}), on {len(log)} rows of this one."
+        ]
+        figures = overlay.figure("prediction", log.time, traces, ("measured", "predicted"))
+        title = f"{model.law} on {', '.join(p.name for p in data)}"
+        command = "stribeck " + shlex.join(sys.argv[1:])
+        summary["files"] = [overlay.write(out, "prediction.html", title, introduction, rows, figures, command)]
+    if json:
+        show.print_json(summary)
+        return 0
+    print(f"{model.law}, {model.method}: {len(log)} rows, {found.rest:.0%} at rest")
+    for name, x in _errors(found).items():
+        print(f"  {name:44}{percent(x):>10}")
+    for text in log.quality:
+        print(f"  note: {text}")
+    for file in summary["files"]:
+        print(f"  wrote {file}")
+    return 0
+
+
+def percent(x: float | None) -> str:
+    """A share as text."""
+    return "-" if x is None or not np.isfinite(x) else f"{100 * x:.3f} %"
+
+
+def _errors(found: predicting.Predicted) -> dict[str, float | None]:
+    return {
+        "error of the force": found.force_error,
+        "the same against friction alone": found.friction_error,
+        "error of the force, rows at rest too": found.all_rows_error,
+        "for comparison: the fit's own, on its record": found.model.known.get("relative_force_error"),
+        "the fit's, on parts left out of its record": found.model.known.get("cross_validated_error"),
+        **{f"{name}, fitted to the same record": x for name, x in found.others.items()},
+    }
+
+
+def validate(
+    scenario: Path, data: Path, given: dict[str, Any], assignments: list[str], out: Path | None, json: bool, trust: bool
+) -> int:
+    """Simulate the scenario, compare with the record, print the errors."""
+    from stribeck.identify import validate as validating
+
+    if out is not None:
+        show.check_folder(out)
+    loaded = show.load(scenario, assignments, trust)
+    columns = {role: name for role, name in given["columns"].items() if name is not None}
+    with show.progress("validate"):
+        found = validating.validate(loaded, data, columns, given["units"], given["force_gain"])
+    summary: dict[str, Any] = {**found.to_json(), "scenario": loaded.name, "data": str(data), "files": []}
+    if out is not None:
+        from stribeck.identify.report import overlay
+
+        rows = [[name, f"{e['rms']:.4g} {e['unit']}, {percent(e['relative'])}"] for name, e in found.errors.items()]
+        figures = overlay.figure("validation", found.time, found.traces, ("measured", "simulated"))
+        introduction = [f"The scenario {loaded.name} against {data.name}, {len(found.time)} rows."]
+        command = "stribeck " + shlex.join(sys.argv[1:])
+        title = f"{loaded.name} against {data.name}"
+        summary["files"] = [overlay.write(out, "validation.html", title, introduction, rows, figures, command)]
+    if json:
+        show.print_json(summary)
+    else:
+        print(f"{loaded.name} against {data.name}: {found.status}, {len(found.time)} rows")
+        for name, e in found.errors.items():
+            print(
+                f"  {name:10} rms {e['rms']:.4g} {e['unit']}, largest {e['largest']:.4g}, relative {percent(e['relative'])}"
+            )
+        for file in summary["files"]:
+            print(f"  wrote {file}")
+    if found.status != "done":
+        show.failed(loaded.name, found.reason)
+        return 1
+    return 0

@@ -1,0 +1,112 @@
+"""Numbers that remember what they stand for: pi, and what is computed from it, exactly.
+
+An equation that is run on numbers needs a float; a proof about it needs the number that was meant. ``pi`` is a float that
+knows that it is pi, and so are 2/pi and 0.1 + 0.2, which no float equals. ``math.pi`` is just a float: it means that float.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+Tree = Any  # a float, "pi", or (operation, Tree, ...)
+
+_OPERATIONS: dict[str, Callable[..., float]] = {
+    "add": operator.add, "sub": operator.sub, "mul": operator.mul, "div": operator.truediv,
+}  # fmt: skip
+
+
+class Exact(float):
+    """A float with the number that it stands for, as a tree of operations on floats and pi."""
+
+    tree: Tree
+    __slots__ = ("tree",)
+
+    def __new__(cls, value: float, tree: Tree) -> Exact:
+        """A float, and what it stands for."""
+        found = super().__new__(cls, value)
+        found.tree = tree
+        return found
+
+    def __getnewargs__(self) -> tuple[float, Tree]:  # type: ignore[override]
+        return float(self), self.tree
+
+    def _with(self, op: str, other: Any, swapped: bool = False) -> Any:
+        if type(other) not in (int, float, Exact):  # arrays and nodes have their own ways
+            return NotImplemented
+        a, b = (other, self) if swapped else (self, other)
+        return combined(op, float(a) if type(a) is int else a, float(b) if type(b) is int else b)
+
+    def __add__(self, other: Any) -> Any:
+        return self._with("add", other)
+
+    def __radd__(self, other: Any) -> Any:
+        return self._with("add", other, True)
+
+    def __sub__(self, other: Any) -> Any:
+        return self._with("sub", other)
+
+    def __rsub__(self, other: Any) -> Any:
+        return self._with("sub", other, True)
+
+    def __mul__(self, other: Any) -> Any:
+        return self._with("mul", other)
+
+    def __rmul__(self, other: Any) -> Any:
+        return self._with("mul", other, True)
+
+    def __truediv__(self, other: Any) -> Any:
+        return self._with("div", other)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        return self._with("div", other, True)
+
+    def __neg__(self) -> Exact:
+        return Exact(-float(self), ("neg", self.tree))
+
+    def __pos__(self) -> Exact:
+        return self
+
+    def __abs__(self) -> Exact:
+        return -self if self < 0 else self
+
+    def __pow__(self, power: Any, modulo: None = None) -> Any:
+        if type(power) is int and 0 < power <= 64:
+            return Exact(float(self) ** power, ("mul", *[self.tree] * power) if power > 1 else self.tree)
+        if type(power) in (int, float):
+            return Exact(float(self) ** power, ("pow", self.tree, float(power)))
+        return NotImplemented
+
+
+pi = Exact(math.pi, "pi")
+
+
+def tree_of(x: float) -> Tree:
+    """What a number stands for: itself, unless it knows better."""
+    return x.tree if isinstance(x, Exact) else float(x)
+
+
+def combined(op: str, a: float, b: float) -> float:
+    """A sum, difference, product or quotient of numbers, as a plain float where that is exact."""
+    x, y = float(a), float(b)
+    value = _OPERATIONS[op](x, y)
+    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(value)):
+        return value
+    if not (isinstance(a, Exact) or isinstance(b, Exact)) and _OPERATIONS[op](Fraction(x), Fraction(y)) == value:
+        return value
+    return Exact(value, (op, tree_of(a), tree_of(b)))
+
+
+def function(op: str, x: float, value: float) -> float:
+    """``value`` is the function of x, rounded; the result knows what it is."""
+    if op in ("abs", "sign") or not (math.isfinite(x) and math.isfinite(value)):
+        return abs(x) if op == "abs" else value
+    known = (
+        (x == 0 and op != "log") or (op == "sqrt" and Fraction(value) ** 2 == Fraction(x)) or (op == "log" and x == 1)
+    )
+    if known and not isinstance(x, Exact):
+        return value
+    return Exact(value, (op, tree_of(x)))

@@ -1,0 +1,107 @@
+"""Clocks: files sampled at different rates, a rate that changes within a file, a column that comes from a slower clock."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.quality import FEWEST, Clean
+
+Array = NDArray[np.float64]
+_ALIKE = 1e-3  # of the step: files that differ by less share a grid
+_ANOTHER = 1.5  # between steps: more is another rate
+_WINDOW = 25  # rows that tell the rate
+_REGULAR = 0.8  # of the changes of a held column stand at one distance
+_HELD = ("position", "velocity", "force")
+
+
+def pieces(columns: dict[str, Array], name: str, notes: list[str]) -> list[dict[str, Array]]:
+    """The columns of a file, cut where its sampling rate changes for good."""
+    time = columns["time"]
+    steps = np.diff(time)
+    if len(steps) < 4 * _WINDOW or not np.all(np.isfinite(steps)):
+        return [columns]
+    count = len(steps) // _WINDOW
+    local = np.median(steps[: count * _WINDOW].reshape(count, _WINDOW), axis=1)
+    if np.any(local <= 0) or float(local.max()) < _ANOTHER * float(local.min()):
+        return [columns]
+    cuts, middle = [0], float(local[0])
+    for i in range(1, count - 1):
+        if not 1 / _ANOTHER < local[i] / middle < _ANOTHER and 1 / 1.1 < local[i + 1] / local[i] < 1.1:
+            around = steps[(i - 1) * _WINDOW : (i + 1) * _WINDOW]  # the row at which it changes
+            new = abs(np.log(np.maximum(around, 1e-300) / local[i])) < abs(np.log(np.maximum(around, 1e-300) / middle))
+            cuts.append((i - 1) * _WINDOW + int(np.argmax(new)) + 1)
+            middle = float(local[i])
+    cuts.append(len(time))
+    parts = [slice(a, b) for a, b in pairwise(cuts) if b - a >= FEWEST]
+    if len(parts) < 2:
+        return [columns]
+    told = ", ".join(f"{np.median(np.diff(time[p])):.4g} s from {time[p.start]:.4g} s" for p in parts[:4])
+    notes.append(f"{name}: two clocks: the step changes within the file ({told}); each part is taken on its own")
+    return [{role: x[p].copy() for role, x in columns.items()} for p in parts]
+
+
+def released(columns: dict[str, Array], name: str, notes: list[str]) -> None:
+    """Columns that a slower clock holds, replaced by straight lines between their own samples."""
+    for role in _HELD:
+        if role not in columns or len(columns[role]) < 10 * _WINDOW:
+            continue
+        x = columns[role]
+        changes = np.flatnonzero(np.diff(x) != 0) + 1
+        if len(changes) < _WINDOW:
+            continue
+        gaps = np.diff(changes)
+        usual = int(np.median(gaps))
+        if usual < 2 or float(np.mean(gaps % usual == 0)) < _REGULAR or float(np.mean(gaps == usual)) < _REGULAR:
+            continue
+        at = np.concatenate([[0], changes]) if changes[0] > 0 else changes
+        time = columns["time"]
+        columns[role] = np.interp(time, time[at], x[at])
+        notes.append(
+            f"{name}: two clocks: {role} changes in every {usual}th row only; straight lines between its own samples were taken"
+        )
+
+
+def on_one_clock(parts: Sequence[Clean]) -> list[Clean]:
+    """Files sampled at different steps on the grid of the usual one, each from its own clock."""
+    step = float(np.median([p.step for p in parts]))
+    if all(abs(p.step - step) <= _ALIKE * step for p in parts):
+        return list(parts)
+    note = (
+        f"the files are sampled at different steps ({', '.join(f'{s:.4g}' for s in sorted({p.step for p in parts})[:6])} s); "
+        f"each was resampled to {step:.4g} s from its own clock"
+    )
+    out = [p if abs(p.step - step) <= _ALIKE * step else _resampled(p, step) for p in parts]
+    return [replace(out[0], notes=[*out[0].notes, note]), *out[1:]]
+
+
+def _resampled(part: Clean, step: float) -> Clean:
+    """A file on another step: what is faster than it can hold is filtered off first; smooth curves between slower samples."""
+    from scipy.interpolate import CubicSpline
+
+    columns: dict[str, list[Array]] = {name: [] for name in part.columns}
+    runs, place = [], 0
+    for rows in part.runs:
+        time = part.columns["time"][rows]
+        own = time[0] + part.step * np.arange(int((time[-1] - time[0]) / part.step * (1 + 1e-12)) + 1)
+        grid = own[0] + step * np.arange(int((own[-1] - own[0]) / step * (1 + 1e-12)) + 1)
+        if len(grid) < FEWEST:
+            continue
+        for name, column in part.columns.items():
+            if name == "time":
+                columns[name].append(grid)
+                continue
+            x = np.interp(own, time, column[rows])
+            if part.step < step / 1.1:
+                x = low_pass(x, 0.4 / step, part.step)
+            smooth = name in ("position", "velocity") and part.step > step
+            columns[name].append(np.asarray(CubicSpline(own, x)(grid)) if smooth else np.interp(grid, own, x))
+        runs.append(slice(place, place + len(grid)))
+        place += len(grid)
+    joined = {name: np.concatenate(x) if x else np.empty(0) for name, x in columns.items()}
+    return Clean(joined, runs, step, True, part.notes)

@@ -1,0 +1,142 @@
+"""Windows that grow: from the time between two reversals to whole runs, as far as the model follows the measurement."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from stribeck.identify.log import Log
+from stribeck.identify.methods.optimise import Optimum, multistart
+from stribeck.identify.models.dynamic_problem import VelocityProblem
+from stribeck.identify.models.motion_problem import FINE, ROUGH, MotionProblem
+from stribeck.identify.models.problem import Coordinate
+from stribeck.identify.work import Work
+
+Array = NDArray[np.float64]
+_SHORTEST = 40  # rows
+_GROWS = 4
+_MANY = 24  # windows from which the first look is taken
+_MOST = 64  # windows of the last one
+_FOLLOWS = 1.15  # times the noise: the residual of a model that follows the measurement
+_SLOW = 3e-3  # of the largest speed, where friction may fall with it
+_TURNS = 0.05  # of the largest speed: what a reversal must pass
+
+
+@dataclass(frozen=True)
+class Followed:
+    """The last problem whose windows the model follows down to the output's noise, its optimum, the residual as a multiple
+    of that noise, and the length of a window."""
+
+    problem: MotionProblem
+    optimum: Optimum
+    ratio: float
+    seconds: float
+
+
+def follow(
+    inverse: VelocityProblem, output: str, starts: Sequence[dict[str, float]], noise: float, force_noise: float,
+    work: Work, other: Callable[[], dict[str, float]],
+) -> Followed:  # fmt: skip
+    """Fit short windows from the first start; from ``other`` and every start where that leaves more than noise; then
+    longer windows from what was found, as long as the model follows."""
+    log = inverse.log
+    rows = max(run.stop - run.start for run in log.runs())
+    length = min(max(between_reversals(log) // _GROWS, _SHORTEST), rows)
+    work.section(0.1)
+    found = _best(inverse, output, starts[:1], noise, force_noise, length, work, _MANY)
+    if not found.optimum.exhausted and not work.stopped:
+        work.section(0.2)
+        more = [starts[0], other(), *starts[1:]]
+        work.section(0.6)
+        found = _best(inverse, output, more, noise, force_noise, length, work, _MANY)
+    work.section(0.7)
+    while length < rows and not work.stopped:
+        length = min(_GROWS * length, rows) if _GROWS * length < 0.7 * rows else rows
+        values = found.problem.values(found.optimum.point)
+        longer = _best(inverse, output, [values], noise, force_noise, length, work, _MOST)
+        if longer.ratio > max(_FOLLOWS, found.ratio):
+            break
+        found = longer
+    if work.stopped:
+        return found
+    values, rows = found.problem.values(found.optimum.point), round(found.seconds / log.step)
+    last = _best(inverse, output, [values], noise, force_noise, rows, work, _MOST, FINE)
+    return last if work.stopped else replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing))
+
+
+def _best(
+    inverse: VelocityProblem, output: str, starts: Sequence[dict[str, float]], noise: float, force_noise: float,
+    length: int, work: Work, most: int, share: float = ROUGH,
+) -> Followed:  # fmt: skip
+    problem = MotionProblem(inverse, output, windows(inverse.log, length, most), noise, share)
+    free = len(problem.measured) - len(problem.coordinates) - problem.hidden
+    points = [problem.from_values(each) for each in starts]
+    level = float(np.hypot(noise, problem.input_noise(points[0], force_noise)))
+    enough = 0.5 * free * (_FOLLOWS * level / problem.scale) ** 2
+    optimum = multistart(problem, points, work, enough)
+    deviation = float(np.sqrt(2 * optimum.cost / max(free, 1))) * problem.scale
+    return Followed(problem, optimum, deviation / noise if noise > 0 else np.inf, length * inverse.log.step)
+
+
+def first_values(problem: VelocityProblem, count: int, seed: int) -> list[dict[str, float]]:
+    """Constants to start from: what the record suggests, then others around it, evenly (Sobol); the k-th is the same
+    however many there are."""
+    assert problem.home is not None
+    log, base = problem.log, problem.values(problem.home)
+    fast = float(np.max(abs(log.velocity)))
+    damping = float(
+        np.sqrt(base.get("sigma_0", 0.0) * base["mass"])
+    )  # of a mass on the bristles: half the critical one
+    middle = {"sigma_1": damping, "v_s": _SLOW * fast}
+    reach = {"sigma_0": 3.0, "sigma_1": 10.0, "v_s": 30.0, "sigma_2": 10.0, "F_c": 1.3, "F_s": 1.3, "mass": 3.0}
+    free = [c for c in problem.coordinates if not c.nuisance]
+    centre = {c.name: middle.get(c.name) or base[c.name] for c in free}
+    draws = qmc.Sobol(len(free), seed=seed).random_base2(max(int(np.ceil(np.log2(4 * count))), 1))
+    found = []
+    for k, draw in enumerate(np.vstack([np.full(len(free), 0.5), draws])):
+        u = np.array([_spread(c, centre[c.name], 2 * x - 1, reach) for c, x in zip(free, draw, strict=True)])
+        values = {**base, **{c.name: c.outer(float(x)) for c, x in zip(free, u, strict=True)}}
+        if not k or problem.allowed(problem.point(values)):
+            found.append(problem.values(problem.nearest(problem.point(values))))
+    return found[:count]
+
+
+def _spread(c: Coordinate, centre: float, side: float, reach: dict[str, float]) -> float:
+    """The inner coordinate at a share of the way from the middle of its range to an end."""
+    if c.log:
+        return c.inner(centre) + side * float(np.log(reach.get(c.name, 10.0)))
+    return c.inner(centre) + side * 0.1
+
+
+def between_reversals(log: Log) -> int:
+    """The median number of rows from one reversal to the next."""
+    fast = float(np.max(abs(log.velocity)))
+    found: list[int] = []
+    for rows in log.runs():
+        v = log.velocity[rows]
+        clear = np.flatnonzero(abs(v) > _TURNS * fast)
+        turns = clear[1:][np.diff(np.sign(v[clear])) != 0]
+        found += np.diff(turns).tolist()
+    return max(int(np.median(found)) if found else _SHORTEST, _SHORTEST)
+
+
+def windows(log: Log, length: int, most: int) -> list[slice]:
+    """Windows of about ``length`` rows that tile each run and begin where it is fast; evenly chosen where there are more
+    than ``most``."""
+    found = []
+    for rows in log.runs():
+        count = max(round((rows.stop - rows.start) / length), 1)
+        edges = np.linspace(rows.start, rows.stop, count + 1).astype(int)
+        aside = (rows.stop - rows.start) // (2 * count)
+        for i in range(1, count):
+            near = slice(edges[i] - aside, edges[i] + aside)
+            edges[i] = near.start + int(np.argmax(abs(log.velocity[near])))
+        found += [slice(a, b) for a, b in pairwise(edges.tolist()) if b - a >= 8]
+    if len(found) <= most:
+        return found
+    return [found[i] for i in np.unique(np.linspace(0, len(found) - 1, most).round().astype(int))]

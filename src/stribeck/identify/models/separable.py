@@ -1,0 +1,259 @@
+"""A static model as an optimiser sees it: linear in its coefficients, so that a search is left over a few shapes only.
+
+Variable projection (Golub and Pereyra, SIAM J. Numer. Anal. 10(2):413-432, 1973), with the coefficients that cannot be
+negative kept so: for given shapes (v_s, k_v, a delay) the best coefficients are found exactly. A wider model that begins
+at the shapes of a narrower one can therefore never fit worse.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import least_squares, nnls
+from scipy.stats import qmc
+
+from stribeck.identify.models.columns import Columns
+from stribeck.identify.models.terms import TERMS
+
+Array = NDArray[np.float64]
+_GRID, _DRAWS = 25, 5  # points of one shape; 2**draws of several
+_DELAYS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)  # steps
+_REFINED = 3  # of the starts
+_LITTLE = 1e-7  # of the force: the least that Coulomb friction is
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A number that the force is not linear in, and where it is looked for; ``log``: on a logarithmic scale."""
+
+    name: str
+    low: float
+    high: float
+    log: bool = True
+
+    def at(self, share: float) -> float:
+        """The value at a share of the way from the low end to the high one."""
+        return self.low * (self.high / self.low) ** share if self.log else self.low + share * (self.high - self.low)
+
+    def share(self, value: float) -> float:
+        """The share of the way that a value has gone, within 0 and 1."""
+        if self.log:
+            found = np.log(max(value, 1e-300) / self.low) / np.log(self.high / self.low)
+        else:
+            found = (value - self.low) / (self.high - self.low)
+        return float(np.clip(found, 0.0, 1.0))
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Values of everything that is fitted, and the sum of weighted squares that they leave."""
+
+    values: dict[str, float]
+    cost: float
+
+
+class Separable:
+    """The model with its free coefficients and shapes.
+
+    Args:
+        columns: of the record.
+        held: constants and terms that are given.
+        wanted: the law's constants that are free and linear.
+        terms: free terms of the body; ``shapes``: what is free and not linear.
+        weight: of the rows; 0 leaves one out.
+    """
+
+    def __init__(
+        self,
+        columns: Columns,
+        held: Mapping[str, float],
+        wanted: Sequence[str],
+        terms: Sequence[str],
+        shapes: Sequence[Shape],
+        weight: Array | None = None,
+    ) -> None:
+        self.columns, self.held, self.wanted, self.shapes = columns, dict(held), tuple(wanted), tuple(shapes)
+        self.free = tuple(n for n in terms if TERMS[n].column is not None)
+        self.terms = tuple(
+            dict.fromkeys((*self.free, *(n for n in held if n in TERMS and TERMS[n].column is not None)))
+        )
+        self.weight = np.ones(len(columns.force)) if weight is None else weight
+        self.force = columns.force
+        self.least = _LITTLE * float(np.sqrt(np.mean(self.force**2)))
+
+    def weighted(self, weight: Array) -> Separable:
+        """The same with other weights."""
+        return Separable(self.columns, self.held, self.wanted, self.free, self.shapes, weight)
+
+    def on(self, columns: Columns) -> Separable:
+        """The same on another record."""
+        return Separable(columns, self.held, self.wanted, self.free, self.shapes)
+
+    # -- linear ------------------------------------------------------------------------------------------------------
+
+    def matrix(self, shape: Mapping[str, float]) -> tuple[list[str], Array, Array]:
+        """The free coefficients, their columns, and what of the force is theirs; F_s stands for its rise above F_c."""
+        columns = dict(self.columns.at({**self.held, **shape}, self.terms))
+        rest = self.force.copy()
+        if "F_s" in columns and "F_c" in columns:
+            c, s = columns["F_c"], columns["F_s"]
+            if "F_c" in self.wanted or "F_s" in self.wanted:
+                if "F_s" in self.wanted:  # F_c (c + s) + (F_s - F_c) s
+                    columns["F_c"] = c + s
+                    if "F_c" not in self.wanted:
+                        rest -= self.held["F_c"] * columns.pop("F_c")
+                else:  # F_s (c + s) - (F_s - F_c) c
+                    rest -= self.held["F_s"] * (c + s)
+                    columns["F_c"] = -c
+                    columns.pop("F_s")
+        if "F_c" in self.wanted and "F_c" in columns and "F_s" not in self.held:
+            rest -= self.least * columns["F_c"]
+        names = [n for n in columns if n in self.wanted or n in self.free]
+        for name in [n for n in columns if n not in names]:
+            rest -= (1.0 if name == "" else {**self.held, **shape}[name]) * columns[name]
+        matrix = np.column_stack([columns[n] for n in names]) if names else np.zeros((len(rest), 0))
+        return names, matrix, rest
+
+    def solve(self, shape: Mapping[str, float]) -> Solution:
+        """The best coefficients for given shapes."""
+        return self._solve(shape)[0]
+
+    def _solve(self, shape: Mapping[str, float]) -> tuple[Solution, Array]:
+        names, matrix, rest = self.matrix(shape)
+        positive = np.array([n not in TERMS or TERMS[n].positive for n in names], bool)
+        w = self.weight
+        x = bounded(matrix * w[:, None], rest * w, positive)
+        missed = w * (matrix @ x - rest)
+        return Solution({**self.held, **shape, **self._named(names, x)}, float(missed @ missed)), missed
+
+    def _named(self, names: Sequence[str], x: Array) -> dict[str, float]:
+        found = dict(zip(names, x.tolist(), strict=True))
+        if "F_c" in found and "F_s" in self.held:
+            found["F_c"] = max(self.held["F_s"] - found["F_c"], self.least)
+        elif "F_c" in found:
+            found["F_c"] += self.least
+        if "F_s" in found:
+            found["F_s"] += found.get("F_c", self.held.get("F_c", 0.0))
+        return found
+
+    def force_at(self, values: Mapping[str, float]) -> Array:
+        """The model's force for given values."""
+        columns = self.columns.at(values, self.terms)
+        return np.asarray(sum((values.get(name, 1.0) if name else 1.0) * x for name, x in columns.items()))
+
+    # -- shapes ------------------------------------------------------------------------------------------------------
+
+    def search(self, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True) -> Solution:
+        """The best of a grid of shapes, refined.
+
+        Args:
+            warm: shapes of narrower models; those missing in them begin where they matter least.
+            everywhere: look over the whole grid; else only over shapes that are not in the first of ``warm``.
+        """
+        if not self.shapes:
+            return self.solve({})
+        starts = [dict(s.values) for s in self.grid()[:_REFINED]] if everywhere or not warm else self._around(warm[0])
+        starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in warm]
+        return min((self.refined(start) for start in starts), key=self._rank)
+
+    def _around(self, known: Mapping[str, float]) -> list[dict[str, float]]:
+        """The best places of the shapes that are not known yet, the others where they are known to be."""
+        missing = [s for s in self.shapes if s.name not in known]
+        if not missing:
+            return []
+        held = {**self.held, **{s.name: known[s.name] for s in self.shapes if s.name in known}}
+        narrow = Separable(self.columns, held, self.wanted, self.free, missing, self.weight)
+        return [{**known, **narrow._shape_of(s.values)} for s in narrow.grid()[:1]]
+
+    def grid(self) -> list[Solution]:
+        """Solutions over a grid of shapes, the best first; a delay is looked for at the best of the others."""
+        curve = [s for s in self.shapes if s.name != "delay"]
+        late = [s for s in self.shapes if s.name == "delay"]
+        if not curve:
+            trials = np.zeros((1, 0))
+        elif len(curve) == 1:
+            trials = np.linspace(0, 1, _GRID)[:, None]
+        else:
+            trials = np.vstack([qmc.Sobol(len(curve), seed=0).random_base2(_DRAWS), _corners(len(curve))])
+        still = {s.name: 0.0 for s in late}
+        found = [
+            self.solve({**still, **{s.name: s.at(x) for s, x in zip(curve, t, strict=True)}}) for t in trials.tolist()
+        ]
+        found.sort(key=self._rank)
+        for shape in late:
+            step = self.columns.log.step
+            delays = [sign * x * step for x in _DELAYS for sign in (1, -1)]
+            delays = [d for d in delays if shape.low <= d <= shape.high]
+            more = [self.solve({**self._shape_of(s.values), "delay": d}) for s in found[:2] for d in delays]
+            found = sorted([*found, *more], key=self._rank)
+        return found
+
+    def _rank(self, solution: Solution) -> float:
+        """The cost; a bend that takes the whole level is none."""
+        whole = "F_c" in self.wanted and solution.values["F_c"] <= 2 * self.least and "F_s" in self.wanted
+        return solution.cost * (1e6 if whole else 1.0)
+
+    def refined(self, start: Mapping[str, float], evaluations: int = 15) -> Solution:
+        """A minimum near given shapes, never worse than them."""
+        shape = self._shape_of(start)
+        first = self._solve(shape)[0]
+        inside = np.clip([s.share(shape[s.name]) for s in self.shapes], 1e-6, 1 - 1e-6)
+        scale = np.sqrt(max(first.cost, 1e-300))
+
+        def missed(shares: Array) -> Array:
+            return np.asarray(self._solve(self._at(shares))[1] / scale)
+
+        found = least_squares(
+            missed,
+            inside,
+            bounds=(0, 1),
+            x_scale=0.1,
+            diff_step=np.array(1e-5),
+            max_nfev=evaluations,
+            ftol=1e-8,
+            xtol=1e-7,
+        )
+        last = self.solve(self._at(found.x))
+        return last if self._rank(last) <= self._rank(first) else first
+
+    def _at(self, shares: Array) -> dict[str, float]:
+        return {s.name: s.at(x) for s, x in zip(self.shapes, shares.tolist(), strict=True)}
+
+    def _shape_of(self, values: Mapping[str, float]) -> dict[str, float]:
+        return {s.name: float(np.clip(values[s.name], s.low, s.high)) for s in self.shapes}
+
+    def _harmless(self, shape: Shape) -> float:
+        """Where a shape changes the curve least: a steep sign, no delay."""
+        return 0.0 if shape.name == "delay" else shape.high if shape.name == "k_v" else shape.at(0.5)
+
+
+def bounded(matrix: Array, rest: Array, positive: NDArray[np.bool_]) -> Array:
+    """Least squares with some of the coefficients at least 0."""
+    count = matrix.shape[1]
+    if not count:
+        return np.zeros(0)
+    size = np.sqrt(np.mean(matrix**2, axis=0))
+    size = np.where(size > 0, size, 1.0)
+    order = np.concatenate([np.flatnonzero(~positive), np.flatnonzero(positive)])
+    triangle = np.asarray(np.linalg.qr(np.column_stack([matrix[:, order] / size[order], rest]), mode="r"))
+    triangle, right = triangle[:count, :count], triangle[:count, count]
+    x = np.linalg.lstsq(triangle, right, rcond=1e-12)[0]
+    first = int((~positive).sum())
+    if np.any(x[first:] < 0):
+        held = nnls(triangle[first:, first:], right[first:])[0]
+        top = right[:first] - triangle[:first, first:] @ held
+        x = np.concatenate([np.linalg.lstsq(triangle[:first, :first], top, rcond=1e-12)[0] if first else [], held])
+    out = np.zeros(count)
+    out[order] = x
+    return np.asarray(out / size)
+
+
+def _corners(count: int) -> Array:
+    """The ends of each shape with the others in the middle."""
+    points = np.full((2 * count, count), 0.5)
+    for i in range(count):
+        points[2 * i, i], points[2 * i + 1, i] = 0.02, 0.98
+    return points

@@ -1,0 +1,212 @@
+"""A fitted model on another record: what force it predicts, and how far off that is."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck import laws
+from stribeck.errors import InputError, StribeckError, arg
+from stribeck.files import finite
+from stribeck.identify.data.filters import shifted
+from stribeck.identify.features.rest import at_rest
+from stribeck.identify.features.sliding import Sliding
+from stribeck.identify.log import Log
+from stribeck.identify.models import terms
+from stribeck.identify.models.columns import Columns, column
+from stribeck.identify.models.dynamic_problem import VelocityProblem
+from stribeck.identify.models.separable import Separable
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.result import Fit, Prediction
+
+Array = NDArray[np.float64]
+FILE = "fit.json"
+_FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Model:
+    """A fitted model: every number that its curve uses.
+
+    Attributes:
+        law: its name; ``method``: how it was fitted.
+        values: constants of the law, words too, and terms of the body.
+        known: the error of the fit itself, for comparison.
+        others: plainer models of the same record, by name.
+        columns, units, force_gain, cutoff: how the record was read.
+    """
+
+    law: str
+    method: str
+    values: dict[str, Any]
+    known: dict[str, float | None]
+    others: dict[str, tuple[str, dict[str, float]]]
+    columns: dict[str, str]
+    units: dict[str, str]
+    force_gain: str | float | None
+    cutoff: float | None
+
+    @property
+    def body(self) -> tuple[str, ...]:
+        """The terms that it has."""
+        return tuple(n for n in self.values if n in TERMS)
+
+
+@dataclass(frozen=True)
+class Predicted:
+    """A prediction of the force of a record.
+
+    Attributes:
+        force_error: norm(residual)/norm(force) over the rows in motion; ``friction_error``: over norm(friction), which is
+            the force less the terms that are not friction; ``all_rows_error``: as the first, rows at rest too.
+        others: force errors of plainer models fitted to the same record.
+        traces: measured and predicted force against time; ``friction``: the same for friction alone.
+    """
+
+    model: Model
+    force_error: float
+    friction_error: float
+    all_rows_error: float
+    rest: float
+    others: dict[str, float]
+    traces: Prediction
+    friction: Prediction
+
+    def to_json(self) -> dict[str, Any]:
+        """What ``stribeck predict --json`` prints."""
+        return {
+            "law": self.model.law, "method": self.model.method, "relative_force_error": self.force_error,
+            "friction_error": self.friction_error, "all_rows_error": self.all_rows_error, "rest": self.rest,
+            "fit": self.model.known, "others": self.others,
+        }  # fmt: skip
+
+
+def saved(fit: Fit, reading: Mapping[str, Any] | None = None) -> str:
+    """The model of a fit as text for fit.json.
+
+    Args:
+        reading: columns, units, force_gain and cutoff of the record.
+    """
+    law = laws.find(fit.law)
+    values = {**fit.fixed, **fit.used}
+    others = {
+        c["name"]: {"law": c["law"], "values": c["values"]}
+        for c in fit.details.get("candidates", ())
+        if c["name"] != "this fit"
+    }
+    return json.dumps(
+        finite(
+            {
+                "format": _FORMAT, "law": fit.law, "method": fit.method,
+                "values": {n: v for n, v in values.items() if n in law.constants() or n in TERMS},
+                "fit": {
+                    "relative_force_error": fit.relative_force_error,
+                    "cross_validated_error": fit.cross_validated_error,
+                    "friction_error": fit.details.get("friction_error"),
+                },
+                "others": others, "data_sha256": fit.data_hash, **(reading or {}),
+            }
+        ),
+        indent=1, allow_nan=False,
+    )  # fmt: skip
+
+
+def load(folder: Path | str) -> Model:
+    """The model that ``fit --out`` left in a folder.
+
+    Raises:
+        InputError: there is none, or it is not whole.
+    """
+    path = Path(folder)
+    path = path / FILE if path.is_dir() else path
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"{arg('fit')}: '{path}': cannot be read: {error.strerror} (stribeck fit --out DIR writes it)"
+        ) from None
+    except (UnicodeDecodeError, ValueError, RecursionError):
+        raise InputError(f"{arg('fit')}: '{path}': is not JSON") from None
+    if not isinstance(data, dict) or data.get("format") != _FORMAT or not isinstance(data.get("values"), dict):
+        raise InputError(f"{arg('fit')}: '{path}': is no model of a fit (of format {_FORMAT})")
+    law = laws.find(str(data.get("law")))
+    wrong = [n for n in data["values"] if n not in law.constants() and n not in TERMS]
+    if wrong:
+        raise InputError(
+            [f"{arg('fit')}: '{path}': values.{n}: neither a constant of {law.name} nor a term" for n in wrong]
+        )
+    others = {n: (o["law"], o["values"]) for n, o in data.get("others", {}).items()}
+    return Model(
+        law.name if ".py:" not in data["law"] else data["law"], str(data.get("method")), data["values"], data.get("fit", {}),
+        others, data.get("columns", {}), data.get("units", {}), data.get("force_gain"), data.get("cutoff"),
+    )  # fmt: skip
+
+
+def predict(model: Model, log: Log) -> Predicted:
+    """The force that a fitted model predicts for a record, which its fit has not seen.
+
+    Raises:
+        InputError: the record lacks a column that a term takes.
+        StribeckError: the simulation fails.
+    """
+    terms.check(model.body, log)
+    rest = at_rest(log)
+    simulated = laws.find(model.law).has_z and model.method != "static"
+    if simulated:
+        force = _simulated(model, log)
+    else:
+        log = log.with_columns(velocity=np.where(rest, 0.0, log.velocity))
+        force = _steady(model.law, model.values, log)
+    rows = np.ones(len(log), bool) if simulated else ~rest
+    if not rows.any():
+        raise InputError(f"{arg('data')}: the body rests throughout: there is nothing to predict")
+    beside = np.zeros(len(log))
+    for name in model.body:
+        term = TERMS[name]
+        if term.column is not None and not (term.level or term.friction):
+            beside += model.values[name] * column(name, log)
+    others = {n: _error(log.force, _steady(law, v, log), rows) for n, (law, v) in model.others.items()}
+    traces = Prediction(log.time, log.position, log.velocity, log.force, force)
+    friction = Prediction(log.time, log.position, log.velocity, log.force - beside, force - beside)
+    size = float(np.linalg.norm(friction.measured[rows]))
+    own = float(np.linalg.norm((log.force - force)[rows])) / max(size, 1e-300)
+    every = np.ones(len(log), bool)
+    return Predicted(
+        model, _error(log.force, force, rows), own, _error(log.force, force, every), float(np.mean(rest)), others,
+        traces, friction,
+    )  # fmt: skip
+
+
+def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:
+    size = float(np.linalg.norm(measured[rows]))
+    return float(np.linalg.norm((measured - predicted)[rows])) / max(size, 1e-300)
+
+
+def _steady(law_name: str, values: Mapping[str, Any], log: Log) -> Array:
+    """Friction at the speed of the moment, and the body's terms."""
+    law = laws.find(law_name)
+    own = {n: v for n, v in values.items() if n in law.constants()}
+    columns = Columns(log, Sliding(law, own, {}), lambda x: x)
+    body = {n: v for n, v in values.items() if n in TERMS}
+    model = Separable(columns, {**own, **body}, (), (), ())
+    return model.force_at({"mass": 0.0, **own, **body})
+
+
+def _simulated(model: Model, log: Log) -> Array:
+    """The law simulated along the measured motion, and the body's terms."""
+    law = laws.find(model.law)
+    values = {"mass": 0.0, **{n: v for n, v in model.values.items() if n in law.constants() or n in TERMS}}
+    delay = float(values.pop("delay", 0.0))
+    body = tuple(n for n in values if n in TERMS)
+    force = VelocityProblem(log, law, [], values, {}, body).force(np.zeros((1, 0)))
+    if force is None:
+        raise StribeckError(f"law '{model.law}': its simulation along this record fails")
+    if delay:
+        return np.concatenate([shifted(force[0][rows], delay / log.step) for rows in log.runs()])
+    return np.asarray(force[0])

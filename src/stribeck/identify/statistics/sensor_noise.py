@@ -1,0 +1,68 @@
+"""What the noise of a measured position does to a fit of the force: the fit again, with as much noise once more.
+
+The velocity that a simulation follows has the position's noise in it, which biases the bristles' stiffness and damping
+towards what blurred motion shows; no residual tells that. Noise of the measured size is added to the motion once more and
+passes the same filter: the optimum moves on by about as much as the first dose has moved it (simulation-extrapolation,
+Cook and Stefanski, J. Am. Stat. Assoc. 89(428):1314-1328, 1994), and scatters as much.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.data.filters import low_pass
+from stribeck.identify.models.dynamic_problem import VelocityProblem
+from stribeck.identify.models.motion_problem import raw, white_noise
+from stribeck.identify.models.problem import Problem
+
+Array = NDArray[np.float64]
+_DOSES = 4
+
+
+def again_with_noise(problem: Problem, u: Array) -> tuple[Array, Array]:
+    """How far the optimum ``u`` moves on the mean, and how much it scatters (inner coordinates); 0 where the motion was
+    not filtered, so that its noise is not known."""
+    nothing = np.zeros(len(u)), np.zeros(len(u))
+    if not isinstance(problem, VelocityProblem) or problem.log.bandwidth is None:
+        return nothing
+    measured = problem.log.sources.get("unfiltered")
+    if measured is None:
+        return nothing
+    deviation = white_noise(raw(problem.log, measured), list(problem.log.runs()))
+    draw = np.random.default_rng(0)
+    shifts = [found for _ in range(_DOSES) if (found := _moved(problem, u, measured, deviation, draw)) is not None]
+    if len(shifts) < 2:
+        return nothing
+    return np.mean(shifts, axis=0), np.std(shifts, axis=0, ddof=1)
+
+
+def _moved(
+    problem: VelocityProblem, u: Array, measured: str, deviation: float, draw: np.random.Generator
+) -> Array | None:  # fmt: skip
+    """The step of Gauss and Newton from the optimum to that with more noise."""
+    log = problem.log
+    assert log.bandwidth is not None
+    velocity = log.velocity.copy()
+    for rows in log.runs():
+        noise = low_pass(deviation * draw.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
+        velocity[rows] += np.gradient(noise, log.step) if measured == "position" else noise
+    noisy = problem.moving(velocity)
+    slopes, misfit = noisy.sensitivities(u), noisy.misfit(u)
+    if slopes is None or misfit is None:
+        return None
+    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
+    return np.asarray(-np.linalg.lstsq(slopes / size, misfit, rcond=1e-9)[0] / size)
+
+
+def sharper_acceleration(problem: Problem, u: Array, slopes: Array) -> Array:
+    """How far the optimum moves where the acceleration has all of the velocity's band: that of a fit is filtered lower,
+    and its inertia lacks what break-aways and stops put into the force."""
+    if not isinstance(problem, VelocityProblem) or problem.log.bandwidth is None:
+        return np.zeros(len(u))
+    log, mass = problem.log, problem.values(u).get("mass", 0.0)
+    missing = np.zeros(len(log))
+    for rows in log.runs():
+        missing[rows] = mass * (np.gradient(log.velocity[rows], log.step) - log.acceleration[rows])
+    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
+    return np.asarray(abs(np.linalg.lstsq(slopes / size, missing[problem.rows], rcond=1e-9)[0] / size))

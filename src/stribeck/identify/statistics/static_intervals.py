@@ -1,0 +1,347 @@
+"""Intervals and verdicts of a static fit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.features.filtering import smoother_log
+from stribeck.identify.features.guess import scales
+from stribeck.identify.features.rest import held_force
+from stribeck.identify.features.what_to_measure import experiment_for
+from stribeck.identify.log import thinned
+from stribeck.identify.methods.static_start import Model, unit_of
+from stribeck.identify.models.columns import Columns, column
+from stribeck.identify.models.separable import Separable, Solution
+from stribeck.identify.models.static_problem import Rows, thinning
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.result import Estimate, Profile
+from stribeck.identify.statistics import clusters
+from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
+
+Array = NDArray[np.float64]
+_NORMAL, _THRESHOLD = 1.959964, 3.841459
+_WIDEST = 0.7  # half a 95 % interval in the logarithm: half to twice the value
+_MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance
+_FEWEST = 12.0
+_MOST_LEEWAY = 0.2
+_WHOLE = 1.5  # of the shift that a lower cut-off makes
+_REACHED = 0.8  # of F_s: what the curve must come to within the speeds measured
+_ONE_SPEED = 1.5  # between slow and fast rows: less is one speed
+_MISFIT = 0.1  # of the squared residual
+_PROFILED = ("F_c", "F_s", "v_s", "k_v", "delta")
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Estimates by name, covariance of ``names``, profiles, notes, and ``details`` for a report."""
+
+    estimates: dict[str, Estimate]
+    names: tuple[str, ...]
+    covariance: Array
+    profiles: dict[str, Profile]
+    notes: tuple[str, ...]
+    details: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Linear:
+    """The model near its optimum: names, values, whether the logarithm is what counts, slopes by that, the residual."""
+
+    names: tuple[str, ...]
+    values: Array
+    log: NDArray[np.bool_]
+    slopes: Array
+    misfit: Array
+
+
+def linearised(model: Separable, solution: Solution) -> Linear:
+    """Slopes of the weighted force at the optimum by everything that is free and not at its bound."""
+    values = solution.values
+    columns = model.columns.at(values, model.terms)
+    found: dict[str, Array] = {}
+    tied = "F_s" in model.wanted and values["F_s"] <= values["F_c"] * (1 + 1e-4)
+    for name in (*model.wanted, *model.free):
+        if at_zero(name, values, model) or (name == "F_s" and tied):
+            continue
+        found[name] = columns[name] + columns["F_s"] if name == "F_c" and tied else columns[name]
+    before = model.force_at(values)
+    for shape in model.shapes:
+        if tied and shape.name in ("v_s", "delta"):
+            continue
+        step = 1e-4 * values[shape.name] if shape.log else 1e-3 * (shape.high - shape.low)
+        after = model.force_at({**values, shape.name: values[shape.name] + step})
+        found[shape.name] = (after - before) / step
+    names = tuple(found)
+    log = np.array([_is_log(n) for n in names], bool)
+    x = np.array([values[n] for n in names])
+    slopes = np.column_stack([found[n] for n in names]) * np.where(log, x, 1.0) if names else np.zeros((len(before), 0))
+    return Linear(names, x, log, model.weight[:, None] * slopes, model.weight * (model.force - before))
+
+
+def at_zero(name: str, values: dict[str, float], model: Separable) -> bool:
+    """Whether a coefficient that cannot be negative comes out as nothing."""
+    if name in TERMS and not TERMS[name].positive:
+        return False
+    return values[name] <= (2 * model.least if name == "F_c" else 0.0)
+
+
+def _is_log(name: str) -> bool:
+    return TERMS[name].positive if name in TERMS else True
+
+
+def judge(rows: Rows, model: Model, solution: Solution, profiles: bool = True) -> Judged:
+    """Intervals and verdicts for everything that was to be fitted."""
+    at = linearised(model.whole, solution)
+    half, notes, details = _half_widths(rows, model, solution, at)
+    verdicts = _verdicts(rows, model, solution, at, half)
+    curves: dict[str, Profile] = {}
+    low, high = -half, half
+    if profiles:
+        low, high, curves = _profiles(model, solution, at, half, verdicts)
+    sizes, values = scales(thinned(rows.log)), solution.values
+    estimates: dict[str, Estimate] = {}
+    for k, name in enumerate(at.names):
+        unit = unit_of(model.law, name)
+        x = at.values[k]
+        ends = (
+            x * np.exp(np.clip([low[k], high[k]], -50, 50)) if at.log[k] else x + np.array([low[k], high[k]])
+        ).tolist()
+        first, last = (end if np.isfinite(end) and 1e-12 < abs(end / x) < 1e12 else None for end in ends) if x else ends
+        if why := verdicts.get(name):
+            held = details.get("held_force") if name == "F_s" else None
+            first, last = (held, None) if held and x < held else (first, last)
+            estimates[name] = Estimate(
+                None, first, last, unit, False, why, experiment_for(name, values, sizes), float(x)
+            )
+        else:
+            estimates[name] = Estimate(float(x), first, last, unit)
+    estimates |= _unfitted(rows, model, solution, at)
+    spread = half / _NORMAL * np.where(at.log, at.values, 1.0)
+    memory = noise_memory(at.misfit)
+    inner = covariance(at.slopes, 1.0, memory) if len(at.names) else np.zeros((0, 0))
+    root = np.sqrt(np.maximum(np.diag(inner), 1e-300))
+    matrix = inner / np.outer(root, root) * np.outer(spread, spread)
+    details["noise"] = {
+        "standard_deviation": float(np.std(at.misfit[rows.weight > 0])), "memory": len(memory),
+    }  # fmt: skip
+    return Judged(estimates, at.names, matrix, curves, tuple(notes), details)
+
+
+def _half_widths(rows: Rows, model: Model, solution: Solution, at: Linear) -> tuple[Array, list[str], dict[str, Any]]:
+    """Half intervals (inner): the widest of noise with memory, parts of the record and bands of speed; and the filter's."""
+    count = len(at.names)
+    if not count:
+        return np.zeros(0), [], {}
+    free = max(int((rows.weight > 0).sum()) - count, 1)
+    variance = float(at.misfit @ at.misfit) / free
+    noise = _NORMAL * np.sqrt(np.maximum(np.diag(covariance(at.slopes, variance, noise_memory(at.misfit))), 0.0))
+    parts = clusters.parts_of(rows.log.rows(rows.kept))
+    apart = clusters.half_widths(at.slopes, at.misfit, parts.number, parts.repeats)
+    v = rows.log.velocity[rows.kept]
+    curve = clusters.half_widths(at.slopes, at.misfit, clusters.by_speed(v, rows.weight), False)
+    share = clusters.misfit_share(v, at.misfit, rows.weight)
+    half = np.maximum(noise, apart)
+    notes = []
+    if share > _MISFIT:
+        wider = np.maximum(half, curve)
+        most = int(np.argmax(wider / np.maximum(half, 1e-300)))
+        factor = float(wider[most] / max(half[most], 1e-300))
+        told = f"; intervals are wider for it, {at.names[most]}'s by {factor:.1f}" if factor > 1.05 else ""
+        notes.append(
+            f"misfit: a free curve of the speed would take {share:.0%} of the squared residual away: the law lacks "
+            f"something{told}"
+        )
+        half = wider
+    if not parts.repeats:
+        notes.append(
+            "intervals are for this one run: what changes from run to run (warmth, lubrication) is not in them"
+        )
+    spare = _leeway(rows, model, solution, at)
+    if wide := [
+        f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, spare, half, at.log, strict=True) if log and s > h
+    ]:
+        notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
+    details = {
+        "intervals_over": parts.what,
+        "misfit_share": share,
+        "leeway": dict(zip(at.names, spare.tolist(), strict=True)),
+    }
+    return half + spare, notes, details
+
+
+def _leeway(rows: Rows, model: Model, solution: Solution, at: Linear) -> Array:
+    """How far each coordinate may be off because of the motion's filter: its shift with a cut-off lower by sqrt(2)."""
+    log, nothing = rows.log, np.zeros(len(at.names))
+    if log.bandwidth is None or not log.step or log.bandwidth * log.step * rows.q > 1.6 or len(log) > 400_000:
+        return nothing  # the band that is fitted lies far below, or there are no means to tell
+    other = Columns(smoother_log(log), model.whole.columns.sliding, thinning(log, rows.q))
+    moved = model.whole.weight * (model.whole.force - model.whole.on(other).force_at(solution.values))
+    size = np.maximum(np.sqrt(np.mean(at.slopes**2, axis=0)), 1e-300)
+    shift = np.linalg.lstsq(at.slopes / size, moved - at.misfit, rcond=1e-9)[0] / size
+    return np.asarray(_WHOLE * abs(shift))
+
+
+# -- verdicts --------------------------------------------------------------------------------------------------------
+
+
+def _verdicts(rows: Rows, model: Model, solution: Solution, at: Linear, half: Array) -> dict[str, str]:
+    """Why a coordinate is not determined, by name."""
+    found: dict[str, str] = {}
+    support = supporting_samples(at.slopes) if len(at.misfit) <= 200_000 else np.full(len(half), np.inf)
+    plain = covariance(at.slopes, 1.0, np.zeros(0)) if len(at.names) else np.zeros((0, 0))
+    alike = np.diag(plain) * np.sum(at.slopes**2, axis=0) > _MOST_ALIKE
+    spread = np.sqrt(np.maximum(np.diag(plain), 1e-300))
+    for k, name in enumerate(at.names):
+        relation = abs(plain[k]) / (spread * spread[k])
+        others = [at.names[i] for i in np.argsort(-relation) if i != k and relation[i] > 0.9][:2]
+        together = f"; {' and '.join(others)} can make up for it" if others else ""
+        shape = next((s for s in model.whole.shapes if s.name == name), None)
+        if shape is not None and not 1e-3 < shape.share(solution.values[name]) < 1 - 1e-3:
+            found[name] = "the fit drives it to the end of what is tried"
+        elif support[k] < _FEWEST:
+            found[name] = f"it rests on {max(support[k], 0):.0f} samples only{together}"
+        elif at.log[k] and half[k] > _WIDEST:
+            found[name] = f"the residuals hardly depend on it{together}"
+        elif alike[k]:
+            found[name] = f"it is hardly told apart from the others{together}"
+    return {**_physical(rows, model, solution, at), **found}
+
+
+def _physical(rows: Rows, model: Model, solution: Solution, at: Linear) -> dict[str, str]:
+    """What the speeds, the directions and the forces at rest say against a number, whatever its interval."""
+    found: dict[str, str] = {}
+    values, v = solution.values, rows.log.velocity[rows.kept][rows.weight > 0]
+    speed = np.quantile(abs(v), (0.1, 0.9)) if len(v) else np.zeros(2)
+    if speed[0] > 0 and speed[1] / speed[0] < _ONE_SPEED and {"F_c", "sigma_2"} <= set(at.names):
+        why = f"nearly all rows have one speed ({speed[0]:.3g} to {speed[1]:.3g} m/s): F_c and sigma_2 cannot be told apart"
+        found |= dict.fromkeys(("F_c", "sigma_2"), why)
+    if "offset" in model.unseen and "F_c" in at.names:
+        found["F_c"] = f"{model.unseen['offset']}; both together are {values['F_c']:.4g} N"
+    if "F_s" in at.names and len(v):
+        grid = np.quantile(abs(v), np.linspace(0, 1, 200))
+        law = model.whole.columns.sliding
+        sliding = {**{n: x for n, x in values.items() if n in law.base or n in model.law.constants()}, "sigma_2": 0.0}
+        own = {n: x for n, x in sliding.items() if n in model.law.constants()}
+        reached = float(np.max(abs(law.force(own, grid))))
+        if reached < _REACHED * values["F_s"]:
+            found["F_s"] = (
+                f"the curve comes to {reached:.3g} N at the speeds measured: {values['F_s']:.3g} N are extrapolated"
+            )
+        beside: Array | float = np.zeros(len(rows.log))
+        for name in model.whole.terms:
+            if not (TERMS[name].level or TERMS[name].friction or name in ("mass", "area")):
+                beside = beside + values.get(name, 0.0) * column(name, rows.log)
+        held = held_force(replace_force(rows, values), rows.rest, beside)
+        if held is not None and held > 1.02 * values["F_s"]:
+            found["F_s"] = f"the body was held at rest by {held:.3g} N, more than the {values['F_s']:.3g} N of the fit"
+    return found
+
+
+def replace_force(rows: Rows, values: dict[str, float]) -> Any:
+    """The record with the pressure's push taken off its force."""
+    if "area" not in values or rows.log.pressure is None:
+        return rows.log
+    return rows.log.with_columns(force=rows.log.force - values["area"] * rows.log.pressure)
+
+
+def _unfitted(rows: Rows, model: Model, solution: Solution, at: Linear) -> dict[str, Estimate]:
+    """What the data show nothing of, and what comes out as 0."""
+    found: dict[str, Estimate] = {}
+    sizes, values = scales(thinned(rows.log)), solution.values
+    unseen = dict(model.unseen)
+    tied = "F_s" in model.whole.wanted and "F_s" not in at.names and "F_c" in at.names
+    if tied:
+        why = "friction does not rise towards low speed in these data"
+        unseen |= {n: why for n in ("F_s", "v_s", "delta") if n in model.free}
+    for name, why in unseen.items():
+        found[name] = Estimate(
+            None, None, None, unit_of(model.law, name), False, why, experiment_for(name, values, sizes)
+        )
+    for name in (*model.whole.wanted, *model.whole.free):
+        if name not in at.names and name not in found:
+            high = _upper(model.whole, solution, name)
+            unit = unit_of(model.law, name)
+            if name in ("F_c", "F_s"):
+                why = "friction at the lowest speeds comes out as 0"
+                found[name] = Estimate(None, None, high, unit, False, why, experiment_for(name, values, sizes))
+            else:
+                found[name] = Estimate(0.0, 0.0, high, unit, True, "at its lower bound, 0")
+    return found
+
+
+def _upper(model: Separable, solution: Solution, name: str) -> float:
+    """The upper end of a one-sided interval of a coefficient that comes out as 0."""
+    rest = model.weight * (model.force - model.force_at(solution.values))
+    own = model.weight * model.columns.at(solution.values, model.terms)[name]
+    return float(1.645 * np.std(rest) * np.sqrt(10.0) / max(np.linalg.norm(own), 1e-300))
+
+
+# -- profiles --------------------------------------------------------------------------------------------------------
+
+
+def _profiles(
+    model: Model, solution: Solution, at: Linear, half: Array, verdicts: dict[str, str]
+) -> tuple[Array, Array, dict[str, Profile]]:
+    """Ends of the intervals by what holding a number costs; parabolas for those that the force is linear in.
+
+    A valley that bends, along which several numbers change together, is flatter than its covariance says: it is found by
+    going there. What may be half or twice its value is not determined.
+    """
+    low, high, found = -half.copy(), half.copy(), {}
+    free = max(len(at.misfit) - len(at.names), 1)
+    plain = covariance(at.slopes, solution.cost / free, np.zeros(0)) if len(at.names) else np.zeros((0, 0))
+    for k, name in enumerate(at.names):
+        if half[k] <= 0:
+            continue
+        across = np.linspace(-1.5, 1.5, 13) * half[k]
+        x = at.values[k] * np.exp(np.clip(across, -30, 30)) if at.log[k] else at.values[k] + across
+        found[name] = Profile(x, _THRESHOLD * (across / half[k]) ** 2)
+        if name in verdicts or name not in _PROFILED or not model.whole.shapes:
+            continue
+        unit = max(solution.cost / free * (half[k] / _NORMAL) ** 2 / max(plain[k, k], 1e-300), 1e-300)
+        tried = {0.0: 0.0}
+        for side in (-1, 1):
+            end = _end(model.whole, solution, name, side, float(half[k]), unit, tried)
+            if end is None:
+                word = "half" if side < 0 else "twice"
+                verdicts[name] = f"the data fit nearly as well with {word} its value, the others changing with it"
+            elif side < 0:
+                low[k] = -end
+            else:
+                high[k] = end
+        places = np.array(sorted(tried))
+        found[name] = Profile(at.values[k] * np.exp(places), np.array([tried[p] for p in places.tolist()]))
+    return low, high, found
+
+
+def _end(
+    model: Separable, solution: Solution, name: str, side: int, half: float, unit: float, tried: dict[float, float]
+) -> float | None:
+    """How far (in the logarithm) a number goes until the cost has risen by the threshold; None beyond half and twice."""
+    near = (0.0, 0.0)
+    for distance in (min(half, 0.6 * _WIDEST), _WIDEST):
+        fall = max((_held_at(model, solution, name, side * distance) - solution.cost) / unit, 0.0)
+        tried[side * distance] = fall
+        root = float(np.sqrt(fall / _THRESHOLD))
+        if root >= 1:
+            share = (1 - near[1]) / max(root - near[1], 1e-12)
+            return max(near[0] + share * (distance - near[0]), 0.0)
+        near = (distance, root)
+    return None
+
+
+def _held_at(model: Separable, solution: Solution, name: str, distance: float) -> float:
+    """The cost with one number held at a distance (in the logarithm), all others fitted anew."""
+    value = solution.values[name] * float(np.exp(distance))
+    wanted = [n for n in model.wanted if n != name]
+    shapes = [s for s in model.shapes if s.name != name]
+    held = {**model.held, name: value}
+    other = Separable(model.columns, held, wanted, model.free, shapes, model.weight)
+    if not shapes:
+        return other.solve({}).cost
+    start = {s.name: solution.values[s.name] for s in shapes}
+    return min(other.refined(start, 8).cost, other.solve(start).cost)

@@ -1,0 +1,98 @@
+"""A scenario against a measured record: the same drive, and what the simulated motion is off."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.errors import InputError, arg
+from stribeck.identify.data.read import Columns, read
+from stribeck.scenario import Scenario
+from stribeck.simulation import simulate
+
+Array = NDArray[np.float64]
+_COLUMNS = {"position": ("y", "m"), "velocity": ("v", "m/s"), "force": ("F", "N")}
+
+
+@dataclass(frozen=True)
+class Validated:
+    """A simulation beside a record.
+
+    Attributes:
+        status, reason: of the simulation; what it reached is compared.
+        time: s from the record's start.
+        traces: by what was measured: unit, measured, simulated.
+        errors: by the same: RMS and largest difference, and RMS over that of the measured trace about its mean.
+    """
+
+    status: str
+    reason: str | None
+    time: Array
+    traces: dict[str, tuple[str, Array, Array]]
+    errors: dict[str, dict[str, Any]]
+
+    def to_json(self) -> dict[str, Any]:
+        """What ``stribeck validate --json`` prints."""
+        return {"status": self.status, "reason": self.reason, "rows": len(self.time), "errors": self.errors}
+
+
+def validate(
+    scenario: Scenario,
+    data: Path,
+    columns: Mapping[str, str],
+    units: Mapping[str, str] | None = None,
+    force_gain: float | str | None = None,
+) -> Validated:
+    """Simulate a scenario for as long as a record lasts and compare.
+
+    Args:
+        columns: of the record: time; position, velocity or force (friction), which are compared; ``command``, which replaces
+            the drive's signal, the motion then beginning as the record does.
+
+    Raises:
+        InputError: the record cannot be read, or has nothing to compare with.
+    """
+    names = dict(columns)
+    measured = [role for role in _COLUMNS if role in names]
+    if not measured:
+        raise InputError(f"{arg('position')}, {arg('velocity')} or {arg('force')}: one must be given: what is compared")
+    raw = read(data, Columns(names, dict(units or {}), force_gain), needs_force=False)
+    rows = np.all([np.isfinite(x) for x in raw.values()], axis=0)
+    raw = {role: x[rows] for role, x in raw.items()}
+    time = raw["time"] - raw["time"][0]
+    if len(time) < 2 or np.any(np.diff(time) < 0):
+        raise InputError(f"{arg('time')}: must rise, over two rows or more")
+    solution = simulate(scenario.with_changes(_changes(scenario, raw, time)))
+    reached = time <= float(solution.t[-1]) * (1 + 1e-12)
+    traces, errors = {}, {}
+    for role in measured:
+        name, unit = _COLUMNS[role]
+        simulated = np.interp(time[reached], solution.t, solution[name])
+        x = raw[role][reached]
+        traces[role] = (unit, x, simulated)
+        left = x - simulated
+        spread = float(np.std(x)) if len(x) else 0.0
+        rms = float(np.sqrt(np.mean(left**2))) if len(x) else float("nan")
+        largest = float(np.max(abs(left), initial=0.0))
+        errors[role] = {"unit": unit, "rms": rms, "largest": largest, "relative": rms / spread if spread > 0 else None}
+    return Validated(solution.status, solution.reason, time[reached], traces, errors)
+
+
+def _changes(scenario: Scenario, raw: Mapping[str, Array], time: Array) -> dict[str, Any]:
+    """What of the scenario the record replaces: its length, and with a command its signal and the start."""
+    changes: dict[str, Any] = {"solve.t_end": float(time[-1])}
+    step = float(np.median(np.diff(time)))
+    if step > 0:
+        changes["output.step"] = step
+    if "command" in raw:
+        changes["drive.signal"] = {"kind": "points", "t": time.tolist(), "value": raw["command"].tolist()}
+        if "position" in raw:
+            changes["plant.initial.y"] = float(raw["position"][0])
+        if "velocity" in raw and scenario.drive.kind != "velocity":
+            changes["plant.initial.v"] = float(raw["velocity"][0])
+    return changes

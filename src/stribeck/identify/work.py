@@ -1,0 +1,96 @@
+"""How far a long fit has come, and whether it is to stop."""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+T = TypeVar("T")
+S = TypeVar("S")
+_TYPICAL = 300  # simulations
+
+
+class Stopped(Exception):
+    """The work is to end; what was found so far is kept."""
+
+
+class Work:
+    """The share of a fit that is done, never falling, and a flag that ends it.
+
+    Args:
+        tell: called with the share, 0 to 1.
+    """
+
+    def __init__(self, tell: Callable[[float], None] | None = None) -> None:
+        self._tell, self._lock = tell, threading.Lock()
+        self._start = self._end = self.share = 0.0
+        self._ticks = 0
+        self._stop = threading.Event()
+
+    def section(self, end: float) -> None:
+        """What follows goes from the share done to ``end``."""
+        self._start, self._end, self._ticks = max(self.share, self._end), end, 0
+        self.done(0.0)
+
+    def done(self, part: float) -> None:
+        """So much of the section is done, 0 to 1."""
+        with self._lock:
+            self.share = max(self.share, self._start + (self._end - self._start) * min(max(part, 0.0), 1.0))
+            if self._tell is not None:
+                self._tell(self.share)
+
+    def tick(self) -> None:
+        """Another simulation is done; nobody knows how many there will be, so each goes a part of what is left."""
+        self._ticks += 1
+        self.done(1 - math.exp(-self._ticks / _TYPICAL))
+
+    def part(self, number: int, count: int) -> Work:
+        """The work on one of several things that follow each other."""
+        one = Work(lambda share: self.done((number + share) / count))
+        self._end, one._stop = 1.0, self._stop
+        return one
+
+    @property
+    def stopped(self) -> bool:
+        """Whether the work is to end."""
+        return self._stop.is_set()
+
+    def stop(self) -> None:
+        """End the work."""
+        self._stop.set()
+
+    def check(self) -> None:
+        """Raises: Stopped: the work is to end."""
+        if self.stopped:
+            raise Stopped
+
+    def each(self, what: Callable[[S], T], of: Iterable[S]) -> list[T | None]:
+        """``what`` of each on all cores; None for those that were not reached when Ctrl-C ended the work."""
+        items = list(of)
+        found: list[T | None] = [None] * len(items)
+
+        def one(i: int) -> None:
+            try:
+                self.check()
+                found[i] = what(items[i])
+            except Stopped:
+                return
+
+        pool = ThreadPoolExecutor(cores())
+        try:
+            for future in [pool.submit(one, i) for i in range(len(items))]:
+                future.result()
+        except KeyboardInterrupt:
+            self.stop()
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+        return found
+
+
+def cores() -> int:
+    """How many this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,151 @@
+"""Certificates: proofs as plain data, which a checker that shares no code with the prover can verify.
+
+The format is described in docs/certificates.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from stribeck.expressions.exact import tree_of
+from stribeck.expressions.graph import Expr, ordered
+from stribeck.properties.prover.leaf import End
+from stribeck.properties.prover.search import Tree
+
+FORMAT = 1
+_TEXT = {"symbol", "constant"}
+
+
+def rational(x: Fraction | None) -> str:
+    """A rational number as text; "inf" where there is no end."""
+    return "inf" if x is None else str(x)
+
+
+def _number(tree: Any) -> Any:
+    if isinstance(tree, tuple):
+        op, *args = tree
+        found = [_number(a) for a in args]
+        if op == "mul" and len(found) > 2:
+            total = found[0]
+            for each in found[1:]:
+                total = ["mul", total, each]
+            return total
+        return [op, *found]
+    return tree if isinstance(tree, str) else rational(Fraction(tree))
+
+
+class Writer:
+    """Expressions as prefix lists, with the numbers of a law in place of its constants; shared parts get a name.
+
+    Args:
+        values: the constants.
+        shared: expressions whose parts may be named in ``definitions``; None: nothing is.
+    """
+
+    def __init__(self, values: Mapping[str, Fraction], shared: Iterable[Expr] = ()) -> None:
+        self.values = values
+        self.definitions: list[list[Any]] = []
+        self._names: dict[Expr, str] = {}
+        outputs = list(shared)
+        uses: dict[Expr, int] = {}
+        for node in ordered(outputs):
+            for a in node.args:
+                uses[a] = uses.get(a, 0) + 1
+        for node in ordered(outputs):
+            if uses.get(node, 0) > 1 and node.op not in _TEXT | {"lt", "le", "both", "either"}:
+                text = self.write(node)
+                self._names[node] = f"n{len(self.definitions)}"
+                self.definitions.append([self._names[node], text])
+
+    def write(self, node: Expr) -> Any:
+        """The expression."""
+        if node in self._names:
+            return self._names[node]
+        if node.op == "symbol":
+            name = str(node.value)
+            return rational(self.values[name]) if name in self.values else name
+        if node.op == "constant":
+            assert isinstance(node.value, float)
+            return _number(tree_of(node.value))
+        return [node.op, *(self.write(a) for a in node.args)]
+
+
+@dataclass
+class Claim:
+    """An elementary statement, and the tree that shows it."""
+
+    about: str
+    relation: str
+    v: int
+    z: int
+    ranges: Mapping[str, tuple[Fraction, End]]
+    tree: Tree
+    extra: Mapping[str, Any] = field(default_factory=dict)
+
+    def to_json(self, writer: Writer) -> dict[str, Any]:
+        """Plain data."""
+        data: dict[str, Any] = {"about": self.about, "v": self.v, "z": self.z}
+        for name, x in self.extra.items():
+            data[name] = _plain(x, writer)
+        data["relation"] = self.relation
+        data |= {name: [rational(low), rational(high)] for name, (low, high) in self.ranges.items()}
+        data["tree"] = _tree(self.tree, writer)
+        return data
+
+
+def _plain(x: Any, writer: Writer) -> Any:
+    if isinstance(x, Expr):
+        return writer.write(x)
+    if isinstance(x, Fraction):
+        return rational(x)
+    return [_plain(a, writer) for a in x] if isinstance(x, list | tuple) else x
+
+
+def _tree(tree: Tree, writer: Writer) -> Any:
+    if tree[0] == "leaf":
+        return ["leaf", [[writer.write(node), *(_plain(x, writer) for x in rule)] for node, rule in tree[1]]]
+    return [_tree(part, writer) if isinstance(part, list) else part for part in tree]
+
+
+@dataclass
+class Certificate:
+    """A proof of one property: the theorem, its elementary claims, and the certificates of other properties it rests on."""
+
+    prop: str
+    theorem: str
+    claims: list[Claim]
+    data: Mapping[str, Any] = field(default_factory=dict)
+    hypotheses: Mapping[str, Certificate] = field(default_factory=dict)
+
+    @property
+    def leaves(self) -> int:
+        """How many parts of the domain were treated."""
+        return sum(_leaves(claim.tree) for claim in self.claims) + sum(c.leaves for c in self.hypotheses.values())
+
+    def to_json(self, model: Any) -> dict[str, Any]:
+        """Plain data."""
+        law = model.law
+        shared = Writer(model.values, [model.rate, model.force])
+        plain = Writer(model.values)
+        return {
+            "format": FORMAT,
+            "law": law.name,
+            "property": self.prop,
+            "v_max": rational(model.v_max),
+            "constants": {n: rational(x) for n, x in model.values.items()},
+            "dz_dt": shared.write(model.rate),
+            "force": shared.write(model.force),
+            "definitions": shared.definitions,
+            "Z": rational(model.bound[1]),
+            "theorem": self.theorem,
+            "data": {n: _plain(x, plain) for n, x in self.data.items()},
+            "claims": [claim.to_json(plain) for claim in self.claims],
+            "hypotheses": {n: c.to_json(model) for n, c in self.hypotheses.items()},
+        }
+
+
+def _leaves(tree: Tree) -> int:
+    return 1 if tree[0] == "leaf" else sum(_leaves(part) for part in tree if isinstance(part, list))

@@ -1,0 +1,160 @@
+"""The elementary statements about a law, each shown by the prover over a whole region or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from fractions import Fraction
+from typing import Any
+
+from stribeck.expressions.graph import Expr, derivative, substitute, symbol
+from stribeck.properties.certificate import Claim
+from stribeck.properties.model import SIGNS, Model, U, W, Z
+from stribeck.properties.prover.leaf import End
+from stribeck.properties.prover.search import Work
+
+Ranges = Mapping[str, tuple[Fraction, End]]
+NULL = Fraction(0)
+_NUMBER = "k."  # prefix of numbers that a claim brings along
+
+
+class Claims:
+    """Builds the expressions of claims and proves them."""
+
+    def __init__(self, model: Model, work: Work) -> None:
+        self.model, self.work = model, work
+
+    def _shown(self, expr: Expr, relation: str, ranges: Ranges, closed: bool = False, cones: bool = False) -> Any:
+        return self.model.prover.show(expr, relation, ranges, self.work, closed, cones)
+
+    def number(self, x: Fraction) -> Expr:
+        """An exact number as a symbol."""
+        name = f"{_NUMBER}{x}"
+        if name not in self.model.values:
+            self.model.values[name] = x
+            self.model.inputs[name] = _around(x)
+        return symbol(name)
+
+    def _claim(
+        self, about: str, relation: str, sides: tuple[int, int], ranges: Ranges, expr: Expr, closed: bool = False,
+        **extra: Any,
+    ) -> Claim | None:  # fmt: skip
+        kept = {n: r for n, r in ranges.items() if (n == "u" and sides[0]) or (n == "w" and sides[1])}
+        tree = self._shown(expr, relation, kept, closed, about in ("power", "elastic"))
+        return Claim(about, relation, *sides, kept, tree, extra) if tree is not None else None
+
+    # -- one kind of claim each ------------------------------------------------------------------------------------
+
+    def inward(self, w: tuple[Fraction, End]) -> list[Claim] | None:
+        """-sgn(z) dz/dt >= 0 for |z| in w and every v."""
+        return every(
+            self._claim("inward", ">=0", (s, t), {"u": (NULL, None), "w": w}, self.model.form(s, t) * -t)
+            for s in (0, *SIGNS)
+            for t in SIGNS
+        )
+
+    def power(
+        self, slope: Expr, u: tuple[Fraction, End], w: tuple[Fraction, End], z_sides: Iterable[int]
+    ) -> list[Claim] | None:
+        """F v - S' dz/dt >= 0; S' is an expression of z."""
+        from stribeck.properties.model import V
+
+        lost = self.model.power_force * V - slope * self.model.rate
+        return every(
+            self._claim("power", ">=0", (s, t), {"u": u, "w": w}, self.model.form_of(lost, s, t), slope=slope)
+            for t in z_sides
+            for s in (0, *SIGNS)
+        )
+
+    def rising(self, slope: Expr, w: tuple[Fraction, End]) -> list[Claim] | None:
+        """S' sgn z >= 0."""
+        return every(
+            self._claim("slope sign", ">=0", (0, t), {"w": w}, self.model.form_of(slope, 0, t) * t, slope=slope)
+            for t in SIGNS
+        )
+
+    def lipschitz(
+        self, sides: tuple[int, int], w: tuple[Fraction, End], growth: Mapping[str, Any], sign: int
+    ) -> Claim | None:
+        """sign d(dz/dt)/dw <= (a + b u^k)(1 + (w/l)^m)."""
+        a, b, length = (self.number(growth[n]) for n in "abl")
+        most = (a + b * U ** growth["k"]) * (1 + (W / length) ** growth["m"])
+        if growth["m"] == 0:
+            most = (a + b * U ** growth["k"]) * 2
+        if sides[0] == 0:
+            most = substitute([most], {U: symbol("rest")})[0]
+        slope = derivative(self.model.form(*sides), W)
+        return self._claim(
+            "lipschitz", ">=0", sides, {"u": (NULL, None), "w": w}, most - slope * sign, sign=sign, **growth
+        )
+
+    def grows(self, sides: tuple[int, int], growth: Mapping[str, Any]) -> Claim | None:
+        """sgn(z) dz/dt <= (a + b u^k)(w + l)."""
+        a, b, length = (self.number(growth[n]) for n in "abl")
+        u = U if sides[0] else symbol("rest")
+        most = (a + b * u ** growth["k"]) * (W + length)
+        extra = {n: x for n, x in growth.items() if n != "m"}
+        return self._claim(
+            "growth", ">=0", sides, {"u": (NULL, None), "w": (NULL, None)},
+            most - self.model.form(*sides) * sides[1], **extra,
+        )  # fmt: skip
+
+    def finite(self, v_side: int, growth: Mapping[str, Any], sign: int) -> Claim | None:
+        """sign dz/dt <= a + b u^k at z = 0."""
+        a, b = (self.number(growth[n]) for n in "ab")
+        u = U if v_side else symbol("rest")
+        extra = {n: growth[n] for n in "abk"}
+        return self._claim(
+            "finite", ">=0", (v_side, 0), {"u": (NULL, None)},
+            a + b * u ** growth["k"] - self.model.form(v_side, 0) * sign, sign=sign, **extra,
+        )  # fmt: skip
+
+    def elastic(self, w: tuple[Fraction, End]) -> list[Claim] | None:
+        """dz/dt = v."""
+        return every(
+            self._claim(
+                "elastic", "=0", (s, t), {"u": (NULL, None), "w": w},
+                self.model.form(s, t) - (U * s if s else symbol("rest")),
+            )
+            for s in (0, *SIGNS)
+            for t in (0, *SIGNS)
+        )  # fmt: skip
+
+    def identity(self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Any) -> Claim | None:
+        """a = b, in what is left of u and w."""
+        kept = {n: r for n, r in ranges.items() if str(n) in _names(a, b)}
+        tree = self._shown(a - b, "=0", kept)
+        if tree is None:
+            return None
+        return Claim("seam", "=0", *sides, kept, tree, {**extra, "a": a, "b": b})
+
+    def divisor(self, sides: tuple[int, int], expr: Expr, relation: str, ranges: Ranges) -> Claim | None:
+        """An expression that must not be 0, on closed ranges."""
+        return self._claim("divisor", relation, sides, ranges, expr, closed=True, expression=expr)
+
+
+def every(claims: Iterable[Claim | None]) -> list[Claim] | None:
+    """All of them; None as soon as one was not shown."""
+    found = []
+    for claim in claims:
+        if claim is None:
+            return None
+        found.append(claim)
+    return found
+
+
+def _names(*exprs: Expr) -> set[str]:
+    from stribeck.expressions.graph import symbols
+
+    return symbols(exprs)
+
+
+def _around(x: Fraction) -> tuple[float, float]:
+    from math import nextafter
+
+    f = float(x)
+    return (f if Fraction(f) <= x else nextafter(f, -1e400), f if Fraction(f) >= x else nextafter(f, 1e400))
+
+
+def at(expr: Expr, z: Expr) -> Expr:
+    """An expression of z at another z."""
+    return substitute([expr], {Z: z})[0]

@@ -1,0 +1,84 @@
+"""Enclosures by interval arithmetic: what makes a counterexample certain."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from stribeck.expressions.graph import Expr
+from stribeck.expressions.intervals import Evaluator, Interval, interval, point
+from stribeck.expressions.ranges import Box, Range
+from stribeck.properties.model import Model
+
+_PANELS = (64, 1024, 16384)
+_PARTS = 400
+_ROUNDING = 1e-12  # of a sum's size: more than its rounding
+
+
+def energy(model: Model, v: float, a: float, b: float, panels: int) -> tuple[float, float] | None:
+    """Bounds of the energy put in, J, while the held speed v takes z from a to b; None where dz/dt may stop on the way.
+
+    It is the integral of F v/(dz/dt) over z, which does not depend on time.
+    """
+    edges = np.linspace(a, b, panels + 1)
+    if not np.all(np.diff(edges) * (b - a) > 0):
+        return None
+    z = interval(np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:]))
+    constants = {n: interval(*x) for n, x in model.inputs.items()}
+    rate, force = Evaluator([model.rate, model.power_force])({**constants, "v": point(v), "z": z})
+    forward = rate.low > 0 if b > a else rate.high < 0
+    if not np.all(forward):
+        return None
+    with np.errstate(all="ignore"):
+        put_in = force * point(v) / rate * (point(edges[1:]) - point(edges[:-1]))
+    return _sum(put_in)
+
+
+def _sum(x: Interval) -> tuple[float, float] | None:
+    low, high = np.broadcast_arrays(x.low, x.high)
+    if not (np.all(np.isfinite(low)) and np.all(np.isfinite(high))):
+        return None
+    slack = _ROUNDING * float(np.sum(np.maximum(abs(low), abs(high))))
+    return math.fsum(low) - slack, math.fsum(high) + slack
+
+
+def programme(
+    model: Model, start: float, speeds: Sequence[float], turns: Sequence[float]
+) -> tuple[float, float] | None:
+    """Bounds of the energy that goes in while held speeds take z from ``start`` through ``turns``; tight enough to have
+    a sign where more panels give one."""
+    total: tuple[float, float] | None = None
+    for panels in _PANELS:
+        total, z = (0.0, 0.0), start
+        for v, end in zip(speeds, turns, strict=True):
+            part = energy(model, v, z, end, panels)
+            if part is None:
+                total = None
+                break
+            total, z = (total[0] + part[0], total[1] + part[1]), end
+        if total is not None:
+            total = np.nextafter(total[0], -np.inf) * 1.0, np.nextafter(total[1], np.inf) * 1.0
+            slack = _ROUNDING * max(abs(total[0]), abs(total[1]))
+            total = float(total[0] - slack), float(total[1] + slack)
+            if total[1] < 0 or total[0] > 0:
+                return total
+    return total
+
+
+def least(model: Model, expr: Expr, v: float, a: float, b: float) -> float:
+    """A lower bound of an expression of v and z over z in [a, b] at a held speed; what is not above 0 is cut finer."""
+    found, work, parts = math.inf, [(min(a, b), max(a, b))], _PARTS
+    while work and parts > 0:
+        low, high = work.pop()
+        parts -= 1
+        value: Range = Box({**model.inputs, "v": (v, v), "z": (low, high)})(expr)
+        if value[0] > 0:
+            found = min(found, value[0])
+            continue
+        middle = 0.5 * (low + high)
+        if not low < middle < high or value[1] <= 0:
+            return min(found, value[0])
+        work += [(low, middle), (middle, high)]
+    return found if not work else -math.inf

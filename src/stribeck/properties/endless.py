@@ -1,0 +1,111 @@
+"""Energy that can be drawn without limit other than by a cycle: while sliding, or by unwinding ever faster."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from stribeck.expressions.graph import wrap
+from stribeck.expressions.ranges import Box, Range
+from stribeck.properties import cycles, replay
+from stribeck.properties.claims import Claims
+from stribeck.properties.model import SIGNS, Model, U
+from stribeck.properties.prover.search import Work
+from stribeck.properties.storage import Storage, own_speeds
+from stribeck.properties.verdicts import Verdict
+
+_SLIDING = "at a held speed z stays in an interval in which F v < 0 (interval arithmetic): energy is drawn for ever"
+_ENDLESS = (
+    "while z unwinds from z_start to z_end at speeds |v| >= u, F v <= -c v^2 and |dz/dt| <= C |v| (signs over the whole range): "
+    "the energy drawn grows like |v|, without limit, more than any storage function holds"
+)
+_WORK = 60
+
+
+def steady_gain(model: Model, storage: Storage) -> Verdict | None:
+    """A speed at which sliding draws energy."""
+    law = model.law
+    share, v = storage.sliding
+    if not share < -1e-9:
+        return None
+    z = float(law.steady_deflection(v))
+    length = law.scales(law.p).length
+    for width in (1e-2, 1e-4, 1e-6):
+        low, high = z - width * length, z + width * length
+        if storage.reach is not None and max(abs(low), abs(high)) > storage.reach:
+            continue
+        at = {**model.inputs, "v": (v, v)}
+        left: Range = Box({**at, "z": (low, low)})(model.rate)
+        right: Range = Box({**at, "z": (high, high)})(model.rate)
+        inside: Range = Box({**at, "z": (low, high)})(model.power_force)
+        power = sorted(x * v for x in inside)
+        if left[0] > 0 and right[1] < 0 and power[1] < 0:
+            evidence = {"v": v, "z_from": low, "z_to": high, "enclosed": {"power": power}}
+            return Verdict(False, _SLIDING, evidence)
+    return None
+
+
+def without_limit(model: Model, claims: Claims, storage: Storage, unrestricted: bool) -> Verdict | None:
+    """A range of z on which unwinding gives back the more energy the faster it is, without end."""
+    law = model.law
+    fast = own_speeds(law)[-1] * 1e4
+    top = float(model.bound[0])
+    tops = [top * 10.0**k for k in range(10)] if unrestricted else [top]
+    for z_top in tops:
+        for share in (1e-2, 1e-4, 1e-6, 1e-9):
+            for s in SIGNS:
+                for t in SIGNS:
+                    found = _unwinding(model, claims, (s, t), fast, z_top, share)
+                    if found is not None:
+                        _with_a_run(model, storage, found, z_top)
+                        return found
+    return None
+
+
+def _unwinding(
+    model: Model, claims: Claims, sides: tuple[int, int], fast: float, top: float, share: float
+) -> Verdict | None:
+    law, (s, t) = model.law, sides
+    u = np.geomspace(fast, fast * 1e12, 7)[:, None]
+    w = top * np.array([1 - share, 1 - share / 2, 1.0])
+    with np.errstate(all="ignore"):
+        rate, force = law.rate(s * u, t * w), law.force(s * u, t * w)
+        given, moved = -force * s / u, -t * rate / u
+    if not (np.all(np.isfinite(given)) and given.min() > 0 and moved.min() > 0):
+        return None
+    if given[-1].min() < 0.5 * given[0].min():  # it does not grow with the speed
+        return None
+    c, most, start = Fraction(float(given.min()) / 2), Fraction(2 * float(moved.max())), Fraction(fast)
+    ranges = {"u": (start, None), "w": (Fraction(float(w[0])), Fraction(top))}
+    f, force_form = model.form(s, t), model.form_of(model.power_force, s, t)
+    claims_made = (
+        (-force_form * s - claims.number(c) * U, ">=0"),
+        (f * -t, ">0"),
+        (claims.number(most) * U + f * t, ">=0"),
+    )
+    work = Work(_WORK)
+    if any(model.prover.show(wrap(e), relation, ranges, work) is None for e, relation in claims_made):
+        return None
+    evidence: dict[str, Any] = {
+        "z_start": t * top, "z_end": t * float(w[0]), "v_sign": s,
+        "enclosed": {"u": fast, "c": float(c), "C": float(most)},
+    }  # fmt: skip
+    return Verdict(False, _ENDLESS, evidence)
+
+
+def _with_a_run(model: Model, storage: Storage, found: Verdict, top: float) -> None:
+    """Add one run that draws much, for people to replay."""
+    law = model.law
+    high = float(found.evidence["z_start"])
+    cycle = cycles.unwinding(law, storage, high, int(found.evidence["v_sign"]))
+    if cycle is None:
+        return
+    found.evidence |= cycle.evidence()
+    tables = cycles.scenario(law, cycle)
+    solution = replay.run(tables)
+    if solution is not None and solution.final["E_in"] < 0:
+        stated = {"E_in": solution.final["E_in"], "z": solution.final["z"]}
+        found.evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
+        found.scenario, found.stated = tables, stated

@@ -1,0 +1,73 @@
+"""A storage function fitted to the interval [L, U]: its slope is the elastic force where that serves, and a constant on
+each of many cells of z where it does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.properties.storage import Storage
+
+Array = NDArray[np.float64]
+Slope = Callable[[Array], Array]
+
+_CELLS, _HALVINGS = 24, 5
+
+
+@dataclass(frozen=True)
+class Fitted:
+    """The slopes of a storage function on cells of z; the elastic force for |z| <= ``own``."""
+
+    own: float
+    low: Array
+    high: Array
+    slope: Array
+
+
+def serves(storage: Storage, own: Slope, top: float) -> NDArray[np.bool_]:
+    """Where on a grid of |z| up to ``top`` the elastic force lies between L and U as sampled, for both signs of z."""
+    z = top * _dense()
+    found = np.ones(len(z), bool)
+    for side in (1, -1):
+        low, high = storage.interval(side * z)
+        slope = own(side * z)
+        room = 1e-7 * abs(slope)
+        found &= (low <= slope + room) & (high >= slope - room)
+    return found
+
+
+def fit(storage: Storage, own: Slope, top: float) -> Fitted | None:
+    """A storage function's slopes between L and U as sampled; None where the elastic force does not serve near z = 0."""
+    served = serves(storage, own, top)
+    if not served[0] or served.all():
+        return None
+    z = top * _dense()
+    start = float(z[max(int(served.argmin()) - 1, 0)]) * 0.99
+    parts = [_slopes(storage, own, np.sort(side * np.linspace(start, top, _CELLS + 1))) for side in (1, -1)]
+    return Fitted(start, *(np.concatenate(x) for x in zip(*parts, strict=True)))
+
+
+def _dense() -> Array:
+    return np.concatenate([np.linspace(0, 0.99, 250)[1:], 1 - np.logspace(-2, -7, 60)])
+
+
+def _slopes(storage: Storage, own: Slope, edges: Array) -> tuple[Array, Array, Array]:
+    """Cells and their slopes; cells over which L and U change much are halved."""
+    for _ in range(_HALVINGS):
+        low, high = edges[:-1], edges[1:]
+        points = low + (high - low) * np.array([1e-9, 0.5, 1 - 1e-9])[:, None]
+        lower, upper = (x.reshape(points.shape) for x in storage.interval(points.ravel()))
+        bottom, top = lower.max(axis=0), upper.min(axis=0)
+        tight = top - bottom < 0.5 * (upper - lower)[1]
+        if not tight.any():
+            break
+        edges = np.sort(np.concatenate([edges, points[1][tight]]))
+    wanted = own(points[1])
+    scale = float(np.max(abs(own(np.array([edges[0], edges[-1]])))))
+    bottom = np.where(np.isfinite(bottom), bottom, np.minimum(wanted, np.where(np.isfinite(top), top, wanted)) - scale)
+    top = np.minimum(top, np.maximum(bottom + 2 * abs(bottom) + scale, wanted))
+    quarter = 0.25 * (top - bottom)
+    return low, high, np.clip(wanted, bottom + quarter, top - quarter)

@@ -1,0 +1,164 @@
+"""Quotients of polynomials in u, w, pi and atoms: the normal form of an expression, however it was written.
+
+An atom stands for what is no polynomial: exp(...), atan(...), a case that is not decided. Two atoms are one if their
+operation and the normal forms of their arguments agree.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from itertools import count
+from typing import Any
+
+from stribeck.expressions.exact import tree_of
+from stribeck.expressions.graph import Expr
+
+ATOMS = 20
+_serials = count()
+_MOST_TERMS = 250
+_FACTORED = 120  # terms up to which factors are looked for
+
+
+class Unclear(Exception):
+    """What this algebra cannot treat."""
+
+
+@dataclass(eq=False)
+class Quotient:
+    """top/bottom. ``bottom`` has been shown to be not 0 where it matters."""
+
+    top: Any
+    bottom: Any
+    number: int
+    _factors: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def is_zero(self) -> bool:
+        """Whether it is 0 identically."""
+        return bool(self.top.is_zero())
+
+    def factors(self, which: str) -> tuple[Any, list[tuple[Any, int]]]:
+        """A number and factors with their powers: of ``top`` or of ``bottom``."""
+        if which not in self._factors:
+            polynomial = getattr(self, which)
+            if len(polynomial) > _FACTORED:
+                self._factors[which] = (1, [(polynomial, 1)])
+            else:
+                content, found = polynomial.factor()
+                self._factors[which] = (content, [(f, int(k)) for f, k in found])
+        return self._factors[which]  # type: ignore[no-any-return]
+
+
+class Ring:
+    """Normal forms with the given values of constants."""
+
+    def __init__(self, values: dict[str, Fraction]) -> None:
+        from flint import Ordering, fmpq, fmpq_mpoly_ctx
+
+        self.values = values
+        self.serial = next(_serials)
+        self._fmpq = fmpq
+        self.names = ("pi", "u", "w", *(f"x{i}" for i in range(ATOMS)))
+        self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)
+        self.generators = self.context.gens()
+        self.atoms: list[Expr] = []  # a node for each, for its certificate
+        self._index: dict[Any, int] = {}
+        self._known: dict[Any, Quotient] = {}
+        self.one = self.constant(Fraction(1))
+        self.zero = self.constant(Fraction(0))
+        self.pi, self.u, self.w = (self._new(g, self.one.top) for g in self.generators[:3])
+
+    def _new(self, top: Any, bottom: Any) -> Quotient:
+        key = ("q", str(top), str(bottom))
+        if key not in self._known:
+            self._known[key] = Quotient(top, bottom, len(self._known))
+        return self._known[key]
+
+    def constant(self, x: Fraction) -> Quotient:
+        """A rational number."""
+        one = self.context.constant(1)
+        return self._new(self.context.constant(self._fmpq(x.numerator, x.denominator)), one)
+
+    def number(self, x: float) -> Quotient:
+        """A constant of an equation: the number that it stands for.
+
+        Raises:
+            Unclear: it is not finite, or not a rational function of pi.
+        """
+        return self._tree(tree_of(x))
+
+    def _tree(self, tree: Any) -> Quotient:
+        if tree == "pi":
+            return self.pi
+        if isinstance(tree, float):
+            if tree - tree != 0:
+                raise Unclear("a number that is not finite")
+            return self.constant(Fraction(tree))
+        op, *args = tree
+        if op not in ("add", "sub", "mul", "div", "neg"):
+            raise Unclear(f"{op} of a number")
+        values = [self._tree(a) for a in args]
+        if op == "neg":
+            return self.apply("neg", values[0])
+        found = values[0]
+        for each in values[1:]:
+            if op == "div" and each.is_zero:
+                raise Unclear("a division by 0")
+            found = self.apply(op, found, each)
+        return found
+
+    def symbol(self, name: str) -> Quotient:
+        """u, w or a constant."""
+        return {"u": self.u, "w": self.w, "pi": self.pi}.get(name) or self.constant(self.values[name])
+
+    def apply(self, op: str, *args: Quotient) -> Quotient:
+        """add, sub, mul, div, neg; the divisor must not be 0."""
+        key = (op, *(a.number for a in args))
+        if key not in self._known:
+            self._known[key] = self._applied(op, *args)
+        return self._known[key]
+
+    def _applied(self, op: str, a: Quotient, b: Quotient | None = None) -> Quotient:
+        if op == "neg" or b is None:
+            return self._new(-a.top, a.bottom)
+        if op in ("add", "sub"):
+            if a.bottom == b.bottom:
+                top = a.top + b.top if op == "add" else a.top - b.top
+                return self._reduced(top, a.bottom)
+            left, right = a.top * b.bottom, b.top * a.bottom
+            return self._reduced(left + right if op == "add" else left - right, a.bottom * b.bottom)
+        if op == "mul":
+            return self._reduced(a.top * b.top, a.bottom * b.bottom)
+        return self._reduced(a.top * b.bottom, a.bottom * b.top)
+
+    def _reduced(self, top: Any, bottom: Any) -> Quotient:
+        if len(top) > _MOST_TERMS or len(bottom) > _MOST_TERMS:
+            raise Unclear("too many terms")
+        if top.is_zero():
+            return self._new(top, self.context.constant(1))
+        if not bottom.is_constant():
+            common = top.gcd(bottom)
+            if not common.is_one():
+                top, bottom = top / common, bottom / common
+        # one form for each: the divisor's leading coefficient is 1
+        lead = bottom.leading_coefficient()
+        return self._new(top / lead, bottom / lead)
+
+    def atom(self, key: Any, node: Expr) -> Quotient:
+        """The atom with this key; ``node`` shows what it is.
+
+        Raises:
+            Unclear: there are too many.
+        """
+        if key not in self._index:
+            if len(self.atoms) == ATOMS:
+                raise Unclear("too many transcendental parts")
+            self._index[key] = len(self.atoms)
+            self.atoms.append(node)
+        return self._new(self.generators[3 + self._index[key]], self.context.constant(1))
+
+    def index(self, quotient: Quotient) -> int:
+        """Which atom it is."""
+        return int(next(i for i, power in enumerate(quotient.top.monoms()[0]) if power)) - 3

@@ -1,0 +1,312 @@
+"""Proofs over a whole region: a tree of parts, on each of which the sign is shown by a leaf."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import log
+from typing import Any
+
+from stribeck.expressions.graph import Expr, ordered
+from stribeck.expressions.ranges import Range
+from stribeck.properties.prover.leaf import Axis, End, Leaf, Region, Rules
+from stribeck.properties.prover.ring import Quotient, Ring, Unclear
+
+Tree = list[Any]
+_NARROW = 1e-9  # relative width at which halving ends
+_DEEP = 60
+_TERMS = 40  # of a polynomial: as much work again as a leaf
+_NONE: Mapping[str, int] = {}
+_MANY_ATOMS = 8  # from earlier claims: then they are forgotten
+_LEAP = 16
+
+
+class Spent(Exception):
+    """The work allowed is done."""
+
+
+@dataclass
+class Work:
+    """Work that may still be done, in leaves; it does not depend on the machine's speed."""
+
+    left: float
+    done: float = 0.0
+
+    def take(self, amount: float = 1.0) -> None:
+        """Spend some.
+
+        Raises:
+            Spent: none is left.
+        """
+        self.left -= amount
+        self.done += amount
+        if self.left < 0:
+            raise Spent
+
+    def part(self, most: float) -> Work:
+        """At most so much of it, to be given back by :meth:`add`."""
+        return Work(min(most, self.left))
+
+    def add(self, part: Work) -> None:
+        """Count what a part has done."""
+        self.left -= part.done
+        self.done += part.done
+
+
+@dataclass(frozen=True)
+class Hints:
+    """Where speeds and deflections may be cut first, and slopes w/u of importance."""
+
+    speeds: tuple[Fraction, ...] = ()
+    lengths: tuple[Fraction, ...] = ()
+    slopes: tuple[Fraction, ...] = ()
+
+
+@dataclass
+class Prover:
+    """Shows signs of expressions of u and w; keeps normal forms between claims."""
+
+    ring: Ring
+    inputs: Mapping[str, Range]
+    hints: Hints = field(default_factory=Hints)
+    proved: dict[Any, Tree | None] = field(default_factory=dict)
+
+    def show(
+        self, expr: Expr, relation: str, ranges: Mapping[str, tuple[Fraction, End]], work: Work, closed: bool = False,
+        cones: bool = False,
+    ) -> Tree | None:  # fmt: skip
+        """A tree that shows the relation (">=0", ">0", "!=0", "=0") on the ranges of u and w; None where none was found."""
+        axes = tuple(Axis(name, *ends) for name, ends in ranges.items())
+        region = Region(axes, axes, closed)
+        key = (expr, relation, region)
+        if key not in self.proved:
+            if len(self.ring.atoms) > _MANY_ATOMS:
+                self.ring = Ring(self.ring.values)
+            search = _Search(self, expr, relation, work, cones)
+            same = self._same(expr, relation, region)
+            if same is None or same not in self.proved:
+                try:
+                    self.proved[key] = search.root(region)
+                except Spent:
+                    self.proved[key] = None
+                if same is not None:
+                    self.proved[same] = self.proved[key]
+            self.proved[key] = self.proved[same] if same is not None else self.proved[key]
+        return self.proved[key]
+
+    def _same(self, expr: Expr, relation: str, region: Region) -> Any:
+        """What two claims share whose normal forms are the same, such as those for (v, z) and for (-v, -z)."""
+        try:
+            value = self.leaf(region, Rules(opaque=True)).convert(expr)
+        except Unclear:
+            return None
+        return (str(value.top), str(value.bottom), self.ring.serial, relation, region)
+
+    def leaf(self, region: Region, rules: Rules) -> Leaf:
+        """A leaf for that region."""
+        return Leaf(self.ring, region, rules, self.inputs)
+
+
+class _Search:
+    def __init__(self, prover: Prover, expr: Expr, relation: str, work: Work, cones: bool) -> None:
+        self.prover, self.expr, self.relation, self.work, self.cones = prover, expr, relation, work, cones
+        ops = {node.op for node in ordered([expr])}
+        self.cased = bool(ops & {"where", "abs", "sign"})
+        self.exps, self.waves = "exp" in ops, bool(ops & {"atan", "tanh", "sqrt"})
+
+    def root(self, region: Region) -> Tree | None:
+        """The whole region at once, in other coordinates, or part by part."""
+        if (tree := self.leaf(region)) is not None:
+            return tree
+        names = {a.name for a in region.axes}
+        if names == {"u", "w"} and self.cones and self.relation == ">=0":
+            for tree in self._cones(region):
+                if tree is not None:
+                    return tree
+        part = self.work.part(self.work.left)
+        whole, self.work = self.work, part
+        try:
+            return self.divide(region) if self.relation != "=0" or self.cones else None
+        except Spent:
+            return None
+        finally:
+            whole.add(part)
+            self.work = whole
+
+    def _cones(self, region: Region) -> Iterator[Tree | None]:
+        u, w = region.axis("u"), region.axis("w")
+        assert u is not None
+        assert w is not None
+        if u.low != 0 or u.high is not None or w.low != 0:
+            return
+        polar = region.with_axes(w, Axis("p", Fraction(0), None))
+        for slope in self.prover.hints.slopes:
+            below, above = polar.split("p", 1 / slope)
+            if (first := self.leaf(below)) is not None and (second := self.leaf(above)) is not None:
+                yield ["polar w", ["split", "p", str(1 / slope), first, second]]
+        if w.high is None:
+            polar = region.with_axes(u, Axis("q", Fraction(0), None))
+            whole, self.work = self.work, self.work.part(self.work.left / 3)
+            try:
+                tree = self.divide(polar)
+            except Spent:
+                tree = None
+            finally:
+                whole.add(self.work)
+                self.work = whole
+            yield ["polar u", tree] if tree is not None else None
+
+    def divide(self, region: Region, cuts: Mapping[str, int] = _NONE) -> Tree | None:
+        """A tree for a region; ``cuts``: how often each axis was cut."""
+        tree = self.leaf(region)
+        if tree is not None:
+            return tree
+        if (tree := self._corner(region)) is not None:
+            return tree
+        if sum(cuts.values()) > _DEEP or self.refuted(region):
+            return None
+        cut = self.cut(region, cuts)
+        if cut is None:
+            return None
+        name, at = cut
+        below, above = region.split(name, at)
+        cuts = {**cuts, name: cuts.get(name, 0) + 1}
+        second = self.divide(above, cuts)
+        if second is None:
+            return None
+        first = self.divide(below, cuts)
+        return ["split", name, str(at), first, second] if first is not None else None
+
+    def _corner(self, region: Region) -> Tree | None:
+        """Both triangles of a rectangle at the origin."""
+        u, w = region.axis("u"), region.axis("w")
+        if (
+            u is None
+            or w is None
+            or u.low != 0
+            or w.low != 0
+            or not u.high
+            or not w.high
+            or not self.cones
+            or self.relation != ">=0"
+        ):
+            return None
+        first = self.leaf(region.with_axes(u, Axis("q", Fraction(0), w.high / u.high)))
+        if first is None:
+            return None
+        second = self.leaf(region.with_axes(w, Axis("p", Fraction(0), u.high / w.high)))
+        return ["diagonal", first, second] if second is not None else None
+
+    def rules(self, region: Region) -> Iterator[Rules]:
+        """The ways to treat atoms that are worth trying here."""
+        if self.relation == "=0":
+            yield Rules("range", "range", "either", True)
+            if self.cased:
+                yield Rules("range", "range", "range", True)
+            return
+        endless = any(a.high is None for a in region.axes)
+        zero = any(a.low == 0 for a in region.axes)
+        waves = (["far"] if endless else []) + ["range"] + (["slope"] if zero else [])
+        exps = ["range", "far"] if endless else ["range"]
+        for cases in ("range", "either") if self.cased else ("either",):
+            for wave in waves if self.waves else ("range",):
+                for e in exps if self.exps and cases == ("range" if self.cased else "either") else ("range",):
+                    yield Rules(e, wave, cases)
+
+    def leaf(self, region: Region) -> Tree | None:
+        """One leaf that shows the relation on the region."""
+        for rules in self.rules(region):
+            self.work.take()
+            leaf = self.prover.leaf(region, rules)
+            try:
+                value = leaf.convert(self.expr)
+                self.work.take(len(value.top) / _TERMS)
+                if self.holds(leaf, value):
+                    return ["leaf", leaf.certificate()]
+            except Unclear:
+                continue
+        return None
+
+    def holds(self, leaf: Leaf, value: Quotient) -> bool:
+        """Whether the value has the sign asked for."""
+        if self.relation == "=0":
+            return value.is_zero
+        above, below, strict = leaf.signs(value)
+        if self.relation == ">=0":
+            return above
+        return strict and (above or (below and self.relation == "!=0"))
+
+    def refuted(self, region: Region) -> bool:
+        """Whether the relation fails at a point of the region, by interval arithmetic."""
+        if self.relation == "=0":
+            return False
+        from stribeck.expressions.ranges import Box
+
+        point: dict[str, Fraction] = {}
+        for a in region.axes:
+            if a.high is None:
+                point[a.name] = a.low * 4 if a.low else Fraction(1)
+            else:
+                point[a.name] = (a.low + a.high) / 2
+        if "p" in point:
+            point["u"] = point.pop("p") * point["w"]
+        if "q" in point:
+            point["w"] = point.pop("q") * point["u"]
+        for a in region.limits:
+            if a.name in point and a.high is not None and point[a.name] > a.high:
+                return False
+        box = {n: (float(x), float(x)) for n, x in point.items()}
+        found: Range = Box({**self.prover.inputs, **box})(self.expr)
+        return found[1] < 0 if self.relation in (">=0", ">0") else found == (0.0, 0.0)
+
+    def cut(self, region: Region, cuts: Mapping[str, int]) -> tuple[str, Fraction] | None:
+        """Where the region is cut next: the side of the largest relative width, and not always the same."""
+        best: tuple[float, str, Fraction] | None = None
+        for a in region.axes:
+            marks = {"u": self.prover.hints.speeds, "w": self.prover.hints.lengths}.get(a.name, ())
+            slopes = self.prover.hints.slopes
+            marks = tuple(slopes) if a.name == "q" else tuple(1 / s for s in slopes) if a.name == "p" else marks
+            inside = [x for x in marks if a.low < x and (a.high is None or x < a.high)]
+            width, at = _width(a, inside)
+            width /= 1 + 0.5 * cuts.get(a.name, 0)
+            if at is not None and (best is None or width > best[0]):
+                best = width, a.name, at
+        return None if best is None else (best[1], best[2])
+
+
+def _width(a: Axis, inside: Sequence[Fraction]) -> tuple[float, Fraction | None]:
+    """A measure of the width of a side, and where it is to be cut."""
+    if a.high is None:
+        if inside:
+            return 60.0 + len(inside), inside[len(inside) // 2]
+        if a.low == 0:
+            return 50.0, Fraction(1)
+        return 6.0, _short(a.low * _LEAP)
+    if a.high == a.low:
+        return 0.0, None
+    if inside:
+        return 20.0 + len(inside), inside[len(inside) // 2]
+    if a.low == 0:
+        return 4.0, _short(a.high / 4)
+    if a.low < 0 < a.high:
+        return 3.0, Fraction(0)
+    ratio = float(a.high / a.low) if a.low > 0 else float(a.low / a.high)
+    if ratio - 1 < _NARROW:
+        return 0.0, None
+    middle = (a.low + a.high) / 2
+    if ratio > 4 and a.low > 0:
+        middle = _short(Fraction(float(a.low) ** 0.5 * float(a.high) ** 0.5))
+        middle = middle if a.low < middle < a.high else (a.low + a.high) / 2
+    else:
+        short = _short(middle)
+        middle = short if a.low < short < a.high else middle
+    return log(ratio) + 0.0, middle
+
+
+def _short(x: Fraction) -> Fraction:
+    """A number near x with few binary digits, which keeps the arithmetic quick."""
+    from math import frexp, ldexp
+
+    m, e = frexp(float(x))
+    return Fraction(ldexp(round(m * 64), e - 6)) if m else x

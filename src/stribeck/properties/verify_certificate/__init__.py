@@ -1,0 +1,43 @@
+"""A second, small checker of the certificates that ``stribeck check`` gives for each *yes*.
+
+It shares no code with what found them: it has arithmetic of its own (exact rational numbers, intervals, Bernstein
+coefficients), builds every inequality from the law's equations itself, and accepts only the theorems of
+:mod:`stribeck.properties.verify_certificate.theorems`, whose hypotheses it checks.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from stribeck.laws.base import Law
+from stribeck.properties.verify_certificate.equations import compare, compare_bound
+from stribeck.properties.verify_certificate.expressions import Refused
+from stribeck.properties.verify_certificate.theorems import confirm, reaches
+
+__all__ = ["verify"]
+
+
+def verify(
+    certificate: Mapping[str, Any], law: Law | None = None, property: str | None = None, v_max: float | None = None
+) -> list[str]:
+    """Why a certificate is not accepted; nothing where it proves what it states.
+
+    Args:
+        certificate: of one property, as it stands in the file that ``stribeck check --certificate FILE`` writes.
+        law: where given, the certificate must be about this law with its constants, and about its Z.
+        property: where given, the certificate must be of this property.
+        v_max: with the property ``passive``, the speed up to which it must hold, m/s; None is every speed.
+    """
+    try:
+        case = confirm(certificate)
+        if property is not None and certificate.get("property") != property:
+            raise Refused(f"it is about {certificate.get('property')!r}, not {property!r}")
+        if property == "passive":
+            reaches(case, v_max)
+        if law is not None:
+            compare(law, case.law.dz_dt, case.law.force)
+            compare_bound(law, case.Z)
+    except Refused as reason:
+        return [str(reason)]
+    return []

@@ -1,0 +1,199 @@
+"""Expressions of a certificate: read from its text, substituted, differentiated. Equal expressions are one node."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from flint import fmpq
+
+Json = Any
+
+
+class Refused(Exception):
+    """What a certificate says could not be confirmed; the message says where."""
+
+
+class Node:
+    """An operation on other nodes, a name, or a rational number."""
+
+    __slots__ = ("args", "op", "value")
+    args: tuple[Node, ...]
+    op: str
+    value: Any
+
+
+_nodes: dict[Any, Node] = {}
+UNARY = ("neg", "abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh")
+BINARY = ("add", "sub", "mul", "div", "pow")
+CONDITIONS = ("lt", "le", "both", "either")
+_ARITY = {**dict.fromkeys(UNARY, 1), **dict.fromkeys((*BINARY, *CONDITIONS), 2), "where": 3}
+
+
+def node(op: str, *args: Node, value: Any = None) -> Node:
+    """The node of an operation."""
+    key = (op, value if not isinstance(value, fmpq) else (int(value.p), int(value.q)), args)
+    found = _nodes.get(key)
+    if found is None:
+        found = Node()
+        found.op, found.args, found.value = op, args, value
+        _nodes[key] = found
+    return found
+
+
+def number(x: fmpq | int) -> Node:
+    """A rational number."""
+    return node("number", value=fmpq(x))
+
+
+def name(word: str) -> Node:
+    """A name."""
+    return node("name", value=word)
+
+
+ZERO, ONE = number(0), number(1)
+U, W, PI = name("u"), name("w"), name("pi")
+
+
+def rational(text: Any) -> fmpq:
+    """The rational number that a text states.
+
+    Raises:
+        Refused: the text is no rational number.
+    """
+    try:
+        above, _, below = str(text).partition("/")
+        return fmpq(int(above), int(below) if below else 1)
+    except (ValueError, ZeroDivisionError):
+        raise Refused(f"{text!r} is no rational number") from None
+
+
+def read(data: Json, known: Mapping[str, Node]) -> Node:
+    """An expression in prefix form; ``known`` are the names that it may use."""
+    if isinstance(data, str):
+        if data[:1].isdigit() or data[:1] == "-":
+            return number(rational(data))
+        if data not in known:
+            raise Refused(f"unknown name {data!r}")
+        return known[data]
+    if not isinstance(data, list) or not data or _ARITY.get(data[0]) != len(data) - 1:
+        raise Refused(f"no expression: {str(data)[:80]}")
+    op, *rest = data
+    args = tuple(read(x, known) for x in rest)
+    truth = [a.op in CONDITIONS for a in args]
+    wanted = [True, False, False] if op == "where" else [op in ("both", "either")] * len(args)
+    if truth != wanted:
+        raise Refused(f"a condition stands where a number should, or the other way round: {str(data)[:80]}")
+    return node(op, *args)
+
+
+def make(op: str, *args: Node) -> Node:
+    """An operation, with what is plain about numbers 0 and 1 simplified (total for every finite argument)."""
+    a = args[0]
+    b = args[1] if len(args) > 1 else ZERO
+    if op in ("add", "sub") and b is ZERO:
+        return a
+    if op == "add" and a is ZERO:
+        return b
+    if op == "mul" and ONE in (a, b):
+        return b if a is ONE else a
+    if op in ("neg", "abs", "sign") and a is ZERO:
+        return ZERO
+    if op == "neg" and a.op == "neg":
+        return a.args[0]
+    return node(op, *args)
+
+
+def by_cases(op: str, a: Node) -> Node:
+    """abs(a) or sign(a) as cases."""
+    if op == "abs":
+        return node("where", node("le", ZERO, a), a, node("neg", a))
+    below = node("where", node("lt", a, ZERO), number(-1), ZERO)
+    return node("where", node("lt", ZERO, a), ONE, below)
+
+
+def ordered(top: Node) -> list[Node]:
+    """The node and all below it, arguments first."""
+    order: dict[Node, None] = {}
+    stack = [(top, False)]
+    while stack:
+        at, ready = stack.pop()
+        if at in order:
+            continue
+        if ready:
+            order[at] = None
+        else:
+            stack.append((at, True))
+            stack.extend((a, False) for a in at.args)
+    return list(order)
+
+
+def replace(top: Node, by: Mapping[Node, Node]) -> Node:
+    """The node with others in place of the keys of ``by``."""
+    new: dict[Node, Node] = {}
+    for at in ordered(top):
+        if at in by:
+            new[at] = by[at]
+        else:
+            args = tuple(new[a] for a in at.args)
+            new[at] = at if args == at.args else make(at.op, *args)
+    return new[top]
+
+
+def names(top: Node) -> set[str]:
+    """The names in an expression."""
+    return {at.value for at in ordered(top) if at.op == "name"}
+
+
+def derivative(top: Node, by: Node) -> Node:
+    """The derivative by a name, within the cases that hold: abs has the slope sign, sign and conditions none."""
+    d: dict[Node, Node] = {}
+    for x in ordered(top):
+        if x is by:
+            d[x] = ONE
+        elif x.op in ("number", "name", "sign", *CONDITIONS) or all(d[a] is ZERO for a in x.args):
+            d[x] = ZERO
+        else:
+            d[x] = _chain(x, d)
+    return d[top]
+
+
+def _chain(x: Node, d: Mapping[Node, Node]) -> Node:
+    a = x.args[0]
+    if x.op in ("add", "sub"):
+        return make(x.op, d[a], d[x.args[1]])
+    if x.op == "mul":
+        return make("add", _times(d[a], x.args[1]), _times(a, d[x.args[1]]))
+    if x.op == "div":
+        b = x.args[1]
+        return make("sub", make("div", d[a], b), _times(make("div", x, b), d[b]))
+    if x.op == "where":
+        return make("where", a, d[x.args[1]], d[x.args[2]])
+    if x.op == "neg":
+        return make("neg", d[a])
+    if x.op == "pow":
+        b = x.args[1]
+        if d[b] is not ZERO:
+            return _times(x, make("add", _times(d[b], make("log", a)), make("div", _times(b, d[a]), a)))
+        return _times(make("mul", b, make("pow", a, make("sub", b, ONE))), d[a])
+    return _times(_slope(x, a), d[a])
+
+
+def _slope(x: Node, a: Node) -> Node:
+    """The derivative of a function by its argument."""
+    one = {"exp": x, "abs": node("sign", a), "cos": make("neg", node("sin", a)), "sin": node("cos", a)}
+    if x.op in one:
+        return one[x.op]
+    if x.op == "log":
+        return make("div", ONE, a)
+    if x.op == "sqrt":
+        return make("div", ONE, make("mul", number(2), x))
+    if x.op == "atan":
+        return make("div", ONE, make("add", ONE, make("mul", a, a)))
+    if x.op == "tanh":
+        return make("sub", ONE, make("mul", x, x))
+    raise Refused(f"no derivative of {x.op}")
+
+
+def _times(a: Node, b: Node) -> Node:
+    return ZERO if ZERO in (a, b) else make("mul", a, b)

@@ -1,0 +1,344 @@
+"""The theorems that a certificate may use, and what each needs. Nothing else is accepted."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+from flint import fmpq
+
+from stribeck.properties.verify_certificate import claims as of
+from stribeck.properties.verify_certificate.claims import Claim, Law
+from stribeck.properties.verify_certificate.expressions import (
+    PI,
+    Node,
+    Refused,
+    U,
+    W,
+    name,
+    names,
+    ordered,
+    rational,
+    read,
+    replace,
+)
+from stribeck.properties.verify_certificate.identities import Normal
+from stribeck.properties.verify_certificate.intervals import Range
+from stribeck.properties.verify_certificate.leaf import Leaf, Region
+from stribeck.properties.verify_certificate.meeting import Form, Place, agree_on_axis, depends, meets
+
+FORMAT = 1
+SIGNS = (1, -1, 0)
+ENDLESS: Range = (fmpq(0), None)
+_DEEPEST = 4  # certificates within certificates
+
+
+@dataclass
+class Case:
+    """A certificate whose equations and claims have been read."""
+
+    data: Mapping[str, Any]
+    law: Law
+    Z: fmpq
+    claims: list[Claim]
+    known: dict[str, Node]
+    depth: int
+
+    def proved(self, about: str, relation: str, closed: bool = False) -> list[Claim]:
+        """The claims about something, each proved by its tree.
+
+        Raises:
+            Refused: one does not hold, or states another relation.
+        """
+        found = [c for c in self.claims if c.about == about]
+        for claim in found:
+            if claim.data.get("relation") != relation:
+                raise Refused(f"claim {about}: the relation must be {relation}")
+            of.prove(claim, self.law, closed)
+        return found
+
+    def hypothesis(self, name: str) -> Case | None:
+        """The certificate of another property of the same law, confirmed; None where there is none."""
+        inner = (self.data.get("hypotheses") or {}).get(name)
+        if inner is None:
+            return None
+        case = confirm(inner, self.depth + 1)
+        same = case.law == self.law and case.Z == self.Z and inner.get("property") == name
+        if not same:
+            raise Refused(f"the hypothesis {name} is about another law")
+        return case
+
+
+def read_case(data: Mapping[str, Any], depth: int = 0) -> Case:
+    """A certificate's equations and claims."""
+    if data.get("format") != FORMAT:
+        raise Refused(f"format {data.get('format')!r} is not {FORMAT}")
+    if depth > _DEEPEST:
+        raise Refused("too many certificates within each other")
+    known = {n: name(n) for n in ("v", "z", "dz_dt", "u", "w")} | {"pi": PI}
+    for word, expression in data.get("definitions", []):
+        if word in known or not isinstance(word, str) or word[:1].isdigit() or word[:1] == "-":
+            raise Refused(f"{word!r} cannot be defined")
+        known[word] = read(expression, known)
+    law = Law(read(data["dz_dt"], known), read(data["force"], known))
+    if names(law.dz_dt) - {"v", "z", "pi"} or names(law.force) - {"v", "z", "dz_dt", "pi"}:
+        raise Refused("the equations may depend on v and z only, the force on dz/dt too")
+    return Case(data, law, rational(data["Z"]), [of.read_claim(c) for c in data.get("claims", [])], known, depth)
+
+
+def confirm(data: Any, depth: int = 0) -> Case:
+    """Confirm a certificate.
+
+    Raises:
+        Refused: with what could not be confirmed.
+    """
+    try:
+        case = read_case(data, depth)
+        theorem = THEOREMS.get((str(data.get("property")), str(data.get("theorem"))))
+        if theorem is None:
+            raise Refused(f"no theorem {data.get('theorem')!r} for {data.get('property')!r}")
+        theorem(case)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError, RecursionError) as error:
+        raise Refused(f"the certificate cannot be read: {type(error).__name__}: {error}") from None
+    return case
+
+
+def need(claims: list[Claim], s: int, t: int, u: Range, w: Range) -> None:
+    """Claims must cover a region of the side (s, t).
+
+    Raises:
+        Refused: they do not.
+    """
+    whole = {n: r for n, r, sign in (("u", u, s), ("w", w, t)) if sign != 0}
+    parts = [c.region for c in claims if (c.s, c.t) == (s, t)]
+    if not of.covers(parts, whole):
+        raise Refused(f"the claims do not cover v {'0+-'[s]}, z {'0+-'[t]}")
+
+
+# -- bounded ------------------------------------------------------------------------------------------------------------
+
+
+def outside(case: Case) -> None:
+    """|z| does not grow while it is Z or more: then it stays below Z."""
+    _at_least_positive(case.Z)
+    found = case.proved("inward", ">=0")
+    for s in SIGNS:
+        for t in (1, -1):
+            need(found, s, t, ENDLESS, (case.Z, None))
+
+
+def edge(case: Case) -> None:
+    """dz/dt points inwards at |z| = Z, and solutions are unique beyond."""
+    _at_least_positive(case.Z)
+    found = case.proved("inward", ">=0")
+    for s in SIGNS:
+        for t in (1, -1):
+            need(found, s, t, ENDLESS, (case.Z, case.Z))
+    inner = (case.data.get("hypotheses") or {}).get("unique")
+    if inner is None:
+        raise Refused("the theorem 'edge' needs that solutions are unique")
+    unique = read_case(inner, case.depth + 1)
+    if unique.law != case.law:
+        raise Refused("the hypothesis unique is about another law")
+    _locally_unique(unique, (fmpq(0), 2 * case.Z))
+
+
+def _at_least_positive(x: fmpq) -> None:
+    if x <= 0:
+        raise Refused(f"{x} must be > 0")
+
+
+# -- unique -------------------------------------------------------------------------------------------------------------
+
+
+def lipschitz(case: Case) -> None:
+    """dz/dt is continuous in z with bounded slopes, and no solution escapes."""
+    within = (case.data.get("data") or {}).get("within")
+    if within not in (None, "Z") and rational(within) < case.Z:
+        raise Refused(f"solutions are unique within {within!r} only")
+    slopes = _locally_unique(case, (fmpq(0), None if within is None else case.Z))
+    growth = case.proved("growth", ">=0")
+    if growth and within is None:
+        for s in SIGNS:
+            for t in (1, -1):
+                need(growth, s, t, ENDLESS, ENDLESS)
+    elif (within is not None or any(c.data.get("m") for c in slopes)) and case.hypothesis("bounded") is None:
+        raise Refused("nothing says that solutions exist for all times")
+
+
+def _locally_unique(case: Case, reach: Range) -> list[Claim]:
+    """Solutions exist and do not part while |z| is in a range: dz/dt is Lipschitz in z there."""
+    slopes = case.proved("lipschitz", ">=0")
+    for sign in (1, -1):
+        chosen = [c for c in slopes if c.data.get("sign") == sign]
+        for s in SIGNS:
+            for t in (1, -1):
+                need(chosen, s, t, ENDLESS, reach)
+    finite = case.proved("finite", ">=0")
+    for sign in (1, -1):
+        for s in SIGNS:
+            need([c for c in finite if c.data.get("sign") == sign], s, 0, ENDLESS, ENDLESS)
+    _continuous_in_z(case, reach)
+    return slopes
+
+
+def _continuous_in_z(case: Case, reach: Range) -> None:
+    for s in SIGNS:
+        forms = []
+        for t in (1, -1):
+            form = Form(case.law.rate(s, t))
+            domain = {n: r for n, r in (("u", ENDLESS), ("w", reach)) if n == "w" or s != 0}
+            meets(form, [W], list(_places(case, s, t)), [x for x, _ in _divisors(case, False)], domain)
+            forms.append((form, t))
+        agree_on_axis(forms, W, case.law.rate(s, 0))
+
+
+def _places(case: Case, s: int, t: int) -> Iterator[Place]:
+    for c in case.claims:
+        if c.about == "seam" and (c.s, c.t) == (s, t):
+            for what, to in c.data.get("there", []):
+                yield Place(*(read(x, {"u": U, "w": W, "pi": PI}) for x in (what, to)))
+
+
+def _divisors(case: Case, closed: bool) -> Iterator[tuple[Node, bool]]:
+    """Expressions that claims show to be not 0 for all u, w, and whether they are shown to be > 0."""
+    for c in case.claims:
+        if c.about == "divisor" and c.data.get("relation") in ("!=0", ">0"):
+            part = of.subject(c, case.law)
+            used = {n: ENDLESS for n, x in (("u", U), ("w", W)) if depends(part, [x])}
+            if all(c.region.get(n) == r for n, r in used.items()):
+                of.prove(c, case.law, closed)
+                yield part, c.data["relation"] == ">0"
+
+
+# -- smooth -------------------------------------------------------------------------------------------------------------
+
+
+def smooth(case: Case) -> None:
+    """dz/dt and F are analytic but where cases meet, and there values and first derivatives agree."""
+    shown = list(_divisors(case, True))
+    not_zero = [x for x, _ in shown]
+    law = case.law
+    quadrant = {"u": ENDLESS, "w": ENDLESS}
+    for build in (law.rate, law.load):
+        forms = {}
+        for s in (1, -1):
+            for t in (1, -1):
+                form = forms[s, t] = Form(build(s, t), order=1)
+                _singular_nowhere(form.value, shown)
+                meets(form, [U, W], list(_places(case, s, t)), not_zero, quadrant)
+        for s in (1, -1):
+            agree_on_axis([(forms[s, 1], 1), (forms[s, -1], -1)], W, build(s, 0))
+        for t in (1, -1):
+            agree_on_axis([(forms[1, t], 1), (forms[-1, t], -1)], U, build(0, t))
+        agree_on_axis([(Form(build(0, t)), t) for t in (1, -1)], W, build(0, 0))
+
+
+def _singular_nowhere(top: Node, shown: list[tuple[Node, bool]]) -> None:
+    normal = Normal()
+    quadrant = {"u": ENDLESS, "w": ENDLESS}
+    whole = Leaf(Region(quadrant, quadrant, False), [])
+    positive = {normal.key(x) for x, above in shown if above}
+    other = {normal.key(x) for x, _ in shown}
+    for x in ordered(top):
+        if x.op not in ("div", "log", "sqrt", "pow"):
+            continue
+        part = x.args[1] if x.op == "div" else x.args[0]
+        sign = whole.sign_of(part)
+        if sign is not None and sign[1] and (x.op == "div" or sign[0] > 0):
+            continue
+        key = normal.key(part)
+        if key not in (other if x.op == "div" else positive):
+            raise Refused(f"{x.op} may be singular")
+
+
+# -- passive ------------------------------------------------------------------------------------------------------------
+
+
+def storage(case: Case) -> None:
+    """The power F v is at least the slope of a storage function times dz/dt, for all v and z."""
+    v_max = case.data.get("v_max", "inf")
+    u: Range = (fmpq(0), None if v_max == "inf" else rational(v_max))
+    if u[1] is not None:
+        _at_least_positive(u[1])
+    bounded = case.hypothesis("bounded")
+    w: Range = (fmpq(0), None if bounded is None else case.Z)
+    power = case.proved("power", ">=0")
+    by_slope: dict[Node, list[Claim]] = {}
+    for c in power:
+        by_slope.setdefault(of.read_slope(c.data["slope"]), []).append(c)
+    for t in (1, -1):
+        ranges = []
+        for slope, claims in by_slope.items():
+            ranges += [{"w": r} for r in _served(claims, t, u)]
+            _has_integral(slope, t, w, claims)
+        if not of.covers(ranges, {"w": w}):
+            raise Refused("the slopes of the storage function do not cover z")
+    for s in SIGNS:
+        need(power, s, 0, u, w)
+    if w[1] is None:
+        signs = case.proved("slope sign", ">=0")
+        for t in (1, -1):
+            for slope in by_slope:
+                chosen = [c for c in signs if c.t == t and of.read_slope(c.data["slope"]) is slope]
+                parts = [{"w": c.w} for c in chosen if c.w is not None]
+                if not all(of.covers(parts, {"w": reach}) for reach in _served(by_slope[slope], t, u)):
+                    raise Refused("nothing says that the storage function has a lower bound")
+
+
+def reaches(case: Case, v_max: float | None) -> None:
+    """The certificate must be about every speed up to ``v_max`` (None: about every speed)."""
+    stated = case.data.get("v_max", "inf")
+    if stated != "inf" and (v_max is None or rational(stated) < fmpq(*v_max.as_integer_ratio())):
+        raise Refused(f"it is about speeds up to {stated} m/s only")
+
+
+def _served(claims: list[Claim], t: int, u: Range) -> list[Range]:
+    """The cells of |z| on which one slope serves for every v."""
+    own = [c for c in claims if c.t == t]
+    ends = sorted({x for c in own if c.w is not None for x in c.w if x is not None})
+    cells: list[Range] = list(pairwise(ends))
+    if any(c.w is not None and c.w[1] is None for c in own):
+        cells.append((ends[-1], None))
+    served = []
+    for cell in cells:
+        try:
+            for s in SIGNS:
+                need(own, s, t, u, cell)
+        except Refused:
+            continue
+        served.append(cell)
+    return served
+
+
+def _has_integral(slope: Node, t: int, w: Range, claims: list[Claim]) -> None:
+    """The slope is bounded on every finite range of its cells, so that S exists."""
+    form = replace(slope, {of.Z_NAME: of.signed(t, W)})
+    for c in claims:
+        if c.t == t and c.w is not None and not of.bounded_on(form, "w", c.w):
+            raise Refused("the slope of the storage function may have no bound")
+
+
+# -- drift ----------------------------------------------------------------------------------------------------------------
+
+
+def elastic(case: Case) -> None:
+    """dz/dt = v for |z| <= z_0."""
+    z_0 = rational(case.data["data"]["z_0"])
+    _at_least_positive(z_0)
+    found = case.proved("elastic", "=0")
+    for s in SIGNS:
+        for t in SIGNS:
+            need(found, s, t, ENDLESS, (fmpq(0), z_0))
+
+
+THEOREMS: dict[tuple[str, str], Callable[[Case], None]] = {
+    ("bounded", "outside"): outside,
+    ("bounded", "edge"): edge,
+    ("unique", "lipschitz"): lipschitz,
+    ("smooth", "seams"): smooth,
+    ("passive", "storage"): storage,
+    ("drift_free", "elastic"): elastic,
+}

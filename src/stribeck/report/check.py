@@ -1,0 +1,118 @@
+"""The page of ``stribeck check --out``: verdicts, what shows them, and the counterexamples replayed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stribeck.errors import StribeckError
+from stribeck.laws.base import Law
+from stribeck.properties import Verdict, Verdicts
+from stribeck.report import chapters, plots
+from stribeck.report.files import write_figure
+from stribeck.report.overview import overview
+from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.report.quantities import Quantity, scale
+from stribeck.scenario import Scenario
+from stribeck.simulation import simulate
+
+WORDS = {True: "yes", False: "no", None: "undecided"}
+_MEANING = {
+    "unique": "one z(t) for every v(t)",
+    "bounded": "z stays within a bound, whatever v(t)",
+    "smooth": "dF/dt exists wherever dv/dt does",
+    "passive": "no motion draws energy from friction",
+    "drift_free": "below some load the contact is elastic: no creep",
+}
+
+
+def write(verdicts: Verdicts, folder: Path, data: Mapping[str, Any], command: str = "") -> list[Path]:
+    """Write report.html, the friction curve and the replays into the folder; the paths."""
+    law = verdicts.law
+    curve = _curve(law)
+    replays = [
+        figure for name, verdict in verdicts.properties.items() if (figure := _replay(name, verdict)) is not None
+    ]
+    found = [_verdicts(verdicts), *_margins(data.get("margins")), _evidence(verdicts)]
+    found.append(Chapter("curve", "Friction at held speeds", figures=[curve]))
+    if replays:
+        text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
+        found.append(Chapter("replays", "The counterexamples", text, figures=replays))
+    found.append(chapters.of_law(law))
+    holds = [name.replace("_", "-") for name, v in verdicts.properties.items() if v.holds]
+    limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if law.rotary else 'm/s'}" if verdicts.v_max else ""
+    introduction = [f"Proved{limit}: {', '.join(holds) or 'none of the five properties'}."]
+    paths = [path for figure in (curve, *replays) for path in write_figure(figure, folder)]
+    return [*paths, chapters.write_page(folder, f"What {law.name} guarantees", introduction, found, command)]
+
+
+def _verdicts(verdicts: Verdicts) -> Chapter:
+    rows = []
+    for name, v in verdicts.properties.items():
+        again = {True: "confirmed", False: "NOT CONFIRMED", None: "-"}[v.verified]
+        how = str(v.evidence.get("reason", v.method)) if v.holds is None else v.method
+        rows.append([name.replace("_", "-"), _MEANING[name], WORDS[v.holds], how, again])
+    head = ["property", "meaning", "holds", "how it was decided", "second run"]
+    text = ["yes is proved; for no there is a counterexample. The constants are taken as exact."]
+    return Chapter("verdicts", "Verdicts", text, [Table(head, rows, prose=True)])
+
+
+def _margins(margins: Mapping[str, Any] | None) -> list[Chapter]:
+    if not margins:
+        return []
+    word = "passive" if margins["passive"] else "not passive"
+    ends = [
+        [name, f"{m['value']:g}", *("any" if m[end] is None else f"{m[end]:.6g}" for end in ("low", "high"))]
+        for name, m in margins["constants"].items()
+    ]
+    text = [f"How far one constant can move, all others held, while the law stays {word}."]
+    return [Chapter("margins", "Margins of passivity", text, [Table(["constant", "value", "from", "up to"], ends)])]
+
+
+def _evidence(verdicts: Verdicts) -> Chapter:
+    tables = []
+    for name, v in verdicts.properties.items():
+        plain = {n: x for n, x in v.evidence.items() if isinstance(x, int | float | str) and n != "reason"}
+        if plain:
+            rows = [[n, f"{x:.9g}" if isinstance(x, float) else str(x)] for n, x in plain.items()]
+            tables.append(Table([name.replace("_", "-"), "evidence (SI)"], rows, prose=True))
+        for key in ("programme", "levels"):
+            steps: Sequence[Mapping[str, float]] = v.evidence.get(key, ())
+            if steps:
+                tables.append(Table([*steps[0]], [[f"{x:.6g}" for x in step.values()] for step in steps[:40]]))
+    return Chapter("evidence", "Evidence", (), tables)
+
+
+def _curve(law: Law) -> FigureSvg:
+    """Steady friction, and near rest."""
+    slow = float(law.scales(law.p).speed)
+    wide, near = 20 * slow * np.linspace(-1, 1, 801), 10.0 ** np.linspace(-6, 3, 400) * slow
+    units = ("rad/s", "N m") if law.rotary else ("m/s", "N")
+    with plots.style():
+        made, axes = plots.figure([["wide", "near"]], 2.8)
+        for name, v in (("wide", wide), ("near", near)):
+            force = np.asarray(law.steady_force(v))
+            of_v = scale([Quantity("v", units[0], "", v)], plain=name == "near")
+            of_F = scale([Quantity("F", units[1], "", np.append(force, 0.0))])
+            axes[name].plot(of_v.of(v), of_F.of(force), color=plots.COLOURS[2])
+            axes[name].set(xlabel=of_v.label, ylabel=of_F.label)
+        plots.logarithmic(axes["near"], y=False)
+        axes["wide"].set_title("held speeds")
+        axes["near"].set_title("near rest, and far")
+        return plots.finish(made, "curve", "The friction force when a speed is held.", pdf=True)
+
+
+def _replay(name: str, verdict: Verdict) -> FigureSvg | None:
+    """The motion of a counterexample; None where there is none that can be shown."""
+    if verdict.holds is not False or verdict.scenario is None:
+        return None
+    try:
+        solution = simulate(Scenario(verdict.scenario))
+    except StribeckError:
+        return None
+    stated = ", ".join(f"{n} = {x:.6g}" for n, x in verdict.evidence.get("replay", {}).items())
+    words = name.replace("_", "-")
+    return overview({f"not {words}": solution}, f"not_{name}", f"Not {words}: {verdict.method}. At the end: {stated}.")

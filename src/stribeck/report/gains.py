@@ -1,0 +1,87 @@
+"""The page of ``stribeck gains --out``: conditions, proof, and V along the simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stribeck.analysis.lyapunov import Along
+from stribeck.control.gains import Condition, Proof, Verdict
+from stribeck.errors import left_out
+from stribeck.files import write_json
+from stribeck.report import chapters, plots
+from stribeck.report.files import write_figure
+from stribeck.report.overview import overview
+from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.simulation import Solution
+
+
+def write(
+    solution: Solution, verdict: Verdict, proof: Proof, found: Along | None, summary: dict[str, Any], folder: Path,
+    command: str = "",
+) -> list[str]:  # fmt: skip
+    """Write gains.svg and plot.svg (with PNG and PDF), report.html and, last, summary.json; the paths."""
+    paths: list[Path] = []
+    with left_out("the plots and the page"):
+        figures = [_along(found)] if found is not None else []
+        figures.append(overview({solution.scenario.name: solution}))
+        paths = [path for figure in figures for path in write_figure(figure, folder)]
+        text, tables = _conditions(solution.scenario.drive_values, verdict, proof, summary["not_covered"])
+        derivation = f"dV/dt = {summary['derivative']}"
+        chapter = Chapter("conditions", "Conditions and proof", text, tables, code=derivation)
+        pages = [chapter, *chapters.plots(figures), chapters.of_scenario(solution.scenario)]
+        word = {True: "is proved", False: "is refuted", None: "is not settled"}[proof.proven]
+        introduction = [f"That V decreases for |v| up to {verdict.v_max:.4g} m/s {word}."]
+        title = f"{solution.scenario.name}: do these gains hold?"
+        paths.append(chapters.write_page(folder, title, introduction, pages, command))
+    paths.append(folder / "summary.json")
+    files = [str(path) for path in paths]
+    write_json(paths[-1], {**summary, "files": files})
+    return files
+
+
+def _conditions(
+    gains: Mapping[str, float], v: Verdict, proof: Proof, doubts: Sequence[str]
+) -> tuple[list[str], list[Table]]:
+    rows = [_row("exact condition", v.exact), _row("corrected (21)", v.sufficient)]
+    head = ["condition", "holds", "needs K_D at least (N s/m)", "margin", "certifies up to (m/s)"]
+    proposed = [[n, f"{gains[n]:.6g}", f"{v.proposed[n]:.6g}"] for n in ("K_D", "K")]
+    word = {True: "proved", False: "refuted", None: "not settled"}[proof.proven]
+    why = f" ({proof.reason})" if proof.reason else ""
+    text = [
+        f"By intervals, dV/dt <= 0 for all errors and |v| <= {v.v_max:.4g} m/s: {word}{why}, {proof.boxes} boxes.",
+        f"Corrected (21) also needs K < {v.largest_K_sufficient:.4g} m/N.",
+        "Not covered: " + "; ".join(doubts) + ".",
+    ]
+    return text, [Table(head, rows), Table(["gain", "given", "with a factor of two to spare"], proposed)]
+
+
+def _row(name: str, c: Condition) -> list[str]:
+    speed = "any" if c.largest_speed is None else f"{c.largest_speed:.4g}"
+    return [name, "yes" if c.holds else "no", f"{c.least_K_D:.4g}", f"{c.margin:.4g}", speed]
+
+
+def _along(found: Along) -> FigureSvg:
+    """V, and dV/dt with its bound where it has one."""
+    with plots.style():
+        rows = [["V"]] if found.dV_dt is None else [["V"], ["rate"]]
+        made, axes = plots.figure(rows, 2.2 * len(rows) + 0.4)
+        axes["V"].plot(*plots.thin(found.t, found.V), color=plots.COLOURS[2])
+        axes["V"].set(xlabel="t (s)", ylabel="V (J)", title="Lyapunov function along the simulation")
+        plots.logarithmic(axes["V"], x=False)
+        if found.dV_dt is not None:
+            axis = axes["rate"]
+            for i, (values, label) in enumerate(((found.bound, "bound (19)"), (found.dV_dt, "dV/dt"))):
+                if values is not None:
+                    falling = np.where(values < 0, -values, np.nan)
+                    plots.line(axis, i + 1, *plots.thin(found.t, falling), label)
+            axis.set(xlabel="t (s)", ylabel="-dV/dt (W)", title="how fast it falls, and the proof's bound")
+            plots.logarithmic(axis, x=False)
+            axis.legend(fontsize=8)
+        caption = (
+            "Where a line is missing V does not fall: rounding, at the level of the solver's tolerance, or a rise."
+        )
+        return plots.finish(made, "gains", caption, pdf=True)

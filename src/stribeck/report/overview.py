@@ -1,0 +1,213 @@
+"""The figure of one solution or several: which panels a drive wants, and how they are drawn."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from stribeck.analysis.comparison import compared
+from stribeck.constants import rotary_words
+from stribeck.report import machines, plots
+from stribeck.report.page import FigureSvg
+from stribeck.report.panels import ENERGY, Panel
+from stribeck.report.quantities import Quantity, Scale, deviations, quantities, scale
+from stribeck.simulation import Solution
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_ROW = 2.15  # inches
+_FAST = 10.0  # Stribeck velocities: from there on what happens near rest needs an axis of its own
+_APART = 0.13  # of an axis' width, between two of its numbers
+
+Quantities = Mapping[str, Quantity]
+
+
+_FRICTION = (
+    Panel("F", "friction against velocity", x="v", near_rest=True),
+    Panel("F", "friction against position", x="y"),
+)
+_SERVO = (
+    Panel("y", "position", also=", and its desired course", beside=("y_d",)),
+    Panel("e", "position error after the transient", settled=True),
+    Panel("p_1", "pressure in chamber 1"),
+    Panel("p_2", "pressure in chamber 2"),
+    Panel("u", "valve voltage"),
+    Panel("V", "Lyapunov function", log=True),
+    Panel("F", "friction force", also=", and what the controller assumes", beside=("F_hat",), alone=True),
+    Panel("F", "friction against velocity", x="v", near_rest=True),
+)
+
+
+def panels(solution: Solution) -> tuple[Panel, ...]:
+    """What is worth seeing of a solution, in the order of reading."""
+    known = {"t", *(column.name for column in solution.columns)}
+    if solution.scenario.rig is not None:
+        return machines.panels(solution.scenario.rig.machine)
+    if solution.scenario.servo is not None:
+        return _SERVO
+    if "I" in known:
+        error = Panel("e", "control error after the transient", settled=True)
+        first = [Panel("y", "position", also=", and its setpoint", beside=("r",)), error]
+    else:
+        first = [Panel("y", "position", also=", and the spring's far end", beside=("x",))]
+    force = Panel("F", "friction force", also=", and the force of the drive", beside=("u",), alone=True)
+    rest = [Panel("v", "velocity"), force]
+    if solution.scenario.law.has_z:
+        rest.append(Panel("z", "mean bristle deflection"))
+    energy = [ENERGY] if "E_in" in known else []
+    return (*first, *rest, *_FRICTION, *energy)
+
+
+def overview(solutions: Mapping[str, Solution], name: str = "plot", caption: str = "") -> FigureSvg:
+    """Everything worth seeing of one solution or several, each a line of its own."""
+    first = next(iter(solutions.values()))
+    shown = _labelled(solutions)
+    return draw(shown, panels(first), name, caption, "" if len(shown) > 1 else next(iter(shown)), _speed(first))
+
+
+def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption: str = "") -> FigureSvg:
+    """The overview of several solutions with, beside y, v and F, how far each is from the first."""
+    shown = _labelled(solutions)
+    reference, *others = shown.items()
+    names = compared(next(iter(solutions.values())).scenario)
+    for label, found in others:
+        shown[label] = {**found, **{n: q for n, q in deviations(reference[1], found, names).items() if n != "t"}}
+    wanted = []
+    for panel in panels(next(iter(solutions.values()))):
+        wanted.append(panel)
+        if panel.x == "t" and panel.y in names and others:
+            wanted.append(Panel(f"Δ{panel.y}", f"deviation of {panel.y} from {reference[0]}"))
+    wanted = [p for p in wanted if p.y not in ("z", "E_in")]
+    return draw(shown, wanted, name, caption, slow=_speed(next(iter(solutions.values()))))
+
+
+def _labelled(solutions: Mapping[str, Solution]) -> dict[str, Quantities]:
+    """The quantities of each solution by its label, which says where a run failed."""
+    early = {label: "" if s.status == "done" else " (failed early)" for label, s in solutions.items()}
+    return {f"{label}{early[label]}": quantities(solution) for label, solution in solutions.items()}
+
+
+def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
+    """One line a solution of column ``y`` against column ``x``, on axes with short numbers."""
+    shown = {label: quantities(solution) for label, solution in solutions.items()}
+    of_x, of_y = (scale([q[name] for q in shown.values()]) for name in (x, y))
+    for i, (label, q) in enumerate(shown.items()):
+        plots.line(axis, i, *plots.thin(of_x.of(q[x].values), of_y.of(q[y].values)), label)
+    axis.set(xlabel=of_x.label, ylabel=of_y.label)
+
+
+def _speed(solution: Solution) -> float:
+    """The speed below which a body counts as near rest."""
+    if solution.scenario.rig is not None:
+        return min((law.scales(law.p).speed for law in solution.scenario.rig.laws.values()), default=0.0)
+    law = solution.scenario.law
+    return solution.scenario.threshold or float(law.scales(law.p).speed)
+
+
+def draw(
+    shown: Mapping[str, Quantities],
+    wanted: Sequence[Panel],
+    name: str,
+    caption: str,
+    title: str = "",
+    slow: float = 0.0,
+) -> FigureSvg:
+    """Panels in two columns, a line for each label.
+
+    Args:
+        shown: by label, the quantities by name; one that a label does not have is not drawn for it.
+        wanted: the panels in the order of reading, left to right.
+        name, caption: of the figure.
+        title: above all panels, where they have one line each.
+        slow: a speed in SI units; ``near_rest`` stretches what is below it.
+    """
+    keys = [str(i) for i in range(len(wanted))]
+    layout = [keys[i : i + 2] for i in range(0, len(keys), 2)]
+    if len(layout[-1]) < 2:
+        layout[-1] = layout[-1] * 2
+    with plots.style():
+        made, axes = plots.figure(layout, _ROW * len(layout) + (0.5 if title or len(shown) > 1 else 0.2))
+        for key, panel in zip(keys, wanted, strict=True):
+            _panel(axes[key], shown, panel, slow)
+        if title:
+            made.suptitle(title, fontsize=10, x=0.01, ha="left")
+        if len(shown) > 1:
+            plots.legend(made, axes["0"], list(shown))
+        return plots.finish(made, name, caption, pdf=True)
+
+
+def _panel(axis: Axes, shown: Mapping[str, Quantities], panel: Panel, slow: float) -> None:
+    lines = {label: q for label, q in shown.items() if panel.y in q}
+    if not lines:
+        return
+    first = next(iter(lines.values()))
+    beside = [first[n] for n in panel.beside if n in first and not (panel.alone and len(shown) > 1)]
+    of_y = scale([*(q[panel.y] for q in lines.values()), *beside], plain=panel.log)
+    of_x = scale([q[panel.x] for q in lines.values()])
+    numbers = {label: i for i, label in enumerate(shown)}
+    for i, other in enumerate(beside):
+        x = first[panel.x].values
+        colour, dashes = (plots.COLOURS[1 + i], plots.DASHES[1 + i]) if panel.alone else (plots.GREY, plots.DASHES[0])
+        axis.plot(
+            *plots.thin(of_x.of(x), of_y.of(other.values[: len(x)])), color=colour, linestyle=dashes, label=other.name,
+            linewidth=1.0, zorder=2.5 if panel.alone else 1.5,
+        )  # fmt: skip
+    for label, q in lines.items():
+        x, y = q[panel.x].values, q[panel.y].values
+        rows = min(len(x), len(y))
+        plots.line(axis, numbers[label], *plots.thin(of_x.of(x[:rows]), of_y.of(y[:rows])), label)
+    axis.set(xlabel=of_x.label, ylabel=of_y.label, title=_title(panel, bool(beside), "rad" in first[panel.y].unit))
+    if beside:
+        names = [first[panel.y].name, *(q.name for q in beside)]
+        plots.key(axis, names if len(lines) == 1 else names[1:], len(beside))
+    if panel.log:
+        plots.logarithmic(axis, x=False)
+    if panel.settled:
+        _settled(axis, lines, panel, of_y)
+    if panel.near_rest and slow > 0:
+        _near_rest(axis, lines, panel.x, of_x, slow)
+
+
+def _title(panel: Panel, beside: bool, rotary: bool) -> str:
+    text = panel.title + (panel.also if beside else "")
+    return rotary_words(text) if rotary else text
+
+
+def _settled(axis: Axes, lines: Mapping[str, Quantities], panel: Panel, of_y: Scale) -> None:
+    """Show the range of the second half of the time, in its own unit."""
+    late = []
+    for q in lines.values():
+        t, y = q["t"].values, q[panel.y].values
+        late.append(Quantity(panel.y, q[panel.y].unit, "", y[t >= 0.5 * t[-1]] if len(t) else y))
+    own = scale(late)
+    for drawn in axis.get_lines():
+        drawn.set_ydata(own.of(np.asarray(drawn.get_ydata(), float) * of_y.factor + of_y.base))
+    low, high = (f([f(own.of(q.values), initial=s) for q in late]) for f, s in ((np.min, np.inf), (np.max, -np.inf)))
+    if np.isfinite([low, high]).all() and high > low:
+        axis.set_ylim(low - 0.15 * (high - low), high + 0.15 * (high - low))
+    axis.set_ylabel(own.label)
+
+
+def _near_rest(axis: Axes, lines: Mapping[str, Quantities], name: str, of_x: Scale, slow: float) -> None:
+    """Where the speed reaches far beyond ``slow``: an axis linear below it and logarithmic beyond."""
+    fastest = max(float(np.max(np.abs(q[name].values), initial=0.0)) for q in lines.values())
+    if not fastest > _FAST * slow:
+        return
+    width, top = slow / of_x.factor, fastest / of_x.factor
+    axis.set_xscale("asinh", linear_width=width)
+    low, high = math.floor(math.log10(width)), math.floor(math.log10(top))
+    ends = axis.get_xlim()
+    room = _APART * (math.asinh(ends[1] / width) - math.asinh(ends[0] / width))
+    decades: list[float] = []
+    for k in range(high, low - 1, -1):  # from the outside in, as far as the numbers have room
+        at = math.asinh(10.0**k / width)
+        if at > room and (not decades or math.asinh(decades[-1] / width) - at > room):
+            decades.append(10.0**k)
+    ticks = [t for t in (*(-d for d in decades), 0.0, *reversed(decades)) if ends[0] <= t <= ends[1]]
+    axis.set_xticks(ticks, [plots.number(t) for t in ticks])
+    axis.set_xticks([], minor=True)
+    axis.set_xlabel(f"{of_x.label}, logarithmic beyond v_s")

@@ -1,0 +1,147 @@
+"""The page and the plots of a sweep, from its parts: what came of each lane against what varied."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.report import chapters, plots
+from stribeck.report.files import write_figure
+from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.report.quantities import Quantity, scale
+from stribeck.report.sweep import Sweep
+from stribeck.simulation import Solution, simulate
+
+Array = NDArray[np.float64]
+
+FOLDER = "_report"  # readers of a folder of parts pass over names that begin with an underscore
+_MEASURES = ("peak_F", "final_y", "amplitude", "period", "slips")
+_LANES_SHOWN = 8
+_ROWS_SHOWN = 60
+_MOST = 200_000  # lanes in a plot: more show nothing new
+
+
+def write(sweep: Sweep, command: str = "") -> list[Path]:
+    """Write the plots and report.html into the folder ``_report`` of a sweep; the paths."""
+    folder = sweep.folder / FOLDER
+    figures, tables, text = [], [], [f"{len(sweep.lanes)} lanes; what varied: {', '.join(sweep.lanes.values)}."]
+    if sweep.summary:
+        rows = _read(sweep)
+        figures = [_measures(sweep, rows)]
+        tables = [_table(sweep, rows)]
+        if len(sweep.lanes) > _ROWS_SHOWN:
+            text.append(f"The first {_ROWS_SHOWN} lanes; the files have all of them.")
+    shown = _some(sweep)
+    if shown:
+        figures.append(_lanes(sweep, shown))
+    folder.mkdir(exist_ok=True)
+    paths = [path for figure in figures for path in write_figure(figure, folder)]
+    found = [Chapter("lanes", "The lanes", text, tables), *chapters.plots(figures)]
+    scenario = sweep.lanes.scenario
+    found += [chapters.of_law(scenario.law), chapters.of_scenario(scenario)]
+    introduction = ["Files of numbers: part-*" + (".csv" if sweep.as_csv else ".parquet") + " beside this folder."]
+    return [*paths, chapters.write_page(folder, f"{scenario.name}: a sweep", introduction, found, command)]
+
+
+def _read(sweep: Sweep) -> dict[str, NDArray[Any]]:
+    """The rows of the lanes, of the files in order."""
+    from stribeck.recorded import opened
+
+    wanted = ("lane", *sweep.lanes.values, *_MEASURES)
+    found: dict[str, list[Array]] = {name: [] for name in wanted}
+    for part in range(sweep.parts):
+        source = opened(sweep.path(part))
+        columns = source.columns({name: name for name in wanted if name in source.names})
+        for name, values in columns.items():
+            found[name].append(values)
+    return {name: np.concatenate(parts) for name, parts in found.items() if parts}
+
+
+def _table(sweep: Sweep, rows: Mapping[str, NDArray[Any]]) -> Table:
+    names = [name for name in rows if name != "lane"]
+    count = min(len(sweep.lanes), _ROWS_SHOWN)
+    body = [[str(i), *(chapters.digits(float(rows[name][i])) for name in names)] for i in range(count)]
+    return Table(["lane", *names], body)
+
+
+def _measures(sweep: Sweep, rows: Mapping[str, NDArray[Any]]) -> FigureSvg:
+    """A panel for each measure and path: the measure against the path, other paths by colour."""
+    paths = list(sweep.lanes.values)
+    measures = [name for name in _MEASURES if name in rows and np.isfinite(rows[name]).any()]
+    pick = np.arange(len(sweep.lanes))[:: max(1, len(sweep.lanes) // _MOST)]
+    layout = [[f"{m}|{p}" for p in paths[:3]] for m in measures]
+    columns = {c.name: c for c in sweep.lanes.scenario.system.columns}
+    with plots.style():
+        made, axes = plots.figure(layout, 2.0 * len(layout) + 0.3)
+        for key, axis in axes.items():
+            measure, path = key.split("|")
+            column = columns.get(measure.partition("_")[2])
+            unit = column.of_motion(sweep.lanes.scenario.rotary).unit if column else _UNITS.get(measure, "")
+            of_y = scale([Quantity(_WORDS.get(measure, measure), unit, "", rows[measure][pick].astype(float))])
+            x, y = rows[path][pick], of_y.of(rows[measure][pick].astype(float))
+            other = next((p for p in paths if p != path), None)
+            if other is None:
+                order = np.argsort(x)
+                axis.plot(x[order], y[order], "o-", color=plots.COLOURS[2], markersize=3)
+            else:
+                values = rows[other][pick]
+                dots = axis.scatter(x, y, c=values, s=9, cmap="viridis", norm="log" if _spread(values) else None)
+                made.colorbar(dots, ax=axis, label=other)
+            if _spread(x):
+                axis.set_xscale("log")
+            axis.set(xlabel=path, ylabel=of_y.label)
+        caption = "What came of each lane, against what varied"
+        caption += "; the colour is another path's value." if len(paths) > 1 else "."
+        return plots.finish(made, "sweep", caption, pdf=True)
+
+
+_UNITS = {"period": "s", "amplitude": "m"}
+_WORDS = {
+    "peak_F": "largest |F|", "final_y": "y at the end", "amplitude": "amplitude of y", "slips": "slips",
+    "period": "period of y",
+}  # fmt: skip
+
+
+def _spread(values: Array) -> bool:
+    """Whether values want a logarithmic axis."""
+    return bool(values.min() > 0 and values.max() / values.min() > 30)
+
+
+def _some(sweep: Sweep) -> dict[str, Solution]:
+    """Some lanes, from the first to the last, simulated once more for their plots."""
+    lanes = np.unique(np.linspace(0, len(sweep.lanes) - 1, _LANES_SHOWN).round().astype(int))
+    found = {}
+    for lane in lanes:
+        values = {path: float(x[lane]) for path, x in sweep.lanes.values.items()}
+        try:
+            solution = simulate(sweep.lanes.scenario.with_changes(values))
+        except ValueError:  # values that no scenario may have: the lane failed
+            continue
+        found[", ".join(f"{path.rpartition('.')[2]} = {x:.4g}" for path, x in values.items())] = solution
+    return found
+
+
+def _lanes(sweep: Sweep, shown: Mapping[str, Solution]) -> FigureSvg:
+    from matplotlib import colormaps
+
+    colours = colormaps["viridis"](np.linspace(0, 0.9, len(shown)))
+    with plots.style():
+        made, axes = plots.figure([["y"], ["v"], ["F"]], 5.4)
+        for name, axis in axes.items():
+            columns = [
+                Quantity(name, c.unit, c.meaning, s[name]) for s in shown.values() for c in s.columns if c.name == name
+            ]
+            of_y = scale(columns)
+            of_t = scale([Quantity("t", "s", "time", s.t) for s in shown.values()])
+            for (label, solution), colour in zip(shown.items(), colours, strict=True):
+                axis.plot(
+                    *plots.thin(of_t.of(solution.t), of_y.of(solution[name])), color=colour, label=label, linewidth=1
+                )
+            axis.set(xlabel=of_t.label, ylabel=of_y.label, title=columns[0].meaning)
+        if len(shown) > 1:
+            plots.legend(made, axes["y"])
+        return plots.finish(made, "lanes", f"{len(shown)} of the lanes, from the first (dark) to the last.", pdf=True)

@@ -1,0 +1,104 @@
+"""What a terminal of 80 columns shows: lines that end between words, an example for each command, completion."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+
+from stribeck import examples
+from stribeck.cli.app import app
+from stribeck.cli.text import say
+
+COMMANDS = sorted(command.callback.__name__ for command in app.registered_commands)
+SPOKEN = {
+    "laws": ("laws",),
+    "sets": ("laws", "--sets"),
+    "check": ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7"),
+    "check --all": ("check", "--all", "--parameters", "canudas1995"),
+    "compare": (
+        "compare", examples.path("break_away"), "--law", "lugre",
+        "--law", "lugre_majorant:k_v=1e6,smooth_abs=compact,v_d=0.02,sigma_0=1e5,sigma_1=300",
+    ),
+    "run": ("run", examples.path("break_away")),
+    "gains": ("gains", examples.path("servo"), "--set", "solve.t_end=0.1", "--v-max", "0.1"),
+    "advise": ("advise", "lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"),
+    "doctor": ("doctor",),
+}  # fmt: skip
+
+
+def check_width(text):
+    """No line is wider than the terminal, but for one word that is."""
+    for line in text.splitlines():
+        assert len(line) <= 80 or len(line.split()) <= 2, line
+
+
+@pytest.mark.parametrize("words", SPOKEN.values(), ids=SPOKEN)
+def test_no_line_folds(words, stribeck, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    found = stribeck(*words)
+    assert found.status == 0
+    assert len(found.out.splitlines()) > 2
+    check_width(found.out)
+
+
+def test_lines_end_between_words(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    text = "a self-test of drift-free words that a terminal would have cut somewhere in their middles"
+    say(text, 6, "  one ")
+    out = capsys.readouterr().out
+    assert out.split() == ["one", *text.split()]
+    assert all(len(line) <= 40 for line in out.splitlines())
+    assert out.splitlines()[1].startswith("      ")
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_shows_an_example_and_fits(command, stribeck, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    found = stribeck(*([command] if command else []), "--help")
+    assert found.status == 0
+    check_width(found.out)
+    example = re.search(r"Example: (stribeck .*)", found.out)
+    assert example is not None
+    assert command in example[1]
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_completion_is_installed(shell, tmp_path):
+    # the variable names the shell in the place of looking at the process that started this one
+    environment = {**os.environ, "HOME": str(tmp_path), "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}
+    command = [sys.executable, "-m", "stribeck", "--install-completion", shell]
+    found = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    assert found.returncode == 0
+    scripts = [path.read_text() for path in tmp_path.rglob("*") if path.is_file() and "stribeck" in path.name]
+    assert len(scripts) == 1
+    assert f"complete_{shell}" in scripts[0]
+
+
+def test_completion_knows_the_commands(tmp_path):
+    environment = {**os.environ, "_STRIBECK_COMPLETE": "complete_bash", "COMP_WORDS": "stribeck sw", "COMP_CWORD": "1"}
+    found = subprocess.run(
+        [sys.executable, "-m", "stribeck"], env=environment, capture_output=True, text=True, check=False
+    )
+    assert found.stdout.split() == ["sweep"]
+
+
+def test_progress_moves_though_nothing_is_told(monkeypatch):
+    import io
+    import time
+
+    from stribeck.cli import show
+
+    class Terminal(io.StringIO):
+        def isatty(self):
+            return True
+
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    with show.stages("fit") as tell:
+        tell(None, "lugre")
+        time.sleep(1.0)
+    shown = set(re.findall(r"0:00:0\d|[⠀-⣿]", terminal.getvalue()))
+    assert "fit: lugre" in terminal.getvalue()
+    assert len(shown) > 2  # the spinner turns

@@ -1,0 +1,72 @@
+"""Parameters that a fit could not determine: written with their best values, marked, and used only where that is allowed."""
+
+import tomllib
+
+import numpy as np
+import pytest
+
+import stribeck as package
+from stribeck.parameter_sets import load
+from tests.identify import rig
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory):
+    """The folder of a fit to a log without presliding."""
+    from stribeck.identify.methods.dynamic import fit_dynamic
+    from stribeck.identify.report.files import toml
+
+    log = rig.held_at(0.05)
+    fit = fit_dynamic(log, "lugre", fixed={"offset": 0.0}, mass=0.0, starts=2, profiles=False)
+    folder = tmp_path_factory.mktemp("fit")
+    (folder / "parameters.toml").write_text(toml(fit, "stribeck fit", "log.csv"))
+    np.testing.assert_equal(fit.estimates["sigma_0"].value, None)
+    return folder, fit
+
+
+def test_every_parameter_is_written_and_what_is_open_is_marked(fitted):
+    folder, fit = fitted
+    table = tomllib.loads((folder / "parameters.toml").read_text())
+    assert set(table["parameters"]) >= set(rig.TRUTH)
+    for name, estimate in fit.estimates.items():
+        row = table["parameters"][name]
+        assert row["value"] == pytest.approx(fit.used[name])
+        assert row.get("determined", True) is estimate.identifiable
+        assert (name in table.get("unknown", {})) is not estimate.identifiable
+
+
+def commands(folder):
+    file = str(folder / "parameters.toml")
+    scenario = folder / "rig.toml"
+    scenario.write_text(
+        'schema = 1\n[law]\nname = "lugre"\nparameters = "parameters.toml"\n[plant]\nmass = 1.0\n'
+        '[drive]\nkind = "force"\nsignal = { kind = "ramp", rate = 1.0 }\n[solve]\nt_end = 0.01\n[output]\nstep = 0.001\n'
+    )
+    return (
+        ("run", scenario), ("compare", scenario, "--law", "lugre", "--law", "dahl"),
+        ("check", "lugre", "--parameters", file),
+        ("export", "lugre", "--parameters", file, "--target", "c", "--out", folder / "c"),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("which", range(4))
+def test_such_a_file_is_refused_unless_allowed(stribeck, fitted, which):
+    command = commands(fitted[0])[which]
+    refused = stribeck(*command)
+    assert refused.status == 2
+    assert "do not determine sigma_0" in refused.err
+    assert "--allow-undetermined" in refused.err
+    assert stribeck(*command, "--allow-undetermined").status == 0
+    assert stribeck(*command).status == 2  # it holds for one command
+
+
+def test_python_allows_it_too(fitted):
+    file = str(fitted[0] / "parameters.toml")
+    with pytest.raises(package.InputError, match="allow_undetermined"):
+        load(file)
+    package.allow_undetermined()
+    try:
+        assert load(file).undetermined[:2] == ("sigma_0", "sigma_1")
+        assert package.law("lugre", file).p.F_c > 0
+    finally:
+        package.allow_undetermined(False)

@@ -1,0 +1,29 @@
+"""Coq for the tests, where it is installed."""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import subprocess
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+
+FOLDER = Path(__file__).parent.parent.parent / "proofs"
+needs_coq = pytest.mark.skipif(shutil.which("coqc") is None, reason="coqc is not installed")
+
+
+def script(name: str) -> ModuleType:
+    """A program of the folder of proofs, as a module."""
+    spec = importlib.util.spec_from_file_location(f"proofs_{name}", FOLDER / f"{name}.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def compiles(text: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Coq's answer to a file."""
+    (folder / "Goal.v").write_text(text)
+    command = ["coqc", "-q", "-w", "-ambiguous-paths", "Goal.v"]
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=120)

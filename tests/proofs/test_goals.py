@@ -1,0 +1,128 @@
+"""Expressions as terms of Coq, and inequalities as goals that its kernel checks."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from types import SimpleNamespace
+
+import pytest
+
+from stribeck import law
+from stribeck.errors import InputError
+from stribeck.expressions import coq, ops
+from stribeck.expressions.graph import constant, substitute, symbol
+from stribeck.laws import builtin, terms
+from tests.proofs.coq import compiles, needs_coq
+
+x, y, v, z = (symbol(n) for n in "xyvz")
+
+
+@pytest.mark.parametrize(
+    ("expr", "text"),
+    [
+        (x - (y - x), "x - (y - x)"),
+        (x / (y * x), "x / (y * x)"),
+        (x / y / x, "x / y / x"),
+        (-(x * y), "- (x * y)"),
+        (x * (1 - y), "x * (1 - y)"),
+        (-x + (-y), "- x - y"),
+        (ops.exp(-(x * x)), "exp (- (x * x))"),
+        (abs(x) / y, "Rabs x / y"),
+        (ops.atan(abs(x)), "atan (Rabs x)"),
+        (x**y, "Rpower x y"),
+        (0.1 * x, f"({Fraction(0.1).numerator} / {Fraction(0.1).denominator}) * x"),
+        (x - 2.0, "x - 2"),
+        (x * constant(-0.5), "x * ((- 1) / 2)"),
+        (ops.where(x < y, x, 1.0), "if Rlt_dec x y then x\n  else 1"),
+        (ops.where(x <= y + 1, x, 1.0) * 2, "(if Rle_dec x (y + 1) then x\n  else 1) * 2"),
+        (symbol("pi") * x, "PI * x"),
+        (symbol("e") * x, "exp 1 * x"),
+    ],
+)
+def test_terms(expr, text):
+    assert coq.write(expr) == text
+
+
+@pytest.mark.parametrize(
+    ("expr", "box", "words"),
+    [
+        (x + y, {"x": (0, 1)}, "y: has no range"),
+        (x, {"x": (1, 0)}, "rising order"),
+        (x, {"x": (0, float("inf"))}, "finite"),
+        (ops.where(x < y, x, y), {"x": (0, 1), "y": (0, 1)}, "its own box"),
+        (x + constant(float("inf")), {"x": (0, 1)}, "not a real number"),
+        (symbol("a.b"), {"a.b": (0, 1)}, "not a name in Coq"),
+    ],
+)
+def test_what_is_no_goal_is_refused(expr, box, words):
+    with pytest.raises(InputError, match=words):
+        coq.coq_goal(expr, box)
+
+
+def test_constants_are_restored_after_an_error():
+    before = terms.pi
+    with pytest.raises(ZeroDivisionError), coq.exact_constants(terms):
+        assert 1 / 0 if terms.pi is symbol("pi") else 1
+    assert terms.pi is before
+
+
+def dissipation(name, structure=()):
+    """The power lost, F v - W' dz/dt, of a law's equations with W' = sigma_0 z, and its constants as symbols."""
+    cls = builtin()[name]
+    p = cls.symbolic(symbol, structure)
+    with coq.exact_constants(terms):
+        rate = cls.dz_dt(p, v, z)
+        return cls.friction(p, v, z, rate) * v - p.sigma_0 * z * rate, p
+
+
+@needs_coq
+def test_a_certificate_of_a_law_is_checked_by_coq(tmp_path):
+    """lugre_majorant, Table 1 with sigma_2 = 200: the power lost at the z that loses least, up to the speed at which that z
+    is the bound, and at the bound beyond; from 0.15 mm/s to 0.15 m/s."""
+    found = law("lugre_majorant", "canudas1995", sigma_2=200.0, k_v=1e6)
+    lost, p = dissipation("lugre_majorant")
+    fixed = {n: (x, x) for n, x in found.values.items() if x is not None}
+    q = SimpleNamespace(**{n: Fraction(x) for n, (x, _) in fixed.items()})
+    turn = 2 * q.F_s / q.sigma_1
+    slow = substitute([lost], {z: p.sigma_1 * v / (2 * p.sigma_0)})[0]
+    fast = substitute([lost], {z: p.F_s / p.sigma_0})[0]
+    goals = [
+        coq.coq_goal(slow, {**fixed, "v": (turn / 64, turn)}, "slow", above=True),
+        coq.coq_goal(fast, {**fixed, "v": (turn, 16 * turn)}, "fast", above=True),
+    ]
+    answer = compiles(coq.GOAL_HEADER + "\n".join(goals), tmp_path)
+    assert answer.returncode == 0, answer.stderr
+
+
+@needs_coq
+def test_a_wrong_certificate_is_refused(tmp_path):
+    """Table 1 itself is not passive: the same inequality fails."""
+    found = law("lugre_majorant", "canudas1995", k_v=1e6)
+    lost, p = dissipation("lugre_majorant")
+    fixed = {n: (x, x) for n, x in found.values.items() if x is not None}
+    fast = substitute([lost], {z: p.F_s / p.sigma_0})[0]
+    answer = compiles(coq.GOAL_HEADER + coq.coq_goal(fast, {**fixed, "v": (0.5, 1)}), tmp_path)
+    assert answer.returncode != 0
+
+
+@needs_coq
+def test_terms_mean_what_is_evaluated(tmp_path):
+    """The force of every law without cases, as a term, has the value that is simulated: within 1e-12, by intervals."""
+    rng, goals = random.Random(5), []
+    for name in ("lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant", "dahl"):
+        found = law(name, "canudas1995", **({} if name in ("lugre", "dahl") else {"k_v": 1e4}))
+        at = {"v": rng.uniform(-0.01, 0.01), "z": rng.uniform(-1e-5, 1e-5)}
+        p = type(found).symbolic(symbol, found.structure)
+        with coq.exact_constants(terms):
+            force = found.friction(p, v, z, found.dz_dt(p, v, z))
+        numbers = {n: a for n, a in {**found.values, **at}.items() if a is not None}
+        value = float(found.force(at["v"], at["z"]))
+        box = {n: (a, a) for n, a in numbers.items()}
+        near = 1e-12 * max(1.0, abs(value))
+        goals += [
+            coq.coq_goal(force - (value - near), box, f"{name}_above"),
+            coq.coq_goal((value + near) - force, box, f"{name}_below"),
+        ]
+    answer = compiles(coq.GOAL_HEADER + "\n".join(goals), tmp_path)
+    assert answer.returncode == 0, answer.stderr

@@ -1,0 +1,77 @@
+"""The certificates that ``stribeck check`` gives, before the independent checker; and with other equations in them."""
+
+from __future__ import annotations
+
+import copy
+import random
+from functools import cache
+from typing import Any
+
+import pytest
+
+import stribeck
+from stribeck.properties.verify_certificate import verify
+from tests.properties.nasty import MILD
+
+LAWS: dict[str, dict[str, Any]] = {
+    "lugre": {}, "dahl": {}, "lugre_arctan": {"k_v": 1e6, "sigma_1": 0.0}, "lugre_majorant": {"k_v": 1e6},
+    "elastoplastic": {"z_ba": 7e-6},
+}  # fmt: skip
+NEEDED = ("inward", "lipschitz", "finite", "power", "elastic")
+
+
+def law(name: str) -> Any:
+    return stribeck.law(name, MILD, **LAWS[name])
+
+
+@cache
+def checked(name: str) -> Any:
+    return stribeck.check(law(name))
+
+
+def certificates(name: str) -> dict[str, dict[str, Any]]:
+    return {n: v.certificate for n, v in checked(name).properties.items() if v.holds}
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_each_yes_is_confirmed(name):
+    found = certificates(name)
+    assert found
+    for what, certificate in found.items():
+        assert verify(certificate, law(name), what) == []
+
+
+@pytest.mark.parametrize("name", ["lugre", "elastoplastic"])
+def test_each_claim_is_needed(name):
+    for certificate in certificates(name).values():
+        chosen = [i for i, c in enumerate(certificate["claims"]) if c["about"] in NEEDED]
+        for i in random.Random(1).sample(chosen, min(3, len(chosen))):
+            less = {**certificate, "claims": [c for k, c in enumerate(certificate["claims"]) if k != i]}
+            assert verify(less) != [], certificate["claims"][i]
+
+
+def test_one_laws_proof_does_not_prove_another():
+    for name in ("lugre", "lugre_majorant"):
+        for what, certificate in certificates(name).items():
+            for other in LAWS:
+                if other != name:
+                    assert verify(certificate, law(other), what) != []
+
+
+FALSE = {
+    "bounded": ("lugre_majorant", lambda f, F: (["add", f, ["mul", "1/1000", "v"]], F)),
+    "unique": ("lugre", lambda f, F: (["sub", f, ["mul", "v", ["sqrt", ["abs", "z"]]]], F)),
+    "smooth": ("lugre_majorant", lambda f, F: (["add", f, ["mul", "1/1000000", ["abs", "v"]]], F)),
+    "passive": ("lugre", lambda f, F: (f, ["sub", F, ["mul", "150", "v"]])),
+    "drift_free": ("elastoplastic", lambda f, F: (["sub", f, ["mul", "1/1000000000", "z"]], F)),
+}
+
+
+@pytest.mark.parametrize("what", FALSE)
+def test_false_equations_are_refused(what):
+    name, changed = FALSE[what]
+    data = copy.deepcopy(certificates(name)[what])
+    data["dz_dt"], data["force"] = changed(data["dz_dt"], data["force"])
+    for hypothesis in data["hypotheses"].values():
+        hypothesis["dz_dt"], hypothesis["force"] = data["dz_dt"], data["force"]
+    assert verify(data) != []

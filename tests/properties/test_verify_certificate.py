@@ -1,0 +1,287 @@
+"""The certificates' checker: what is right passes, what was tampered with or is false does not."""
+
+from __future__ import annotations
+
+import copy
+import json
+import random
+from itertools import product
+from typing import Any
+
+import pytest
+
+from stribeck.properties.verdicts import Verdict
+from stribeck.properties.verify_certificate import verify
+from stribeck.properties.verify_certificate.__main__ import main
+from tests.properties import hand_made as by_hand
+from tests.properties.hand_made import ALL, SIGNS, certificate, claim
+
+RIGHT = {
+    "bounded": (by_hand.bounded, "lugre"),
+    "unique": (by_hand.unique, "lugre"),
+    "passive": (by_hand.passive, "lugre"),
+    "smooth": (by_hand.smooth, "literature.RootMajorant"),
+    "drift_free": (by_hand.drift_free, None),
+}
+
+
+def refusal(*args: Any) -> str | None:
+    problems = verify(*args)
+    return problems[0] if problems else None
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_what_is_right_is_accepted(name):
+    make, law = RIGHT[name]
+    assert refusal(make(), by_hand.law(law) if law else None, name) is None
+
+
+# -- tampering ------------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["bounded", "unique", "passive", "drift_free"])
+def test_no_claim_can_be_left_out(name):
+    whole = RIGHT[name][0]()
+    for i in range(len(whole["claims"])):
+        less = copy.deepcopy(whole)
+        del less["claims"][i]
+        assert refusal(less) is not None, i
+
+
+@pytest.mark.parametrize("name", ["bounded", "passive", "drift_free"])
+def test_no_region_can_be_made_smaller(name):
+    whole = RIGHT[name][0]()
+    for i, one in enumerate(whole["claims"]):
+        for axis in {"u", "w"} & one.keys():
+            less = copy.deepcopy(whole)
+            lo, hi = one[axis]
+            less["claims"][i][axis] = [lo, "1000" if hi == "inf" else by_hand.text(by_hand.Fraction(hi) * 0.999)]
+            assert refusal(less) is not None, (i, axis)
+
+
+def changed(data: Any, path: tuple[Any, ...], value: Any) -> Any:
+    new = copy.deepcopy(data)
+    at = new
+    for step in path[:-1]:
+        at = at[step]
+    at[path[-1]] = value
+    return new
+
+
+FALSE = {
+    "another theorem": (by_hand.passive, ("theorem",), "outside"),
+    "another property": (by_hand.bounded, ("property",), "unique"),
+    "a theorem that is none": (by_hand.bounded, ("theorem",), "evident"),
+    "no hypothesis": (by_hand.passive, ("hypotheses",), {}),
+    "an empty hypothesis": (by_hand.passive, ("hypotheses", "bounded", "claims"), []),
+    "a hypothesis with a larger Z": (by_hand.passive, ("hypotheses", "bounded", "Z"), "1/50000"),
+    "a smaller Z": (by_hand.bounded, ("Z",), "1/100000"),
+    "another relation": (by_hand.bounded, ("claims", 0, "relation"), "!=0"),
+    "no relation": (by_hand.bounded, ("claims", 0, "relation"), ""),
+    "a slope that is too small": (by_hand.unique, ("claims", 1, "b"), "99999"),
+    "a negative slope": (by_hand.unique, ("claims", 0, "a"), "-1"),
+    "an atom's range that is too small": (by_hand.bounded, ("claims", 0, "tree", 1, 0, 2), "1/2"),
+    "an atom's range that is too small above": (by_hand.bounded, ("claims", 0, "tree", 1, 0, 3), "1/2"),
+    "no atom": (by_hand.bounded, ("claims", 0, "tree", 1), []),
+    "a tree that is none": (by_hand.bounded, ("claims", 0, "tree"), ["leaf"]),
+    "a tree of nothing": (by_hand.bounded, ("claims", 0, "tree"), []),
+    "another law's damping": (by_hand.passive, ("force", 1, 2, 1), "201"),
+    "another storage": (by_hand.passive, ("claims", 0, "slope"), "1"),
+    "a speed limit that is none": (by_hand.passive, ("v_max",), "0"),
+    "too large an elastic range": (by_hand.drift_free, ("data", "z_0"), "1/100000"),
+    "no elastic range": (by_hand.drift_free, ("data", "z_0"), "0"),
+    "another format": (by_hand.bounded, ("format",), 2),
+    "a name defined anew": (by_hand.bounded, ("definitions", 0, 0), "v"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", FALSE)
+def test_what_is_changed_is_refused(what):
+    make, path, value = FALSE[what]
+    assert refusal(changed(make(), path, value)) is not None
+
+
+def test_a_speed_limit_makes_a_weaker_statement_of_its_own():
+    limited = changed(by_hand.passive(), ("v_max",), "1/100")
+    assert refusal(limited) is None
+    assert "up to 1/100" in refusal(limited, None, "passive")
+    assert verify(limited, None, "passive", v_max=0.01) != []  # 0.01 is a little more than 1/100
+    assert verify(limited, None, "passive", v_max=0.009) == []
+    assert verify(by_hand.passive(), None, "passive", v_max=0.009) == []
+
+
+def test_a_yes_without_a_certificate_is_not_verified():
+    lugre = by_hand.law("lugre")
+    assert Verdict(True, "said so").verify(lugre, "passive") is False
+    assert Verdict(True, "", certificate=by_hand.passive()).verify(lugre, "passive") is True
+    assert Verdict(True, "", certificate=by_hand.bounded()).verify(lugre, "passive") is False
+    assert Verdict(None, "undecided").verify(lugre, "passive") is None
+
+
+@pytest.mark.parametrize("law", ["bounds.HalfTheDecay", "literature.RootMajorant", "lugre_arctan"])
+def test_another_law_is_refused(law):
+    if law == "lugre_arctan":
+        import stribeck
+
+        other = stribeck.law(law, by_hand.MILD, k_v=1e6)
+    else:
+        other = by_hand.law(law)
+    assert "equation" in refusal(by_hand.bounded(), other) or "Z is" in refusal(by_hand.bounded(), other)
+
+
+def test_other_constants_are_refused():
+    import stribeck
+
+    other = stribeck.law("lugre", by_hand.MILD, sigma_2=100.00000000000001)
+    assert "equation of F" in refusal(by_hand.passive(), other)
+
+
+def test_random_changes_do_not_crash_it():
+    rng = random.Random(3)
+    for _ in range(60):
+        data = copy.deepcopy(RIGHT[rng.choice(list(RIGHT))][0]())
+        at: Any = data
+        while True:
+            keys = list(at) if isinstance(at, dict) else range(len(at))
+            key = rng.choice(list(keys))
+            if not isinstance(at[key], dict | list) or not at[key] or rng.random() < 0.1:
+                break
+            at = at[key]
+        at[key] = rng.choice([None, [], {}, "x", "-1", "1/0", 7, ["leaf", []], ["split"], True, at])
+        assert refusal(data) is None or isinstance(refusal(data), str)
+
+
+# -- false statements about laws ---------------------------------------------------------------------------------------------
+
+
+def test_false_laws_are_refused():
+    half = ["sub", "v", ["mul", ["mul", "1/2", ["div", ["abs", "v"], "n1"]], "z"]]
+    grows = ["add", by_hand.LUGRE, ["mul", "1/1000", "z"]]
+    at_rest = ["where", ["le", ["abs", "v"], "0"], "1/1000000", by_hand.LUGRE]
+    for rate in (half, grows, at_rest):
+        assert refusal(by_hand.bounded(rate)) is not None
+        assert refusal(by_hand.passive(rate)) is not None
+
+
+JUMPS = {
+    "a step": ["where", ["lt", "z", "1/200000"], "0", "1"],
+    "a step at 0": ["where", ["lt", "z", "0"], "0", "1"],
+    "a value of its own at 0": ["where", ["le", ["abs", "z"], "0"], "1", "0"],
+    "the sign": ["sign", "z"],
+    "a step told twice": ["where", ["both", ["lt", "z", "1/200000"], ["lt", ["mul", "2", "z"], "1/100000"]], "5", "0"],
+    "a step by a step": ["where", ["lt", ["where", ["lt", "z", "1/200000"], "0", "2"], "1"], "5", "0"],
+    "a step on a line": ["where", ["lt", "z", "v"], "0", "1"],
+}
+
+
+@pytest.mark.parametrize("what", JUMPS)
+def test_a_rate_that_jumps_is_not_lipschitz_nor_smooth(what):
+    jumps = ["add", by_hand.LUGRE, ["mul", "v", JUMPS[what]]]
+    here = [["w", "u"]]
+    for make, rate in ((by_hand.unique, jumps), (by_hand.smooth, ["add", by_hand.ROOT, ["mul", "v", JUMPS[what]]])):
+        data = make(rate)
+        seam = {"about": "seam", "relation": "=0", "there": here, "u": ALL, "w": ALL}
+        seams = [{**seam, "v": s, "z": t} for s, t in product(SIGNS, SIGNS)]
+        data["claims"] = [c | ({"b": "1000001"} if "b" in c else {}) for c in data["claims"]] + seams
+        assert "meet" in refusal(data) or "agree" in refusal(data)
+
+
+KINKS = {
+    "|z|": ["abs", "z"],
+    "|z - c|": ["abs", ["sub", "z", "1/200000"]],
+    "|v|": ["abs", "v"],
+    "v |z|/(v^2 + z^2)": ["div", ["mul", "v", ["abs", "z"]], ["add", ["mul", "v", "v"], ["mul", "z", "z"]]],
+    "sqrt(v^2)": ["sqrt", ["mul", "v", "v"]],
+    "v^(3/4)": ["pow", ["abs", "v"], "3/4"],
+}
+
+
+@pytest.mark.parametrize("what", KINKS)
+def test_a_kink_is_not_smooth(what):
+    assert refusal(by_hand.smooth(["add", by_hand.ROOT, KINKS[what]])) is not None
+    in_force = by_hand.smooth()
+    in_force["force"] = ["add", in_force["force"], KINKS[what]]
+    assert refusal(in_force) is not None
+
+
+SMOOTH = {
+    "v |v|": ["mul", "v", ["abs", "v"]],
+    "sgn(v) v^2": ["mul", ["sign", "v"], ["mul", "v", "v"]],
+    "a spline": ["where", ["lt", "v", "1"], "0", ["mul", ["sub", "v", "1"], ["sub", "v", "1"]]],
+    "cases that agree": ["where", ["lt", "z", "v"], ["mul", "2", "z"], ["add", "z", "z"]],
+}
+
+
+@pytest.mark.parametrize("what", SMOOTH)
+def test_what_only_looks_like_a_kink_is_smooth(what):
+    in_force = by_hand.smooth()
+    in_force["force"] = ["add", in_force["force"], SMOOTH[what]]
+    assert refusal(in_force) is None
+
+
+def test_a_storage_without_a_bound_is_refused():
+    # F = 0, dz/dt = -z^3 at any v: S' = -1/z would "store" without end as z -> 0
+    rate = ["neg", ["mul", "z", ["mul", "z", "z"]]]
+    plain = {"tree": ["leaf", []]}
+    inner = certificate(
+        "bounded", "outside",
+        [claim("inward", s, t, ">=0", w=[by_hand.Z, "inf"], **plain) for s, t in product(SIGNS, (1, -1))], rate,
+    )  # fmt: skip
+    claims = [
+        claim("power", s, t, ">=0", w=["0", by_hand.Z], slope=["div", "1", "z"], **plain)
+        for s, t in product(SIGNS, SIGNS)
+    ]
+    data = certificate("passive", "storage", claims, rate, hypotheses={"bounded": inner})
+    data["force"] = inner["force"] = "0"
+    assert refusal(inner) is None
+    assert refusal(data) is not None
+
+
+def test_splits_and_polar_coordinates():
+    # u^2 - u w + w^2 > 0 for u, w > 0: not shown by one leaf on [0, inf]^2, shown in polar coordinates with splits
+    leaf: Any = ["leaf", []]
+    top = ["add", ["sub", ["mul", "u", "u"], ["mul", "u", "w"]], ["mul", "w", "w"]]
+
+    def with_tree(tree: Any, w: Any = ALL) -> dict[str, Any]:
+        data = by_hand.smooth()
+        data["dz_dt"] = ["add", by_hand.ROOT, "0"]
+        return {**data, "claims": [claim("divisor", 1, 1, "!=0", w=w, tree=tree, expression=top)]}
+
+    from stribeck.properties.verify_certificate import claims as of
+    from stribeck.properties.verify_certificate.expressions import Refused
+    from stribeck.properties.verify_certificate.theorems import read_case
+
+    def proved(tree: Any, w: Any = ALL, u: Any = ALL) -> bool:
+        case = read_case(
+            {**with_tree(tree), "claims": [claim("divisor", 1, 1, ">0", u=u, w=w, tree=tree, expression=top)]}
+        )
+        try:
+            of.prove(case.claims[0], case.law)
+        except Refused:
+            return False
+        return True
+
+    split = ["split", "p", "1/2", leaf, ["split", "p", "1", leaf, leaf]]
+    assert not proved(leaf)
+    assert proved(["polar w", split])
+    assert not proved(["polar w", ["split", "p", "1/2", leaf, ["split", "q", "1", leaf, leaf]]])  # no such axis
+    assert not proved(["polar w", ["split", "p", "0", leaf, leaf]])  # not within
+    assert not proved(["polar w", ["polar u", leaf]])
+    small = ["diagonal", ["split", "q", "1/2", leaf, leaf], ["split", "p", "1/2", leaf, leaf]]
+    assert proved(small, ["0", "1"], ["0", "1"])
+    assert not proved(small)  # only for finite rectangles
+
+
+def test_a_file_can_be_checked_by_others(tmp_path, capsys):
+    file = tmp_path / "lugre.json"
+    data = {"format": 1, "law": "lugre", "certificates": {"bounded": by_hand.bounded(), "passive": by_hand.passive()}}
+    file.write_text(json.dumps(data))
+    assert main([str(file)]) == 0
+    assert "passive: confirmed" in capsys.readouterr().out
+    data["certificates"]["passive"]["claims"].pop()
+    file.write_text(json.dumps(data))
+    assert main([str(file)]) == 1
+    assert "passive: the claims do not cover" in capsys.readouterr().out
+    file.write_text("[]")
+    assert main([str(file)]) == 2
+    assert main([]) == 2

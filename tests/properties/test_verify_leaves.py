@@ -1,0 +1,196 @@
+"""The checker's arithmetic against samples: what a leaf accepts is true, and a range holds every value."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+from typing import Any
+
+import mpmath
+import pytest
+from flint import fmpq
+
+from stribeck.properties.verify_certificate.expressions import Node, Refused, derivative, name, read, replace
+from stribeck.properties.verify_certificate.identities import Normal, written_out
+from stribeck.properties.verify_certificate.intervals import evaluate
+from stribeck.properties.verify_certificate.leaf import Leaf, Region
+
+U, W = name("u"), name("w")
+NAMES = {"u": U, "w": W, "pi": name("pi")}
+FUNCTIONS = ("exp", "sqrt", "sin", "cos", "atan", "tanh", "log")
+_MATH: dict[str, Any] = {
+    "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b, "div": lambda a, b: a / b,
+    "neg": lambda a: -a, "abs": abs, "sign": lambda a: mpmath.mpf((a > 0) - (a < 0)), "pow": lambda a, b: a**b,
+    "lt": lambda a, b: a < b, "le": lambda a, b: a <= b, "both": lambda a, b: a and b, "either": lambda a, b: a or b,
+    "where": lambda c, a, b: a if c else b,
+} | {n: getattr(mpmath, n) for n in FUNCTIONS}  # fmt: skip
+
+
+def value(x: Node, at: dict[str, Any]) -> Any:
+    """An expression at a point, by mpmath; complex or an error where it has no value."""
+    if x.op == "number":
+        return mpmath.mpf(int(x.value.p)) / int(x.value.q)
+    if x.op == "name":
+        return mpmath.pi if x.value == "pi" else at[x.value]
+    if x.op == "where":
+        return value(x.args[1] if value(x.args[0], at) else x.args[2], at)
+    return _MATH[x.op](*(value(a, at) for a in x.args))
+
+
+def expression(rng: random.Random, depth: int) -> Any:
+    if depth == 0 or rng.random() < 0.1:
+        return rng.choice(["u", "w", "u", "w", "1", "-2", "1/3", "pi"])
+    kind = rng.choice(["add", "sub", "mul", "div", "one", "function", "where"])
+    if kind in ("add", "sub", "mul", "div"):
+        return [kind, expression(rng, depth - 1), expression(rng, depth - 1)]
+    if kind == "one":
+        return [rng.choice(["neg", "abs", "sign"]), expression(rng, depth - 1)]
+    if kind == "function":
+        return [rng.choice(FUNCTIONS), expression(rng, depth - 1)]
+    condition = [rng.choice(["lt", "le"]), expression(rng, depth - 1), expression(rng, depth - 2 if depth > 1 else 0)]
+    return ["where", condition, expression(rng, depth - 1), expression(rng, depth - 1)]
+
+
+def end(rng: random.Random) -> fmpq:
+    return fmpq(rng.choice([0, 0, 1, 1, 2, 3, 5]), rng.choice([1, 1, 2, 7]))
+
+
+def region(rng: random.Random) -> Region:
+    axes = {}
+    for axis in ("u", "w"):
+        lo = end(rng)
+        axes[axis] = (lo, None if rng.random() < 0.3 else lo + end(rng) + fmpq(1, 3))
+    given = dict(axes)
+    if rng.random() < 0.3:
+        kept, ratio = rng.choice([("w", "p"), ("u", "q")])
+        axes = {kept: given[kept], ratio: (fmpq(0), None)}
+    return Region(axes, given, True)
+
+
+def points(rng: random.Random, box: dict[str, Any], n: int) -> Any:
+    for _ in range(n):
+        at = {}
+        for axis, (lo, hi) in box.items():
+            low = mpmath.mpf(int(lo.p)) / int(lo.q)
+            if hi is None:
+                at[axis] = low + mpmath.mpf(10) ** rng.uniform(-6, 6)
+            else:
+                width = mpmath.mpf(int((hi - lo).p)) / int((hi - lo).q)
+                at[axis] = low + width * rng.choice([1, rng.random(), rng.random() ** 8, 1 - rng.random() ** 8])
+            at[axis] = max(at[axis], mpmath.mpf(10) ** -30)  # u, w > 0
+        yield at
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_range_holds_every_value(seed):
+    rng, decided = random.Random(seed), 0
+    with mpmath.workdps(40):
+        for _ in range(150):
+            x = read(expression(rng, 4), NAMES)
+            box = region(rng).given
+            try:
+                lo, hi = evaluate(x, box)
+            except Refused:
+                continue
+            decided += 1
+            for at in points(rng, box, 6):
+                y = value(x, at)
+                assert lo is None or y >= mpmath.mpf(int(lo.p)) / int(lo.q) - 1e-30 * (1 + abs(y))
+                assert hi is None or y <= mpmath.mpf(int(hi.p)) / int(hi.q) + 1e-30 * (1 + abs(y))
+    assert decided > 60
+
+
+def atoms_for(rng: random.Random, x: Node) -> list[Any]:
+    """Atoms with rules that may or may not fit, for every function and case in an expression."""
+    made = []
+    seen = set()
+
+    def visit(y: Node) -> Any:
+        parts = [visit(a) for a in y.args]
+        text = str(Fraction(int(y.value.p), int(y.value.q))) if y.op == "number" else y.value
+        written = [y.op, *parts] if y.args else text
+        if y.op in (*FUNCTIONS, "pow") and y not in seen:
+            rules = [["range", rng.choice(["0", "-1", "1/2"]), rng.choice(["1", "2", "10"])], ["range", "-1", "1"],
+                     ["pi range", rng.choice(["0", "-1", "1/2"]), "1"], ["far"], ["slope", rng.choice(["0", "1/2"]), "1"],
+                     ["root", rng.choice(["u", "w", "0"]), rng.choice(["1", "2"])]]  # fmt: skip
+            made.append([written, *rng.choice(rules)])
+        elif y.op in ("where", "abs", "sign") and y not in seen:
+            made.append([written, "either"])
+        seen.add(y)
+        return written
+
+    visit(x)
+    return made
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_what_a_leaf_accepts_is_true(seed):
+    rng, accepted = random.Random(100 + seed), 0
+    with mpmath.workdps(40):
+        for _ in range(150):
+            x = read(expression(rng, 3), NAMES)
+            where = region(rng)
+            relation = rng.choice([">=0", ">0", "!=0", "=0"])
+            try:
+                if not Leaf(where, atoms_for(rng, x)).holds(x, relation):
+                    continue
+            except Refused:
+                continue
+            accepted += 1
+            signs = set()
+            for at in points(rng, where.given, 12):
+                y = value(x, at)
+                signs.add(mpmath.sign(y))
+                small = mpmath.mpf(10) ** -25 * (1 + abs(y))
+                true = {">=0": y >= -small, ">0": y > -small, "!=0": len(signs) == 1, "=0": abs(y) <= small}[relation]
+                assert true, (x, relation, at, y)
+    assert accepted > 3
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_equal_keys_are_equal_functions(seed):
+    rng, found = random.Random(200 + seed), 0
+    with mpmath.workdps(40):
+        for _ in range(150):
+            a, b = (read(expression(rng, 3), NAMES) for _ in range(2))
+            both = [a, written_out(a), b]
+            normal = Normal()
+            try:
+                keys = [normal.key(x) for x in both]
+            except Refused:
+                continue
+            for i, j in ((0, 1), (0, 2)):
+                if keys[i] != keys[j]:
+                    continue
+                found += 1
+                for at in points(rng, region(rng).given, 4):
+                    try:
+                        y, other = (value(both[k], at) for k in (i, j))
+                    except (ZeroDivisionError, TypeError):
+                        continue
+                    if not (mpmath.isfinite(y) and mpmath.isfinite(other)):
+                        continue
+                    assert abs(y - other) <= 1e-25 * (1 + abs(y))
+    assert found > 30
+
+
+def test_derivatives_are_those_of_differences():
+    rng, compared = random.Random(7), 0
+    with mpmath.workdps(60):
+        step = mpmath.mpf(10) ** -25
+        for _ in range(100):
+            x = read(expression(rng, 3), NAMES)
+            d = derivative(x, W)
+            for at in points(rng, {"u": (fmpq(1), fmpq(2)), "w": (fmpq(1), fmpq(2))}, 2):
+                try:
+                    beside = {**at, "w": at["w"] + step}
+                    slope = (value(x, beside) - value(x, {**at, "w": at["w"] - step})) / (2 * step)
+                    own = value(d, at)
+                except (ZeroDivisionError, ValueError, TypeError):
+                    continue
+                if isinstance(slope, mpmath.mpc) or isinstance(own, mpmath.mpc) or abs(slope) > 1e15:
+                    continue
+                compared += 1
+                assert abs(own - slope) <= 1e-12 * (1 + abs(slope))
+    assert compared > 70
+    assert replace(U, {U: W}) is W

@@ -1,0 +1,120 @@
+"""What plots show: units that keep numbers short, words, the axis near rest, what a drive adds."""
+
+import re
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario, examples, simulate
+from stribeck.report import overview
+from stribeck.report.quantities import Quantity, prefixed, quantities, scale
+
+ROTARY = {
+    "law": {"name": "lugre", "parameters": "olsson1998"},
+    "plant": {"mass": 0.0023},
+    "drive": {"kind": "force", "signal": {"kind": "sine", "amplitude": 0.5, "frequency": 2.0}},
+    "solve": {"t_end": 1.0},
+    "output": {"step": 1e-3},
+}
+
+
+def words(figure):
+    """The texts of a figure; the minus sign as a dash."""
+    texts = re.findall(r">([^<>]+)</text>", figure.svg)
+    return [text.strip().replace("\N{MINUS SIGN}", "-") for text in texts]
+
+
+@pytest.mark.parametrize(
+    ("unit", "largest", "shown"),
+    [
+        ("m", 2e-5, "µm"), ("m", 0.05, "mm"), ("m", 40.0, "m"), ("m", 4e3, "m"), ("s", 0.02, "ms"), ("s", 40.0, "s"),
+        ("m/s", 1e-3, "mm/s"), ("N", 1.5, "N"), ("N", 2e4, "kN"), ("Pa", 4e5, "kPa"), ("rad", 1e-3, "mrad"),
+        ("N m", 0.3, "mN m"), ("1", 1e-5, "1"), ("kg", 1e-5, "kg"), ("m", 0.0, "m"), ("m", np.nan, "m"),
+    ],
+)  # fmt: skip
+def test_a_unit_takes_the_prefix_that_keeps_its_numbers_short(unit, largest, shown):
+    factor, text = prefixed(unit, largest)
+    assert text == shown
+    assert largest == 0 or not np.isfinite(largest) or factor == 1 or 0.5 <= largest / factor < 500
+
+
+def test_what_hardly_changes_is_shown_as_a_change():
+    y = 0.4 + 1e-7 * np.linspace(0, 1, 5)
+    shown = scale([Quantity("y", "m", "position", y)])
+    assert shown.label == "y \N{MINUS SIGN} 0.4 m (nm)"
+    np.testing.assert_allclose(shown.of(y), np.linspace(0, 100, 5), atol=1e-5)
+
+
+@pytest.fixture(scope="module")
+def solved():
+    wanted = {"stick_slip": 12.0, "limit_cycle": 40.0, "servo": 2.0}
+    return {
+        name: simulate(Scenario.load(examples.path(name), {"solve.t_end": t_end})) for name, t_end in wanted.items()
+    }
+
+
+def test_a_spring_shows_its_far_end_and_its_force(solved):
+    found = words(overview.overview({"lugre_sobczyk": solved["stick_slip"]}))
+    assert "position, and the spring's far end" in found
+    assert {"x", "u", "y (m)", "z (µm)", "friction force, and the force of the drive"} <= set(found)
+    assert "v (mm/s), logarithmic beyond v_s" in found
+    assert not any(re.search(r"\de-?\d", text) for text in found)  # no 1e-3 above an axis
+
+
+def test_pid_shows_setpoint_error_and_control_force(solved):
+    found = words(overview.overview({"lugre_sobczyk": solved["limit_cycle"]}))
+    assert {"r", "u", "position, and its setpoint", "control error after the transient"} <= set(found)
+    q = quantities(solved["limit_cycle"])
+    np.testing.assert_array_equal(q["e"].values, solved["limit_cycle"]["y"] - solved["limit_cycle"]["r"])
+
+
+def test_a_servo_shows_its_desired_course_and_the_late_error(solved):
+    solution = solved["servo"]
+    found = words(overview.overview({"servo": solution}))
+    assert {"y_d", "F_hat", "position error after the transient", "V (J)"} <= set(found)
+    late = np.abs(solution["e"][solution.t >= 1.0]).max()
+    _, unit = prefixed("m", late)
+    assert f"e ({unit})" in found  # the axis of what is left, not of the transient
+    assert np.abs(solution["e"]).max() > 100 * late
+
+
+def test_a_comparison_shows_deviations_and_a_legend_and_one_run_none(solved):
+    other = simulate(solved["stick_slip"].scenario.with_changes({"law.k_v": 1e6}))
+    found = words(overview.comparison({"first": solved["stick_slip"], "second": other}))
+    assert {"first", "second", "deviation of y from first", "ΔF (mN)"} <= set(found)
+    assert "u" not in found  # which differs from line to line
+    one = words(overview.overview({"the only one": solved["stick_slip"]}))
+    assert one.count("the only one") == 1  # the title
+
+
+def test_a_figure_is_also_a_picture_and_a_document(solved):
+    figure = overview.overview({"a": solved["stick_slip"]})
+    assert figure.png.startswith(b"\x89PNG")
+    assert figure.pdf.startswith(b"%PDF")
+    assert figure.svg == overview.overview({"a": solved["stick_slip"]}).svg
+
+
+@pytest.mark.parametrize(
+    "given", [{}, {"rotary": True, "law": {"name": "dahl", "parameters": {"sigma_0": 9.0, "F_c": 1.0}}}]
+)
+def test_a_rotary_machine_has_its_units_everywhere(given, tmp_path):
+    solution = simulate({**ROTARY, **given})
+    units = {c.name: (c.unit, c.meaning) for c in solution.columns}
+    assert units["y"] == ("rad", "angle")
+    assert units["v"] == ("rad/s", "angular velocity")
+    assert units["F"] == ("N m", "friction torque")
+    found = words(overview.overview({"law": solution}))
+    assert any(text.startswith("y (") and "rad)" in text for text in found)
+    assert "angle" in found
+    assert not any(re.search(r"\((m|mm|µm|N|mN|mm/s|m/s)\)", text) for text in found)
+
+
+def test_rotary_can_be_said_no_to_and_is_kept_by_changes():
+    scenario = Scenario(**ROTARY)
+    assert scenario.rotary
+    assert scenario.with_changes({"law.parameters.F_s": 0.4}).rotary
+    assert not Scenario(**ROTARY, rotary=False).rotary
+    linear = {**ROTARY, "law": {"name": "lugre", "parameters": "canudas1995"}}
+    assert not Scenario(**linear).rotary
+    with pytest.raises(ValueError, match=r"^rotary: 1: must be true or false, not a number$"):
+        Scenario(**ROTARY, rotary=1)
