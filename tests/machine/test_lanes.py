@@ -76,7 +76,7 @@ def test_values_that_no_machine_may_have():
         None, "links.k.ratio: 0: must be a finite number other than 0",
         "contacts.c.law.parameters.F_s: 0.5: must be at least F_c (F_c = 1.0)",
     ]  # fmt: skip
-    with pytest.raises(InputError, match="links.k.gapp"):
+    with pytest.raises(InputError, match=r"links\.k\.gapp"):
         simulate_ensemble(RIG, {"links.k.gapp": [1.0]})
 
 

@@ -72,11 +72,11 @@ def test_a_machine_does_not_change():
 def test_mistakes():
     with pytest.raises(st.InputError, match="must be made of bodies"):
         st.Machine("rotor")
-    with pytest.raises(st.InputError, match="links.a: 'a': must be another name: it is that of bodies.a already"):
+    with pytest.raises(st.InputError, match=r"links\.a: 'a': must be another name: it is that of bodies\.a already"):
         st.Machine(st.Body("a", mass=1.0), st.Link("a", "a", stiffness=1.0))
     with pytest.raises(st.InputError, match="t_end: missing: must be given for a Machine"):
         st.simulate(rig())
-    with pytest.raises(st.InputError, match="links.gear.ratio: 0: must be"):
+    with pytest.raises(st.InputError, match=r"links\.gear\.ratio: 0: must be"):
         st.simulate(rig().replace({"links.gear.ratio": 0}), t_end=1.0)
 
 
