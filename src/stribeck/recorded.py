@@ -282,4 +282,6 @@ def _file(path: Path) -> Source:
     except OSError as error:
         raise InputError(f"{arg('data')}: '{path}': cannot be read: {error.strerror or error}") from None
     except Exception as error:  # a damaged file fails in as many ways as there are libraries
-        raise InputError(f"{arg('data')}: '{path}': cannot be read: {(str(error).splitlines() or [type(error).__name__])[0]}") from None
+        raise InputError(
+            f"{arg('data')}: '{path}': cannot be read: {(str(error).splitlines() or [type(error).__name__])[0]}"
+        ) from None
