@@ -81,11 +81,6 @@ def one_line(text: str) -> str:
     return text if len(text) <= _LONGEST_LINE else f"{text[:_HEAD]}...{text[_HEAD + 3 - _LONGEST_LINE :]}"
 
 
-def printable(text: str) -> str:
-    """The text with what is no printable character as an escape (``\\x1b``): a terminal shows it and obeys nothing."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
-
-
 def note(text: str) -> None:
     """Tell the user one line: a :class:`StribeckNote` in Python, a line on standard error from the command."""
     warnings.warn(StribeckNote(Line(text)), stacklevel=3)
@@ -99,7 +94,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 # The packages that the base installation does not have, and the extra that brings each.
 EXTRAS = {
-    "matplotlib": "plot", "jinja2": "plot", "markupsafe": "plot", "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
+    "matplotlib": "plot", "jinja2": "plot", "markupsafe": "plot",
+    "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
     "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
     "mujoco": "mujoco",
 }  # fmt: skip

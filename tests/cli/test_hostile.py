@@ -109,7 +109,7 @@ def test_names_that_are_not_text(scenario, tmp_path):
     done = subprocess.run([*words, strange, b"--out", out], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert r"o\udce9/summary.json" in done.stdout
-    assert len(list(Path(os.fsdecode(out)).iterdir())) == 4
+    assert (Path(os.fsdecode(out)) / "summary.json").is_file()
     assert subprocess.run([*words, b"c\xe9.toml"], capture_output=True, check=False).returncode == 2
 
 
