@@ -20,6 +20,7 @@ BENCHMARKS = {  # and their files
     "in_mujoco": "in_mujoco.py",
     "discretisation": "discretisation.py",
     "instructions": "instructions.py",
+    "arm_instructions": "arm_instructions.py",
     "fit_speed": "fit_speed.py",
     "coverage": "interval_coverage.py",
     "majorants": "majorants.py",

@@ -17,13 +17,31 @@ if TYPE_CHECKING:
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
     from stribeck.scenario import Scenario
+    from stribeck.scenario.objects import (
+        Body,
+        Contact,
+        Controller,
+        File,
+        Link,
+        Load,
+        Machine,
+        Motor,
+        Points,
+        PointToPoint,
+        Ramp,
+        Sine,
+        Spline,
+        Step,
+    )  # fmt: skip
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
     from stribeck.steepness import Advice, advise
 
 __all__ = [
-    "Advice", "BuildError", "Ensemble", "InputError", "NotDifferentiable", "Scenario", "Solution", "StribeckError",
-    "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "export", "fit",
-    "law", "margins", "parameters", "simulate", "simulate_ensemble", "storage_interval",
+    "Advice", "Body", "BuildError", "Contact", "Controller", "Ensemble", "File", "InputError", "Link", "Load",
+    "Machine", "Motor", "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution",
+    "Spline", "Step", "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined",
+    "check", "check_all", "export", "fit", "law", "margins", "parameters", "simulate", "simulate_ensemble",
+    "storage_interval",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -40,6 +58,25 @@ _HOME = {
     "margins": "stribeck.properties.margins",
     **dict.fromkeys(("allow_undetermined", "parameters"), "stribeck.parameter_sets"),
     "Scenario": "stribeck.scenario",
+    **dict.fromkeys(
+        (
+            "Body",
+            "Contact",
+            "Controller",
+            "File",
+            "Link",
+            "Load",
+            "Machine",
+            "Motor",
+            "PointToPoint",
+            "Points",
+            "Ramp",
+            "Sine",
+            "Spline",
+            "Step",
+        ),
+        "stribeck.scenario.objects",
+    ),
     **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),
 }
 _EXTRA = {"export": "export", "fit": "fit"}  # where one package alone would not be enough

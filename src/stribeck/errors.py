@@ -94,7 +94,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 # The packages that the base installation does not have, and the extra that brings each.
 EXTRAS = {
-    "matplotlib": "plot", "jinja2": "plot", "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
+    "matplotlib": "plot", "jinja2": "plot", "markupsafe": "plot",
+    "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
     "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
     "mujoco": "mujoco",
 }  # fmt: skip
@@ -127,4 +128,4 @@ def left_out(what: str) -> Iterator[None]:
         with needed(what):
             yield
     except MissingExtra as error:
-        note(f"{what} is left out: it needs {error.package}: pip install 'stribeck[{error.extra}]'")
+        note(f"without {what}: {error.package} is not installed (pip install 'stribeck[{error.extra}]')")

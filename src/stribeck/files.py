@@ -6,25 +6,96 @@ import errno
 import json
 import math
 import os
+import secrets
+import shutil
 import stat
-from collections.abc import Callable, Mapping
-from contextlib import suppress
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from stribeck.errors import needed
 
 
 def write_with(path: Path, write: Callable[[Path], Any]) -> None:
-    """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind."""
-    beside = path.with_name(f".{path.name}.{os.getpid()}.tmp")
+    """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind.
+
+    A link stays one, and its target is written; devices and pipes such as /dev/stdout are written as they are.
+    """
+    if path.exists() and not path.is_file() and not path.is_dir():
+        write(path)
+        return
+    path = path.resolve()
+    beside = path.with_name(f".{os.getpid()}-{secrets.token_hex(4)}.tmp")  # short: a long name has no room for more
     try:
-        write(beside)
-        beside.replace(path)
+        with _named(beside, path):
+            write(beside)
+            beside.replace(path)
     except BaseException:
         with suppress(OSError):
             beside.unlink()
         raise
+
+
+@contextmanager
+def together(folder: Path, last: str = "summary.json") -> Iterator[Path]:
+    """A folder for the files of one result, which all move into ``folder`` when the block ends well.
+
+    The file ``last`` says that the result is whole: it is taken away first and put back last, so that it never stands
+    beside files of another run. On any failure, Ctrl-C too, what was there stays as it was.
+    """
+    existed = folder.exists()
+    beside = folder / f".{os.getpid()}-{secrets.token_hex(4)}.tmp"
+    try:
+        with _named(beside, folder):
+            folder.mkdir(parents=True, exist_ok=True)
+            beside.mkdir()
+            yield beside
+            files = [file.relative_to(beside) for file in beside.rglob("*") if file.is_file()]
+            (folder / last).unlink(missing_ok=True)
+            for name in sorted(files, key=lambda name: (name == Path(last), name)):
+                (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                (beside / name).replace(folder / name)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+        if not existed:
+            with suppress(OSError):  # not empty: all is well
+                folder.rmdir()
+
+
+@contextmanager
+def _named(beside: Path, path: Path) -> Iterator[None]:
+    """Within, errors speak of the path that the user knows."""
+    try:
+        yield
+    except OSError as error:
+        text = (error.strerror or str(error)).replace(str(beside), str(path)).replace(beside.name, path.name)
+        name = str(error.filename or path).replace(str(beside), str(path))
+        raise OSError(error.errno, text, name) from None
+
+
+def trouble(path: Path, folder: bool = False, parents: bool = True) -> str | None:
+    """Why a file (or a folder of files) cannot be written there, or None; nothing is made.
+
+    ``parents``: folders that are missing on the way will be made.
+    """
+    try:
+        with suppress(FileNotFoundError, NotADirectoryError):
+            mode = path.stat().st_mode
+            if folder is not stat.S_ISDIR(mode):
+                is_, must = ("file", "folder") if folder else ("folder", "file")
+                text = f"is a {is_}; must be a {must} or a new name"
+                return None if not folder and not stat.S_ISDIR(mode) else text
+        existing = next(p for p in (path if folder else path.parent, *path.absolute().parents) if os.path.lexists(p))
+        if not existing.is_dir():
+            return f"{existing} is a file, not a folder"
+        if not parents and existing.absolute() != path.absolute().parent:
+            return f"there is no folder {path.absolute().parent}"
+        with tempfile.TemporaryFile(dir=existing):
+            return None
+    except (OSError, ValueError) as error:
+        return f"cannot be written: {getattr(error, 'strerror', None) or error}"
 
 
 def read_file(path: Path) -> bytes:
@@ -33,8 +104,17 @@ def read_file(path: Path) -> bytes:
     Raises:
         OSError: it cannot be read; or it is no file but a device or a pipe by name, which would be waited for.
     """
-    with open(path, "rb", opener=_open_at_once) as file:
+    with open_file(path) as file:
         return file.read()
+
+
+def open_file(path: Path) -> BinaryIO:
+    """A file to read, as :func:`read_file` takes it.
+
+    Raises:
+        OSError: as there.
+    """
+    return open(path, "rb", opener=_open_at_once)
 
 
 def _open_at_once(path: str, flags: int) -> int:
@@ -72,11 +152,18 @@ def write_columns(path: Path, columns: Mapping[str, Any]) -> None:
     """Columns of equal length as a Parquet file."""
     with needed("a Parquet file"):
         import pyarrow
-        from pyarrow import parquet
 
     arrays = [arrow_array(values) for values in columns.values()]
     table = pyarrow.Table.from_arrays(arrays, names=list(columns))
-    write_with(path, lambda beside: parquet.write_table(table, beside))
+    write_with(path, lambda beside: write_parquet(table, beside))
+
+
+def write_parquet(table: Any, path: Path, **options: Any) -> None:
+    """An Arrow table as a Parquet file; pyarrow itself takes no name that is not text."""
+    from pyarrow import parquet
+
+    with path.open("wb") as file:
+        parquet.write_table(table, file, **options)
 
 
 def finite(data: Any) -> Any:

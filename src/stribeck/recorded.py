@@ -353,6 +353,8 @@ def _file(path: Path) -> Source:
             raise InputError(f"{arg('data')}: '{path}': cannot be read: it is a folder")
         if kind not in _READERS:
             raise InputError(f"{arg('data')}: '{path}': must be a file .csv, .tsv, .txt, .dat, .parquet, .mat or .npz")
+        if path.exists() and not path.is_file():
+            raise InputError(f"{arg('data')}: '{path}': cannot be read: must be a file, not a pipe or a device")
         if path.stat().st_size == 0:
             raise InputError(f"{arg('data')}: '{path}': is empty")
         return _READERS[kind](path)
@@ -361,4 +363,6 @@ def _file(path: Path) -> Source:
     except OSError as error:
         raise InputError(f"{arg('data')}: '{path}': cannot be read: {error.strerror or error}") from None
     except Exception as error:  # a damaged file fails in as many ways as there are libraries
-        raise InputError(f"{arg('data')}: '{path}': cannot be read: {str(error).splitlines()[0]}") from None
+        raise InputError(
+            f"{arg('data')}: '{path}': cannot be read: {(str(error).splitlines() or [type(error).__name__])[0]}"
+        ) from None

@@ -58,8 +58,8 @@ def test_run_leaves_what_it_can_and_says_what_it_cannot(tmp_path):
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"trajectory.csv", "summary.json"}
     said = found.stderr.splitlines()
     assert len(said) == 2
-    assert said[0] == "stribeck: trajectory.parquet is left out: it needs pyarrow: pip install 'stribeck[parquet]'"
-    assert said[1].endswith("pip install 'stribeck[plot]'")
+    assert said[0] == "stribeck: without trajectory.parquet: pyarrow is not installed (pip install 'stribeck[parquet]')"
+    assert said[1].endswith("(pip install 'stribeck[plot]')")
     assert command(tmp_path, "run", examples.path("break_away"), "--out", "full", blocked=()).stderr == ""
     base_table, full_table = (
         list(csv.reader((tmp_path / name / "trajectory.csv").read_text().splitlines())) for name in ("out", "full")

@@ -67,7 +67,7 @@ def test_what_the_data_do_not_tell_is_not_printed_as_known(stribeck, log, tmp_pa
     assert "sigma_0: not determined by the data" in found.out
     assert "to determine it: small reversals" in found.out
     written = tomllib.loads((out / "parameters.toml").read_text())
-    assert "sigma_0" not in written["parameters"]
+    assert written["parameters"]["sigma_0"]["determined"] is False
     assert "small reversals" in written["unknown"]["sigma_0"]["experiment"]
 
 

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from hashlib import sha256
 
 import numpy as np
 import pyarrow.parquet as parquet
@@ -20,7 +21,7 @@ GRID = ("--vary", "law.k_v=1e6:1e8:3:log", "--vary", "law.parameters.F_s=0.9:1.8
 
 
 def files(folder):
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 @pytest.fixture
@@ -89,6 +90,23 @@ def test_drawn_points(stribeck, scenario, tmp_path):
 
 
 @needs_compiler
+@pytest.mark.parametrize("where", [0.3, 0.5, 0.7])
+def test_a_part_that_is_damaged_in_its_middle_is_made_again(where, stribeck, scenario, tmp_path, small_parts):
+    """Its end, which says what it holds, can still be read."""
+    out = tmp_path / "out"
+    stribeck("sweep", scenario, *GRID, "--summary", "--out", out)
+    whole = files(out)
+    manifest = json.loads(whole["_manifest.json"])
+    assert {n: sha256(b).hexdigest() for n, b in whole.items() if n.startswith("part")} == manifest["sha256"]
+    part = bytearray(whole["part-000001.parquet"])
+    part[int(where * len(part))] ^= 0xFF
+    (out / "part-000001.parquet").write_bytes(part)
+    data = json.loads(stribeck("sweep", scenario, *GRID, "--summary", "--out", out, "--json").out)
+    assert data["parts_found"] == data["parts"] - 1
+    assert files(out) == whole
+
+
+@needs_compiler
 def test_goes_on_where_it_was(stribeck, scenario, tmp_path, small_parts):
     out = tmp_path / "out"
     stribeck("sweep", scenario, *GRID, "--summary", "--out", out)
@@ -96,6 +114,7 @@ def test_goes_on_where_it_was(stribeck, scenario, tmp_path, small_parts):
     (out / "part-000001.parquet").unlink()
     (out / "part-000002.parquet").write_bytes(whole["part-000002.parquet"][:-20])
     (out / ".part-000001.parquet.1.tmp").write_bytes(b"half")
+    (out / ".1234-0a1b2c3d.tmp").write_bytes(b"half")
     kept = (out / "part-000000.parquet").stat().st_mtime_ns
     data = json.loads(stribeck("sweep", scenario, *GRID, "--summary", "--out", out, "--json").out)
     assert (data["parts_found"], data["failed"]) == (1, 3)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from stribeck.cli import _status
-from stribeck.export.fmu.archive import binaries
+from stribeck.export.fmu import binaries
 from tests.export.harness import STRICT, need
 
 DOCS = Path(__file__).parent.parent.parent / "docs"

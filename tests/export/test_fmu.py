@@ -4,6 +4,7 @@ import importlib.util
 import os
 import subprocess
 import zipfile
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -329,6 +330,48 @@ def test_sources_compile_without_a_warning(fmi, cc, folder):
         words = [cc, "-c", "-std=c99", "-Wall", "-Wextra", "-Werror", "fmu.c", "-o", "fmu.o"]
         done = subprocess.run(words, cwd=unpacked / "sources", capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stderr
+
+
+_LAYOUT = {
+    2: ("fmi2Pending", "fmi2CoSimulation", "fmi2Terminated", "fmi2True", "sizeof(fmi2ValueReference)", "sizeof(fmi2Byte)",
+        "sizeof(fmi2CallbackFunctions)", "offsetof(fmi2CallbackFunctions, componentEnvironment)", "sizeof(fmi2EventInfo)",
+        "offsetof(fmi2CallbackFunctions, stepFinished)", "offsetof(fmi2EventInfo, nextEventTime)",
+        "offsetof(fmi2EventInfo, nextEventTimeDefined)", "offsetof(fmi2EventInfo, terminateSimulation)",
+        "strcmp(fmi2Version, \"2.0\")", "strcmp(fmi2TypesPlatform, \"default\")"),
+    3: ("fmi3Fatal", "fmi3Dependent", "fmi3IntervalChanged", "fmi3True", "sizeof(fmi3ValueReference)",
+        "sizeof(fmi3Boolean)", "sizeof(fmi3Clock)", "sizeof(fmi3Float32)", "sizeof(fmi3Int8)", "sizeof(fmi3UInt64)",
+        "sizeof(*(fmi3Binary)0)", "strcmp(fmi3Version, \"3.0\")"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_our_header_says_what_the_standards_says(fmi, folder, tmp_path):
+    """The FMU compiles against the headers that FMPy ships in the place of ours, and values and layouts are the same."""
+    need("gcc")
+    theirs = Path(fmpy.__file__).parent / "c-code"
+    if not (theirs / f"fmi{fmi}Functions.h").is_file():
+        pytest.skip("this FMPy ships no headers")
+    with zipfile.ZipFile(fmu("lugre_majorant", "body", fmi, folder)) as archive:
+        archive.extractall(tmp_path)
+    source, include = tmp_path / "sources", f'#include "fmi{fmi}Functions.h"\n'
+    names = {path.name for path in source.iterdir()}
+    assert not {name for name in names if name.startswith("fmi") and name != f"fmi{fmi}.h"}  # no text of others
+    (source / "probe.c").write_text(
+        f'#include <stdio.h>\n#include <stddef.h>\n#include <string.h>\n#include "fmi{fmi}.h"\nint main(void)\n{{\n'
+        + "".join(f'    printf("%d\\n", (int)({text}));\n' for text in _LAYOUT[fmi]) + "    return 0;\n}\n"
+    )  # fmt: skip
+
+    def built():
+        strict = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-Wno-strict-prototypes", "-I", str(theirs)]
+        for words in ([*strict, "-c", "fmu.c", "-o", "fmu.o"], [*strict, "probe.c", "-o", "probe"]):
+            done = subprocess.run(words, cwd=source, capture_output=True, text=True, check=False)
+            assert done.returncode == 0, done.stderr
+        return subprocess.run(["./probe"], cwd=source, capture_output=True, text=True, check=True).stdout
+
+    ours = built()
+    (source / f"fmi{fmi}.h").write_text(include)
+    assert built() == ours
+    assert len(ours.split()) == len(_LAYOUT[fmi])
 
 
 @pytest.mark.skipif(not os.environ.get("STRIBECK_TEST_CROSS"), reason="minutes at first; STRIBECK_TEST_CROSS=1 runs it")

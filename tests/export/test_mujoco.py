@@ -250,7 +250,7 @@ def test_laws_with_more_constants_than_an_actuator_carries_are_refused(tmp_path)
 def test_awkward_names_of_a_users_law(tmp_path):
     (tmp_path / "mine.py").write_text(
         "from stribeck.constants import Constant\nfrom stribeck.laws import BristleLaw\nfrom stribeck.laws.terms import g\n"
-        "class Odd(BristleLaw):\n    \"\"\"Says '''hello''' \\\\ and -->.\"\"\"\n"
+        "class Odd(BristleLaw):\n    \"\"\"Says '''hello''' \\\\ and --> and ---> and ---->.\"\"\"\n"
         '    force_v = Constant("1", "is taken", above=0)\n    abs = Constant("1", "is a function", above=0)\n'
         "    @staticmethod\n    def dz_dt(p, v, z):\n        return p.force_v * v - p.abs * abs(v) / g(p, v) * z\n",
         encoding="utf-8",

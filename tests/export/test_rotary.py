@@ -12,7 +12,7 @@ from stribeck.laws import builtin
 
 TURNING = stribeck.law("lugre_majorant", parameters="olsson1998", k_v=1e5)
 PUSHED = stribeck.law("lugre_majorant", {n: x for n, x in TURNING.values.items() if n in TURNING.uses}, k_v=1e5)
-LINEAR = re.compile(r"\bm/s\b|\bN/s|\bN s/m\b|\bN/m\b|\bs/m\b|\bN\b(?! m| for)|\(m\)|/\* m:")
+LINEAR = re.compile(r"(?<!N )\bm/s\b|\bN/s|\bN s/m\b|\bN/m\b|\bs/m\b|\bN\b(?! m| for)|\(m\)|/\* m:")
 
 
 def code(text):

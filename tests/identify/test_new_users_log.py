@@ -1,5 +1,7 @@
 """A force sine on a body that slips and sticks, positions with an ordinary encoder's noise: fits by simulation."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 

@@ -63,6 +63,7 @@ RATES = {
 STATIC = {
     "coulomb_viscous": lambda v: FC * S(v) + S2 * v,
     "stribeck": lambda v: (FC + (FS - FC) * exp(-((v / VS) ** 2))) * S(v) + S2 * v,
+    "stribeck_tanh": lambda v: (FC + (FS - FC) * exp(-((v / VS) ** 2))) * tanh(KV * v) + S2 * v,
     "makkar": lambda v: G1 * (tanh(G2 * v) - tanh(G3 * v)) + G4 * tanh(G5 * v) + G6 * v,
 }
 SPEEDS = (0.0, 1e-9, 3e-7, 1e-6, 1e-4, 7e-4, 1e-3, 2.5e-3, 0.03, 1.0)

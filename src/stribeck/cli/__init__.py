@@ -2,19 +2,64 @@
 
 from __future__ import annotations
 
+import io
+import os
+import signal
 import sys
+import threading
+import time
 import warnings
+from contextlib import suppress
 from typing import Any, NoReturn
 
 from stribeck.cli.options import said
-from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote
+from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote, one_line
 
 _EXTRA = {"fit": "fit", "rig": "fit", "export": "export", "check": "check", "gains": "check", "paper": "paper"}
+_GRACE = 5.0  # s, to clear away what has been begun
+_WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
+
+
+class _Stop(KeyboardInterrupt):
+    """A signal that ends the process, taken as Ctrl-C is: what has been begun is cleared away."""
+
+    last: int = signal.SIGINT
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
-    """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 interrupted."""
+    """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 or 143 interrupted."""
+    watched = []
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:  # nohup ignores it, and so do we
+            signal.signal(number, _stop)
+            watched.append(number)
+    _see_to_the_end(watched)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")  # names of files need not be text
     sys.exit(_status(arguments))
+
+
+def _see_to_the_end(numbers: list[int]) -> None:
+    """End the process some seconds after one of these signals, where a library never comes back to Python."""
+    read, write = os.pipe()
+    os.set_blocking(write, False)
+    signal.set_wakeup_fd(write, warn_on_full_buffer=False)
+
+    def watch() -> None:
+        while not set(got := os.read(read, 64)) & set(numbers):
+            if not got:
+                return
+        time.sleep(_GRACE)
+        os._exit(128 + got[0])
+
+    threading.Thread(target=watch, daemon=True).start()
+
+
+def _stop(number: int, frame: object) -> NoReturn:
+    _Stop.last = number
+    raise _Stop
 
 
 def _status(arguments: list[str] | None) -> int:
@@ -43,17 +88,21 @@ def _status(arguments: list[str] | None) -> int:
             print(f"stribeck: '{command}' needs {package}: pip install 'stribeck[{extra}]'", file=sys.stderr)
         return 2
     except StribeckError as error:
-        print(f"stribeck: {error}", file=sys.stderr)
+        print(f"stribeck: {one_line(str(error))}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        print("stribeck: interrupted", file=sys.stderr)
-        return 130
+        with suppress(OSError):  # the terminal may have gone
+            print(f"stribeck: {_WORDS.get(_Stop.last, 'ended')}", file=sys.stderr)
+        return 128 + _Stop.last
     except BrokenPipeError:
         sys.stderr.close()  # the reader has gone: nothing is left to tell
         return 1
+    except MemoryError as error:
+        print(f"stribeck: not enough memory{f': {error}' if str(error) else ''}", file=sys.stderr)
+        return 1
     except OSError as error:
         where = f"{error.filename}: " if error.filename else ""
-        print(f"stribeck: {where}{error.strerror or error}", file=sys.stderr)
+        print(f"stribeck: {one_line(f'{where}{error.strerror or error}')}", file=sys.stderr)
         return 1
     except Exception as error:
         usage = getattr(error, "format_message", None)

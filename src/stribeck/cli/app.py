@@ -7,58 +7,9 @@ from typing import Annotated
 
 import typer
 
-import stribeck
+from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
 
-app = typer.Typer(
-    help="Friction models that you can simulate, prove, fit and ship.",
-    epilog="Example: stribeck new my_rig; stribeck run my_rig.toml --out first",
-    no_args_is_help=True,
-    rich_markup_mode=None,  # plain help: nothing folds within a word
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-ScenarioFile = Annotated[
-    Path, typer.Argument(metavar="SCENARIO.toml", help="Scenario file; 'stribeck new' writes one.")
-]
-Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files; made if need be.")]
-Set = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="PATH=VALUE", help="Replace a value, such as law.k_v=1e6; may be repeated."),
-]
-Trust = Annotated[
-    bool, typer.Option("--trust", help="Let the scenario run laws (FILE.py:NAME) that lie outside its folder.")
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")]
-
-
-def _allow(allowed: bool) -> None:
-    from stribeck.parameter_sets import allow_undetermined
-
-    allow_undetermined(allowed)
-
-
-Undetermined = Annotated[
-    bool,
-    typer.Option(
-        "--allow-undetermined", callback=_allow,
-        help="Use the best values of a fit's parameters.toml that its data do not determine.",
-    ),
-]  # fmt: skip
-
-
-def _version(wanted: bool) -> None:
-    if wanted:
-        print(f"stribeck {stribeck.__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def _common(
-    version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version.")
-    ] = False,
-) -> None:
-    pass
+__all__ = ["app"]
 
 
 @app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
@@ -79,7 +30,7 @@ def run(
     return command.run(scenario, out, set_ or [], json, keep_c, trust)
 
 
-@app.command()
+@app.command(epilog="Example: stribeck show machine.toml --out machine.svg")
 def show(
     machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file (schema = 2).")],
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE.svg", help="Draw it here, as a picture.")] = None,

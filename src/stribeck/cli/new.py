@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from stribeck import examples
+from stribeck.cli import show
 from stribeck.errors import InputError
 from stribeck.files import write_text
 
@@ -46,10 +47,9 @@ def new(name: str, out: Path | None, show_list: bool) -> int:
     target = out or Path(f"{name}.toml")
     copies = {target.parent / data.name: data for data in (examples.companions(name) if known else [])}
     for path in (target, *copies):
+        show.check_file("--out", path)
         if path.exists():
             raise InputError(f"--out: {str(path)!r}: exists already; must be a new file")
-    if not target.parent.is_dir():
-        raise InputError(f"--out: {str(target)!r}: there is no folder {target.parent}")
     for path, data in copies.items():
         write_text(path, data.read_text(encoding="utf-8"))
         print(f"wrote {path}")

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c: Path | None, trust: bool) -> int:
     """Simulate, write what was asked for, print the summary."""
     scenario = show.load(path, assignments, trust)
+    if keep_c is not None and (out is None or keep_c.absolute().parent != out.absolute()):
+        show.check_file("--keep-c", keep_c)
     if out is not None:
         show.check_folder(out)
     with show.progress(scenario.name) as tell:

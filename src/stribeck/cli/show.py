@@ -10,7 +10,9 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from stribeck.constants import show as shown
 from stribeck.errors import InputError
+from stribeck.files import trouble
 from stribeck.scenario import Scenario, parse_assignment
 
 if TYPE_CHECKING:
@@ -40,13 +42,22 @@ def check_folder(out: Path) -> None:
     Raises:
         InputError: with the reason.
     """
-    existing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
-    if not existing.is_dir():
-        raise InputError(f"--out: {str(out)!r}: {existing} is a file; must be a folder or a new name")
+    if text := trouble(out, folder=True):
+        raise InputError(f"--out: {shown(str(out))}: {text}")
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise InputError(f"--out: {str(out)!r}: cannot be made: {error.strerror}") from None
+        raise InputError(f"--out: {shown(str(out))}: cannot be made: {error.strerror}") from None
+
+
+def check_file(option: str, path: Path) -> None:
+    """Refuse, before anything runs, a file that cannot be written.
+
+    Raises:
+        InputError: with the reason.
+    """
+    if text := trouble(path, parents=False):
+        raise InputError(f"{option}: {shown(str(path))}: {text}")
 
 
 @contextmanager
@@ -101,7 +112,7 @@ def _bar(what: str) -> Iterator[Progress | None]:
     from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 
     columns = (
-        SpinnerColumn(), TextColumn("{task.description}"), BarColumn(bar_width=24), TimeElapsedColumn(),
+        SpinnerColumn(), TextColumn("{task.description}", markup=False), BarColumn(bar_width=24), TimeElapsedColumn(),
         TextColumn("{task.fields[speed]}"),
     )  # fmt: skip
     bar = Progress(*columns, console=Console(stderr=True), transient=True)

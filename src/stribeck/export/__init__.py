@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import importlib
-import os
-import secrets
-import shutil
 import sys
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
+from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest, note
 from stribeck.export.request import Request
-from stribeck.files import write_with
+from stribeck.files import together, trouble, write_with
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 
@@ -90,10 +87,11 @@ def export(
     if problems:
         raise InputError(problems)
     chosen = TARGETS[target]
+    if text := trouble(out, chosen.folder):
+        raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
     module = importlib.import_module(f"stribeck.export.{chosen.module}")
     request = Request(_law(law, part, scenario), part, scenario, step, self_test, origin, fmi)
     content: dict[str, str | bytes] = module.files(request)
-    _check_place(out, chosen.folder)
     for text in module.notes(request) if hasattr(module, "notes") else ():
         note(text)
     if not chosen.folder:
@@ -124,21 +122,10 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
 
 
 def _write_folder(out: Path, content: dict[str, str | bytes]) -> list[Path]:
-    """All files, or none: written into a folder beside, then moved one by one."""
-    existed = out.exists()
-    out.mkdir(parents=True, exist_ok=True)
-    beside = out / f".{os.getpid()}-{secrets.token_hex(4)}.tmp"
-    try:
-        beside.mkdir()
+    """All files, or none."""
+    with together(out, last=next(iter(content))) as beside:
         for name, data in content.items():
             (beside / name).write_bytes(_encode(data))
-        for name in content:
-            (beside / name).replace(out / name)
-    finally:
-        shutil.rmtree(beside, ignore_errors=True)
-        if not existed:
-            with suppress(OSError):  # not empty: all is well
-                out.rmdir()
     return [out / name for name in content]
 
 
@@ -164,15 +151,6 @@ def _problems(target: str, part: str, self_test: bool, step: float | None, fmi: 
     if fmi not in (2, 3):
         found.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
     return found
-
-
-def _check_place(out: Path, folder: bool) -> None:
-    existing = next(parent for parent in (out, *out.absolute().parents) if parent.exists())
-    if existing == out and existing.is_dir() is not folder:
-        is_, must = ("file", "folder") if folder else ("folder", "file")
-        raise InputError(f"{arg('out')}: {str(out)!r}: is a {is_}; must be a {must} or a new name")
-    if existing != out and not existing.is_dir():
-        raise InputError(f"{arg('out')}: {str(out)!r}: {existing} is a file, not a folder")
 
 
 class _Callable(ModuleType):

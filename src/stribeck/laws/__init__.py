@@ -137,6 +137,16 @@ def _module(name: str, path: Path, text: bytes) -> ModuleType:
     return sys.modules[module_name]
 
 
+def overflow(law: Law) -> str | None:
+    """That a law's constants are too large or too small for its equations, or None."""
+    try:
+        law.force(law.scales(law.p).speed, 0.0)
+        bool(law.jumps_at_rest)
+    except ArithmeticError as error:
+        return f"its equations cannot be evaluated with these constants: {type(error).__name__}"
+    return None
+
+
 def trouble(law: Law) -> str | None:
     """What keeps a law's equations from being evaluated, for a law of the user's own; None where all is well."""
     try:

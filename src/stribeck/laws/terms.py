@@ -58,9 +58,9 @@ def S_0(p: Any, v: Value) -> Value:
 def m(p: Any, v: Value) -> Value:
     """Smooth majorant of |v| in m/s: |v| <= m(v) <= |v| + m(0). docs/theory.md has the proofs."""
     if p.smooth_abs == "sqrt":
-        return sqrt(v**2 + 1 / p.k_v**2)
+        return sqrt(v**2 + (1 / p.k_v) ** 2)
     if p.smooth_abs == "compact":
-        return where(p.k_v * abs(v) < 1, (3 / p.k_v + 6 * p.k_v * v**2 - p.k_v**3 * v**4) / 8, abs(v))
+        return where(p.k_v * abs(v) < 1, (3 + 6 * (p.k_v * v) ** 2 - (p.k_v * v) ** 4) / (8 * p.k_v), abs(v))
     return v * S_0(p, v) + m_0(p)
 
 

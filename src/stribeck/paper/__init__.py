@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import importlib
 import os
+import signal
 from collections.abc import Callable
+from multiprocessing import parent_process
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
-from stribeck.files import write_columns, write_json, write_text, write_with
+from stribeck.files import together, write_columns, write_json
 from stribeck.report.page import Chapter, html
 from stribeck.version import __version__
 
@@ -42,40 +45,45 @@ def write(folder: Path, progress: Callable[[float, str], None] | None = None) ->
 
     Raises:
         StribeckError: a simulation failed; nothing is written.
-        OSError: a file could not be written; files written before it are whole.
+        OSError: a file could not be written; what was in the folder stays as it was.
     """
     chapters = list(_compute(progress).values())
-    paths = []
-    for name in ("figures", "data"):
-        (folder / name).mkdir(parents=True, exist_ok=True)
-    for figure in (figure for chapter in chapters for figure in chapter.figures):
-        paths += [folder / "figures" / f"{figure.name}.{kind}" for kind in ("svg", "png")]
-        write_text(paths[-2], figure.svg)
-        write_with(paths[-1], lambda beside, png=figure.png: beside.write_bytes(png))  # type: ignore[misc]
-    for chapter in chapters:
-        if chapter.data:
-            paths.append(folder / "data" / f"{chapter.key}.parquet")
-            write_columns(paths[-1], chapter.data)
-    page = folder / "report.html"
-    write_text(page, html(TITLE, f"Made by Stribeck {__version__}.", _INTRODUCTION, chapters))
-    summary = {
-        "status": "done",
-        "version": __version__,
-        "chapters": {chapter.key: chapter.numbers for chapter in chapters},
-        "files": [str(path) for path in (page, *paths, folder / "summary.json")],
-    }
-    write_json(folder / "summary.json", summary)
+    with together(folder) as place:
+        for figure in (figure for chapter in chapters for figure in chapter.figures):
+            _new(place / "figures" / f"{figure.name}.svg").write_text(figure.svg, encoding="utf-8")
+            _new(place / "figures" / f"{figure.name}.png").write_bytes(figure.png)
+        for chapter in chapters:
+            if chapter.data:
+                write_columns(_new(place / "data" / f"{chapter.key}.parquet"), chapter.data)
+        page = html(TITLE, f"Made by Stribeck {__version__}.", _INTRODUCTION, chapters)
+        (place / "report.html").write_text(page, encoding="utf-8")
+        names = [str(path.relative_to(place)) for path in sorted(place.rglob("*")) if path.is_file()]
+        names = ["report.html", *(name for name in names if name != "report.html"), "summary.json"]
+        summary = {
+            "status": "done",
+            "version": __version__,
+            "chapters": {chapter.key: chapter.numbers for chapter in chapters},
+            "files": [str(folder / name) for name in names],
+        }
+        write_json(place / "summary.json", summary)
     return summary
+
+
+def _new(path: Path) -> Path:
+    path.parent.mkdir(exist_ok=True)
+    return path
 
 
 def _compute(progress: Callable[[float, str], None] | None) -> dict[str, Chapter]:
     """The chapters by key, in order; independent ones in two processes where there are two cores."""
     from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import active_children
 
     independent = [name for name in CHAPTERS if name not in _READS_OTHERS]
     independent.sort(key=lambda name: _SLOWEST_FIRST.index(name) if name in _SLOWEST_FIRST else len(_SLOWEST_FIRST))
     done: dict[str, Chapter] = {}
-    with ProcessPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
+    others = set(active_children())
+    with ProcessPoolExecutor(min(2, os.cpu_count() or 1), initializer=_begin_worker) as pool:
         futures = {pool.submit(_chapter, name, {}): name for name in independent}
         try:
             if progress is not None:
@@ -86,12 +94,28 @@ def _compute(progress: Callable[[float, str], None] | None) -> dict[str, Chapter
                     progress(
                         len(done) / len(CHAPTERS), f"{len(done)} of {len(CHAPTERS)} chapters, {futures[future]} done"
                     )
-        except BaseException:
+        except BaseException:  # Ctrl-C too: a chapter takes up to a minute, and nobody waits for it any more
             pool.shutdown(wait=False, cancel_futures=True)
+            for child in set(active_children()) - others:
+                child.kill()
             raise
     for name in _READS_OTHERS:
         done[name] = _chapter(name, done)
     return {name: done[name] for name in CHAPTERS}
+
+
+def _begin_worker() -> None:
+    """In a process of the pool: leave Ctrl-C to the parent, and end when it ends, however that was."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+
+    def follow() -> None:
+        parent = parent_process()
+        if parent is not None:
+            parent.join()
+            os._exit(1)
+
+    Thread(target=follow, daemon=True).start()
 
 
 def _chapter(name: str, done: dict[str, Chapter]) -> Chapter:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.errors import InputError, nearest
+from stribeck.files import read_file
 
 _FOLDER = Path(__file__).parent
 
@@ -79,9 +80,11 @@ def read_toml(path: Path) -> dict[str, Any]:
         InputError: the file cannot be read, or is not TOML.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))  # some editors begin a file with a mark
+        return tomllib.loads(read_file(path).decode("utf-8-sig"))  # some editors begin a file with a mark
     except OSError as error:
         text = f"cannot be read: {error.strerror}"
+    except MemoryError:
+        text = "cannot be read: it does not fit into memory"
     except UnicodeDecodeError:
         text = "is not text in UTF-8"
     except tomllib.TOMLDecodeError as error:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from stribeck.files import write_json, write_text
+from stribeck.files import together, write_json, write_text
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
 from stribeck.steepness import Advice
@@ -14,10 +14,11 @@ from stribeck.steepness import Advice
 
 def write(advices: Mapping[str, Advice], folder: Path, summary: dict[str, Any]) -> list[str]:
     """Write advise.svg and, last, summary.json; the paths."""
-    paths = [folder / "advise.svg", folder / "summary.json"]
-    write_text(paths[0], figure(advices, "advise", "").svg)
-    files = [str(path) for path in paths]
-    write_json(paths[1], {**summary, "files": files})
+    names = ("advise.svg", "summary.json")
+    files = [str(folder / name) for name in names]
+    with together(folder) as place:
+        write_text(place / names[0], figure(advices, "advise", "").svg)
+        write_json(place / names[1], {**summary, "files": files})
     return files
 
 

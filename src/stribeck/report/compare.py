@@ -8,25 +8,29 @@ from typing import Any
 
 from stribeck.analysis.comparison import Comparison, compared
 from stribeck.errors import left_out
-from stribeck.files import write_json
+from stribeck.files import together, write_json
 from stribeck.report import chapters, overview
 from stribeck.report.files import write_figure, write_table
 from stribeck.report.page import Chapter, FigureSvg, Table
+
+_LONGEST = 100  # characters of a label in a file's name
 
 
 def write(comparison: Comparison, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
     """Write a trajectory for each law, compare.svg, .png and .pdf, report.html and, last, summary.json with the
     deviations; the paths."""
     paths: list[Path] = []
-    for i, (label, solution) in enumerate(comparison.solutions.items()):
-        paths += write_table(solution, folder, f"{i}_{re.sub(r'[^A-Za-z0-9_.=+-]+', '_', label).strip('_')}")
-    with left_out("the plot and the page"):
-        figure = overview.comparison(comparison.solutions)
-        paths += write_figure(figure, folder)
-        paths.append(_page(comparison, figure, folder, command))
-    paths.append(folder / "summary.json")
-    files = [str(path) for path in paths]
-    write_json(paths[-1], {**summary, "files": files})
+    with together(folder) as place:
+        for i, (label, solution) in enumerate(comparison.solutions.items()):
+            name = re.sub(r"[^A-Za-z0-9_.=+-]+", "_", label).strip("_")
+            paths += write_table(solution, place, f"{i}_{name[:_LONGEST]}")
+        with left_out("the plot and the page"):
+            figure = overview.comparison(comparison.solutions)
+            paths += write_figure(figure, place)
+            paths.append(_page(comparison, figure, place, command))
+        paths.append(place / "summary.json")
+        files = [str(folder / path.name) for path in paths]
+        write_json(paths[-1], {**summary, "files": files})
     return files
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.errors import left_out, needed
-from stribeck.files import arrow_array, write_text, write_with
+from stribeck.files import arrow_array, write_parquet, write_text, write_with
 from stribeck.report.page import FigureSvg
 from stribeck.simulation import Solution
 
@@ -62,7 +62,6 @@ def _cell(value: Any) -> str:
 def _write_parquet(solution: Solution, path: Path) -> None:
     with needed("a Parquet file"):
         import pyarrow
-        from pyarrow import parquet
 
     fields = [pyarrow.field("t", pyarrow.float64(), metadata={"unit": "s", "meaning": "time"})]
     fields += [
@@ -77,4 +76,4 @@ def _write_parquet(solution: Solution, path: Path) -> None:
     }
     columns = [arrow_array(solution[field.name]) for field in fields]
     table = pyarrow.Table.from_arrays(columns, schema=pyarrow.schema(fields, metadata=about))
-    write_with(path, lambda beside: parquet.write_table(table, beside))
+    write_with(path, lambda beside: write_parquet(table, beside))

@@ -55,6 +55,7 @@ _STYLE: dict[str, Any] = {
     "svg.hashsalt": "stribeck",
 }
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LONGEST = 60  # characters of a label
 _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
 
 
@@ -104,9 +105,17 @@ def thin(x: Array, y: Array) -> tuple[Array, Array]:
     return x[keep], y[keep]
 
 
+def plain(text: str, longest: int = _LONGEST) -> str:
+    """A user's text as a label: no formulae between dollars, no more than fits, never hidden by a leading underscore."""
+    text = text if len(text) <= longest else f"{text[: longest - 3]}..."
+    text = text.replace("$", r"\$")
+    return f"\u200b{text}" if text.startswith("_") else text
+
+
 def line(axis: Axes, i: int, x: Any, y: Any, label: str, **options: Any) -> None:
     """The figure's line number ``i``: its colour and dashes follow from the number."""
-    axis.plot(x, y, color=COLOURS[i % len(COLOURS)], linestyle=DASHES[i % len(DASHES)], label=label, **options)
+    style = {"color": COLOURS[i % len(COLOURS)], "linestyle": DASHES[i % len(DASHES)], "label": plain(label)}
+    axis.plot(x, y, **style, **options)
 
 
 def logarithmic(axis: Axes, x: bool = True, y: bool = True) -> None:
@@ -140,7 +149,7 @@ def legend(made: Figure, axis: Axes, names: Sequence[str] | None = None) -> None
             [x for x, label in zip(kind, labels, strict=True) if label in names] for kind in (handles, labels)
         )
     room = 88  # characters beside each other at the legend's size, a line's sample counted as six
-    fits = max(1, room // (6 + max(map(len, labels))))
+    fits = max(1, room // (6 + max(map(len, labels), default=0)))
     columns = len(labels) if sum(len(label) + 6 for label in labels) <= room else min(fits, (len(labels) + 1) // 2)
     made.legend(handles, labels, loc="outside upper center", ncols=columns)
 

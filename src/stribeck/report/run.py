@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.errors import left_out
-from stribeck.files import write_json
+from stribeck.files import together, write_json
 from stribeck.report import chapters
 from stribeck.report.files import write_figure, write_table
 from stribeck.report.overview import overview
@@ -16,14 +16,15 @@ from stribeck.simulation import Solution
 
 def write(solution: Solution, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
     """Write trajectory.csv and .parquet, plot.svg, .png and .pdf, report.html and, last, summary.json; the paths."""
-    paths = write_table(solution, folder, "trajectory")
-    with left_out("the plot and the page"):
-        figure = overview({solution.scenario.label: solution})
-        paths += write_figure(figure, folder)
-        paths.append(_page(solution, figure, folder, command))
-    paths.append(folder / "summary.json")
-    files = [str(path) for path in paths]
-    write_json(paths[-1], {**summary, "files": [*summary["files"], *files]})
+    with together(folder) as place:
+        paths = write_table(solution, place, "trajectory")
+        with left_out("the plot and the page"):
+            figure = overview({solution.scenario.label: solution})
+            paths += write_figure(figure, place)
+            paths.append(_page(solution, figure, place, command))
+        paths.append(place / "summary.json")
+        files = [str(folder / path.name) for path in paths]
+        write_json(paths[-1], {**summary, "files": [*summary["files"], *files]})
     return files
 
 

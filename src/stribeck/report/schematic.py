@@ -39,9 +39,10 @@ class Entry:
 
 def entries(rig: Rig) -> list[Entry]:
     """Every element of a machine, in the file's order."""
-    found = []
-    for link in rig.machine.links:
-        found.append(Entry("link", link.name, _start(link.span), link.span.end or "ground", _numbers(rig, link.path)))
+    found = [
+        Entry("link", link.name, _start(link.span), link.span.end or "ground", _numbers(rig, link.path))
+        for link in rig.machine.links
+    ]
     for contact in rig.machine.contacts:
         law = rig.laws[contact.law_path]
         shown = [f"{n} {number(x)}" for n in ("F_c", "F_s", "sigma_0") if (x := law.values.get(n)) is not None]
@@ -231,7 +232,8 @@ def svg(rig: Rig, name: str) -> str:
         for i in range(int(layout.width // 16) - 1):
             page.line([(18 + 16 * i, y_ground), (10 + 16 * i, y_ground + 10)])
     height = y_ground + 20
-    tip = '<marker id="tip" markerWidth="9" markerHeight="9" refX="8" refY="4" orient="auto"><path d="M0,0 L9,4 L0,8 z"/></marker>'
+    size = 'markerWidth="9" markerHeight="9" refX="8" refY="4" orient="auto"'
+    tip = f'<marker id="tip" {size}><path d="M0,0 L9,4 L0,8 z"/></marker>'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{layout.width:.0f}" height="{height:.0f}" '
         f'viewBox="0 0 {layout.width:.0f} {height:.0f}" role="img"><style>{_STYLE}</style><defs>{tip}</defs>'

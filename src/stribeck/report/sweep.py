@@ -9,7 +9,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from hashlib import sha256
+from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
-from stribeck.files import write_json, write_with
+from stribeck.files import write_json, write_parquet, write_with
 from stribeck.report.files import write_csv
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, simulate_ensemble
+from stribeck.simulation.native import step_share
 from stribeck.simulation.variations import vary
 from stribeck.version import __version__
 
@@ -112,7 +113,8 @@ def lanes_of(ranges: Sequence[Range], samples: int | None = None, seed: int = 0)
 
 
 class Sweep:
-    """A sweep in a folder: parts of some lanes each, and ``_manifest.json``, which says what it is.
+    """A sweep in a folder: parts of some lanes each, and ``_manifest.json``, which says what it is and has the SHA-256
+    of each part that is done.
 
     Readers of a folder of Parquet files pass over names that begin with an underscore.
 
@@ -134,6 +136,7 @@ class Sweep:
             with needed(f"a sweep into Parquet files ({arg('as_csv')} writes CSV)"):
                 import pyarrow  # noqa: F401  (before hours of work, not after)
         self.lanes, self.folder, self.summary, self.as_csv = vary(scenario, values), folder, summary, as_csv
+        self._read: set[tuple[str, str, int, int]] = set()  # parts that have been found to be whole
         row = 8.0 * (1 + len(scenario.system.columns))
         self.part_size = max(1, min(len(self.lanes), int(_PART_BYTES / (row * scenario.rows))))
         self.parts = math.ceil(len(self.lanes) / self.part_size)
@@ -161,14 +164,40 @@ class Sweep:
         pieces = [table.start, table.rows, table.restart]
         about = s.data["drive"] if s.rig is None else sorted(s.rig.seeds.items())
         numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.threshold, s.end]
-        settings = [s.solve.rtol, s.solve.max_steps, s.output.step, s.rows, list(lanes.values), about]
+        settings = [
+            s.solve.rtol, step_share(s), s.solve.max_steps, s.output.step, s.rows, list(lanes.values), about,
+        ]  # fmt: skip
         text = json.dumps([source(s.system, lanes=True), numbers, settings])
         arrays = b"".join(np.ascontiguousarray(x).tobytes() for x in [*pieces, *lanes.values.values()])
         return sha256(text.encode() + arrays).hexdigest()
 
     def missing(self) -> list[int]:
-        """The parts that are not there yet, or not whole."""
-        return [i for i in range(self.parts) if not _whole(self.path(i))]
+        """The parts that are not there yet, or are not what was written."""
+        done = self._kept().get("sha256", {})
+        return [i for i in range(self.parts) if not self._whole(self.path(i), done.get(self.path(i).name))]
+
+    def _whole(self, path: Path, digest: str | None) -> bool:
+        try:
+            state = path.stat()
+            now = (path.name, str(digest), state.st_size, state.st_mtime_ns)
+            if now not in self._read and _digest(path) == digest:
+                self._read.add(now)
+        except OSError:
+            return False
+        return now in self._read
+
+    def _kept(self) -> dict[str, Any]:
+        """The manifest in the folder; empty where there is none that can be read."""
+        try:
+            found = json.loads((self.folder / "_manifest.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return {}
+        return found if isinstance(found, dict) and isinstance(found.get("sha256", {}), dict) else {}
+
+    def _done(self, part: int) -> None:
+        """Note that a part is written."""
+        digests = {**self._kept().get("sha256", {}), self.path(part).name: _digest(self.path(part))}
+        write_json(self.folder / "_manifest.json", {**self.manifest, "sha256": dict(sorted(digests.items()))})
 
     def run(self, threads: int | None = None, progress: Progress | None = None) -> int:
         """Write the parts that are missing; how many lanes failed in all.
@@ -193,6 +222,7 @@ class Sweep:
                 values = {path: x[first:end] for path, x in self.lanes.values.items()}
                 found = simulate_ensemble(self.lanes.scenario, values, threads=threads, progress=tell)
                 _write(self.path(part), _summary(found, first) if self.summary else _trajectories(found, first))
+                self._done(part)
                 done += end - first
             return sum(_failed_lanes(self.path(i)) for i in range(self.parts))
 
@@ -202,14 +232,11 @@ class Sweep:
     def _claim(self) -> None:
         """Make the folder this sweep's: write its manifest, or find the same one there."""
         place = self.folder / "_manifest.json"
-        for left in (*self.folder.glob(".part-*.tmp"), *self.folder.glob("._manifest*.tmp")):  # of a killed process
-            left.unlink()
+        for pattern in (".[0-9]*-????????.tmp", ".part-*.tmp", "._manifest*.tmp"):
+            for left in self.folder.glob(pattern):  # of a killed process: nobody else is at work here
+                left.unlink()
         if place.exists():
-            try:
-                same = json.loads(place.read_text(encoding="utf-8")) == self.manifest
-            except ValueError:
-                same = False
-            if not same:
+            if {key: x for key, x in self._kept().items() if key != "sha256"} != self.manifest:
                 text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
                 raise InputError(f"{arg('folder')}: {str(self.folder)!r}: {text}")
         elif any(self.folder.glob("part-*.*")):
@@ -217,7 +244,7 @@ class Sweep:
                 f"{arg('folder')}: {str(self.folder)!r}: holds parts of an unknown sweep: must be another folder"
             )
         else:
-            write_json(place, self.manifest)
+            write_json(place, {**self.manifest, "sha256": {}})
 
 
 @contextmanager
@@ -296,7 +323,6 @@ def _write(path: Path, columns: Sequence[Column]) -> None:
         write_with(path, lambda beside: write_csv(beside, {name: values for name, _, _, values in columns}))
         return
     import pyarrow
-    from pyarrow import parquet
 
     fields, arrays = [], []
     for name, unit, meaning, values in columns:
@@ -305,21 +331,12 @@ def _write(path: Path, columns: Sequence[Column]) -> None:
         arrays.append(array)
         fields.append(pyarrow.field(name, array.type, metadata={"unit": unit, "meaning": meaning}))
     table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
-    write_with(path, lambda beside: parquet.write_table(table, beside, compression="zstd"))
+    write_with(path, lambda beside: write_parquet(table, beside, compression="zstd"))
 
 
-def _whole(path: Path) -> bool:
-    """True where the part is there and can be read."""
-    if path.suffix == ".csv":
-        return path.is_file()  # it was renamed when it was whole
-    import pyarrow
-    from pyarrow import parquet
-
-    try:
-        parquet.read_metadata(path)
-    except (OSError, pyarrow.ArrowException):
-        return False
-    return True
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return file_digest(file, "sha256").hexdigest()
 
 
 def _failed_lanes(path: Path) -> int:

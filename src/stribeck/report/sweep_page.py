@@ -28,7 +28,6 @@ _MOST = 200_000  # lanes in a plot: more show nothing new
 def write(sweep: Sweep, command: str = "") -> list[Path]:
     """Write the plots and report.html into the folder ``_report`` of a sweep; the paths."""
     folder = sweep.folder / FOLDER
-    folder.mkdir(exist_ok=True)
     figures, tables, text = [], [], [f"{len(sweep.lanes)} lanes; what varied: {', '.join(sweep.lanes.values)}."]
     if sweep.summary:
         rows = _read(sweep)
@@ -39,6 +38,7 @@ def write(sweep: Sweep, command: str = "") -> list[Path]:
     shown = _some(sweep)
     if shown:
         figures.append(_lanes(sweep, shown))
+    folder.mkdir(exist_ok=True)
     paths = [path for figure in figures for path in write_figure(figure, folder)]
     found = [Chapter("lanes", "The lanes", text, tables), *chapters.plots(figures)]
     scenario = sweep.lanes.scenario

@@ -17,7 +17,7 @@ from stribeck.control.cascade import Cascade
 from stribeck.control.servo import ServoSystem
 from stribeck.drives import Drive
 from stribeck.equations import Equations
-from stribeck.errors import InputError
+from stribeck.errors import InputError, printable
 from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario import servo, tables
@@ -119,6 +119,8 @@ class Scenario:
         """This scenario with the values at some paths replaced: ``{"law.name": "lugre", "drive.signal.rate": 0.1}``."""
         return Scenario(changed(self.data, changes, self.folder), folder=self.folder, trust=True)
 
+    replace = with_changes
+
     # -- filled in by Reader ---------------------------------------------------------------------------------------
 
     rig: Rig | None = None  # a machine (schema = 2) with its values; it has no law, drive and signal of its own
@@ -152,6 +154,14 @@ class Scenario:
     def law(self, law: Law) -> None:
         self._law = law
 
+    def __getattr__(self, name: str) -> Any:
+        """What only a law on a single body has, asked of a machine."""
+        if name in ("drive", "drive_values", "signal") and self.__dict__.get("rig") is not None:
+            raise InputError(
+                f"{self.name}: schema = 2: is a machine, and this takes a law on a single body (schema = 1)"
+            )
+        raise AttributeError(f"'Scenario' object has no attribute {name!r}")
+
     @property
     def subject(self) -> str:
         """What it is about, in a few words: the law, or the machine."""
@@ -169,8 +179,8 @@ class Scenario:
 
     @property
     def name(self) -> str:
-        """The scenario's name."""
-        return str(self.data.get("name", "scenario"))
+        """The scenario's name; what a terminal or a file could take for more than text is written as an escape."""
+        return printable(str(self.data.get("name", "scenario")))
 
     @property
     def rotary(self) -> bool:

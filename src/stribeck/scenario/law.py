@@ -53,6 +53,9 @@ class LawReader:
     def read(self) -> Law | None:
         """The law, or None; ``problems`` then says why."""
         table, path = self.table, self.path
+        if isinstance(table, Law):
+            self.law = table
+            return table
         if not isinstance(table, dict):
             text = f"missing: the table [{path}] must be given (with name and parameters)"
             self.problems.append((path, text if table is None else no_table(table)))
@@ -84,7 +87,7 @@ class LawReader:
         return self.law
 
     def _evaluate(self, law: Law) -> None:
-        if ".py:" in self.table["name"] and (trouble := laws.trouble(law)):
+        if trouble := laws.trouble(law) if in_a_file(self.table["name"]) else laws.overflow(law):
             self.problems.append((f"{self.path}.name", f"{show(self.table['name'])}: {trouble}"))
         else:
             self.law = law

@@ -60,7 +60,9 @@ class Reader:
 
     def _is_machine(self) -> bool:
         """Whether it is a machine file, also where its schema is wrong."""
-        return self.data.get("schema") == 2 or ("bodies" in self.data and "law" not in self.data)
+        if "bodies" in self.data:
+            return self.data.get("schema") == 2 or "law" not in self.data
+        return self.data.get("schema") == 2 and not {"law", "drive", "plant"} & self.data.keys()
 
     def _machine(self) -> list[tables.Problem]:
         """A machine: bodies, and elements between them."""
@@ -72,7 +74,8 @@ class Reader:
         s.output = self._table(tables.Output, "output")
         reader = machine.MachineReader(self.data, self.folder, s.output is not None and s.output.energy, self.executes)
         self.problems += reader.read()
-        s.rig = reader.rig
+        whole = self.executes or not trust.named(self.data)  # else its own elements are still missing
+        s.rig = reader.rig if whole else None
         if s.rig is not None:
             s.initial = s.rig.start()
             self._tolerances([state.name for state in s.system.states])

@@ -149,14 +149,18 @@ def _contact() -> Node:
     return node
 
 
+def _plain(kind: Any) -> Any:
+    return kind
+
+
 def _load(kind: str, load: type[machine_loads.Load]) -> Node:
-    node = _with_signal(_model(machine_tables.load_table(load)))
+    node = _with_signal(_model(machine_tables.load_table(_plain(load))))
     node["properties"]["kind"] = {"const": kind, "description": (load.__doc__ or "").strip().partition("\n")[0]}
     return node
 
 
 def _controller(kind: str, each: type[machine_controllers.Controller]) -> Node:
-    node = _with_signal(_model(machine_tables.controller_table(each)))
+    node = _with_signal(_model(machine_tables.controller_table(_plain(each))))
     node["properties"]["kind"] = {"const": kind, "description": (each.__doc__ or "").strip().partition("\n")[0]}
     _with_signal(node["properties"]["sampling"])
     compensation = _with_signal(_model(machine_tables.CompensationTable))

@@ -6,6 +6,7 @@ import ctypes
 from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
+from threading import Event
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,7 @@ from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK
 from stribeck.errors import BuildError, InputError, StribeckError, arg, nearest
 from stribeck.scenario import Scenario, memory
+from stribeck.scenario.objects import Machine, Varied, scenario_of
 from stribeck.simulation import cache, compiler, lanes
 from stribeck.simulation.result import failure
 from stribeck.simulation.single import simulate
@@ -94,9 +96,11 @@ class Ensemble:
 
 
 def simulate_ensemble(
-    scenario: Scenario | str | Path | Mapping[str, Any],
-    values: Mapping[str, ArrayLike],
+    scenario: Scenario | Machine | Varied | str | Path | Mapping[str, Any],
+    values: Mapping[str, ArrayLike] | None = None,
     *,
+    t_end: float | None = None,
+    step: float | None = None,
     threads: int | None = None,
     device: str = "cpu",
     progress: Callable[[float], None] | None = None,
@@ -109,7 +113,9 @@ def simulate_ensemble(
     lane's numbers are the same from run to run.
 
     Args:
-        scenario: what the lanes share: a scenario, the path of its file, or its tables.
+        scenario: what the lanes share: a scenario, a machine, the path of its file, or its tables; ``machine.vary(...)``
+            brings its values with it.
+        t_end, step: as for :func:`simulate`.
         values: numbers by path, as many for each path as there are lanes; a single number holds for all.
         threads: how many to use; all of the machine's unless given.
         device: ``"cuda"`` for a GPU, one trajectory a thread (``pip install 'stribeck[cuda]'``); its lanes agree with
@@ -125,7 +131,10 @@ def simulate_ensemble(
     """
     if device not in ("cpu", "cuda"):
         raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
-    variations = vary(Scenario.of(scenario), values)
+    if isinstance(scenario, Varied):
+        values = {**scenario.values, **(values or {})}
+    shared = scenario.machine if isinstance(scenario, Varied) else scenario
+    variations = vary(scenario_of(shared, t_end, step), values or {})
     scenario, count = variations.scenario, len(variations)
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads: {threads}: must be a whole number >= 1")
@@ -196,8 +205,14 @@ def _one_by_one(
     scenario = variations.scenario
     columns = {c.name: np.full(states.shape[:2], np.nan) for c in scenario.system.columns}
 
+    stopped = Event()
+
+    def go_on(share: float) -> None:
+        if stopped.is_set():
+            raise KeyboardInterrupt
+
     def run(lane: int) -> Solution:
-        return simulate(scenario.with_changes(variations.changes(lane)))
+        return simulate(scenario.with_changes(variations.changes(lane)), go_on)
 
     with ThreadPoolExecutor(threads) as pool:
         try:
@@ -213,6 +228,7 @@ def _one_by_one(
                 if progress is not None:
                     progress((done + 1) / len(places))
         except BaseException:
+            stopped.set()
             pool.shutdown(cancel_futures=True)
             raise
     return columns
@@ -227,7 +243,7 @@ def _count_crossings(
     for i, lane in enumerate(places):
         if threshold[i] > 0:
             done = found.counts["status"][i] == 0
-            end = scenario.end if done else float(found.counts["rows_reached"][i]) * scenario.output.step
+            end = scenario.end if done else max(float(found.counts["rows_reached"][i]) - 1, 0.0) * scenario.output.step
             rises = [up for _, up in signals[which[i]].crossings(float(threshold[i]), end)]
             counts["happened"][lane, 0, :2] = sum(rises), len(rises) - sum(rises)
 

@@ -33,6 +33,7 @@ _STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
 _STEP_SHARE = 0.01
 # The same under a sampled controller, whose every output starts the motion anew: many short steps, each good.
 _SAMPLED_SHARE = 0.1
+_WELL_DAMPED, _LEAST_DAMPED = 0.05, 1e-4  # damping ratio from which no more is needed; the smallest share of it
 _RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
 
 _DONE, _MORE, _EVENTS_FULL, _NOT_FINITE = 0, 1, 2, -2
@@ -53,8 +54,39 @@ class Run(ctypes.Structure):
 
 def step_share(scenario: Scenario) -> float:
     """What one step may err by, as a share of the scenario's tolerances."""
-    share = _SAMPLED_SHARE if scenario.system.held else _STEP_SHARE
-    return max(share, min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
+    return max(_wanted_share(scenario), min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
+
+
+def doubts(scenario: Scenario) -> list[str]:
+    """Where the tolerances cannot be what was asked for, because rounding is the larger error."""
+    rtol, finest = scenario.solve.rtol, _RTOL_SMALLEST / _wanted_share(scenario)
+    if rtol < _RTOL_SMALLEST / _STEP_SHARE:
+        return [f"solve.rtol: {rtol:g}: rounding is the larger error below 1e-11; solved as with that"]
+    if rtol < finest * (1 - 1e-9):
+        ratio = f"damping ratio {damping_ratio(scenario):.2g}"
+        return [
+            f"the contact is hardly damped ({ratio}) and rings: v may be off by more than solve.rtol = {rtol:g} says"
+        ]
+    return []
+
+
+def _wanted_share(scenario: Scenario) -> float:
+    """A contact that is hardly damped swings many times, and the errors of all swings add up."""
+    if scenario.system.held:
+        return _SAMPLED_SHARE
+    return _STEP_SHARE * min(1.0, max((damping_ratio(scenario) / _WELL_DAMPED) ** 2, _LEAST_DAMPED))
+
+
+def damping_ratio(scenario: Scenario) -> float:
+    """Of a body on its bristles, at rest; infinite where there is no such thing."""
+    if scenario.rig is not None:  # a machine has many bodies and contacts
+        return float("inf")
+    p, mass = scenario.law.p, scenario.mass
+    sigma_0 = getattr(p, "sigma_0", None)
+    if not sigma_0 or not mass or scenario.drive.sets_velocity or not scenario.law.has_z:
+        return float("inf")
+    damping = [getattr(p, name, None) or 0.0 for name in ("sigma_1", "sigma_2")]
+    return float((sum(damping) + scenario.drive_values.get("K_d", 0.0)) / (2 * (sigma_0 * mass) ** 0.5))
 
 
 def check(library: ctypes.CDLL) -> None:

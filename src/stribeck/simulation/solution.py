@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Iterator
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 
 from stribeck.drives.base import Column
 from stribeck.errors import nearest, needed
+from stribeck.files import write_text
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result
@@ -87,6 +90,17 @@ class Solution:
     def keys(self) -> tuple[str, ...]:
         """The names of the columns, t first: ``dict(solution)`` holds the arrays by name."""
         return ("t", *(column.name for column in self.columns))
+
+    def plot(self, path: str | Path | None = None) -> str:
+        """The plot page of the solution as SVG text, which a notebook shows by itself; written to ``path`` if given."""
+        text = self._repr_svg_()
+        if path is not None:
+            write_text(Path(path), text)
+        return text
+
+    def _repr_svg_(self) -> str:
+        plots = importlib.import_module("stribeck.report.plots")  # stands above this room
+        return str(plots.overview({self.scenario.label: self}))
 
     def to_pandas(self) -> pandas.DataFrame:
         """The columns as a pandas data frame, t first.

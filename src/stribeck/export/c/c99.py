@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
+from importlib.resources import files as resources
 from typing import Any
 
 from stribeck.errors import InputError, NotDifferentiable, arg
 from stribeck.export.c import cascade
 from stribeck.export.c.ccode import ARGUMENTS, WORDS, Equations, condition, render
 from stribeck.export.request import Request
+from stribeck.laws import builtin
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
 
 
@@ -47,10 +50,26 @@ def context(request: Request) -> dict[str, Any]:
         "relations": _relations(law, request.constants),
         "eq": equations,
         "smooth": is_smooth(law),
+        "costs": costs(law),
         "with_body": request.part in ("law", "body"),
         "with_observer": equations.observable and request.part in ("law", "observer"),
         "proven_observer": equations.observable and equations.linear,
     }
+
+
+def costs(law: Law) -> list[str]:
+    """What a step costs, as lines for the header; none for a law or a form that was not counted
+    (benchmarks/arm_instructions.py counts them all)."""
+    counted = json.loads(resources("stribeck.export").joinpath("templates", "costs.json").read_text(encoding="utf-8"))
+    rows = counted["laws"].get(" ".join((law.name, *law.structure)), {})
+    if not rows or builtin().get(law.name) is not type(law):
+        return []
+    each = "; ".join(f"{target} {mean} (most {most})" for target, (mean, most) in rows.items())
+    return [
+        f"Instructions of one {law.name}_step, mean over speeds around v_s at 1 ms:",
+        f"  {each}",
+        f"  (gcc {counted['gcc']} -O2 with newlib, every executed instruction counted under qemu; cycles depend on your part)",
+    ]
 
 
 def is_smooth(law: Law) -> bool:

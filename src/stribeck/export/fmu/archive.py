@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 import zipfile
-from importlib.resources import files as resources
 from types import SimpleNamespace
 from typing import Any
 
@@ -19,8 +18,6 @@ from stribeck.export.request import Request
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.plants.mass import Mass
 
-_HEADERS = {2: ("Functions", "FunctionTypes", "TypesPlatform"), 3: ("Functions", "FunctionTypes", "PlatformTypes")}
-
 
 def files(request: Request) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
@@ -30,11 +27,9 @@ def files(request: Request) -> dict[str, str | bytes]:
     sources = {
         f"{name}.h": render(f"{part}.h", **values),
         f"{name}.c": render(f"{part}.c", **values),
+        f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
         "fmu.c": render(f"{model}.c", **values) + render(f"fmi{fmi}.c", **values),
     }
-    for header in _HEADERS[fmi]:
-        path = resources("stribeck.export").joinpath("fmi", f"fmi{fmi}{header}.h")
-        sources[path.name] = path.read_text(encoding="utf-8")
     content: dict[str, str | bytes] = {"modelDescription.xml": model_description(values)}
     content |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "fmi{{ fmi }}Functions.h"
+#include "fmi{{ fmi }}.h"
 #include "{{ P }}.c"
 
 #define STATES 0 /* that are continuous */

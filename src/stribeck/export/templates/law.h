@@ -17,6 +17,9 @@
  * A force that is computed from a measured velocity acts a sample late: {{ P }}_step inside a loop with a mass is
  * stable for short steps only{% if with_body %}; {{ P }}_body_step is stable for all{% endif %}.
 {% endif %}
+{% for line in costs %}
+ * {{ line }}
+{% endfor %}
  */
 #ifndef {{ P | upper }}_H
 #define {{ P | upper }}_H

@@ -8,6 +8,7 @@ answers a step late. The callback has every law, and looks a step ahead.
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 from stribeck.errors import InputError
@@ -102,7 +103,7 @@ def _mass(request: Request) -> float:
 
 
 def _model(request: Request, actuator: str, how: str, integrator: str) -> str:
-    lines = "\n".join(f"  {line}".rstrip() for line in request.about()).replace("--", "- -")
+    lines = re.sub("-(?=-)", "- ", "\n".join(f"  {line}".rstrip() for line in request.about()))  # no end of a comment
     return f"""\
 <!--
 {lines}

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
-from stribeck.identify.report import pictures
+from stribeck.identify.report import pictures, traces
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.choose import Choice
 from stribeck.properties import check
@@ -27,7 +27,8 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
     fit = result.best if isinstance(result, Choice) else result
     chapters = [
         _result(fit), *([_laws(result)] if isinstance(result, Choice) else []), *_selection(fit), _data(log, data),
-        *_curve(fit), *_levels(fit), *_loops(fit), *_residuals(fit), *_profiles(fit), *_properties(fit),
+        *_traces(fit, log), *_curve(fit, log), *_levels(fit), *_loops(fit),
+        *_residuals(fit, log), *_profiles(fit), *_properties(fit),
     ]  # fmt: skip
     about = f"Stribeck {__version__}, {command}, data SHA-256 {fit.data_hash[:16]}..."
     unknown = [n for n in fit.unidentified if n in fit.estimates]
@@ -35,6 +36,13 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
         f"Law {fit.law}, method {fit.method}. The relative force error, norm(residual)/norm(force), is "
         f"{_percent(fit.relative_force_error)}"
         + (f", and {_percent(fit.cross_validated_error)} on data left out." if fit.cross_validated_error else "."),
+        *(
+            [
+                f"The {fit.details['output']} is what is fitted: {_percent(fit.details['output_error'])} of its changes is left."
+            ]
+            if "output" in fit.details
+            else []
+        ),
         f"The data do not determine {', '.join(unknown)}: see below for why, and for what to measure."
         if unknown
         else "The data determine every parameter of the law.",
@@ -112,7 +120,7 @@ def _data(log: Log, data: str) -> Chapter:
     return Chapter("data", "Data", text, [table], pictures.data(log))
 
 
-def _curve(fit: Fit) -> list[Chapter]:
+def _curve(fit: Fit, log: Log) -> list[Chapter]:
     if fit.prediction is None:
         return []
     text = ["Friction is the measured force less what belongs to the rig: inertia, offset and the like."]
@@ -122,7 +130,7 @@ def _curve(fit: Fit) -> list[Chapter]:
         text.append(f"{len(segments)} stretches of constant speed were found; each is a circle.")
         head = ["speed (m/s)", "stretches", "seconds in all", "friction (N)", "spread between stretches (N)"]
         tables = [Table(head, _by_speed(segments))]
-    return [Chapter("curve", "Friction against velocity", text, tables, [pictures.curve(fit)])]
+    return [Chapter("curve", "Friction against velocity", text, tables, [pictures.curve(fit, log)])]
 
 
 def _by_speed(segments: Sequence[dict[str, float]]) -> list[list[str]]:
@@ -168,11 +176,19 @@ def _loops(fit: Fit) -> list[Chapter]:
     return [Chapter("presliding", "Presliding", text, figures=[pictures.loops(loops)])]
 
 
-def _residuals(fit: Fit) -> list[Chapter]:
+def _traces(fit: Fit, log: Log) -> list[Chapter]:
+    shown = traces.figure(fit, log)
+    if shown is None:
+        return []
+    text = ["What was measured and what the fit makes of it; the ends, where the motion's filter errs, are left out."]
+    return [Chapter("traces", "Measured and fitted", text, figures=[shown])]
+
+
+def _residuals(fit: Fit, log: Log) -> list[Chapter]:
     if fit.prediction is None:
         return []
     text = ["What the fit leaves, in time and against the velocity. A pattern is something that the model lacks."]
-    return [Chapter("residuals", "Residuals", text, figures=[pictures.residuals(fit)])]
+    return [Chapter("residuals", "Residuals", text, figures=[pictures.residuals(fit, log)])]
 
 
 def _profiles(fit: Fit) -> list[Chapter]:

@@ -11,6 +11,7 @@ from scipy.stats import chi2
 
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS
+from stribeck.identify.report.traces import inner_rows
 from stribeck.identify.result import Fit
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
@@ -18,6 +19,8 @@ from stribeck.report.page import FigureSvg
 Array = NDArray[np.float64]
 _DOTS = 2500  # points of a cloud: more make the page heavy and show nothing new
 _LOOPS = 6
+_SLOWEST = 0.01  # quantile of the speeds
+_ROOM = 1.5  # times the largest measured friction
 _FALL = float(chi2.ppf(0.95, 1))
 
 
@@ -70,11 +73,12 @@ def _some(count: int) -> NDArray[np.intp]:
     return np.linspace(0, count - 1, min(count, _DOTS)).astype(np.intp)
 
 
-def curve(fit: Fit) -> FigureSvg:
+def curve(fit: Fit, log: Log) -> FigureSvg:
     """Friction against velocity: measured, stretches of constant speed, and the law's steady force."""
     p = fit.prediction
     assert p is not None
-    rows = _some(len(p.time))
+    inner = np.flatnonzero(inner_rows(log, len(p.time)))
+    rows = inner[_some(len(inner))]
     with plots.style():
         made, axes = plots.figure([["curve"]], 3.6)
         axis = axes["curve"]
@@ -83,12 +87,15 @@ def curve(fit: Fit) -> FigureSvg:
             points = ([s[key] for s in segments] for key in ("velocity", "friction"))
             axis.plot(*points, "o", color=plots.COLOURS[0], fillstyle="none", markersize=5, label="constant speed")
         fastest = float(np.max(abs(p.velocity)))
-        half = np.geomspace(1e-5 * fastest, fastest, 400)
+        # from the slowest speed that the data hold: what is below nobody measured
+        slowest = float(np.quantile(abs(p.velocity), _SLOWEST))
+        half = np.geomspace(max(slowest, 1e-5 * fastest), fastest, 400)
         if any(TERMS[n].level for n in fit.used if n in TERMS):  # the curve is not one line then
             axis.plot(p.velocity[rows], p.fitted[rows], ".", color=plots.COLOURS[1], markersize=2, label="fitted")
         else:
             v = np.concatenate([-half[::-1], half])
             force = fit.as_law(guessing=True).steady_force(v) + fit.used.get("sigma_2_by_direction", 0.0) * abs(v)
+            force = np.where(abs(force) < _ROOM * np.max(abs(p.measured[inner])), force, np.nan)
             axis.plot(v, force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
         axis.set_xlabel("velocity (m/s)")
         axis.set_ylabel("friction (N)")
@@ -145,18 +152,19 @@ def loops(found: Sequence[Any]) -> FigureSvg:
         return plots.finish(made, "loops", "Friction against position in small reversals.")
 
 
-def residuals(fit: Fit) -> FigureSvg:
+def residuals(fit: Fit, log: Log) -> FigureSvg:
     """Measured less fitted friction, in time and against the velocity."""
     p = fit.prediction
     assert p is not None
-    rest = p.measured - p.fitted
+    inner = np.flatnonzero(inner_rows(log, len(p.time)))
+    rest, when, speed = (p.measured - p.fitted)[inner], p.time[inner], p.velocity[inner]
     rows = _some(len(rest))
     with plots.style():
         made, axes = plots.figure([["time"], ["velocity"]], 4.2)
-        time, label = _in_a_row(p.time)
+        time, label = _in_a_row(when)
         axes["time"].plot(*plots.thin(time, rest), color=plots.COLOURS[2], linewidth=0.7)
         axes["time"].set_xlabel(label)
-        axes["velocity"].plot(p.velocity[rows], rest[rows], ".", color=plots.COLOURS[2], markersize=2)
+        axes["velocity"].plot(speed[rows], rest[rows], ".", color=plots.COLOURS[2], markersize=2)
         axes["velocity"].set_xlabel("velocity (m/s)")
         for axis in axes.values():
             axis.set_ylabel("residual (N)")

@@ -21,11 +21,11 @@ from stribeck.properties.verify_certificate.expressions import (
     W,
     by_cases,
     node,
-    rational,
     read,
 )
 from stribeck.properties.verify_certificate.intervals import Range
 from stribeck.properties.verify_certificate.rational import Quotient, Ring, Variable
+from stribeck.properties.verify_certificate.rules import Atom, value
 
 FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
 _ODD = ("sin", "atan", "tanh")
@@ -52,14 +52,6 @@ class Region:
         return found
 
 
-@dataclass
-class _Atom:
-    node: Node
-    rule: str
-    rest: Sequence[Any]
-    share: int
-
-
 class Leaf:
     """Decides signs of expressions on a region with the atoms that a certificate names."""
 
@@ -69,12 +61,12 @@ class Leaf:
         self.names = {"u": U, "w": W, "pi": PI}
         axes = list(region.axes.items())
         variables = [Variable(unit=hi is not None, strict=region.open and lo == 0) for _, (lo, hi) in axes]
-        self.atoms: list[_Atom] = []
+        self.atoms: list[Atom] = []
         for i, atom in enumerate(atoms):
             if not isinstance(atom, list) or len(atom) < 2:
                 raise Refused(f"no atom: {str(atom)[:80]}")
             expression, rule, *rest = atom
-            self.atoms.append(_Atom(read(expression, self.names), str(rule), rest, len(axes) + i))
+            self.atoms.append(Atom(read(expression, self.names), str(rule), rest, len(axes) + i))
         self.ring = Ring([*variables, *(Variable(unit=True, strict=False) for _ in self.atoms)])
         self.values: dict[Node, Quotient] = {}
         self._resolved: dict[int, list[Any]] = {}
@@ -217,9 +209,14 @@ class Leaf:
             weak = self._weak(c, a, b)
             if weak is not None:
                 return weak
+        opposite = node("where", c, node("neg", a), node("neg", b))
         for atom in self.atoms:
-            if atom.rule == "range" and atom.node.op == "where" and self._equal(atom.node, x):
-                return self._value(x, atom)
+            if atom.rule == "range" and atom.node.op == "where":
+                if self._equal(atom.node, x):
+                    return value(self, x, atom)
+                if self._equal(atom.node, opposite):
+                    found = value(self, opposite, atom)
+                    return Quotient(-found.above, found.below)
         share = self._share_of(c)
         if share is None and c.op == "both":
             return self(node("where", c.args[0], node("where", c.args[1], a, b), b))
@@ -327,10 +324,10 @@ class Leaf:
             if atom.rule == "either":
                 continue
             if self._equal(atom.node, x):
-                return self._value(x, atom)
+                return value(self, x, atom)
             if opposite is not x and self._equal(atom.node, opposite):
-                value = self._value(opposite, atom)
-                return value if x.op == "cos" else Quotient(-value.above, value.below)
+                found = value(self, opposite, atom)
+                return found if x.op == "cos" else Quotient(-found.above, found.below)
         raise Refused(f"{x.op} has no atom")
 
     def _quarters(self, x: Node) -> int | None:
@@ -342,90 +339,3 @@ class Leaf:
                 whole = fmpq(n.above.leading_coefficient() if n.above != 0 else 0)
                 return int(whole.p) if whole.q == 1 else None
         return None
-
-    def _value(self, x: Node, atom: _Atom) -> Quotient:
-        """The value of a function by the rule of its atom, whose hypotheses are checked."""
-        ring, share = self.ring, self.ring.variable(atom.share)
-        if atom.rule in ("range", "pi range", "slope"):
-            lo, hi = (rational(n) for n in atom.rest)
-            part = ring.add(ring.number(lo), ring.mul(ring.number(hi - lo), share))
-            if atom.rule == "range":
-                self._check_range(x, lo, hi)
-                return part
-            if atom.rule == "pi range":
-                self._check_pi_range(x, lo, hi)
-                return ring.mul(ring.mul(ring.pi, ring.number(fmpq(1, 2))), part)
-            self._check_slope(x, lo, hi)
-            return ring.mul(self(x.args[0]), part)
-        if atom.rule == "far":
-            return self._far(x, share)
-        if atom.rule == "root" and x.op == "sqrt":
-            return self._root(x, atom, share)
-        raise Refused(f"no rule {atom.rule!r} for {x.op}")
-
-    def _check_range(self, x: Node, lo: fmpq, hi: fmpq) -> None:
-        low, high = self.inside(x)
-        if low is None or high is None or low < lo or high > hi:
-            raise Refused(f"{x.op} is not within [{lo}, {hi}]")
-
-    def _check_pi_range(self, x: Node, lo: fmpq, hi: fmpq) -> None:
-        if x.op != "atan":
-            raise Refused("the rule 'pi range' is for atan")
-        low, high = self.inside(x.args[0])
-        below = lo <= -1 or (low is not None and _at_least(intervals.at("atan", low, False), lo))
-        above = hi >= 1 or (high is not None and _at_least(_negative(intervals.at("atan", high, True)), -hi))
-        if not (below and above):
-            raise Refused(f"atan is not within [{lo}, {hi}] pi/2")
-
-    def _check_slope(self, x: Node, lo: fmpq, hi: fmpq) -> None:
-        if x.op not in ("atan", "tanh"):
-            raise Refused("the rule 'slope' is for atan and tanh")
-        sign = self.sign_of(x.args[0])
-        if sign is None or sign[0] < 0:
-            raise Refused("the argument may be below 0")
-        low, high = self.inside(x.args[0])
-        if lo > 0:
-            least = None if high is None or high <= 0 else intervals.at(x.op, high, False)
-            if least is None or high is None or least / high < lo:
-                raise Refused(f"{x.op}(y)/y may be below {lo}")
-        if hi < 1:
-            most = None if low is None or low <= 0 else intervals.at(x.op, low, True)
-            if most is None or low is None or most / low > hi:
-                raise Refused(f"{x.op}(y)/y may be above {hi}")
-
-    def _far(self, x: Node, share: Quotient) -> Quotient:
-        ring, y = self.ring, self(x.args[0])
-        one = ring.number(1)
-        sign = self.sign_of(x.args[0])
-        if x.op == "atan" and sign == (1, True):
-            return ring.add(ring.mul(ring.pi, ring.number(fmpq(1, 2))), ring.div(ring.add(one, share, -1), y), -1)
-        if x.op == "tanh" and sign is not None and sign[0] >= 0:
-            return ring.add(one, ring.div(share, ring.add(one, y)), -1)
-        if x.op == "exp" and sign is not None and sign[0] <= 0:
-            square = ring.mul(ring.number(fmpq(1, 2)), ring.mul(y, y))
-            return ring.div(share, ring.add(ring.add(one, y, -1), square))
-        raise Refused(f"the rule 'far' does not fit {x.op}")
-
-    def _root(self, x: Node, atom: _Atom, share: Quotient) -> Quotient:
-        y, r = read(atom.rest[0], self.names), rational(atom.rest[1])
-        below = self.sign_of(y)
-        rest = node("sub", x.args[0], node("mul", y, y))
-        over = self.sign_of(rest)
-        room = self.sign_of(node("sub", node("number", value=r * r), rest))
-        if r < 0 or any(sign is None or sign[0] < 0 for sign in (below, over, room)):
-            raise Refused("the root is not within y and y + r")
-        return self.ring.add(self(y), self.ring.mul(self.ring.number(r), share))
-
-
-def _negative(x: fmpq | None) -> fmpq | None:
-    return None if x is None else -x
-
-
-def _at_least(x: fmpq | None, share: fmpq) -> bool:
-    """Whether x >= share pi/2 for sure."""
-    if x is None:
-        return False
-    lo, hi = intervals.PI_HALF
-    assert lo is not None
-    assert hi is not None
-    return bool(x >= share * (hi if share > 0 else lo))

@@ -178,8 +178,12 @@ class MachineReader:
 
     @staticmethod
     def _fields(kind: type[Element]) -> list[str]:
-        more = ("on", "signal", "measures", "feedforward", "compensation", "sampling")
-        return [*kind.constants(), *kind.lists(), *(more if issubclass(kind, controllers.Controller) else more[:2])]
+        more: tuple[str, ...] = ("on", "signal", "measures", "feedforward", "compensation", "sampling")
+        if issubclass(kind, Link):
+            more = ("from", "to", "ratio")
+        elif not issubclass(kind, controllers.Controller):
+            more = more[:2]
+        return [*kind.constants(), *kind.lists(), *more]
 
     def _constants(
         self, kind: type[Element], values: Any, path: str, skip: Iterable[str] = ()

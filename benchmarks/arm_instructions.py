@@ -1,0 +1,149 @@
+"""Instructions of one step of the exported C on Cortex-M4 and M7: compiled for them, and every instruction that qemu
+executes of it counted. The headers of exports state these numbers."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from measure import RESULTS, first_line, machine, table
+
+import stribeck
+from stribeck import laws
+
+# name in the results, in the headers; flags; precision
+TARGETS = {
+    "Cortex-M4, float": ("-mcpu=cortex-m4 -mfpu=fpv4-sp-d16", True),
+    "Cortex-M7, float": ("-mcpu=cortex-m7 -mfpu=fpv5-d16", True),
+    "Cortex-M7, double": ("-mcpu=cortex-m7 -mfpu=fpv5-d16", False),
+}
+FLAGS = ("-mthumb", "-mfloat-abi=hard", "-std=gnu99", "-O2")
+CALLS = 200
+PACKAGED = Path(stribeck.__file__).parent / "export" / "templates" / "costs.json"
+
+# The start of a program without a C library's own: the counted function is called, then Linux is asked to end it.
+_MAIN = """
+#include "@.h"
+static @_parameters p;
+static @_state s;
+static @_real F;
+__attribute__((noinline)) void counted(@_real v) { @_step(&p, &s, v, (@_real)1e-3, &F); }
+void _start(void)
+{
+    @_defaults(&p);
+    @_reset(&s);
+    for (int i = 0; i < CALLS; ++i) /* speeds around v_s, reversals among them */
+        counted((@_real)((i * 37) % 1000 - 500) / 500 * (@_real)2e-3);
+    register int r7 __asm__("r7") = 1, r0 __asm__("r0") = 0;
+    __asm__ volatile("svc 0" : : "r"(r7), "r"(r0));
+}
+"""
+_LINE = re.compile(r"Trace 0: \S+ \[[0-9a-f]+/([0-9a-f]+)/\S+ (\w+)")
+
+
+def counts(law: Any, flags: str, single: bool) -> list[int]:
+    """Instructions of each call, of a law with its constants."""
+    name = re.sub(r"\W", "_", law.name)
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place)
+        stribeck.export(law, "c", folder)
+        (folder / "main.c").write_text(_MAIN.replace("@", name).replace("CALLS", str(CALLS)))
+        command = ["arm-none-eabi-gcc", *FLAGS, *flags.split(), *([f"-D{name.upper()}_FLOAT"] if single else [])]
+        command += ["-nostartfiles", "--specs=nosys.specs", f"{name}.c", "main.c", "-o", "main", "-lm"]
+        subprocess.run(command, cwd=folder, check=True, capture_output=True)
+        # the code is that of the Cortex; the processor that runs it only has to know all of its instructions
+        words = ["qemu-arm", "-cpu", "max", "-singlestep", "-d", "nochain,exec", "-D", "/dev/stderr", "./main"]
+        trace = subprocess.run(words, cwd=folder, check=True, capture_output=True, text=True).stderr
+    found: list[int] = []
+    first = None
+    for line in trace.splitlines():
+        match = _LINE.match(line)
+        if match is None:
+            continue
+        if match[2] == "counted":
+            first = first or match[1]
+            if match[1] == first:
+                found.append(0)
+        if match[2] == "_start":
+            if found:
+                found.append(-1)  # between two calls
+        elif found:
+            found[-1] += 1
+    return [count for count in found if count > 0]
+
+
+def forms() -> list[Any]:
+    """Every law of the package, in every form of its smooth |v|, with the constants of canudas1995."""
+    values = dict(stribeck.parameters()["canudas1995"].values)
+    own = {
+        "k_v": 1e7,
+        "z_ba": 7e-6,
+        "delta": 2.0,
+        "g1": 0.25,
+        "g2": 100.0,
+        "g3": 10.0,
+        "g4": 0.1,
+        "g5": 100.0,
+        "g6": 0.01,
+    }
+    made = []
+    for law in laws.builtin().values():
+        given = {n: x for n, x in {**values, **own}.items() if n in law.constants()}
+        choices = (
+            [{}] if "smooth_abs" not in law.constants() else [{"smooth_abs": w} for w in ("atan", "sqrt", "compact")]
+        )
+        if law.name == "stribeck":
+            given.pop("k_v")
+        made += [law({**given, **choice}) for choice in choices]
+    return made
+
+
+def measure() -> list[dict[str, Any]]:
+    """A row for each form of a law and each target: mean and most of one call."""
+    rows = []
+    for law in forms():
+        for target, (flags, single) in TARGETS.items():
+            found = counts(law, flags, single)
+            assert len(found) == CALLS, (law.name, len(found))
+            form = " ".join((law.name, *law.structure))
+            rows.append({"law": form, "target": target, "mean": round(sum(found) / CALLS), "most": max(found)})
+    return rows
+
+
+def main() -> None:
+    """Print a table, and write the results, also where the exporter reads them."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=RESULTS / "arm_instructions.json")
+    parser.add_argument("--repetitions", type=int, help="of no use here: the counts do not vary")
+    parser.add_argument("--quick", action="store_true", help="of no use here either")
+    options = parser.parse_args()
+    rows = measure()
+    print(
+        table(
+            ("law", "target", "mean", "most"), [[r["law"], r["target"], str(r["mean"]), str(r["most"])] for r in rows]
+        )
+    )
+    compiler = first_line(["arm-none-eabi-gcc", "--version"])
+    about = {
+        "machine": machine(),
+        "gcc": compiler,
+        "qemu": first_line(["qemu-arm", "--version"]),
+        "flags": " ".join(FLAGS),
+    }
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps({**about, "rows": rows}, indent=2) + "\n")
+    if options.out == RESULTS / "arm_instructions.json":
+        by_law: dict[str, dict[str, list[int]]] = {}
+        for r in rows:
+            by_law.setdefault(r["law"], {})[r["target"]] = [r["mean"], r["most"]]
+        version = re.search(r"\d+\.\d+(\.\d+)?", (compiler or "").rpartition(")")[2])
+        PACKAGED.write_text(json.dumps({"gcc": version[0] if version else "", "laws": by_law}, indent=1) + "\n")
+
+
+if __name__ == "__main__":
+    main()

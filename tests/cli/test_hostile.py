@@ -1,0 +1,211 @@
+"""Files, names and numbers that nobody means well with: one clear line, early, and nothing written."""
+
+import json
+import os
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.files import trouble, write_text
+from tests.simulation.rig import needs_compiler
+
+VELOCITY = 'drive={kind="velocity",signal={kind="sine",amplitude=0.1,frequency=1e15}}'
+
+
+def refused(outcome, *parts):
+    assert outcome.status == 2, outcome.err
+    assert outcome.out == ""
+    lines = outcome.err.splitlines()
+    assert all(line.isprintable() and len(line) <= 300 for line in lines)
+    assert any(all(part in line for part in parts) for line in lines), outcome.err
+    return lines
+
+
+def test_fifty_thousand_nan(stribeck, scenario):
+    """Only the first of a list is said; to collect them all took a minute."""
+    nan = f"[{','.join(['nan'] * 50_000)}]"
+    text = scenario.read_text().replace('kind = "ramp"\nrate = 0.1', f'kind = "points"\nt = {nan}\nvalue = {nan}')
+    scenario.write_text(text)
+    lines = refused(stribeck("run", scenario), "drive.signal.t[0]: nan: must be a finite number")
+    assert len(lines) == 2
+
+
+@pytest.mark.parametrize("wrong", ["true", "'1'", "inf", "[1.0]", "1" + "0" * 400])
+def test_the_first_wrong_number_of_a_list(stribeck, scenario, wrong):
+    text = scenario.read_text().replace(
+        'kind = "ramp"\nrate = 0.1', f'kind = "points"\nt = [0.0, 1, {wrong}, nan]\nvalue = [1, 2.0, 3, 4]'
+    )
+    scenario.write_text(text)
+    assert len(refused(stribeck("run", scenario), "drive.signal.t[2]: ")) == 1
+
+
+def test_numbers_of_thousands_of_digits(stribeck, scenario):
+    digits = "9" * 5000
+    refused(stribeck("run", scenario, "--set", f"plant.mass={digits}"), "plant.mass", "must be a finite number")
+    refused(stribeck("run", scenario, "--set", f"plant.mass={digits[:4000]}"), "plant.mass: a whole number of 400")
+    scenario.write_text(scenario.read_text().replace("mass = 1.0", f"mass = {digits}"))
+    refused(stribeck("run", scenario), "a number in it is impossible")
+
+
+@needs_compiler
+@pytest.mark.parametrize(("choice", "k_v"), [("sqrt", 1e155), ("compact", 1e103), ("sqrt", 1e300), ("compact", 1e300)])
+def test_a_smooth_sign_as_steep_as_numbers_go(stribeck, scenario, choice, k_v):
+    """m(v) is |v| then, and it was an OverflowError."""
+    words = ("--set", "law.name=lugre_majorant", "--set", f"law.smooth_abs={choice}", "--set", f"law.k_v={k_v!r}")
+    found = json.loads(stribeck("run", scenario, *words, "--set", "solve.t_end=2.0", "--json").out)
+    other = json.loads(stribeck("run", scenario, "--set", "law.name=lugre", "--set", "solve.t_end=2.0", "--json").out)
+    assert found["final"]["z"] == pytest.approx(other["final"]["z"], rel=1e-6)
+
+
+def test_constants_that_the_equations_cannot_take(stribeck, scenario):
+    (scenario.parent / "mine.py").write_text(
+        "from stribeck.laws.lugre import LuGre\nfrom stribeck.constants import Constant\n"
+        "class Mine(LuGre):\n    'x'\n    k = Constant('1', 'x', above=0)\n    @staticmethod\n"
+        "    def dz_dt(p, v, z):\n        return v - (abs(v) + 1 / p.k**2) * z\n"
+    )
+    words = ("--set", "law.name=mine.py:Mine", "--set", "law.k=1e200")
+    refused(stribeck("run", scenario, *words), "law.name", "its equations cannot be evaluated: OverflowError")
+
+
+@needs_compiler
+def test_waves_that_no_step_can_follow(stribeck, scenario):
+    """What was reached is kept; the events are not looked for in what was not."""
+    words = ("--set", VELOCITY, "--set", "solve.max_steps=1000", "--json")
+    scenario.write_text(
+        scenario.read_text().replace("[drive]", "[unused]").replace("[drive.signal]", "[unused.signal]")
+    )
+    text = scenario.read_text()
+    head, _, rest = text.partition("[unused]")
+    scenario.write_text(head + "[solve]" + rest.partition("[solve]")[2])
+    outcome = stribeck("run", scenario, *words)
+    assert outcome.status == 1
+    assert "gave up" in json.loads(outcome.out)["reason"]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with a name")
+def test_pipes_by_name_are_not_waited_for(stribeck, scenario, tmp_path):
+    for name in ("pipe.toml", "pipe.csv", "pipe.parquet", "pipe.py"):
+        os.mkfifo(tmp_path / name)
+    said = "must be a file, not a pipe or a device"
+    refused(stribeck("run", tmp_path / "pipe.toml"), said)
+    refused(stribeck("run", scenario, "--set", "law.parameters=pipe.toml"), said)
+    refused(stribeck("run", scenario, "--set", "law.name=pipe.py:X"), said)
+    for name in ("pipe.csv", "pipe.parquet"):
+        signal = f'drive.signal={{kind="file",path="{name}",time="t",value="u"}}'
+        refused(stribeck("run", scenario, "--set", signal), "drive.signal.path", said)
+    refused(stribeck("run", "/dev/zero"), said)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs names that are not text")
+def test_names_that_are_not_text(scenario, tmp_path):
+    words = [sys.executable, "-m", "stribeck", "run"]
+    strange, out = os.fsencode(tmp_path) + b"/b\xe9.toml", os.fsencode(tmp_path) + b"/o\xe9"
+    scenario.rename(os.fsdecode(strange))
+    done = subprocess.run([*words, strange, b"--out", out], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert r"o\udce9/summary.json" in done.stdout
+    assert (Path(os.fsdecode(out)) / "summary.json").is_file()
+    assert subprocess.run([*words, b"c\xe9.toml"], capture_output=True, check=False).returncode == 2
+
+
+def test_names_cannot_command_a_terminal(stribeck, scenario):
+    evil = "\x1b]0;owned\x07\x1b[2Jrig\n\u202e"
+    scenario.write_text(scenario.read_text().replace('name = "rig"', f"name = {json.dumps(evil)}"))
+    for words in (("run",), ("compare", "--law", "lugre", "--law", "dahl")):
+        outcome = stribeck(words[0], scenario, *words[1:], "--set", "solve.t_end=0.1")
+        assert r"\x1b]0;owned\x07\x1b[2Jrig\n" in outcome.out
+        assert all(c.isprintable() or c == "\n" for c in outcome.out + outcome.err)
+    outcome = stribeck("run", scenario, "--set", "solve.max_steps=1")
+    assert all(c.isprintable() or c == "\n" for c in outcome.err)
+    assert r"\x1b]0;" in outcome.err
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", [r"$\foo$", "_hidden", "[/red]", "x" * 3000, "<b>&"])
+def test_names_in_plots(stribeck, scenario, tmp_path, name):
+    words = ("--set", f"name={json.dumps(name)}", "--set", "solve.t_end=0.1", "--out", tmp_path / "out")
+    assert stribeck("run", scenario, *words).status == 0
+    law = f"lugre_majorant:k_v=1{'0' * 250}e-245"
+    assert stribeck("compare", scenario, "--law", law, "--law", "lugre", *words).status == 0
+
+
+def test_a_long_label_is_cut_and_nothing_in_it_is_a_formula():
+    from stribeck.report.plots import plain
+
+    assert plain("$x$") == r"\$x\$"
+    assert len(plain("x" * 3000)) == 60
+    assert not plain("_x").startswith("_")
+
+
+def places(tmp_path):
+    (tmp_path / "file").write_text("x")
+    return {
+        "below a file": tmp_path / "file" / "x",
+        "too long": tmp_path / ("x" * 300),
+        "no folder at all": "/proc/nowhere/x",
+    }
+
+
+@pytest.mark.parametrize("which", ["below a file", "too long", "no folder at all"])
+def test_places_that_cannot_be_written(stribeck, scenario, tmp_path, which):
+    out = places(tmp_path)[which]
+    before = sorted(tmp_path.rglob("*"))
+    refused(stribeck("run", scenario, "--out", out), "--out: ")
+    refused(stribeck("compare", scenario, "--law", "lugre", "--out", out), "--out: ")
+    refused(stribeck("sweep", scenario, "--vary", "plant.mass=1:2:2", "--out", out), "--out: ")
+    refused(stribeck("paper", "--out", out), "--out: ")
+    for target in ("c", "fmu", "st"):
+        words = ("lugre", "--parameters", "canudas1995", "--target", target)
+        refused(stribeck("export", *words, "--out", out), "--out: ")
+    refused(stribeck("new", "mine", "--out", out), "--out: ")
+    refused(stribeck("run", scenario, "--keep-c", out, "--out", tmp_path / "never"), "--keep-c: ")
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_that_is_closed(tmp_path):
+    tmp_path.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    assert "Permission denied" in trouble(tmp_path / "x")
+    assert "Permission denied" in trouble(tmp_path / "x" / "y", folder=True)
+
+
+def test_devices_and_links_stay_what_they_are(tmp_path):
+    real, link = tmp_path / "real", tmp_path / "link"
+    link.symlink_to(real)
+    write_text(link, "text")
+    assert link.is_symlink()
+    assert real.read_text() == "text"
+    write_text(type(real)(os.devnull), "text")
+    assert not type(real)(os.devnull).is_file()
+
+
+def test_errors_name_the_users_file(tmp_path, stribeck, scenario):
+    """And not the one that is written beside it."""
+    (tmp_path / "out" / "trajectory.csv").mkdir(parents=True)
+    outcome = stribeck("run", scenario, "--set", "solve.t_end=0.1", "--out", tmp_path / "out")
+    assert outcome.status == 1
+    assert "trajectory.csv" in outcome.err
+    assert ".tmp" not in outcome.err
+
+
+def test_no_memory_is_one_line(stribeck, scenario, monkeypatch):
+    from stribeck.simulation import single
+
+    def full(*args):
+        raise MemoryError("Unable to allocate 8. TiB")
+
+    monkeypatch.setattr(single, "_solve", full)
+    outcome = stribeck("run", scenario)
+    assert (outcome.status, outcome.out) == (1, "")
+    assert outcome.err.endswith("stribeck: not enough memory: Unable to allocate 8. TiB\n")
+
+
+def test_names_of_a_solution_stay(scenario):
+    loaded = stribeck.Scenario.load(scenario)
+    assert loaded.name == "rig"
+    assert np.isfinite(loaded.end)

@@ -1,0 +1,172 @@
+"""Commands that are stopped: what was there stays as it was, nothing is left behind, nobody goes on working."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import stribeck
+from stribeck.cli import _status
+from stribeck.files import together, write_text
+from stribeck.report import chapters
+
+needs_signals = pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
+
+
+def content(folder):
+    return {str(p.relative_to(folder)): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
+
+
+@pytest.mark.parametrize("command", [("run",), ("compare", "--law", "lugre", "--law", "dahl")], ids=["run", "compare"])
+def test_an_older_result_stays_whole(command, scenario, tmp_path, capsys, monkeypatch):
+    out = tmp_path / "out"
+    words = [command[0], str(scenario), *command[1:], "--out", str(out)]
+    assert _status(words) == 0
+    before = content(out)
+
+    def stopped(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(chapters, "write_page", stopped)
+    assert _status([*words, "--set", "drive.stiffness=3.0"]) == 130
+    assert content(out) == before
+
+
+def test_a_new_result_never_stands_beside_an_old_summary(scenario, tmp_path, monkeypatch):
+    """Wherever the process dies, a summary that says 'done' is that of the files beside it."""
+    out = tmp_path / "out"
+    assert _status(["run", str(scenario), "--out", str(out)]) == 0
+    old = content(out)
+    moves, real = [], type(out).replace
+
+    def replace(self, target):
+        moves.append(target)
+        real(self, target)
+        summary = out / "summary.json"
+        if target.parent == out and summary.exists():
+            rows = len((out / "trajectory.csv").read_text().splitlines()) - 1
+            assert json.loads(summary.read_text())["final"]["t"] == 5.0
+            assert rows == 501
+            assert content(out).keys() - {str(p.relative_to(out)) for p in out.glob(".*/*")} == old.keys()
+
+    monkeypatch.setattr(type(out), "replace", replace)
+    assert _status(["run", str(scenario), "--out", str(out), "--set", "solve.t_end=5.0"]) == 0
+    moved = [p.name for p in moves if p.parent == out]
+    assert {"trajectory.csv", "trajectory.parquet"} < set(moved)
+    assert moved[-1] == "summary.json"
+    assert sorted(moved) == sorted(old)
+
+
+def test_a_result_that_fails_half_way(tmp_path):
+    (tmp_path / "summary.json").write_text("old")
+    with pytest.raises(ZeroDivisionError), together(tmp_path) as place:
+        write_text(place / "a", f"new {1 / 0}")
+    assert content(tmp_path) == {"summary.json": b"old"}
+    with pytest.raises(ZeroDivisionError), together(tmp_path / "x" / "y"):
+        1 / 0  # noqa: B018
+    assert not (tmp_path / "x" / "y").exists()
+
+
+SLOW = """
+import sys, time
+from stribeck.report import chapters
+def slow(*args):
+    print("ready", flush=True)
+    time.sleep(600)
+chapters.write_page = slow
+from stribeck.cli import main
+main(sys.argv[1:])
+"""
+
+
+@needs_signals
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
+def test_signals_leave_nothing(number, scenario, tmp_path):
+    out = tmp_path / "out"
+    command = [sys.executable, "-c", SLOW, "run", str(scenario), "--out", str(out)]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert process.stdout.readline() == "ready\n"
+    process.send_signal(number)
+    _, error = process.communicate(timeout=60)
+    assert process.returncode == 128 + number
+    assert error in ("stribeck: interrupted\n", "stribeck: terminated\n", "stribeck: ended\n")
+    assert content(out) == {}
+
+
+PAPER = """
+import os, sys, time
+from pathlib import Path
+from stribeck import paper
+def slow(name, done):
+    Path(sys.argv[2], str(os.getpid())).touch()
+    while True:
+        time.sleep(600)
+slow.__module__, slow.__qualname__ = "stribeck.paper", "_chapter"
+paper._chapter = slow
+from stribeck.cli import main
+main(["paper", "--out", sys.argv[1]])
+"""
+
+
+def alive(pid):
+    try:
+        os.kill(pid, 0)
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] not in "ZX"
+    except ProcessLookupError:
+        return False
+    except FileNotFoundError:
+        return Path("/proc").is_dir() is False
+
+
+@needs_signals
+@pytest.mark.skipif(sys.version_info >= (3, 14), reason="the workers are forked from the test's process")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_paper_leaves_no_workers(number, tmp_path):
+    workers, out = tmp_path / "workers", tmp_path / "out"
+    workers.mkdir()
+    process = subprocess.Popen(
+        [sys.executable, "-c", PAPER, str(out), str(workers)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    while len(list(workers.iterdir())) < min(2, os.cpu_count() or 1):
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.05)
+    process.send_signal(number)
+    _, error = process.communicate(timeout=60)  # which also waits until nobody holds its output
+    assert process.returncode == (-number if number == signal.SIGKILL else 128 + number), error
+    for worker in workers.iterdir():
+        for _ in range(200):  # the last of it may take a moment
+            if not alive(int(worker.name)):
+                break
+            time.sleep(0.05)
+        assert not alive(int(worker.name))
+    assert "Traceback" not in error
+    assert content(out) == {}
+
+
+def test_lanes_one_by_one_end_soon(monkeypatch, scenario):
+    """Single runs in threads look whether anybody still wants them."""
+    from stribeck.simulation import ensemble
+
+    loaded, shares = stribeck.Scenario.load(scenario), []
+    real = ensemble.simulate
+
+    def simulate(one, progress):
+        def tell(share):
+            shares.append(share)
+            progress(share)
+
+        return real(one, tell)
+
+    def stop(share):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(ensemble, "simulate", simulate)
+    monkeypatch.setattr(ensemble, "_library", lambda scenario: None)
+    with pytest.raises(KeyboardInterrupt):
+        stribeck.simulate_ensemble(loaded, {"law.k_v": [1e7] * 6}, threads=1, progress=stop)
+    assert len(shares) < 6

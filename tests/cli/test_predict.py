@@ -1,0 +1,84 @@
+"""stribeck predict and stribeck validate as a user runs them."""
+
+import json
+
+import numpy as np
+import pytest
+
+COLUMNS = ("--time", "t", "--velocity", "v", "--force", "F")
+
+
+def record(path, first=0.37, second=0.91, seed=0):
+    rng = np.random.default_rng(seed)
+    t = np.arange(0, 8, 2e-3)
+    v = 0.1 * np.sin(2 * np.pi * first * t) + 0.05 * np.sin(2 * np.pi * second * t + 1)
+    force = 2 * np.gradient(v, 2e-3) + 5 * np.tanh(1e4 * v) + 20 * v + 1 + 0.1 * rng.standard_normal(len(t))
+    rows = (",".join(map(repr, row)) for row in zip(t.tolist(), v.tolist(), force.tolist(), strict=True))
+    path.write_text("t,v,F\n" + "\n".join(rows))
+    return path
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory):
+    from stribeck.cli import _status
+
+    folder = tmp_path_factory.mktemp("fit")
+    train = record(folder / "train.csv")
+    assert _status(["fit", str(train), "--law", "coulomb_viscous", *COLUMNS, "--out", str(folder / "out")]) == 0
+    return folder
+
+
+def test_a_fit_predicts_another_record(stribeck, fitted, tmp_path):
+    test = record(tmp_path / "test.csv", 0.5, 1.3, 1)
+    found = stribeck("predict", test, "--fit", fitted / "out", "--out", tmp_path / "page", "--json")
+    assert found.status == 0, found.err
+    data = json.loads(found.out)
+    assert data["law"] == "coulomb_viscous"
+    assert data["relative_force_error"] == pytest.approx(0.1 / 7, rel=0.5)
+    assert data["relative_force_error"] < 1.6 * data["fit"]["relative_force_error"] + 0.01
+    assert set(data["others"]) == {"least squares", "tanh-Stribeck"}
+    page = (tmp_path / "page" / "prediction.html").read_text()
+    for words in ("Measured and predicted", "residual", "<svg", "least squares, fitted to the same record"):
+        assert words in page
+    told = stribeck("predict", test, "--fit", fitted / "out").out
+    assert "the same against friction alone" in told
+
+
+def test_a_fit_on_a_record_of_the_wrong_sign_shows_it(stribeck, fitted, tmp_path):
+    test = record(tmp_path / "test.csv")
+    found = stribeck("predict", test, "--fit", fitted / "out", "--force-gain", "-1", "--json")
+    assert json.loads(found.out)["relative_force_error"] > 1.9
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [(None, "cannot be read"), ("{", "is not JSON"), ("[]", "is no model of a fit"), ('{"format": 1}', "is no model")],
+)
+def test_a_folder_without_a_fit_is_refused_in_a_line(stribeck, fitted, tmp_path, content, said):
+    if content is not None:
+        (tmp_path / "fit.json").write_text(content)
+    found = stribeck("predict", fitted / "train.csv", "--fit", tmp_path, *COLUMNS)
+    assert (found.status, found.out) == (2, "")
+    assert said in found.err
+    assert found.err.startswith("--fit: ")
+    assert len(found.err.strip().splitlines()) == 1
+
+
+def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
+    assert stribeck("new", "--out", tmp_path / "rig.toml").status == 0
+    assert stribeck("run", tmp_path / "rig.toml", "--out", tmp_path / "run").status == 0
+    log = tmp_path / "run" / "trajectory.csv"
+    columns = ("--time", "t", "--position", "y", "--velocity", "v", "--force", "F")
+    found = stribeck("validate", tmp_path / "rig.toml", "--log", log, *columns, "--out", tmp_path / "page", "--json")
+    assert found.status == 0, found.err
+    errors = json.loads(found.out)["errors"]
+    assert errors["position"]["relative"] < 1e-6
+    assert errors["force"]["unit"] == "N"
+    assert "<svg" in (tmp_path / "page" / "validation.html").read_text()
+    other = stribeck(
+        "validate", tmp_path / "rig.toml", "--log", log, *columns, "--set", "law.parameters.F_c=1.2", "--json"
+    )
+    assert json.loads(other.out)["errors"]["position"]["relative"] > 1e-3
+    nothing = stribeck("validate", tmp_path / "rig.toml", "--log", log, "--time", "t")
+    assert nothing.status == 2
+    assert "one must be given" in nothing.err

@@ -1,0 +1,164 @@
+"""Elements of the user's own, in a file: a link, a load and a controller."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stribeck import InputError, Scenario
+from tests.machine.machines import law, machine, push, solved
+from tests.simulation.rig import needs_compiler
+
+FILE = '''
+from stribeck.constants import Constant
+from stribeck.expressions.ops import exp, sin
+from stribeck.machine.controllers import Controller
+from stribeck.machine.element import State
+from stribeck.machine.links import Link
+from stribeck.machine.loads import Load
+
+
+class Hardening(Link):
+    """A spring that hardens: stiffness d + cubic d^3, with a damper."""
+
+    cubic = Constant("N/m^3", "hardening", at_least=0)
+
+    @classmethod
+    def force(cls, p, d, w, x=()):
+        return p.stiffness * d + p.cubic * d**3 + (0.0 if p.damping is None else p.damping * w)
+
+    @classmethod
+    def stored_energy(cls, p, d, x=()):
+        return p.stiffness * d**2 / 2 + p.cubic * d**4 / 4
+
+
+class Maxwell(Link):
+    """A spring with a damper in series: the damper's stretch is a state."""
+
+    viscosity = Constant("N s/m", "of the damper", above=0)
+    states = (State("x", "m", "stretch of the damper"),)
+
+    @classmethod
+    def force(cls, p, d, w, x=()):
+        return p.stiffness * (d - x[0])
+
+    @staticmethod
+    def rates(p, d, w, x):
+        return (p.stiffness * (d - x[0]) / p.viscosity,)
+
+    @classmethod
+    def stored_energy(cls, p, d, x=()):
+        return p.stiffness * (d - x[0]) ** 2 / 2
+
+
+class Drag(Load):
+    """Air: -drag v |v|."""
+
+    drag = Constant("kg/m", "drag", at_least=0)
+
+    @staticmethod
+    def force(p, r, y, v, x=()):
+        return -p.drag * v * abs(v)
+
+
+class Proportional(Controller):
+    """u = gain (r - y) - rate v."""
+
+    gain = Constant("N/m", "gain")
+    damper = Constant("N s/m", "damping", default=1.0)
+
+    @staticmethod
+    def output(p, r, y, v, x):
+        return p.gain * (r.value - y) - p.damper * v
+'''
+pytestmark = needs_compiler
+LINK = {"from": "a", "to": "ground", "stiffness": 30.0}
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "own.py").write_text(FILE)
+    return tmp_path
+
+
+def rig(**sections):
+    return machine({"a": {"mass": 0.5}}, contacts={"c": {"from": "a", "law": law()}}, loads={"p": push()}, **sections)
+
+
+def balance(s):
+    return s["E_in"] + s["E_stored"][0] - s["E_stored"] - s["E_dissipated"]
+
+
+def test_a_link(folder):
+    hard = {**LINK, "kind": "own.py:Hardening", "cubic": 4000.0, "damping": 0.5}
+    s = solved(rig(links={"k": hard}), folder)
+    d = s["a.y"]
+    np.testing.assert_allclose(s["k.f"], 30 * d + 4000 * d**3 + 0.5 * s["a.v"], rtol=1e-9, atol=1e-12)
+    assert np.max(np.abs(balance(s))) <= 1e-8 * s.peaks["E_in"]
+    linear = solved(rig(links={"k": {**hard, "cubic": 0.0}}), folder)
+    plain = solved(rig(links={"k": {**LINK, "damping": 0.5}}))
+    np.testing.assert_allclose(linear["a.y"], plain["a.y"], rtol=0, atol=1e-8 * plain.peaks["a.y"])
+
+
+def test_a_link_with_a_state(folder):
+    s = solved(rig(links={"k": {**LINK, "kind": "own.py:Maxwell", "viscosity": 1e9}}), folder)
+    plain = solved(rig(links={"k": LINK}))  # a damper that does not give
+    np.testing.assert_allclose(s["a.y"], plain["a.y"], rtol=0, atol=1e-6 * plain.peaks["a.y"])
+    soft = solved(rig(links={"k": {**LINK, "kind": "own.py:Maxwell", "viscosity": 3.0}}), folder)
+    assert np.max(np.abs(balance(soft))) <= 1e-8 * soft.peaks["E_in"]
+    assert abs(soft.peaks["a.y"] - plain.peaks["a.y"]) > 0.03 * plain.peaks["a.y"]
+
+
+def test_a_load_and_a_controller(folder):
+    data = rig(controllers={"u": {
+        "kind": "own.py:Proportional", "on": "a", "gain": 90.0, "limit": 2.0,
+        "signal": {"kind": "step", "time": 0.1, "value": 0.1},
+    }})  # fmt: skip
+    data["loads"]["air"] = {"kind": "own.py:Drag", "on": "a", "drag": 3.0}
+    s = solved(data, folder)
+    np.testing.assert_allclose(s["air.f"], -3 * s["a.v"] * abs(s["a.v"]), rtol=1e-12, atol=1e-300)
+    expected = np.clip(90 * (s["u.r"] - s["a.y"]) - s["a.v"], -2, 2)
+    np.testing.assert_allclose(s["u.u"], expected, rtol=1e-12, atol=1e-15)
+    assert np.max(np.abs(balance(s))) <= 1e-8 * s.peaks["E_in"]
+    data["controllers"]["u"]["sampling"] = {"period": 5e-3}
+    assert solved(data, folder).peaks["u.u"] == 2.0
+
+
+@pytest.mark.parametrize(
+    ("kind", "text"),
+    [
+        ("own.py:Hard", "has no link 'Hard' (it has Hardening, Maxwell)"),
+        ("own.py:Drag", "Drag must be derived from stribeck.machine's Link"),
+        ("other.py:Hardening", "cannot read"),
+        ("Hardening", "must be one of link"),
+    ],
+)
+def test_mistakes(kind, text, folder):
+    with pytest.raises(InputError) as error:
+        Scenario(rig(links={"k": {**LINK, "kind": kind}}), folder=folder)
+    assert [line.startswith("links.k.kind: ") and text in line for line in error.value.problems] == [True]
+
+
+def test_the_example_of_the_documentation(tmp_path):
+    """docs/adding-an-element.md: its file and its tables, as they stand."""
+    text = (Path(__file__).parent.parent.parent / "docs" / "adding-an-element.md").read_text(encoding="utf-8")
+    python, toml = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("python", "toml"))
+    (tmp_path / "elements.py").write_text(python)
+    tables = tomllib.loads(toml)
+    data = machine({"slider": {"mass": 1.0}}, links=tables["links"], loads={**tables["loads"], "p": push(on="slider")})
+    s = solved(data, tmp_path)
+    np.testing.assert_allclose(s["spring.f"], 400 * s["slider.y"] + 1e5 * s["slider.y"] ** 3, rtol=1e-12, atol=1e-15)
+    assert np.max(np.abs(balance(s))) <= 1e-8 * s.peaks["E_in"]
+
+
+def test_the_machine_of_the_documentation():
+    text = (Path(__file__).parent.parent.parent / "docs" / "machines.md").read_text(encoding="utf-8")
+    toml, python = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("toml", "python"))
+    data = tomllib.loads(toml)
+    data["solve"]["t_end"] = 0.3
+    assert solved(data).peaks["mesh.F"] > 0.6
+    scope: dict = {}
+    exec(python.replace("t_end=3.0", "t_end=0.2"), scope)
+    assert scope["ensemble"].status == ["done"] * 3

@@ -1,0 +1,93 @@
+"""Contacts that are hardly damped, against the damped oscillator that they are; tolerances below rounding; servos that
+oscillate."""
+
+import math
+import warnings
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario, StribeckNote, examples, simulate
+from stribeck.simulation import native
+from stribeck.simulation.single import _reversals
+from tests.simulation.rig import needs_compiler, rig
+
+pytestmark = needs_compiler
+
+
+def elastic(sigma_1, t_end=2.0):
+    """A force step on a contact that stays elastic: below z_ba F = sigma_0 y + (sigma_1 + sigma_2) v exactly."""
+    scenario = Scenario(
+        rig("elastoplastic_majorant", "force", {"kind": "step", "value": 0.3, "time": 0.0}, t_end, rows=400)
+    )
+    return scenario.with_changes({"law.parameters.sigma_1": sigma_1})
+
+
+def oscillator(scenario, t):
+    """Position and velocity of mass, spring and damper after a step of the force, in closed form."""
+    p = scenario.law.p
+    rate = (p.sigma_1 + p.sigma_2) / (2 * scenario.mass)
+    omega = math.sqrt(p.sigma_0 / scenario.mass - rate**2)
+    swing = np.exp(-rate * t)
+    y = 0.3 / p.sigma_0 * (1 - swing * (np.cos(omega * t) + rate / omega * np.sin(omega * t)))
+    return y, 0.3 / (scenario.mass * omega) * swing * np.sin(omega * t)
+
+
+def off(scenario):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = simulate(scenario)
+    y, v = oscillator(scenario, found.t)
+    return max(np.max(abs(found["y"] - y)) / np.max(abs(y)), np.max(abs(found["v"] - v)) / np.max(abs(v)))
+
+
+@pytest.mark.parametrize("sigma_1", [316.0, 30.0, 10.0, 3.0, 1.0])
+def test_a_contact_that_rings(sigma_1):
+    assert off(elastic(sigma_1)) < 1e-6
+
+
+def test_it_was_off_by_more_without_the_tighter_steps(monkeypatch):
+    scenario = elastic(1.0)
+    tight = off(scenario)
+    monkeypatch.setattr(native, "damping_ratio", lambda scenario: float("inf"))
+    assert off(scenario) > 10 * tight
+
+
+def test_what_rounding_forbids_is_said():
+    with pytest.warns(StribeckNote, match="hardly damped .damping ratio 0.00063. and rings"):
+        simulate(elastic(0.0, 0.1))
+    with pytest.warns(StribeckNote, match="solve.rtol: 1e-12: rounding is the larger error below 1e-11"):
+        simulate(elastic(316.0, 0.1).with_changes({"solve.rtol": 1e-12}))
+
+
+def test_contacts_that_do_not_ring_take_the_steps_that_they_took():
+    scenario = elastic(316.0)
+    assert native.step_share(scenario) == 0.01
+    assert native.step_share(scenario.with_changes({"solve.rtol": 1e-12})) == pytest.approx(0.1)
+    moved = Scenario(rig("lugre", "velocity", {"kind": "ramp", "rate": 1e-3}, 1.0))
+    assert native.damping_ratio(moved) == math.inf
+
+
+def servo(**changes):
+    scenario = Scenario.load(examples.path("servo"))
+    changes = {name.replace("__", "."): x for name, x in changes.items()}
+    return scenario.with_changes({"solve.t_end": 12.0, "drive.sample_time": 1e-3, **changes})
+
+
+@pytest.mark.parametrize("changes", [{"drive__delay": 0.04}, {"drive__sample_time": 0.05}], ids=["delay", "coarse"])
+def test_a_servo_that_oscillates_says_so(changes):
+    with pytest.warns(StribeckNote, match="the valve goes to and fro"):
+        assert simulate(servo(**changes)).status == "done"
+
+
+def test_one_that_does_not_is_left_alone():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert simulate(servo()).status == "done"
+
+
+def test_reversals():
+    t = np.linspace(0, 10, 2001)
+    assert _reversals(list(np.sin(2 * np.pi * t)), 0.5) == 20
+    assert _reversals(list(np.sin(2 * np.pi * t)), 2.5) == 0
+    assert _reversals(list(t), 0.1) == _reversals([], 0.1) == 0

@@ -1,0 +1,40 @@
+"""The table of docs/fit.md: each row's command run as it stands, and its numbers compared."""
+
+import json
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+
+from stribeck.cli import _status
+from tests.shared import SHARED
+
+DATA = SHARED / "data"
+PAGE = (Path(__file__).parent.parent / "docs" / "fit.md").read_text(encoding="utf-8")
+TABLE = PAGE[PAGE.index("## Published records") : PAGE.index("EMPS: Janot")]
+ROWS = re.findall(r"^\| `([^`]*)` \| (.*) \|$", TABLE, re.M)
+SHORT = dict(re.findall(r"^    ([A-Z]+)='(.*)'$", TABLE, re.M))
+
+
+def test_the_table_has_every_record():
+    assert len(ROWS) == 11
+    told = " ".join(command for command, _ in ROWS)
+    for name in ("DATA_EMPS.mat", "sysid", "direct_collocation", "energy_shaping", "257_1bar", "257_7bar", "257_?bar"):
+        assert name in told
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="needs shared/data, which is not part of the project")
+@pytest.mark.parametrize(("command", "numbers"), ROWS, ids=[command[:40] for command, _ in ROWS])
+def test_a_row_is_what_its_command_prints(command, numbers, monkeypatch, capsys):
+    monkeypatch.chdir(DATA)
+    for short, words in SHORT.items():
+        command = command.replace(f"${short}", words)
+    words = [str(p) for word in shlex.split(command) for p in (sorted(Path().glob(word)) if "?" in word else [word])]
+    assert _status(["fit", *words, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    left_out = {c["name"]: c["cross_validated_error"] for c in found["candidates"]}
+    values = [found["relative_force_error"], found["friction_error"], found["cross_validated_error"]]
+    values += [left_out["least squares"], left_out["tanh-Stribeck"]]
+    told = [float(cell.split()[0]) for cell in numbers.split("|")]
+    assert told == pytest.approx([100 * x for x in values], abs=0.011, rel=2e-3)
