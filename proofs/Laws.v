@@ -18,10 +18,10 @@ Definition m_atan (p : constants) (v : R) : R :=
   v * S_0 p v + 2 / (PI * k_v p).
 
 Definition m_sqrt (p : constants) (v : R) : R :=
-  sqrt (v * v + 1 / (k_v p * k_v p)).
+  sqrt (v * v + 1 / k_v p * (1 / k_v p)).
 
 Definition m_compact (p : constants) (v : R) : R :=
-  if Rlt_dec (k_v p * Rabs v) 1 then (3 / k_v p + 6 * k_v p * (v * v) - k_v p * (k_v p * k_v p) * (v * v * (v * v))) / 8
+  if Rlt_dec (k_v p * Rabs v) 1 then (3 + 6 * (k_v p * v * (k_v p * v)) - k_v p * v * (k_v p * v) * (k_v p * v * (k_v p * v))) / (8 * k_v p)
   else Rabs v.
 
 Definition alpha_0 (p : constants) (v z : R) : R :=
