@@ -81,6 +81,11 @@ def one_line(text: str) -> str:
     return text if len(text) <= _LONGEST_LINE else f"{text[:_HEAD]}...{text[_HEAD + 3 - _LONGEST_LINE :]}"
 
 
+def printable(text: str) -> str:
+    """The text with what is no printable character as an escape (``\\x1b``): a terminal shows it and obeys nothing."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
+
+
 def note(text: str) -> None:
     """Tell the user one line: a :class:`StribeckNote` in Python, a line on standard error from the command."""
     warnings.warn(StribeckNote(Line(text)), stacklevel=3)
