@@ -1,5 +1,6 @@
 """A force sine on a body that slips and sticks, positions with an ordinary encoder's noise: fits by simulation."""
 
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -41,7 +42,7 @@ def fitted(path, **options):
     return stribeck.fit(path, "lugre", time="t", position="y", force="F", **options)
 
 
-@pytest.mark.parametrize("starts", [1, 2, 20])
+@pytest.mark.parametrize("starts", [1, 20])
 def test_the_truth_is_found_from_any_number_of_starts(record, starts):
     fit = fitted(record, starts=starts)
     for name, truth in TRUTH.items():
@@ -50,7 +51,7 @@ def test_the_truth_is_found_from_any_number_of_starts(record, starts):
         assert estimate.low < truth < estimate.high, name
         assert estimate.value == pytest.approx(truth, rel=0.03), name
     assert not any("misses" in note for note in fit.notes)
-    assert "noise is 1" in fit.notes[0]  # of the position, told in its unit
+    assert re.search(r"the position is missed by \S+ m rms, its noise is (9\.\d+e-07|1(\.\d+)?e-06) m", fit.notes[0])
 
 
 def test_a_parameter_that_is_known_closely_is_known(record):
