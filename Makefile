@@ -1,10 +1,10 @@
-# make setup | demo | test | bench   (Python 3.11 or newer; a C compiler makes it fast)
+# make setup | demo | test | bench | fuzz   (Python 3.11 or newer; a C compiler makes it fast)
 PYTHON ?= $(firstword $(foreach p,python3.13 python3.12 python3.11 python3,$(if $(shell $(p) -c 'import sys; print(sys.version_info >= (3, 11) or "")' 2>/dev/null),$(p))))
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup demo test bench clean
+.PHONY: setup demo test bench fuzz clean
 
 # install EXTRA: the package with an extra, by uv where there is one
 define install
@@ -38,6 +38,10 @@ test: setup
 bench: setup
 	-xargs -n1 $(BIN)/python -m pip install --quiet --disable-pip-version-check < benchmarks/requirements.txt
 	$(BIN)/python benchmarks/run.py
+
+# SEED=7 for another attack
+fuzz: setup
+	$(BIN)/python tools/fuzz/run.py --seed $(or $(SEED),1)
 
 clean:
 	rm -rf $(VENV) build dist src/*.egg-info stribeck-report
