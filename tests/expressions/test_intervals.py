@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from stribeck.expressions import ops
 from stribeck.expressions.graph import symbol
-from stribeck.expressions.intervals import Evaluator, bernstein, interval, number, point
+from stribeck.expressions.intervals import Evaluator, bernstein, interval, point
 
 size = st.floats(min_value=1e-120, max_value=1e120)
 reals = st.one_of(size, size.map(lambda x: -x), st.just(0.0))
