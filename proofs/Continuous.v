@@ -139,7 +139,7 @@ Proof.
   intros Hk. set (k := k_v p) in *.
   pose (x := fun w : U => Rmax 0 (1 - k * Rabs (vel w))).
   apply (c_ext (fun w _ => Rabs (vel w) + x w * (x w * x w) * (3 + k * Rabs (vel w)) * / (8 * k))).
-  - intros w _. unfold m_compact, x. fold k. destruct (Rlt_dec (k * Rabs (vel w)) 1) as [L | L].
+  - intros w _. rewrite m_compact_is by exact Hk. unfold x. fold k. destruct (Rlt_dec (k * Rabs (vel w)) 1) as [L | L].
     + rewrite Rmax_right by lra.
       assert (V : vel w * vel w = Rabs (vel w) * Rabs (vel w)) by (rewrite <- Rabs_mult; symmetry; apply Rabs_pos_eq; nra).
       rewrite V. field. lra.

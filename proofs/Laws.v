@@ -12,16 +12,16 @@ Definition sigma_1_at (p : constants) (v : R) : R :=
   sigma_1 p * exp (- (v / v_d p * (v / v_d p))).
 
 Definition S_0 (p : constants) (v : R) : R :=
-  2 / PI * atan (k_v p * v).
+  (2 / PI) * atan (k_v p * v).
 
 Definition m_atan (p : constants) (v : R) : R :=
   v * S_0 p v + 2 / (PI * k_v p).
 
 Definition m_sqrt (p : constants) (v : R) : R :=
-  sqrt (v * v + 1 / (k_v p * k_v p)).
+  sqrt (v * v + 1 / k_v p * (1 / k_v p)).
 
 Definition m_compact (p : constants) (v : R) : R :=
-  if Rlt_dec (k_v p * Rabs v) 1 then (3 / k_v p + 6 * k_v p * (v * v) - k_v p * (k_v p * k_v p) * (v * v * (v * v))) / 8
+  if Rlt_dec (k_v p * Rabs v) 1 then (3 + 6 * (k_v p * v * (k_v p * v)) - k_v p * v * (k_v p * v) * (k_v p * v * (k_v p * v))) / (8 * k_v p)
   else Rabs v.
 
 Definition alpha_0 (p : constants) (v z : R) : R :=
@@ -60,7 +60,7 @@ Definition friction_v_d (p : constants) (v z : R) : R :=
 Definition allowed_v_d (p : constants) : Prop :=
   0 < sigma_0 p /\ 0 <= sigma_1 p /\ 0 <= sigma_2 p /\ 0 < F_c p /\ 0 < F_s p /\ 0 < v_s p /\ 0 < v_d p /\ F_c p <= F_s p.
 Definition claims_passive_v_d (p : constants) : Prop :=
-  (sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) \/ (sigma_1 p * (v_d p / Rpower (2 * exp 1) (1 / 2)) <= 4 * F_c p).
+  (sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) \/ (sigma_1 p * (v_d p / (Rpower (2 * (exp 1)) (1 / 2))) <= 4 * F_c p).
 End lugre.
 
 Module lugre_arctan.
@@ -81,7 +81,7 @@ Definition friction_v_d (p : constants) (v z : R) : R :=
 Definition allowed_v_d (p : constants) : Prop :=
   0 < sigma_0 p /\ 0 <= sigma_1 p /\ 0 <= sigma_2 p /\ 0 < F_c p /\ 0 < F_s p /\ 0 < v_s p /\ 0 < k_v p /\ 0 < v_d p /\ F_c p <= F_s p.
 Definition claims_passive_v_d (p : constants) : Prop :=
-  sigma_1 p * (v_d p / Rpower (2 * exp 1) (1 / 2)) <= 4 * F_c p.
+  sigma_1 p * (v_d p / (Rpower (2 * (exp 1)) (1 / 2))) <= 4 * F_c p.
 End lugre_arctan.
 
 Module lugre_sobczyk.
@@ -119,7 +119,7 @@ Definition friction_v_d (p : constants) (v z : R) : R :=
 Definition allowed_v_d (p : constants) : Prop :=
   0 < sigma_0 p /\ 0 <= sigma_1 p /\ 0 <= sigma_2 p /\ 0 < F_c p /\ 0 < F_s p /\ 0 < v_s p /\ 0 < k_v p /\ 0 < v_d p /\ F_c p <= F_s p.
 Definition claims_passive_v_d (p : constants) : Prop :=
-  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (2 / (PI * k_v p)) <= F_s p)) \/ (sigma_1 p * (v_d p / Rpower (2 * exp 1) (1 / 2) + 2 / (PI * k_v p)) <= 4 * F_c p).
+  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (2 / (PI * k_v p)) <= F_s p)) \/ (sigma_1 p * (v_d p / (Rpower (2 * (exp 1)) (1 / 2)) + 2 / (PI * k_v p)) <= 4 * F_c p).
 End lugre_majorant.
 
 Module lugre_majorant_sqrt.
@@ -140,7 +140,7 @@ Definition friction_v_d (p : constants) (v z : R) : R :=
 Definition allowed_v_d (p : constants) : Prop :=
   0 < sigma_0 p /\ 0 <= sigma_1 p /\ 0 <= sigma_2 p /\ 0 < F_c p /\ 0 < F_s p /\ 0 < v_s p /\ 0 < k_v p /\ 0 < v_d p /\ F_c p <= F_s p.
 Definition claims_passive_v_d (p : constants) : Prop :=
-  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (1 / k_v p) <= F_s p)) \/ (sigma_1 p * (v_d p / Rpower (2 * exp 1) (1 / 2) + 1 / k_v p) <= 4 * F_c p).
+  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (1 / k_v p) <= F_s p)) \/ (sigma_1 p * (v_d p / (Rpower (2 * (exp 1)) (1 / 2)) + 1 / k_v p) <= 4 * F_c p).
 End lugre_majorant_sqrt.
 
 Module lugre_majorant_compact.
@@ -161,7 +161,7 @@ Definition friction_v_d (p : constants) (v z : R) : R :=
 Definition allowed_v_d (p : constants) : Prop :=
   0 < sigma_0 p /\ 0 <= sigma_1 p /\ 0 <= sigma_2 p /\ 0 < F_c p /\ 0 < F_s p /\ 0 < v_s p /\ 0 < k_v p /\ 0 < v_d p /\ F_c p <= F_s p.
 Definition claims_passive_v_d (p : constants) : Prop :=
-  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (3 / (8 * k_v p)) <= F_s p)) \/ (sigma_1 p * (v_d p / Rpower (2 * exp 1) (1 / 2) + 3 / (8 * k_v p)) <= 4 * F_c p).
+  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (3 / (8 * k_v p)) <= F_s p)) \/ (sigma_1 p * (v_d p / (Rpower (2 * (exp 1)) (1 / 2)) + 3 / (8 * k_v p)) <= 4 * F_c p).
 End lugre_majorant_compact.
 
 Module elastoplastic.
@@ -184,7 +184,7 @@ Definition friction_v_d (p : constants) (v z : R) : R :=
 Definition allowed_v_d (p : constants) : Prop :=
   0 < sigma_0 p /\ 0 <= sigma_1 p /\ 0 <= sigma_2 p /\ 0 < F_c p /\ 0 < F_s p /\ 0 < v_s p /\ 0 < z_ba p /\ 0 < v_d p /\ F_c p <= F_s p /\ z_ba p * sigma_0 p < F_c p.
 Definition claims_passive_v_d (p : constants) : Prop :=
-  (sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) \/ (sigma_1 p * (v_d p / Rpower (2 * exp 1) (1 / 2)) <= 4 * F_c p).
+  (sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) \/ (sigma_1 p * (v_d p / (Rpower (2 * (exp 1)) (1 / 2))) <= 4 * F_c p).
 End elastoplastic.
 
 Module elastoplastic_sobczyk.
@@ -224,7 +224,7 @@ Definition friction_v_d (p : constants) (v z : R) : R :=
 Definition allowed_v_d (p : constants) : Prop :=
   0 < sigma_0 p /\ 0 <= sigma_1 p /\ 0 <= sigma_2 p /\ 0 < F_c p /\ 0 < F_s p /\ 0 < v_s p /\ 0 < z_ba p /\ 0 < k_v p /\ 0 < v_d p /\ F_c p <= F_s p /\ z_ba p * sigma_0 p < F_c p.
 Definition claims_passive_v_d (p : constants) : Prop :=
-  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (2 / (PI * k_v p)) <= F_s p)) \/ (sigma_1 p * (v_d p / Rpower (2 * exp 1) (1 / 2) + 2 / (PI * k_v p)) <= 4 * F_c p).
+  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (2 / (PI * k_v p)) <= F_s p)) \/ (sigma_1 p * (v_d p / (Rpower (2 * (exp 1)) (1 / 2)) + 2 / (PI * k_v p)) <= 4 * F_c p).
 End elastoplastic_majorant.
 
 Module elastoplastic_majorant_sqrt.
@@ -247,7 +247,7 @@ Definition friction_v_d (p : constants) (v z : R) : R :=
 Definition allowed_v_d (p : constants) : Prop :=
   0 < sigma_0 p /\ 0 <= sigma_1 p /\ 0 <= sigma_2 p /\ 0 < F_c p /\ 0 < F_s p /\ 0 < v_s p /\ 0 < z_ba p /\ 0 < k_v p /\ 0 < v_d p /\ F_c p <= F_s p /\ z_ba p * sigma_0 p < F_c p.
 Definition claims_passive_v_d (p : constants) : Prop :=
-  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (1 / k_v p) <= F_s p)) \/ (sigma_1 p * (v_d p / Rpower (2 * exp 1) (1 / 2) + 1 / k_v p) <= 4 * F_c p).
+  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (1 / k_v p) <= F_s p)) \/ (sigma_1 p * (v_d p / (Rpower (2 * (exp 1)) (1 / 2)) + 1 / k_v p) <= 4 * F_c p).
 End elastoplastic_majorant_sqrt.
 
 Module elastoplastic_majorant_compact.
@@ -270,7 +270,7 @@ Definition friction_v_d (p : constants) (v z : R) : R :=
 Definition allowed_v_d (p : constants) : Prop :=
   0 < sigma_0 p /\ 0 <= sigma_1 p /\ 0 <= sigma_2 p /\ 0 < F_c p /\ 0 < F_s p /\ 0 < v_s p /\ 0 < z_ba p /\ 0 < k_v p /\ 0 < v_d p /\ F_c p <= F_s p /\ z_ba p * sigma_0 p < F_c p.
 Definition claims_passive_v_d (p : constants) : Prop :=
-  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (3 / (8 * k_v p)) <= F_s p)) \/ (sigma_1 p * (v_d p / Rpower (2 * exp 1) (1 / 2) + 3 / (8 * k_v p)) <= 4 * F_c p).
+  ((sigma_1 p * (F_s p - F_c p) <= sigma_2 p * F_c p) /\ (sigma_1 p * (3 / (8 * k_v p)) <= F_s p)) \/ (sigma_1 p * (v_d p / (Rpower (2 * (exp 1)) (1 / 2)) + 3 / (8 * k_v p)) <= 4 * F_c p).
 End elastoplastic_majorant_compact.
 
 Module dahl.

@@ -222,7 +222,8 @@ Lemma C1_m_sqrt p : 0 < k_v p -> C1_1 (m_sqrt p).
 Proof.
   intros Hk. assert (C : 0 < 1 / (k_v p * k_v p)) by (apply Rdiv_lt_0_compat; nra).
   assert (P : forall x, 0 < x * x + 1 / (k_v p * k_v p)) by (intros x; pose proof (Rle_0_sqr x) as Q; unfold Rsqr in Q; lra).
-  unfold m_sqrt. set (c := 1 / (k_v p * k_v p)) in *.
+  apply (C1_1_ext (fun v => sqrt (v * v + 1 / (k_v p * k_v p)))); [intros v; symmetry; apply m_sqrt_is; exact Hk|].
+  set (c := 1 / (k_v p * k_v p)) in *.
   apply (C1_of (fun v => sqrt (v * v + c)) (fun v => v / sqrt (v * v + c))); intros x; specialize (P x);
     assert (0 < sqrt (x * x + c)) by (apply sqrt_lt_R0; exact P).
   - auto_derive; [exact P|]. field. lra.
@@ -234,7 +235,7 @@ Proof.
   intros Hk. set (k := k_v p) in *. assert (Ik : 0 < / k) by (apply Rinv_0_lt_compat; exact Hk).
   apply (C1_1_ext (fun v => if Rle_dec v (- / k) then - v else if Rle_dec v (/ k)
     then (3 / k + 6 * k * (v * v) - k * (k * k) * (v * v * (v * v))) / 8 else v)).
-  - intros v. unfold m_compact. fold k.
+  - intros v. rewrite m_compact_is by exact Hk. fold k.
     assert (K1 : forall r, k * r < 1 <-> r < / k).
     { intros r. split; intros H.
       - apply Rmult_lt_reg_l with k; [exact Hk|]. rewrite Rinv_r; lra.

@@ -68,9 +68,18 @@ Proof.
   unfold Rabs. destruct (Rcase_abs v) as [N | N]; [|apply E; lra]. rewrite <- m_atan_even. apply E. lra.
 Qed.
 
+(* the forms that the proofs use; the laws' are written so that no float overflows *)
+Lemma m_sqrt_is p v : 0 < k_v p -> m_sqrt p v = sqrt (v * v + 1 / (k_v p * k_v p)).
+Proof. intros Hk. unfold m_sqrt. f_equal. field. lra. Qed.
+
+Lemma m_compact_is p v : 0 < k_v p -> m_compact p v =
+  if Rlt_dec (k_v p * Rabs v) 1 then (3 / k_v p + 6 * k_v p * (v * v) - k_v p * (k_v p * k_v p) * (v * v * (v * v))) / 8
+  else Rabs v.
+Proof. intros Hk. unfold m_compact. destruct (Rlt_dec (k_v p * Rabs v) 1); [field; lra|reflexivity]. Qed.
+
 Theorem m_sqrt_majorant p v : 0 < k_v p -> Rabs v <= m_sqrt p v <= Rabs v + 1 / k_v p.
 Proof.
-  intros Hk. unfold m_sqrt. set (c := 1 / k_v p). assert (C : 0 < c) by (apply Rdiv_lt_0_compat; lra).
+  intros Hk. rewrite m_sqrt_is by exact Hk. set (c := 1 / k_v p). assert (C : 0 < c) by (apply Rdiv_lt_0_compat; lra).
   replace (1 / (k_v p * k_v p)) with (c * c) by (unfold c; field; lra).
   pose proof (Rabs_pos v) as A. assert (V : Rabs v * Rabs v = v * v) by (rewrite <- Rabs_mult; apply Rabs_pos_eq; nra).
   rewrite <- V. set (x := Rabs v) in *. split.
@@ -80,7 +89,7 @@ Qed.
 
 Theorem m_compact_majorant p v : 0 < k_v p -> Rabs v <= m_compact p v <= Rabs v + 3 / (8 * k_v p).
 Proof.
-  intros Hk. assert (0 < 3 / (8 * k_v p)) by (apply Rdiv_lt_0_compat; lra). unfold m_compact.
+  intros Hk. assert (0 < 3 / (8 * k_v p)) by (apply Rdiv_lt_0_compat; lra). rewrite m_compact_is by exact Hk.
   destruct (Rlt_dec (k_v p * Rabs v) 1) as [L | L]; [|lra].
   pose proof (Rabs_pos v) as A. assert (V : v * v = Rabs v * Rabs v) by (rewrite <- Rabs_mult; symmetry; apply Rabs_pos_eq; nra).
   rewrite V. set (u := Rabs v) in *. set (k := k_v p) in *. set (x := k * u) in *.

@@ -1,6 +1,6 @@
 (* At most one z(t) for each v(t) and start: two solutions never move apart, since dz/dt falls as z rises.
 
-   That a solution exists is the hypothesis "motion"; Exists.v has it for the laws that are linear in z. *)
+   That a solution exists is the hypothesis "motion"; it is not proved here. *)
 From Coq Require Import Reals Lra Psatz.
 From Coquelicot Require Import Coquelicot.
 From Stribeck Require Import Laws Motion Power Terms Continuous Relaxation Passive.

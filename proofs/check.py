@@ -22,8 +22,8 @@ FILES = (
     "Laws", "Motion", "Power", "Terms", "Continuous", "Relaxation", "Passive", "Level", "Extract", "Necessary",
     "Machine", "Contacts", "Unique", "Smooth", "Others",
 )  # fmt: skip
-# What Coq's real numbers are built on, and no more: two instances of the excluded middle (a search through the natural
-# numbers ends or not; not not P or not P), the excluded middle itself, and that equal functions are equal.
+# What Coq's real numbers are built on, and no more: a decidable property fails for some natural number or holds for all; a
+# statement's negation holds or does not; equal values make equal functions; and, for Coquelicot, the excluded middle.
 ALLOWED = {
     "ClassicalDedekindReals.sig_forall_dec", "ClassicalDedekindReals.sig_not_dec", "Classical_Prop.classic",
     "FunctionalExtensionality.functional_extensionality_dep",

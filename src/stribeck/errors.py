@@ -99,7 +99,8 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
 # The packages that the base installation does not have, and the extra that brings each.
 EXTRAS = {
-    "matplotlib": "plot", "jinja2": "plot", "markupsafe": "plot", "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
+    "matplotlib": "plot", "jinja2": "plot", "markupsafe": "plot",
+    "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
     "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
     "mujoco": "mujoco",
 }  # fmt: skip

@@ -7,9 +7,10 @@ from pathlib import Path
 import pytest
 
 from stribeck.properties import NAMES
+from stribeck.properties.verify_certificate import verify
 
 ROOT = Path(__file__).parents[2]
-CONFIRMED = "confirmed by a second run of all"
+CONFIRMED = "all proofs confirmed by the independent checker, all counterexamples replayed"
 MY_SET = {"sigma_0": 2e4, "sigma_1": 30.0, "sigma_2": 12.0, "F_c": 2.0, "F_s": 2.7, "v_s": 4e-3}
 MY_LAW = """
 from stribeck.expressions.ops import sqrt
@@ -96,14 +97,17 @@ def test_the_commands_of_the_page(stribeck, tmp_path, monkeypatch):
     Path("my_set.toml").write_text("[parameters]\n" + "\n".join(f"{n} = {x}" for n, x in MY_SET.items()))
     page = (ROOT / "docs" / "check.md").read_text()
     lines = [line.partition("#")[0].split()[1:] for line in page.split("```sh\n")[1].split("```")[0].splitlines()]
-    assert len(lines) == 8
+    assert len(lines) == 9
     results = [stribeck(*words) for words in lines]
-    assert [r.status for r in results] == [0] * 8
-    found, run, slow, margins, proved, own, every, sets = (r.out for r in results)
+    assert [r.status for r in results] == [0] * 9
+    found, run, slow, margins, proved, written, own, every, sets = (r.out for r in results)
     assert re.search(r"passive +no +a cycle", found)
     assert "E_in" in run
     assert re.search(r"passive +yes .*fitted", slow)
-    assert re.search(r"passive +yes +interval arithmetic over all v", margins)
+    assert re.search(r"passive +yes +the power lost", margins)
+    assert "wrote proofs.json" in written
+    certificates = json.loads(Path("proofs.json").read_text())["certificates"]
+    assert {n: verify(c) for n, c in certificates.items()} == {"unique": [], "bounded": []}
     assert re.search(r"smooth +no +one-sided derivatives", margins)
     low = re.search(r"margin +sigma_2 = 200: passive from (\S+)$", margins, re.M)
     assert float(low[1]) == pytest.approx(1e5**0.5 / 2, rel=1e-6)

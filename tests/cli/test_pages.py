@@ -92,7 +92,7 @@ def test_sweep_as_csv_holds_the_same_numbers(summary, stribeck, scenario, tmp_pa
 def test_check(stribeck, tmp_path):
     words = ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7", "--out", tmp_path / "out")
     data = json.loads(stribeck(*words, "--json").out)
-    assert str(tmp_path / "out" / "report.html") in data["files"]
+    assert str(tmp_path / "out" / "report.html") in data["report"]
     page = read(tmp_path / "out" / "report.html")
     holds = {row[0]: row[2] for row in page.tables[0]}
     for name, verdict in data["properties"].items():

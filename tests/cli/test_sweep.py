@@ -21,7 +21,7 @@ GRID = ("--vary", "law.k_v=1e6:1e8:3:log", "--vary", "law.parameters.F_s=0.9:1.8
 
 
 def files(folder):
-    return {path.name: path.read_bytes() for path in folder.iterdir()}
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 @pytest.fixture

@@ -28,7 +28,7 @@ def test_every_parameter_of_lugre_is_found(full):
         assert fit.estimates[name].low < fit.estimates[name].value < fit.estimates[name].high
     noise = 0.1 / np.sqrt(np.mean(full.force**2))
     assert fit.relative_force_error == pytest.approx(noise, rel=0.05)
-    assert "of the 7 best of 20 starts ended in this minimum" in fit.details["search"]
+    assert "best of 20 starts ended in this minimum" in fit.details["search"]
     assert int(fit.details["search"].split()[0]) >= 5
 
 
@@ -129,8 +129,7 @@ def test_the_law_s_relations_hold_wherever_the_search_looks(full):
         ({"fixed": {"F_q": 1.0}}, r"F_q: law 'lugre' has no such constant"),
         ({"tied": {"F_s": Tie("F_x")}}, r"tied.F_s: 'F_x': must be free or fixed"),
         ({"fixed": rig.TRUTH}, "there is nothing to fit"),
-        ({"body": ("delay",)}, "delay"),
-        ({"body": ("F_c_by_load",)}, "--load"),
+        ({"body": ("F_c_by_load",)}, "needs a column: (--)?load"),
         ({"fixed": {"F_c": 10.0, "F_s": 9.0}}, "no values near the data's are allowed"),
     ],
 )

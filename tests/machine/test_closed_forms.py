@@ -1,5 +1,7 @@
 """What can be said in closed form: play, a level that follows a load, ties, energy of jumps, limits, sampling."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -120,7 +122,7 @@ def random_machine(seed):
     if count > 2 and random.random() < 0.5:
         bodies[names[-1]] |= {"tied_to": names[0], "ratio": float(random.uniform(-2, 2))}
     links, contacts = {}, {}
-    for i, (a, b) in enumerate(zip(names, names[1:], strict=False)):
+    for i, (a, b) in enumerate(pairwise(names)):
         links[f"k{i}"] = {
             "from": a, "to": b, "ratio": float(random.choice([-1, 1])) * scaled(0.3, 3), "stiffness": scaled(20, 500),
             "damping": scaled(0.05, 2),

@@ -67,7 +67,8 @@ ARM_MISTAKES = {
         "controllers.c.on: 'arm': must be another body: controllers.b drives it already",
     ),
     "two drives: a controller on a driven body": (
-        {"bodies.belt": {"velocity": {"signal": RAMP}}, "controllers.b": {"kind": "pid", "on": "belt", "K_p": 1.0, "signal": RAMP}},
+        {"bodies.belt": {"velocity": {"signal": RAMP}},
+         "controllers.b": {"kind": "pid", "on": "belt", "K_p": 1.0, "signal": RAMP}},
         "controllers.b.on: 'belt': must be another body: the velocity of belt is given, and nothing acts on it",
     ),
     "a motor that nothing drives": (
@@ -75,7 +76,8 @@ ARM_MISTAKES = {
     ),
     "a motor with two": ({"motors.drive.signal": RAMP}, "motors.drive.signal: a signal: must be left out"),
     "feedforward without derivative": (
-        {"controllers.axis.signal": {"kind": "step", "time": 0.1, "value": 1.0}, "controllers.axis.feedforward": {"inertia": 1.0}},
+        {"controllers.axis.signal": {"kind": "step", "time": 0.1, "value": 1.0},
+         "controllers.axis.feedforward": {"inertia": 1.0}},
         "controllers.axis.signal.kind: 'step': has no second derivative, which feedforward needs",
     ),
     "a compensation of nothing": (
@@ -106,7 +108,9 @@ ARM_MISTAKES = {
         "contacts.seal.law.k_v: missing",
     ),
     "an unknown section": ({"gears": {}}, "gears: an empty table: unknown key"),
-    "a wrong tolerance": ({"solve.atol": {"arm.x": 1e-9}}, "solve.atol.arm.x: 1e-09: there is no such state (did you mean 'arm.y'?)"),
+    "a wrong tolerance": (
+        {"solve.atol": {"arm.x": 1e-9}}, "solve.atol.arm.x: 1e-09: there is no such state (did you mean 'arm.y'?)",
+    ),
     "a wrong version": ({"schema": 3}, "schema: 3: must be 2 (a machine)"),
     "a body's table that is none": ({"bodies.arm": 3}, "bodies.arm: 3: must be a table, not a number"),
 }  # fmt: skip

@@ -1,5 +1,9 @@
 """Elements of the user's own, in a file: a link, a load and a controller."""
 
+import re
+import tomllib
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -135,3 +139,26 @@ def test_mistakes(kind, text, folder):
     with pytest.raises(InputError) as error:
         Scenario(rig(links={"k": {**LINK, "kind": kind}}), folder=folder)
     assert [line.startswith("links.k.kind: ") and text in line for line in error.value.problems] == [True]
+
+
+def test_the_example_of_the_documentation(tmp_path):
+    """docs/adding-an-element.md: its file and its tables, as they stand."""
+    text = (Path(__file__).parent.parent.parent / "docs" / "adding-an-element.md").read_text(encoding="utf-8")
+    python, toml = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("python", "toml"))
+    (tmp_path / "elements.py").write_text(python)
+    tables = tomllib.loads(toml)
+    data = machine({"slider": {"mass": 1.0}}, links=tables["links"], loads={**tables["loads"], "p": push(on="slider")})
+    s = solved(data, tmp_path)
+    np.testing.assert_allclose(s["spring.f"], 400 * s["slider.y"] + 1e5 * s["slider.y"] ** 3, rtol=1e-12, atol=1e-15)
+    assert np.max(np.abs(balance(s))) <= 1e-8 * s.peaks["E_in"]
+
+
+def test_the_machine_of_the_documentation():
+    text = (Path(__file__).parent.parent.parent / "docs" / "machines.md").read_text(encoding="utf-8")
+    toml, python = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("toml", "python"))
+    data = tomllib.loads(toml)
+    data["solve"]["t_end"] = 0.3
+    assert solved(data).peaks["mesh.F"] > 0.6
+    scope: dict = {}
+    exec(python.replace("t_end=3.0", "t_end=0.2"), scope)
+    assert scope["ensemble"].status == ["done"] * 3

@@ -26,4 +26,4 @@ def compiles(text: str, folder: Path) -> subprocess.CompletedProcess[str]:
     """Coq's answer to a file."""
     (folder / "Goal.v").write_text(text)
     command = ["coqc", "-q", "-w", "-ambiguous-paths", "Goal.v"]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=120)
+    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False, timeout=900)

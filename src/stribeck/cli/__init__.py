@@ -118,7 +118,7 @@ def _status(arguments: list[str] | None) -> int:
         if usage is None:
             raise
         if text := " ".join(usage().split()):  # none where the help was printed instead
-            print(f"stribeck: {text} (stribeck --help)", file=sys.stderr)
+            print(one_line(f"stribeck: {text} (stribeck --help)"), file=sys.stderr)
         return 2
 
 

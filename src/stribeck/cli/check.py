@@ -57,7 +57,7 @@ def check(
         with left_out("the page"):
             from stribeck.report import check as report
 
-            data["files"] += map(str, report.write(verdicts, out, data, show.command_line()))
+            data["report"] = [str(path) for path in report.write(verdicts, out, data, show.command_line())]
     if certificate is not None:
         from stribeck.files import write_text
 
@@ -156,7 +156,7 @@ def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
         say(f"{name} = {margin['value']:g}: {word} {' '.join(ends) or 'whatever it is'}", 15, "  margin     ")
     if largest := data.get("margins", {}).get("largest_v_d"):
         print(f"  remedy     passive with v_d up to {largest:.6g} m/s (as sampled)")
-    for file in data.get("files", ()):
+    for file in (*data.get("files", ()), *data.get("report", ())[-1:]):
         print(f"  wrote {file}")
 
 

@@ -5,22 +5,18 @@ from __future__ import annotations
 import textwrap
 import threading
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from importlib.resources import files
 
+from stribeck.codegen.collected import collect, hoist
 from stribeck.codegen.elimination import eliminate
 from stribeck.equations import Equations
 from stribeck.expressions.emit import C, Writer
 from stribeck.expressions.graph import (
-    ONE,
     ZERO,
     Expr,
-    derivative,
     is_zero,
     ordered,
-    rewrite,
-    substitute,
     symbol,
     symbols,
 )
@@ -62,99 +58,18 @@ class _Source:
             f"{group}.{name}": f"p->{field}"
             for (group, name), field in zip(system.parameters, self.fields, strict=True)
         }
-        made = self._made()
+        made = collect(system)
         for node in ordered(made.every):
             node.label = None
-        made = self._made()  # sets the labels of this system
-        flat = iter(self._hoist(made.every))
-        for part in made.parts:
-            part[:] = [next(flat) for _ in part]
+        made = collect(system)  # sets the labels of this system
+        flat, self.coefficients = hoist(made.every, self.parameter_text.keys(), {*_RESERVED, *self.fields})
+        made.put(flat)
         n = len(self.names)
         self.rates, self.by_time, self.watched = made.rates, made.by_time, made.watched
         self.by_state = [made.by_state[i * n : (i + 1) * n] for i in range(n)]
         self.watched_by = [made.watched_by[i * n : (i + 1) * n] for i in range(len(self.watched))]
         self.curved = made.curved
         self.moved, self.samples, self.memory = made.moved, made.samples, made.memory
-
-    def _made(self) -> _Made:
-        """All expressions of the system and their derivatives."""
-        system, rates = self.system, self.system.rates()
-        states, t = [symbol(name) for name in self.names], symbol("t")
-        known: list[dict[Expr, Expr]] = [{} for _ in (*states, t)]
-
-        def slopes(of: Expr) -> list[Expr]:
-            uses = symbols([of])
-            return [
-                derivative(of, by, known[i]) if str(by.value) in uses else ZERO for i, by in enumerate((*states, t))
-            ]
-
-        rows = [slopes(rate) for rate in rates]
-        watched = [watch.value for watch in system.watches()]
-        of_watched = [slopes(value) for value in watched]
-        moving = {*self.names, "t"}
-        samples = system.samples()
-        moved = system.moved_energy()
-        return _Made(
-            rates=list(rates),
-            by_state=[entry for row in rows for entry in row[:-1]],
-            by_time=[row[-1] for row in rows],
-            watched=watched,
-            watched_by=[entry for row in of_watched for entry in row[:-1]],
-            moved=[] if moved is None else [moved],
-            samples=[expr for each in samples for expr in (each.output, *each.memory.values())],
-            curved=[bool(symbols(row) & moving) for row in of_watched],
-            memory=[tuple(each.memory) for each in samples],
-        )
-
-    # -- constant subexpressions ---------------------------------------------------------------------------------
-
-    def _constant(self, node: Expr, known: dict[Expr, bool]) -> bool:
-        for each in () if node in known else ordered([node]):
-            if each not in known:
-                is_parameter = each.op == "constant" or (each.op == "symbol" and str(each.value) in self.parameter_text)
-                known[each] = is_parameter or (bool(each.args) and all(known[a] for a in each.args))
-        return known[node]
-
-    def _hoist(self, outputs: list[Expr]) -> list[Expr]:
-        """Subexpressions of constants alone become coefficients, computed once a run; so do reciprocals of divisors."""
-        known: dict[Expr, bool] = {}
-
-        def multiply(node: Expr) -> Expr:
-            if node.op == "mul" and node.args[0].op == "div" and node.args[1].op == "symbol":
-                # a state is there from the start: divided first, it does not wait for exp or atan
-                (a, b), state = node.args[0].args, node.args[1]
-                if not self._constant(b, known) and not self._constant(state, known):
-                    return a * (state / b)
-            if node.op != "div" or not self._constant(node.args[1], known) or self._constant(node.args[0], known):
-                return node
-            product = node.args[0] * (ONE / node.args[1])
-            if product.op == "mul" and product.label is None:
-                product.label = node.label
-            return product
-
-        outputs = rewrite(outputs, multiply)
-        self.coefficients: dict[str, Expr] = {}
-        found: dict[Expr, Expr] = {}
-        taken = set(_RESERVED) | set(self.fields)
-        stack, seen = list(reversed(outputs)), set()
-        while stack:
-            node = stack.pop()
-            if node in seen:
-                continue
-            seen.add(node)
-            trivial = node.op in ("symbol", "constant") or (node.op == "neg" and node.args[0].op == "symbol")
-            if trivial:
-                continue
-            if self._constant(node, known) and node.op not in ("lt", "le", "both", "either"):
-                name = node.label or _coefficient_name(node, len(self.coefficients))
-                while name in taken:
-                    name += "_"
-                taken.add(name)
-                self.coefficients[name] = node
-                found[node] = symbol(f"coefficient.{name}")
-            else:
-                stack.extend(reversed(node.args))
-        return substitute(outputs, found)
 
     # -- the file ------------------------------------------------------------------------------------------------
 
@@ -393,31 +308,6 @@ _COMMON = "const Parameters *p, const Coefficients *c"
 _NOW = "const Segment *piece, real t, const real *x"
 
 
-@dataclass
-class _Made:
-    """The expressions of a system, as lists that are rewritten together."""
-
-    rates: list[Expr]
-    by_state: list[Expr]
-    by_time: list[Expr]
-    watched: list[Expr]
-    watched_by: list[Expr]
-    moved: list[Expr]
-    samples: list[Expr]
-    curved: list[bool]
-    memory: list[tuple[str, ...]]
-
-    @property
-    def parts(self) -> list[list[Expr]]:
-        """The lists."""
-        return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, self.moved, self.samples]
-
-    @property
-    def every(self) -> list[Expr]:
-        """All of them."""
-        return [node for part in self.parts for node in part]
-
-
 def _runtime(name: str) -> str:
     return files("stribeck.runtime").joinpath(name).read_text(encoding="utf-8")
 
@@ -446,12 +336,6 @@ def _unique(names: Iterable[str]) -> list[str]:
             field += "_"
         result.append(field)
     return result
-
-
-def _coefficient_name(node: Expr, count: int) -> str:
-    if node.op == "div" and node.args[0] is ONE and node.args[1].op == "symbol":
-        return f"inv_{str(node.args[1].value).split('.')[-1]}"
-    return f"c{count}"
 
 
 def _comment(text: str | None) -> str:

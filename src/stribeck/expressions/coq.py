@@ -1,20 +1,20 @@
 """Expressions as terms of the Coq proof assistant, over its real numbers; and inequalities as goals for it.
 
 A term means what the equation means over the real numbers: floats are the dyadic fractions that they are. Constants
-such as pi are exact only where the equation was built under :func:`exact_constants`.
+such as pi are what they stand for (:mod:`stribeck.expressions.exact`).
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from fractions import Fraction
-from types import ModuleType
+from typing import Any
 
 from stribeck.errors import InputError
-from stribeck.expressions.graph import Expr, ordered, symbol, symbols
+from stribeck.expressions.exact import Exact
+from stribeck.expressions.graph import Expr, ordered, symbols
 
 _PROP, _SUM, _PRODUCT, _APPLIED, _ATOM = range(5)  # how tightly a text binds, loosest first
 _FUNCTIONS = {
@@ -22,30 +22,32 @@ _FUNCTIONS = {
     "tanh": "tanh", "sign": "sign",
 }  # fmt: skip
 _RELATIONS = {"lt": ("<", "Rlt_dec"), "le": ("<=", "Rle_dec")}
-_EXACT = {"pi": ("PI", math.pi), "e": ("exp 1", math.e)}
+_SIGNS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
 _NO_INTERVAL = frozenset({"where", "sign", "pow", "tanh", "lt", "le", "both", "either"})
 
 
-@contextmanager
-def exact_constants(*modules: ModuleType) -> Iterator[None]:
-    """Within, the names ``pi`` and ``e`` of modules of equations are symbols, which Coq reads as the numbers themselves."""
-    held = [(m, n, vars(m)[n]) for m in modules for n, (_, x) in _EXACT.items() if vars(m).get(n) == x]
-    for module, name, _ in held:
-        setattr(module, name, symbol(name))
-    try:
-        yield
-    finally:
-        for module, name, value in held:
-            setattr(module, name, value)
-
-
 def number(x: Fraction | float) -> str:
-    """A rational number as a term; a float is the dyadic fraction that it is."""
+    """A number as a term: a float is the dyadic fraction that it is, an exact constant what it stands for."""
     if not math.isfinite(x):
         raise InputError(f"{x}: not a real number")
+    if isinstance(x, Exact):
+        return _tree(x.tree)
     q = Fraction(x)
     top = str(q.numerator) if q >= 0 else f"(- {-q.numerator})"
     return top if q.denominator == 1 else f"({top} / {q.denominator})"
+
+
+def _tree(tree: Any) -> str:
+    if not isinstance(tree, tuple):
+        return "PI" if tree == "pi" else number(tree)
+    op, args = tree[0], [_tree(t) for t in tree[1:]]
+    if op in _SIGNS:
+        return f"({f' {_SIGNS[op]} '.join(args)})"
+    if op == "neg":
+        return f"(- {args[0]})"
+    if op == "pow" and args[0][:3] != "(- ":  # of a number above 0: nothing else is a float
+        return f"(Rpower {args[0]} {args[1]})"
+    return f"({_FUNCTIONS[op]} {' '.join(args)})"
 
 
 def write(expr: Expr, names: Mapping[str, str] | None = None) -> str:
@@ -54,12 +56,12 @@ def write(expr: Expr, names: Mapping[str, str] | None = None) -> str:
     Args:
         expr: the expression.
         names: what stands for each symbol: a name, or a function with its arguments. A symbol that is not named stands
-            for itself, pi and e for the numbers.
+            for itself.
 
     Raises:
-        InputError: a constant is not finite, or a symbol's name is none in Coq.
+        InputError: a constant is not finite, a symbol's name is none in Coq, or a power is not a whole one.
     """
-    known = {name: text for name, (text, _) in _EXACT.items()} | dict(names or {})
+    known = names or {}
     texts: dict[Expr, tuple[str, int]] = {}
     for node in ordered([expr]):
         texts[node] = _text(node, texts, known)
@@ -93,7 +95,9 @@ def _text(node: Expr, texts: Mapping[Expr, tuple[str, int]], names: Mapping[str,
     if op == "where":
         return _choice(node.args[0], at(1, _PROP), at(2, _PROP), texts), _PROP
     if op == "pow":
-        return f"Rpower {at(0, _ATOM)} {at(1, _ATOM)}", _APPLIED
+        raise InputError(
+            "x^y: Coq's power is another function where x may be 0 or below; write exp(y log(x)) for x > 0"
+        )
     return f"{_FUNCTIONS[op]} {at(0, _ATOM)}", _APPLIED
 
 
@@ -121,7 +125,7 @@ def coq_goal(
     text of the expression. Where it fails, the box was too wide for ``digits`` or the inequality does not hold.
 
     Args:
-        expression: what is to be shown to be >= 0, in the box's symbols (build it under :func:`exact_constants`).
+        expression: what is to be shown to be >= 0, in the box's symbols.
         box: the ends of each symbol's range; both ends equal for a constant, which is written out as the number.
         name: the lemma's name.
         above: show that it is > 0.
@@ -134,7 +138,7 @@ def coq_goal(
         InputError: a symbol has no range, a range is not finite or empty, or an operation is one that the tactic does
             not know (a choice between cases: give each case its own box).
     """
-    free = symbols([expression]) - set(_EXACT)
+    free = symbols([expression])
     problems = [f"{n}: has no range" for n in sorted(free - set(box))]
     for n in sorted(free & set(box)):
         low, high = box[n]

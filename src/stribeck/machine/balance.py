@@ -29,7 +29,8 @@ class Balance:
         self.k: dict[str, Expr] = {}
         self.unlimited: dict[str, Expr] = {}
         self.far: Expr = ZERO
-        self._labels: set[Expr] = set()
+        parts = (machine.bodies, machine.links, machine.contacts, machine.loads, machine.motors, machine.controllers)
+        self._elements = tuple(f"{part.name}_" for group in parts for part in group)
         self._motion()
         self._loads()
         self._links()
@@ -180,7 +181,7 @@ class Balance:
             p = parameters(contact, d, forces, T)
             rate = wrap(contact.law.dz_dt(p, w, z)) if contact.law.has_z else ZERO
             F = wrap(contact.law.friction(p, w, z, rate))
-            named(contact.name, [rate, F], self._labels)
+            named(contact.name, [rate, F], self._elements)
             if rate.args:
                 rate.label = f"{contact.name}_dz_dt"
             self.k[f"{contact.name}.z"], self.k[f"{contact.name}.w"] = z, w

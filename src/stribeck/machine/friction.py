@@ -48,12 +48,12 @@ def _factor(factor: Factor, d: Expr, t: Expr) -> Expr:
     return wrap(1 + sum_of_waves(p, d))
 
 
-def named(prefix: str, values: list[Expr], done: set[Expr]) -> None:
-    """Put the contact's name before the names of its law's terms in the generated code."""
+def named(prefix: str, values: list[Expr], elements: tuple[str, ...]) -> None:
+    """Put the contact's name before the names of its law's terms in the generated code; what bears the name of an element
+    already keeps it."""
     for node in ordered(values):
-        if node.label and node not in done:
+        if node.label and not node.label.startswith(elements):
             node.label = f"{prefix}_{node.label}"
-            done.add(node)
 
 
 def steady_force(law: type[Law], p: Any, v: Expr) -> Expr:

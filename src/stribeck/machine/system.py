@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from stribeck.constants import Constant
@@ -188,8 +188,10 @@ class Machine(Equations):
         return tuple((path, name) for path, (constants, _) in self.tables.items() for name in constants)
 
     def constant(self, owner: str, name: str) -> Constant:
-        """The declaration of a run-time constant."""
-        return self.tables[owner][0][name]
+        """The declaration of a run-time constant, with the unit that it has there."""
+        constants, rotary = self.tables[owner]
+        found = constants[name]
+        return replace(found, unit=found.rotary_unit) if rotary and found.rotary_unit is not None else found
 
     def field(self, owner: str, name: str) -> str:
         """``mesh_F_c`` for ``contacts.mesh.law`` and F_c."""

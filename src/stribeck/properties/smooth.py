@@ -96,7 +96,9 @@ def _present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
 def _kinks(model: Model, name: str, expr: Expr) -> Iterator[Verdict]:
     """Points where a first derivative, or the value, certainly differs between the two sides."""
     scales = model.law.scales(model.law.p)
-    places = [(a * scales.speed, b * scales.length) for a in (1.0, 0.3, 3.0, 0.01) for b in (0.5, 0.9, 0.7, 0.3)]
+    places = [
+        (a * scales.speed, b * scales.length) for a in (1.0, 0.3, 3.0, 0.01) for b in (0.5, 0.9, 0.7, 0.3, 0.97, 0.997)
+    ]
     for (s, t), (speed, length) in product(product(SIGNS, SIGNS), places):
         yield from _at_axis(model, name, expr, "v", t, length, speed)
         yield from _at_axis(model, name, expr, "z", s, speed, length)

@@ -154,6 +154,14 @@ class Scenario:
     def law(self, law: Law) -> None:
         self._law = law
 
+    def __getattr__(self, name: str) -> Any:
+        """What only a law on a single body has, asked of a machine."""
+        if name in ("drive", "drive_values", "signal") and self.__dict__.get("rig") is not None:
+            raise InputError(
+                f"{self.name}: schema = 2: is a machine, and this takes a law on a single body (schema = 1)"
+            )
+        raise AttributeError(f"'Scenario' object has no attribute {name!r}")
+
     @property
     def subject(self) -> str:
         """What it is about, in a few words: the law, or the machine."""

@@ -245,7 +245,15 @@ class LaneByLane:
 
     def changes(self, lane: int) -> dict[str, float]:
         """What makes the scenario that of one lane."""
-        return {path: float(x[lane]) for path, x in self.values.items()}
+        return {path: self._number(path, float(x[lane])) for path, x in self.values.items()}
+
+    def _number(self, path: str, x: float) -> float:
+        """A whole number where the scenario has one, such as a seed."""
+        now: Any = self.scenario.data
+        for name in path.split("."):
+            now = now.get(name) if isinstance(now, dict) else None
+        seed = path.endswith(".seed") or (isinstance(now, int) and not isinstance(now, bool))
+        return int(x) if seed and x.is_integer() else x
 
     def problems(self) -> list[str | None]:
         """What is wrong with each lane's values; None where nothing is."""

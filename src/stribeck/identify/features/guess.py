@@ -35,14 +35,15 @@ class Range:
 
 @dataclass(frozen=True)
 class Scales:
-    """Natural sizes of a log: friction level (N), offset (N), largest and typical slow speed (m/s), stiffness after
-    reversals (N/m)."""
+    """Natural sizes of a log: friction level (N), offset (N), largest and typical slow speed (m/s), stiffness at rest and
+    after reversals (N/m), travel (m)."""
 
     force: float
     offset: float
     fast: float
     slow: float
     stiffness: float
+    travel: float = 0.0
 
 
 def scales(log: Log, mass: float = 0.0) -> Scales:
@@ -62,7 +63,8 @@ def scales(log: Log, mass: float = 0.0) -> Scales:
     if level <= 0:
         raise InputError("force: 0 throughout: there is no friction to fit")
     slow = float(np.quantile(speed[speed > 1e-6 * fast], 0.1))
-    return Scales(level, offset, fast, min(max(slow, 1e-5 * fast), 0.1 * fast), _stiffness(log, force, level))
+    typical, travel = min(max(slow, 1e-5 * fast), 0.1 * fast), float(np.ptp(log.position))
+    return Scales(level, offset, fast, typical, _stiffness(log, force, level), travel)
 
 
 def reversals(v: Array) -> list[tuple[int, int]]:
@@ -72,11 +74,11 @@ def reversals(v: Array) -> list[tuple[int, int]]:
 
 
 def _stiffness(log: Log, force: Array, level: float) -> float:
-    """The stiffness that a contact shows where it holds: the median over stretches of rest and over reversals."""
+    """The stiffness that a contact shows where it holds: over stretches of rest and after reversals, the upper quartile."""
     found = [*_at_rest(log, force, level), *_after_reversals(log, force, level)]
     if not found:
         return level / max(_TYPICAL_BREAK_AWAY * float(np.ptp(log.position)), 1e-12)
-    return float(np.median(found))
+    return float(np.quantile(found, 0.75))  # of many reversals some slide at once
 
 
 def _at_rest(log: Log, force: Array, level: float) -> list[float]:

@@ -21,15 +21,33 @@ _WORDS = {
     "sigma_2_by_direction": "at least three constant speeds up to {fast}, the same in both directions",
     "offset": "the same constant speeds in both directions",
 }
+_BOTH = 10.0  # factor between the fit's length and the record's, up to which the fit's is taken
+_OF_TRAVEL = 0.1  # what presliding can be at most
+
+
+def presliding_length(values: Mapping[str, float], sizes: Scales) -> float:
+    """The way to break-away, m: the fit's F_s/sigma_0 where the record's own stiffness agrees with it, else the
+    smaller; never more than a tenth of the travel."""
+    seen = sizes.force / sizes.stiffness
+    level = values.get("F_s", values.get("F_c", sizes.force))
+    fitted = level / values["sigma_0"] if values.get("sigma_0", 0.0) > 0 else seen
+    length = fitted if seen / _BOTH < fitted < seen * _BOTH else min(seen, fitted)  # loops that slide tell nothing
+    return min(length, _OF_TRAVEL * sizes.travel) if sizes.travel > 0 else length
 
 
 def experiment_for(name: str, values: Mapping[str, float], sizes: Scales) -> str:
-    """What to measure, in words and numbers; from the log's scales where the fit has none."""
-    length = sizes.force / sizes.stiffness
+    """What to measure, in words and numbers: from the fitted constants where the record bears them out, within what the
+    rig reached in the record."""
+    length = presliding_length(values, sizes)
+    speed = values.get("v_s", 0.0)
+    slowest = min(0.1 * speed, 1e-2 * sizes.fast) if 0 < speed < 0.3 * sizes.fast else 1e-3 * sizes.fast
+    middle = (
+        min(max(10 * speed, 0.03 * sizes.fast), 0.3 * sizes.fast) if slowest != 1e-3 * sizes.fast else 0.1 * sizes.fast
+    )
     numbers = {
-        "small": _show(0.2 * length, "m"), "large": _show(5 * length, "m"), "fine": _show(0.01 * length, "m"),
-        "slowest": _show(sizes.fast * 1e-3, "m/s"), "slow": _show(0.01 * sizes.fast, "m/s"),
-        "middle": _show(0.1 * sizes.fast, "m/s"), "fast": _show(sizes.fast, "m/s"),
+        "small": _show(0.5 * length, "m"), "large": _show(5 * length, "m"), "fine": _show(0.01 * length, "m"),
+        "slowest": _show(slowest, "m/s"), "slow": _show(0.01 * sizes.fast, "m/s"),
+        "middle": _show(middle, "m/s"), "fast": _show(sizes.fast, "m/s"),
         "rate": _show(100 * sizes.force, "N/s"), "gentle": _show(0.1 * sizes.force, "N/s"),
         "half": _show(0.5 * sizes.force, "N"),
     }  # fmt: skip

@@ -19,7 +19,7 @@ from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit, Prediction
 from stribeck.identify.statistics import uncertainty
 from stribeck.identify.statistics.crossvalidate import cross_validate
-from stribeck.identify.statistics.uncertainty import Noise
+from stribeck.identify.statistics.verdicts import Noise
 from stribeck.identify.work import Work
 
 Array = NDArray[np.float64]

@@ -21,7 +21,7 @@ from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, fir
 from stribeck.identify.models.motion_problem import MotionProblem, raw, white_noise
 from stribeck.identify.models.problem import Problem, Tie
 from stribeck.identify.result import Fit
-from stribeck.identify.statistics.uncertainty import Noise
+from stribeck.identify.statistics.verdicts import Noise
 from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
 from stribeck.signals import Points

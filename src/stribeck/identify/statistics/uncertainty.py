@@ -7,7 +7,6 @@ minimum it agrees with it (Chandler and Bate, Biometrika 94(1):167-183, 2007).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,35 +16,40 @@ from scipy.linalg import solve_toeplitz
 from scipy.stats import t as student
 
 from stribeck.identify.features.filtering import leeway
-from stribeck.identify.features.guess import Scales, reversals, scales
+from stribeck.identify.features.guess import scales
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import descend
 from stribeck.identify.models.motion_problem import MotionProblem
-from stribeck.identify.models.problem import Coordinate, Problem
+from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
 from stribeck.identify.statistics.sensor_noise import again_with_noise, sharper_acceleration
+from stribeck.identify.statistics.verdicts import (
+    Noise,
+    between_samples,
+    effect,
+    hangs,
+    indistinct,
+    left_open,
+    presliding_unseen,
+    shape,
+    why_not,
+    widened,
+)
 from stribeck.identify.work import Work
 
 Array = NDArray[np.float64]
-_WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
-_MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
-_BOUND = 0.95  # correlation with one that is inflated so
 _WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
     0.1  # the same where the residual is white noise of the measurement's size: no error of the model is seen
 )
 _MORE = 1.15  # times the measurement's noise: the residual of a model that follows it
+_MODEL = 1.5  # times the force's noise: the model's own error is seen
 _BEYOND = 3.0  # times what noise explains: a residual that is the model's
 _FEWEST_WINDOWS = 8  # beyond the number of constants
-_FEWEST = 12.0  # samples that an estimate must rest on
-_STRIBECK = ("F_s", "v_s")
-_ENDS = 0.3  # of the largest speed
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
-_RESOLVED = 10  # samples in which presliding must be passed through to be seen
-_MOST_LEEWAY = 0.2  # of the logarithm, for the motion's filter
 _LONGEST_MEMORY = 50  # samples, of the noise model
 _FRESH_STARTS = 4
 
@@ -65,18 +69,6 @@ class Judgement:
     profiles: dict[str, Profile]
     notes: tuple[str, ...]
     noise: dict[str, Any]
-
-
-@dataclass(frozen=True)
-class Noise:
-    """What a model without error would leave: the standard deviation of the measurement's noise, and that with what the
-    noise of its input does; 0 where nothing is known. ``missed``: the share of the output that a fit may miss.
-    ``alone``: no other start ended in the minimum."""
-
-    measured: float = 0.0
-    expected: float = 0.0
-    missed: float = 0.25
-    alone: bool = False
 
 
 def judge(
@@ -142,11 +134,11 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             f"intervals are from how the {len(problem.windows)} windows of the record differ"
         )
     support = supporting_samples(slopes)
-    alike = _alike(plain, slopes, variance)
+    alike = indistinct(plain, slopes, variance)
     sizes, values = scales(log), problem.values(u)
-    unseen = _presliding_unseen(problem, values, log)
+    unseen = presliding_unseen(problem, values, log)
     if isinstance(problem, MotionProblem):
-        spare = _between_samples(problem, u, slopes)
+        spare = between_samples(problem, u, slopes)
     else:
         shift, spread = again_with_noise(problem, u)
         spare = np.maximum(leeway(problem, u, slopes), _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread)
@@ -154,7 +146,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     deviations = np.sqrt(np.diag(inner))
     inflation = np.maximum(np.diag(inner) / np.maximum(np.diag(plain), 1e-300), 1e-6)
     own = [k for k, c in enumerate(problem.coordinates) if not c.nuisance]
-    beyond = not isinstance(problem, MotionProblem) and np.sqrt(variance) > _BEYOND * expected.expected > 0
+    beyond = not isinstance(problem, MotionProblem) and np.sqrt(variance) > _MODEL * expected.expected > 0
     if beyond and problem.law.has_z:
         notes.append(
             f"the residual is {np.sqrt(variance) / expected.expected:.2g} times the noise of the force: the intervals hold as "
@@ -170,9 +162,9 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         doubt = (
             unseen
             if c.name in _BRISTLES and unseen
-            else _doubt(problem, k, u, inner, np.inf if clean else support[k], confused)
+            else why_not(problem, k, u, inner, np.inf if clean else support[k], confused)
         )
-        doubts[k] = doubt or _hangs(c, spare[k]) or (_shape(c, values, sizes, unseen) if beyond else "")
+        doubts[k] = doubt or hangs(c, spare[k]) or (shape(c, values, sizes, unseen) if beyond else "")
     told = [k for k in own if profiles and not doubts[k]]
     units = variance * inflation / problem.scale**2
     ends = dict(straight(problem, u, inner, deviations, units, told)) if told else {}
@@ -192,7 +184,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         high: float | None
         if k in ends or k in bent_ends:
             low, high, found[c.name] = ends[k] if k in ends else bent_ends[k]
-            doubts[k] = _open(low, high, c.log)
+            doubts[k] = left_open(low, high, c.log)
         else:
             low, high = (
                 x if c.inner(c.low) < x < c.inner(c.high) else None
@@ -200,14 +192,16 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             )
         low, high = (None if x is None else c.outer(x + side * spare[k]) for x, side in ((low, -1), (high, 1)))
         best = float(c.outer(u[k]))
+        if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith("v_s comes"):
+            low = high = None  # the numbers of a curve that nobody has seen
         if doubts[k]:
-            what = experiment_for(c.name, values, sizes)
+            what = experiment_for(c.name, values, sizes) + effect(problem, c.name, values, inner, own, sizes, expected)
             estimates[c.name] = Estimate(None, low, high, c.unit, False, doubts[k], what, best)
         else:
             estimates[c.name] = Estimate(best, low, high, c.unit, best=best)
     stretch = np.array([c.outer(u[k]) if c.log else c.scale for k, c in enumerate(problem.coordinates)])
     outer = (inner * np.outer(stretch, stretch))[np.ix_(own, own)]
-    notes += _widened(problem, estimates, spare, inner)
+    notes += widened(problem, estimates, spare, inner)
     noise = {"standard_deviation": float(np.sqrt(variance)), "memory": len(memory)}
     return Judgement(u, estimates, tuple(problem.coordinates[k].name for k in own), outer, found, tuple(notes), noise)
 
@@ -282,108 +276,3 @@ def supporting_samples(slopes: Array) -> Array:
         fourth = float(np.sum(own**4))
         found[k] = float(np.sum(own**2)) ** 2 / fourth if fourth > 0 else 0.0
     return found
-
-
-# -- verdicts --------------------------------------------------------------------------------------------------------
-
-
-def _doubt(problem: Problem, k: int, u: Array, inner: Array, support: float, alike: bool) -> str:
-    """Why a coordinate is not determined, or nothing."""
-    c, deviation = problem.coordinates[k], float(np.sqrt(inner[k, k]))
-    low, high = problem.bounds
-    room = 1e-3 * (high[k] - low[k])
-    if c.log and not low[k] + room < u[k] < high[k] - room:
-        return "the fit drives it to the end of what is tried"
-    spread = np.sqrt(np.diag(inner))
-    with np.errstate(all="ignore"):
-        relation = inner[k] / (spread * spread[k])
-    others = [i for i in np.argsort(-abs(relation)) if i != k and abs(relation[i]) > 0.9]
-    along = [problem.coordinates[i].name for i in others if not problem.coordinates[i].nuisance][:2]
-    together = f"; {' and '.join(along)} can make up for it" if along else ""
-    if support < _FEWEST:
-        return f"it rests on {max(support, 0):.0f} samples only{together}"
-    if c.log and np.sqrt(THRESHOLD) * deviation > _WIDEST:
-        return f"the residuals hardly depend on it{together}"
-    if alike:
-        return f"it is hardly told apart from the others{together}"
-    return ""
-
-
-def _alike(plain: Array, slopes: Array, variance: float) -> NDArray[np.bool_]:
-    """Which coordinates the others can imitate so well that only combinations of them are determined."""
-    if variance <= 0:
-        return np.zeros(len(plain), bool)
-    inflated = np.diag(plain) * np.sum(slopes**2, axis=0) / variance > _MOST_ALIKE
-    spread = np.sqrt(np.diag(plain))
-    bound = abs(plain) > _BOUND * np.outer(spread, spread)
-    return np.asarray(inflated | (bound & inflated[None, :]).any(axis=1))
-
-
-def _presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -> str:
-    """Why the log does not show presliding, or nothing: after reversals the first moments, in which the bristles bend,
-    must be longer than a few samples and than what the filter of the velocity resolves."""
-    if not problem.law.has_z or isinstance(problem, MotionProblem):
-        return ""
-    length = 2 * problem.length(values)
-    needed = max(_RESOLVED, int(np.ceil(1 / (log.bandwidth * log.step))) if log.bandwidth and log.step else 0)
-    longest = 0
-    for rows in log.runs():
-        y = log.position[rows]
-        for first, last in reversals(log.velocity[rows]):
-            gone = abs(y[first : last + 1] - y[first]) > length
-            longest = max(longest, int(np.argmax(gone)) if gone.any() else last - first)
-            if longest >= needed:
-                return ""
-    if not longest:
-        return "there is no reversal and no start from rest in the log, so no presliding"
-    return f"no reversal passes through presliding in {needed} samples or more (at best {longest})"
-
-
-def _shape(c: Coordinate, values: Mapping[str, float], sizes: Scales, unseen: str) -> str:
-    """Why the Stribeck curve of a fit that leaves more than noise is the model's freedom and not the data's, or nothing."""
-    if c.name not in _STRIBECK:
-        return ""
-    if unseen:
-        return f"the fit leaves more than the force's noise, and {unseen}"
-    if values.get("v_s", 0.0) > _ENDS * sizes.fast:
-        return (
-            f"v_s comes out as {values['v_s']:.2g} m/s, near the largest speed ({sizes.fast:.2g} m/s), in a fit that leaves "
-            "more than the force's noise: no Stribeck curve ends within the record"
-        )
-    return ""
-
-
-def _hangs(c: Coordinate, spare: float) -> str:
-    """Why the filter of the motion leaves a coordinate open, or nothing."""
-    if not c.log or spare <= _MOST_LEEWAY:
-        return ""
-    why = "the position is too coarse or noisy, or sampled too slowly"
-    return f"it hangs on the filter of the motion, which may shift it by {spare:.0%}: {why}"
-
-
-def _between_samples(problem: MotionProblem, u: Array, slopes: Array) -> Array:
-    """How far each inner coordinate may be off because nobody measured the force between its samples: the shift of the
-    optimum, by a step of Gauss and Newton, if it went straight."""
-    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
-    return abs(np.asarray(np.linalg.lstsq(slopes / size, problem.between_samples(u), rcond=1e-9)[0] / size))
-
-
-def _widened(problem: Problem, estimates: Mapping[str, Estimate], spare: Array, inner: Array) -> list[str]:
-    """What to say of intervals that the motion's filter has made wider."""
-    wider = [
-        f"{c.name} by {100 * spare[k]:.2g} %"
-        for k, c in enumerate(problem.coordinates)
-        if c.log and not c.nuisance and estimates[c.name].identifiable and spare[k] > 2 * np.sqrt(inner[k, k])
-    ]
-    why = "intervals are wider to each side for what the filter of the motion may do: "
-    return [why + ", ".join(wider)] if wider else []
-
-
-def _open(low: float | None, high: float | None, log: bool) -> str:
-    if low is None or high is None:
-        side = "below" if low is None else "above"
-        both = low is None and high is None
-        return "the data fit as well whatever it is" if both else f"the data set no limit {side}"
-    if log and high - low > 2 * _WIDEST:
-        return f"its 95 % interval spans a factor of {np.exp(high - low):.2g}"
-    return ""

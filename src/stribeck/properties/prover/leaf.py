@@ -8,7 +8,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import Any
 
-from stribeck.expressions.graph import Expr, rebuild
+from stribeck.expressions.graph import Expr, ordered, rebuild
 from stribeck.expressions.ranges import INF, PI, Box, Range, ends_of
 from stribeck.properties.prover.bernstein import POSITIVE, UNIT, UNKNOWN, Signs, signs
 from stribeck.properties.prover.ring import ATOMS, Quotient, Ring, Unclear
@@ -132,7 +132,7 @@ class Leaf:
         self._signs: dict[int, Signs] = {}
         self._factors: dict[Any, Signs] = {}
         self._known: dict[Expr, Quotient] = {}
-        self._shares: dict[Any, Quotient] = {}
+        self._defined: dict[Expr, bool] = {}
 
     def _number(self, x: Fraction) -> Any:
         from flint import fmpq
@@ -189,7 +189,40 @@ class Leaf:
             return self._size(node, self.convert(node.args[0]))
         if op == "pow":
             return self._power(node, *(self.convert(a) for a in node.args))
-        return self._function(node, self.convert(node.args[0]))
+        try:
+            x = self.convert(node.args[0])
+        except Unclear:
+            if op == "exp":  # of what has no finite range, such as -|v|^delta
+                return self._by_range(node)
+            raise
+        return self._function(node, x)
+
+    def _by_range(self, node: Expr) -> Quotient:
+        """An atom of which only the range is used; what it holds must have a value everywhere."""
+        if not self.defined(node):
+            raise Unclear(f"{node.op} may have no value somewhere")
+        return self._ranged(self.ring.atom(("node", node), node), node)
+
+    def defined(self, node: Expr) -> bool:
+        """Whether no divisor, root, logarithm or power in an expression is singular, as far as ranges tell."""
+        if node not in self._defined:
+            self._defined[node] = self._has_value(node)
+        return self._defined[node]
+
+    def _has_value(self, node: Expr) -> bool:
+        for each in ordered([node]):
+            if each.op == "div":
+                low, high = self.box(each.args[1])
+                fine = low > 0 or high < 0
+            elif each.op in ("sqrt", "log", "pow"):
+                low, _ = self.box(each.args[0])
+                fine = low > 0 or (low == 0 and each.op == "sqrt")
+                fine = fine or (low == 0 and each.op == "pow" and self.box(each.args[1])[0] > 0)
+            else:
+                continue
+            if not fine:
+                return False
+        return True
 
     def _size(self, node: Expr, x: Quotient) -> Quotient:
         above, below, strict = self.signs(x)
@@ -200,7 +233,7 @@ class Leaf:
         if node.op == "sign" and (above or below) and strict:
             return self.ring.one if above else self.ring.apply("neg", self.ring.one)
         if self.rules.cases == "range":
-            return self._ranged(self.ring.atom(("node", node), node), node)
+            return self._by_range(node)
         share = self._share(("le", self.ring.zero.number, x.number), node)
         twice = self.ring.apply("sub", self.ring.apply("mul", self.ring.constant(Fraction(2)), share), self.ring.one)
         return self.ring.apply("mul", x, twice) if node.op == "abs" else twice
@@ -232,7 +265,7 @@ class Leaf:
                 if above or below:
                     return x if above else y
         if self.rules.cases == "range":
-            return self._ranged(self.ring.atom(("node", node), node), node)
+            return self._by_range(node)
         key = self._key(condition)
         x, y = self.convert(a), self.convert(b)
         share = self._share(key, node)
@@ -252,7 +285,7 @@ class Leaf:
     def holds(self, condition: Expr) -> bool | None:
         """Whether a condition holds on the whole region, or nowhere on it; None where it is not settled."""
         by_range = self.box(condition)
-        if by_range is not None:
+        if by_range is not None and self.defined(condition):
             return bool(by_range)
         if condition.op in ("both", "either"):
             parts = [self.holds(a) for a in condition.args]
@@ -275,6 +308,8 @@ class Leaf:
                 for _ in range(abs(int(value))):
                     found = self.ring.apply("mul", found, base)
                 return found if value >= 0 else self.ring.apply("div", self.ring.one, found)
+        if base.is_zero and self.signs(power)[0] and self.signs(power)[2]:
+            return self.ring.zero
         if not self.signs(base)[0]:
             raise Unclear("a power of what may be negative")
         atom = self.ring.atom(("pow", base.number, power.number), node)

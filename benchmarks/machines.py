@@ -1,0 +1,174 @@
+"""Machines: a two-mass drive against SciPy at equal error, and chains of bodies: time and compile time against size."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from itertools import pairwise
+from math import atan, exp, pi
+from typing import Any
+
+import numpy as np
+from measure import machine, options, say, spread, table, timed, write
+from scipy.integrate import odeint, solve_ivp
+
+from stribeck import Scenario, simulate
+from stribeck.codegen import source
+from stribeck.simulation import cache, compiler, native
+
+T_END, STEP, ERROR = 2.0, 4e-3, 1e-6
+TORQUE = ([0.0, 0.2, 0.5, 0.5, 1.0, 1.0, 1.4, 1.7, 2.0], [0.0, 0.25, 0.25, 0.08, 0.08, -0.05, -0.3, -0.3, 0.0])
+BEARING = {"sigma_0": 12.0, "sigma_1": 0.04, "sigma_2": 2e-4, "F_c": 0.03, "F_s": 0.045, "v_s": 1.5}
+GUIDE = {"sigma_0": 1.5e6, "sigma_1": 4e3, "sigma_2": 150.0, "F_c": 30.0, "F_s": 48.0, "v_s": 4e-3}
+RATIO = 0.01 / (2 * pi)
+SCALES = np.array([1e-3, 1e-5, 1.5, 4e-3, 4e-3, 3e-5])  # of y, v and z of both bodies, for absolute tolerances
+
+
+def drive(rtol: float = 1e-8) -> Scenario:
+    """The two-mass drive: a motor, a ball screw, a table, friction at both."""
+    bearing = {"name": "lugre_majorant", "k_v": 1e4, "parameters": BEARING}
+    guide = {"name": "lugre_sobczyk", "k_v": 1e5, "parameters": GUIDE}
+    signal = {"kind": "points", "t": TORQUE[0], "value": TORQUE[1]}
+    return Scenario({
+        "schema": 2, "bodies": {"rotor": {"inertia": 1.2e-4}, "table": {"mass": 20.0}},
+        "links": {"screw": {"from": "rotor", "to": "table", "ratio": RATIO, "stiffness": 2e7, "damping": 3e3}},
+        "contacts": {"bearing": {"from": "rotor", "law": bearing}, "guide": {"from": "table", "law": guide}},
+        "loads": {"torque": {"on": "rotor", "kind": "signal", "signal": signal}},
+        "solve": {"t_end": T_END, "rtol": rtol}, "output": {"step": STEP},
+    })  # fmt: skip
+
+
+def equations(t0: float, level: float, slope: float) -> Callable[[float, Any], list[float]]:
+    """The same in plain floats, within one piece of the torque."""
+    a, b = (tuple(p[n] for n in ("sigma_0", "sigma_1", "sigma_2", "F_c", "F_s", "v_s")) for p in (BEARING, GUIDE))
+
+    def rates(t: float, x: Any) -> list[float]:
+        y1, y2, v1, v2, z1, z2 = x
+        g1 = (a[3] + (a[4] - a[3]) * exp(-((v1 / a[5]) ** 2))) / a[0]
+        dz1 = v1 - (v1 * 2 / pi * atan(1e4 * v1) + 2 / (pi * 1e4)) / g1 * z1
+        g2 = (b[3] + (b[4] - b[3]) * exp(-min((v2 / b[5]) ** 2, 700.0))) / b[0]
+        sign = 2 / pi * atan(1e5 * v2)
+        dz2 = sign * sign * v2 - v2 * sign / g2 * z2
+        f = 2e7 * (RATIO * y1 - y2) + 3e3 * (RATIO * v1 - v2)
+        F1, F2 = a[0] * z1 + a[1] * dz1 + a[2] * v1, b[0] * z2 + b[1] * dz2 + b[2] * v2
+        torque = level + slope * (t - t0)
+        return [v1, v2, (torque - RATIO * f - F1) / 1.2e-4, (f - F2) / 20.0, dz1, dz2]
+
+    return rates
+
+
+def scipy_way(way: str, rtol: float) -> np.ndarray:
+    """The states at the rows, one run for each piece of the torque."""
+    rows, x, found = np.arange(round(T_END / STEP) + 1) * STEP, np.zeros(6), []
+    for (t0, u0), (t1, u1) in pairwise(zip(*TORQUE, strict=True)):
+        if t1 == t0:
+            continue
+        rates = equations(t0, u0, (u1 - u0) / (t1 - t0))
+        inner = rows[(rows >= t0 - 1e-9) & ((rows < t1 - 1e-9) | (t1 == T_END))]
+        times = np.concatenate([[t0], inner[(inner > t0 + 1e-9) & (inner < t1 - 1e-9)], [t1]])
+        if way == "odeint":
+            states = odeint(rates, x, times, tfirst=True, rtol=rtol, atol=rtol * SCALES, mxstep=10**6)
+        else:
+            states = solve_ivp(rates, (t0, t1), x, way, times, rtol=rtol, atol=rtol * SCALES).y.T
+        x = states[-1]
+        found.append(states[np.abs(times - rows[np.clip(np.rint(times / STEP).astype(int), 0, len(rows) - 1)]) < 1e-9]
+                     [: len(inner)])  # fmt: skip
+    return np.concatenate(found)
+
+
+def error(states: np.ndarray, exact: np.ndarray) -> float:
+    """The largest error of y and v of both bodies, as a share of each peak."""
+    return float(np.max(np.max(np.abs(states[:, :4] - exact[:, :4]), axis=0) / np.max(np.abs(exact[:, :4]), axis=0)))
+
+
+def ours(scenario: Scenario) -> np.ndarray:
+    """The same columns by Stribeck."""
+    s = simulate(scenario)
+    return np.stack([s[n] for n in ("rotor.y", "table.y", "rotor.v", "table.v")], axis=1)
+
+
+def two_masses(repetitions: int) -> list[dict[str, Any]]:
+    """Each solver at the loosest tolerance of a series that keeps the error."""
+    exact = ours(drive(1e-13))
+    ways: dict[str, Callable[[float], np.ndarray]] = {
+        "stribeck": lambda rtol: ours(drive(rtol)),
+        "SciPy odeint": lambda rtol: scipy_way("odeint", rtol),
+        "SciPy solve_ivp LSODA": lambda rtol: scipy_way("LSODA", rtol),
+    }
+    rows = []
+    for name, way in ways.items():
+        for rtol in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11):
+            if (reached := error(way(rtol), exact)) <= ERROR:
+                break
+        say(f"two masses: {name}, rtol {rtol:g}, error {reached:.1e}")
+        scenario = drive(rtol)
+        call: Callable[[], object] = (
+            (lambda s=scenario: simulate(s)) if name == "stribeck" else (lambda w=way, r=rtol: w(r))
+        )
+        seconds = [timed(call).cpu for _ in range(repetitions)]
+        rows.append({"solver": name, "rtol": rtol, "error": reached, "seconds": spread(seconds)})
+    for row in rows:
+        row["against_stribeck"] = row["seconds"]["median"] / rows[0]["seconds"]["median"]
+    return rows
+
+
+def chain(count: int) -> Scenario:
+    """Bodies in a row, each rubbing on the ground, the first pushed to and fro."""
+    p = {"sigma_0": 1e4, "sigma_1": 30.0, "sigma_2": 1.0, "F_c": 1.0, "F_s": 1.5, "v_s": 0.01}
+    law = {"name": "lugre_majorant", "k_v": 1e5, "parameters": p}
+    signal = {"kind": "sine", "amplitude": 5.0 * count, "frequency": 1.0}
+    return Scenario({
+        "schema": 2, "bodies": {f"m{i}": {"mass": 1.0} for i in range(count)},
+        "links": {f"k{i}": {"from": f"m{i}", "to": f"m{i + 1}", "stiffness": 1e3, "damping": 1.0} for i in range(count - 1)},
+        "contacts": {f"c{i}": {"from": f"m{i}", "law": law} for i in range(count)},
+        "loads": {"push": {"on": "m0", "kind": "signal", "signal": signal}},
+        "solve": {"t_end": 1.0}, "output": {"step": 5e-3},
+    })  # fmt: skip
+
+
+def chains(sizes: tuple[int, ...], repetitions: int) -> list[dict[str, Any]]:
+    """Time to write the C, to compile it, and to solve, by size."""
+    rows, chosen = [], compiler.find()
+    assert chosen is not None
+    for count in sizes:
+        scenario = chain(count)
+        writing = timed(lambda s=scenario: source.__wrapped__(s.system)).wall
+        with tempfile.TemporaryDirectory() as folder:
+            os.environ["STRIBECK_CACHE"] = folder
+            compiling = timed(lambda s=scenario: cache.library(source(s.system), chosen, native.check)).wall
+        solution = simulate(scenario)
+        seconds = [simulate(scenario).stats["seconds"] for _ in range(repetitions)]
+        rows.append({
+            "bodies": count, "states": len(scenario.system.states), "write_s": writing, "compile_s": compiling,
+            "steps": solution.stats["accepted"], "seconds": spread(seconds),
+        })  # fmt: skip
+        say(
+            f"chain of {count}: {writing + compiling:.2f} s to build, {1e3 * rows[-1]['seconds']['median']:.1f} ms to solve"
+        )
+    return rows
+
+
+def main() -> None:
+    """Measure, print, write."""
+    given = options(__doc__, "machines", 15, 2)
+    drive_rows = two_masses(given.repetitions)
+    chain_rows = chains((2, 4) if given.repetitions <= 2 else (2, 4, 8, 16), given.repetitions)
+    print(f"Two-mass drive, 2 s, error of y and v at most {ERROR:g} of the peak:")
+    head = ("solver", "rtol", "error", "ms", "against stribeck")
+    print(table(head, [
+        (r["solver"], f"{r['rtol']:g}", f"{r['error']:.1e}", f"{1e3 * r['seconds']['median']:.2f}",
+         f"{r['against_stribeck']:.1f}")
+        for r in drive_rows
+    ]))  # fmt: skip
+    print("Chains of bodies, a contact each, 1 s:")
+    print(table(("bodies", "states", "write C, s", "compile, s", "steps", "solve, ms"), [
+        (str(r["bodies"]), str(r["states"]), f"{r['write_s']:.2f}", f"{r['compile_s']:.2f}", str(r["steps"]),
+         f"{1e3 * r['seconds']['median']:.2f}")
+        for r in chain_rows
+    ]))  # fmt: skip
+    write(given.out, {"machine": machine(), "two_masses": drive_rows, "chains": chain_rows})
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,129 @@
+"""All expressions that a system's code needs, collected with their derivatives; what is constant in a run apart."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+
+from stribeck.equations import Equations
+from stribeck.expressions.graph import ONE, ZERO, Expr, derivative, ordered, rewrite, substitute, symbol, symbols
+
+
+@dataclass
+class Collected:
+    """The expressions of a system, as lists that are rewritten together."""
+
+    rates: list[Expr]
+    by_state: list[Expr]
+    by_time: list[Expr]
+    watched: list[Expr]
+    watched_by: list[Expr]
+    moved: list[Expr]
+    samples: list[Expr]
+    curved: list[bool]
+    memory: list[tuple[str, ...]]
+
+    @property
+    def parts(self) -> list[list[Expr]]:
+        """The lists."""
+        return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, self.moved, self.samples]
+
+    @property
+    def every(self) -> list[Expr]:
+        """All of them."""
+        return [node for part in self.parts for node in part]
+
+    def put(self, flat: Iterable[Expr]) -> None:
+        """Replace all of them, in the same order."""
+        new = iter(flat)
+        for part in self.parts:
+            part[:] = [next(new) for _ in part]
+
+
+def collect(system: Equations) -> Collected:
+    """All expressions of the system and their derivatives."""
+    rates, names = system.rates(), [state.name for state in system.states]
+    states, t = [symbol(name) for name in names], symbol("t")
+    known: list[dict[Expr, Expr]] = [{} for _ in (*states, t)]
+
+    def slopes(of: Expr) -> list[Expr]:
+        uses = symbols([of])
+        return [derivative(of, by, known[i]) if str(by.value) in uses else ZERO for i, by in enumerate((*states, t))]
+
+    rows = [slopes(rate) for rate in rates]
+    watched = [watch.value for watch in system.watches()]
+    of_watched = [slopes(value) for value in watched]
+    moving = {*names, "t"}
+    samples = system.samples()
+    moved = system.moved_energy()
+    return Collected(
+        rates=list(rates),
+        by_state=[entry for row in rows for entry in row[:-1]],
+        by_time=[row[-1] for row in rows],
+        watched=watched,
+        watched_by=[entry for row in of_watched for entry in row[:-1]],
+        moved=[] if moved is None else [moved],
+        samples=[expr for each in samples for expr in (each.output, *each.memory.values())],
+        curved=[bool(symbols(row) & moving) for row in of_watched],
+        memory=[tuple(each.memory) for each in samples],
+    )
+
+
+def _constant(node: Expr, parameters: Collection[str], known: dict[Expr, bool]) -> bool:
+    for each in () if node in known else ordered([node]):
+        if each not in known:
+            is_parameter = each.op == "constant" or (each.op == "symbol" and str(each.value) in parameters)
+            known[each] = is_parameter or (bool(each.args) and all(known[a] for a in each.args))
+    return known[node]
+
+
+def hoist(outputs: list[Expr], parameters: Collection[str], taken: set[str]) -> tuple[list[Expr], dict[str, Expr]]:
+    """The outputs and, by name, the coefficients in them: subexpressions of ``parameters`` alone, computed once a run,
+    and reciprocals of divisors. ``taken`` are names that a coefficient must not have."""
+    known: dict[Expr, bool] = {}
+
+    def multiply(node: Expr) -> Expr:
+        if node.op == "mul" and node.args[0].op == "div" and node.args[1].op == "symbol":
+            # a state is there from the start: divided first, it does not wait for exp or atan
+            (a, b), state = node.args[0].args, node.args[1]
+            if not _constant(b, parameters, known) and not _constant(state, parameters, known):
+                return a * (state / b)
+        if (
+            node.op != "div"
+            or not _constant(node.args[1], parameters, known)
+            or _constant(node.args[0], parameters, known)
+        ):
+            return node
+        product = node.args[0] * (ONE / node.args[1])
+        if product.op == "mul" and product.label is None:
+            product.label = node.label
+        return product
+
+    outputs = rewrite(outputs, multiply)
+    coefficients: dict[str, Expr] = {}
+    found: dict[Expr, Expr] = {}
+    stack, seen = list(reversed(outputs)), set()
+    while stack:
+        node = stack.pop()
+        if node in seen:
+            continue
+        seen.add(node)
+        trivial = node.op in ("symbol", "constant") or (node.op == "neg" and node.args[0].op == "symbol")
+        if trivial:
+            continue
+        if _constant(node, parameters, known) and node.op not in ("lt", "le", "both", "either"):
+            name = node.label or _coefficient_name(node, len(coefficients))
+            while name in taken:
+                name += "_"
+            taken.add(name)
+            coefficients[name] = node
+            found[node] = symbol(f"coefficient.{name}")
+        else:
+            stack.extend(reversed(node.args))
+    return substitute(outputs, found), coefficients
+
+
+def _coefficient_name(node: Expr, count: int) -> str:
+    if node.op == "div" and node.args[0] is ONE and node.args[1].op == "symbol":
+        return f"inv_{str(node.args[1].value).split('.')[-1]}"
+    return f"c{count}"

@@ -1,0 +1,164 @@
+"""Why a fit's number is not to be believed: what the data lack, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.features.experiments import narrower
+from stribeck.identify.features.guess import Scales, reversals
+from stribeck.identify.log import Log
+from stribeck.identify.models.dynamic_problem import VelocityProblem
+from stribeck.identify.models.motion_problem import MotionProblem
+from stribeck.identify.models.problem import Coordinate, Problem
+from stribeck.identify.result import Estimate
+from stribeck.identify.statistics.profiles import THRESHOLD
+
+Array = NDArray[np.float64]
+_WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
+_MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
+_BOUND = 0.95  # correlation with one that is inflated so
+_FEWEST = 12.0  # samples that an estimate must rest on
+_TYPICAL_NOISE = 0.01  # of the friction level: a force sensor's
+_WORTH = 1.2
+_STRIBECK = ("F_s", "v_s")
+_ENDS = 0.3  # of the largest speed
+_RESOLVED = 10  # samples in which presliding must be passed through to be seen
+_MOST_LEEWAY = 0.2  # of the logarithm, for the motion's filter
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What a model without error would leave: the standard deviation of the measurement's noise, and that with what the
+    noise of its input does; 0 where nothing is known. ``missed``: the share of the output that a fit may miss.
+    ``alone``: no other start ended in the minimum."""
+
+    measured: float = 0.0
+    expected: float = 0.0
+    missed: float = 0.25
+    alone: bool = False
+
+
+def why_not(problem: Problem, k: int, u: Array, inner: Array, support: float, alike: bool) -> str:
+    """Why a coordinate is not determined, or nothing."""
+    c, deviation = problem.coordinates[k], float(np.sqrt(inner[k, k]))
+    low, high = problem.bounds
+    room = 1e-3 * (high[k] - low[k])
+    if c.log and not low[k] + room < u[k] < high[k] - room:
+        return "the fit drives it to the end of what is tried"
+    spread = np.sqrt(np.diag(inner))
+    with np.errstate(all="ignore"):
+        relation = inner[k] / (spread * spread[k])
+    others = [i for i in np.argsort(-abs(relation)) if i != k and abs(relation[i]) > 0.9]
+    along = [problem.coordinates[i].name for i in others if not problem.coordinates[i].nuisance][:2]
+    together = f"; {' and '.join(along)} can make up for it" if along else ""
+    if support < _FEWEST:
+        return f"it rests on {max(support, 0):.0f} samples only{together}"
+    if c.log and np.sqrt(THRESHOLD) * deviation > _WIDEST:
+        return f"the residuals hardly depend on it{together}"
+    if alike:
+        return f"it is hardly told apart from the others{together}"
+    return ""
+
+
+def indistinct(plain: Array, slopes: Array, variance: float) -> NDArray[np.bool_]:
+    """Which coordinates the others can imitate so well that only combinations of them are determined."""
+    if variance <= 0:
+        return np.zeros(len(plain), bool)
+    inflated = np.diag(plain) * np.sum(slopes**2, axis=0) / variance > _MOST_ALIKE
+    spread = np.sqrt(np.diag(plain))
+    bound = abs(plain) > _BOUND * np.outer(spread, spread)
+    return np.asarray(inflated | (bound & inflated[None, :]).any(axis=1))
+
+
+def presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -> str:
+    """Why the log does not show presliding, or nothing: after reversals the first moments, in which the bristles bend,
+    must be longer than a few samples and than what the filter of the velocity resolves."""
+    if not problem.law.has_z or isinstance(problem, MotionProblem):
+        return ""
+    length = 2 * problem.length(values)
+    needed = max(_RESOLVED, int(np.ceil(1 / (log.bandwidth * log.step))) if log.bandwidth and log.step else 0)
+    longest = 0
+    for rows in log.runs():
+        y = log.position[rows]
+        for first, last in reversals(log.velocity[rows]):
+            gone = abs(y[first : last + 1] - y[first]) > length
+            longest = max(longest, int(np.argmax(gone)) if gone.any() else last - first)
+            if longest >= needed:
+                return ""
+    if not longest:
+        return "there is no reversal and no start from rest in the log, so no presliding"
+    return f"no reversal passes through presliding in {needed} samples or more (at best {longest})"
+
+
+def effect(
+    problem: Problem, name: str, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Scales, noise: Noise
+) -> str:  # fmt: skip
+    """What the advised experiment would do to the 95 % interval, in words."""
+    inverse = problem if isinstance(problem, VelocityProblem) else getattr(problem, "inverse", None)
+    if inverse is None:
+        return ""
+    level = noise.measured if inverse is problem and noise.measured > 0 else _TYPICAL_NOISE * sizes.force
+    names = [problem.coordinates[k].name for k in own]
+    found = narrower(inverse, values, inner[np.ix_(own, own)], names, name, level, sizes)
+    if found is None:
+        return ""
+    return (
+        f" (with it, and {level:.2g} N of force noise, the interval would be {found:.2g} times narrower)"
+        if found > _WORTH
+        else ""
+    )
+
+
+def shape(c: Coordinate, values: Mapping[str, float], sizes: Scales, unseen: str) -> str:
+    """Why the Stribeck curve of a fit that leaves more than noise is the model's freedom and not the data's, or nothing."""
+    if c.name not in _STRIBECK:
+        return ""
+    if unseen:
+        return f"the fit leaves more than the force's noise, and {unseen}"
+    if values.get("v_s", 0.0) > _ENDS * sizes.fast:
+        return (
+            f"v_s comes out as {values['v_s']:.2g} m/s, near the largest speed ({sizes.fast:.2g} m/s), in a fit that leaves "
+            "more than the force's noise: no Stribeck curve ends within the record"
+        )
+    return ""
+
+
+def hangs(c: Coordinate, spare: float) -> str:
+    """Why the filter of the motion leaves a coordinate open, or nothing."""
+    if not c.log or spare <= _MOST_LEEWAY:
+        return ""
+    why = "the position is too coarse or noisy, or sampled too slowly"
+    return f"it hangs on the filter of the motion, which may shift it by {spare:.0%}: {why}"
+
+
+def between_samples(problem: MotionProblem, u: Array, slopes: Array) -> Array:
+    """How far each inner coordinate may be off because nobody measured the force between its samples: the shift of the
+    optimum, by a step of Gauss and Newton, if it went straight."""
+    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
+    return abs(np.asarray(np.linalg.lstsq(slopes / size, problem.between_samples(u), rcond=1e-9)[0] / size))
+
+
+def widened(problem: Problem, estimates: Mapping[str, Estimate], spare: Array, inner: Array) -> list[str]:
+    """What to say of intervals that the motion's filter has made wider."""
+    wider = [
+        f"{c.name} by {100 * spare[k]:.2g} %"
+        for k, c in enumerate(problem.coordinates)
+        if c.log and not c.nuisance and estimates[c.name].identifiable and spare[k] > 2 * np.sqrt(inner[k, k])
+    ]
+    why = "intervals are wider to each side for what the filter of the motion may do: "
+    return [why + ", ".join(wider)] if wider else []
+
+
+def left_open(low: float | None, high: float | None, log: bool) -> str:
+    """Why an interval (inner coordinates) tells too little, or nothing."""
+    if low is None or high is None:
+        side = "below" if low is None else "above"
+        both = low is None and high is None
+        return "the data fit as well whatever it is" if both else f"the data set no limit {side}"
+    if log and high - low > 2 * _WIDEST:
+        return f"its 95 % interval spans a factor of {np.exp(high - low):.2g}"
+    return ""

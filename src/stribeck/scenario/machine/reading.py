@@ -1,0 +1,174 @@
+"""What reading any table of a machine needs: references, signals, kinds, numbers; every problem is collected."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from stribeck.constants import show
+from stribeck.errors import InputError, nearest
+from stribeck.laws.base import Law
+from stribeck.machine import controllers
+from stribeck.machine.element import Element
+from stribeck.machine.links import Link
+from stribeck.machine.own import find_element
+from stribeck.machine.parts import (
+    SignalUse,
+)  # fmt: skip
+from stribeck.scenario import tables as common
+from stribeck.scenario.law import no_table, unknown
+from stribeck.scenario.machine import tables
+from stribeck.scenario.machine.rig import Rig
+from stribeck.scenario.signal import read_signal
+from stribeck.scenario.tables import Problem
+from stribeck.scenario.trust import in_a_file
+from stribeck.signals import Signal
+
+_NAME = re.compile(r"[A-Za-z0-9_]+")
+TOP = ("schema", "name", *tables.SECTIONS, "solve", "output")
+
+
+class Reading:
+    """What has been read so far of a machine's tables, and the problems found."""
+
+    def __init__(self, data: dict[str, Any], folder: Path, energy: bool, executes: bool = True) -> None:
+        self.data, self.folder, self.energy = data, folder, energy
+        self.executes = executes  # whether laws and elements in files are; else all but these is judged
+        self.problems: list[Problem] = []
+        self.named: dict[str, dict[str, Any]] = {}  # the tables by section and name
+        self.values: dict[tuple[str, str], float] = {}
+        self.signals: dict[SignalUse, Signal] = {}
+        self.laws: dict[str, Law] = {}  # by the table's path
+        self.initial: dict[str, float] = {}
+        self.seeds: dict[str, int] = {}
+        self.rig: Rig | None = None
+
+    def _section(self, section: str) -> dict[str, Any]:
+        table = self.data.get(section, {})
+        if isinstance(table, dict):
+            return table
+        self.problems.append((section, no_table(table)))
+        return {}
+
+    def _each(self, section: str, read: Callable[[str, str, dict[str, Any]], Any]) -> tuple[Any, ...]:
+        found = []
+        for name, table in self.named[section].items():
+            path = f"{section}.{name}"
+            if not isinstance(table, dict):
+                self.problems.append((path, no_table(table)))
+            elif (part := read(name, path, table)) is not None:
+                found.append(part)
+        return tuple(found)
+
+    def _validate(self, model: type[common.Table], table: dict[str, Any], path: str) -> Any:
+        values, found = common.validate(model, table, path)
+        self.problems += found
+        return values
+
+    def refer(self, path: str, name: str, sections: Iterable[str], also: Iterable[str] = ()) -> bool:
+        """Whether there is such an element; else a problem is noted."""
+        known = [n for section in sections for n in self.named[section]] + list(also)
+        if name in known:
+            return True
+        what = " or ".join({"bodies": "body"}.get(s, s.rstrip("s")) for s in sections)
+        guess = nearest(name, known) or (f" (there is {', '.join(known)})" if known else " (there is none)")
+        self.problems.append((path, f"{show(name)}: there is no such {what}{guess}"))
+        return False
+
+    def _signal(self, table: Any, path: str, name: str, turns: bool = False) -> SignalUse | None:
+        if not isinstance(table, dict):
+            self.problems.append((path, no_table(table)))
+            return None
+        kind = self._kind(table, path, common.SIGNALS, lambda k: common.signal_table(k).model_fields)
+        if kind is None:
+            return None
+        values = self._validate(common.signal_table(kind), table, path)
+        if values is None:
+            return None
+        signal, found = read_signal(kind, values, self.folder)
+        self.problems += [(f"{path}.{key}", text) for key, text in found]
+        if signal is None:
+            return None
+        while any(use.name == name for use in self.signals):
+            name += "_"
+        use = SignalUse(name, path, type(signal) if signal.smooth else None, turns)
+        self.signals[use] = signal
+        self.values |= {(path, n): float(signal.values[n]) for n in use.constants()}
+        return use
+
+    def _kind(
+        self, table: dict[str, Any], path: str, kinds: Mapping[str, Any], fields: Callable[[str], Iterable[str]]
+    ) -> str | None:
+        kind = table.get("kind")
+        if isinstance(kind, str) and kind in kinds:
+            return kind
+        allowed = f"one of {', '.join(kinds)}"
+        self.problems += unknown(table, path, (name for each in kinds for name in ("kind", *fields(each))))
+        if "kind" not in table:
+            self.problems.append((f"{path}.kind", f"missing: must be given ({allowed})"))
+        else:
+            guess = nearest(kind, kinds) if isinstance(kind, str) else ""
+            self.problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
+        return None
+
+    def _element(self, table: dict[str, Any], path: str, base: type[Element], kinds: Mapping[str, Any]) -> Any:
+        """The class of an element, which may be one of the user's own."""
+        kind = table.get("kind")
+        if isinstance(kind, str) and in_a_file(kind):
+            if not self.executes:
+                return None
+            try:
+                return find_element(kind, self.folder, base)
+            except InputError as error:
+                self.problems += [(f"{path}.kind", text) for text in error.problems]
+                return None
+        if (name := self._kind(table, path, kinds, lambda each: self._fields(kinds[each]))) is None:
+            return None
+        return kinds[name]
+
+    @staticmethod
+    def _fields(kind: type[Element]) -> list[str]:
+        more: tuple[str, ...] = ("on", "signal", "measures", "feedforward", "compensation", "sampling")
+        if issubclass(kind, Link):
+            more = ("from", "to", "ratio")
+        elif not issubclass(kind, controllers.Controller):
+            more = more[:2]
+        return [*kind.constants(), *kind.lists(), *more]
+
+    def _constants(
+        self, kind: type[Element], values: Any, path: str, skip: Iterable[str] = ()
+    ) -> tuple[str, ...] | None:
+        """Keep an element's numbers; the form of its equations, or None where lists do not go together."""
+        given = {n: getattr(values, n) for n in (*kind.constants(), *kind.lists()) if n not in skip}
+        if kind.lists() and not self._lists(given, tuple(kind.lists()), path):
+            return None
+        form = kind.structure(given)
+        for name, value in given.items():
+            if isinstance(value, list):
+                self.values |= {(path, f"{name}_{i}"): float(x) for i, x in enumerate(value)}
+            elif value is not None:
+                self.values[path, name] = float(value)
+        return form
+
+    def _lists(self, given: dict[str, Any], names: tuple[str, ...], path: str) -> bool:
+        """Whether lists have one length; phases that are not given are 0."""
+        count = len(given[names[0]])
+        if "phase" in names and given["phase"] is None:
+            given["phase"] = [0.0] * count
+        wrong = [n for n in names if len(given[n]) != count]
+        for name in wrong:
+            text = f"a list of {len(given[name])}: must be as long as {names[0]} ({count})"
+            self.problems.append((f"{path}.{name}", text))
+        if not count:
+            self.problems.append((f"{path}.{names[0]}", "[]: must hold at least one number"))
+        return not wrong and bool(count)
+
+    def _ratio(self, values: Any, path: str) -> bool:
+        if values.ratio is None:
+            return False
+        if values.ratio == 0:
+            self.problems.append((f"{path}.ratio", "0: must be a finite number other than 0"))
+        self.values[path, "ratio"] = values.ratio
+        return True

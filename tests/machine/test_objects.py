@@ -1,0 +1,96 @@
+"""Machines as Python objects: the same tables as a file, the same validation, the same numbers."""
+
+import tomllib
+
+import numpy as np
+import pytest
+
+import stribeck as st
+from stribeck import examples
+from tests.simulation.rig import needs_compiler
+
+
+def rig():
+    return st.Machine(
+        st.Body("rotor", inertia=3.1e-5), st.Body("arm", inertia=0.35),
+        st.Link("gear", "rotor", "arm", ratio=0.01, stiffness=9e3, damping=2.0, gap=2e-4),
+        st.Contact("mesh", "arm", st.law("lugre_majorant", parameters="canudas1995", k_v=1e6)),
+        st.Controller.cascade("axis", on="rotor", signal=st.Step(1.0, at=0.1), K_p=30, K_v=0.05),
+    )  # fmt: skip
+
+
+def test_a_file_as_objects():
+    """Part by part, the example of an arm."""
+    bearing = {"sigma_0": 3.0, "sigma_1": 4e-3, "sigma_2": 3e-5, "F_c": 8e-3, "F_s": 0.012, "v_s": 1.5}
+    seal = {"sigma_0": 1.2e3, "sigma_1": 4.0, "sigma_2": 0.05, "F_c": 0.3, "F_s": 0.42, "v_s": 0.03}
+    made = st.Machine(
+        st.Body("rotor", inertia=6e-5, y=0.0, v=0.0), st.Body("arm", inertia=0.12),
+        st.Link("gear", "rotor", "arm", ratio=0.02, stiffness=4e3, damping=5.0),
+        st.Contact("bearing", "rotor", {"name": "lugre_majorant", "k_v": 2e3, "parameters": bearing}),
+        st.Contact(
+            "seal", "arm", {"name": "lugre_majorant", "k_v": 1e5, "parameters": seal},
+            factors={"level": {"amplitude": [0.15], "waves": [6], "phase": [0.0]}},
+        ),
+        st.Load("gravity", "arm", "pendulum", amplitude=4.0),
+        st.Load.ripple("cogging", "rotor", [2e-3], [14], [0.0]),
+        st.Motor("drive", "rotor", K=0.07, R=0.4, L=2e-4, voltage=24.0),
+        st.Controller.cascade(
+            "axis", on="drive", measures="rotor", signal=st.PointToPoint([0.1, 0.7], [0.0, 50.0]), K_p=20.0, K_v=0.02,
+            T_i=0.04, limit=1.0, sampling={"period": 1e-3, "delay": 4e-4, "resolution": 1.5339807878856412e-3},
+        ),
+        name="arm",
+    )  # fmt: skip
+    expected = tomllib.loads(examples.path("arm").read_text())
+    found = made.scenario(1.5, 2e-3, energy=True).data
+    for contact in found["contacts"].values():
+        contact.pop("to")  # the ground, as in the file
+    assert found == expected
+
+
+@needs_compiler
+def test_the_example_of_the_documentation():
+    solution = st.simulate(rig(), t_end=0.5, step=1e-3)
+    assert solution.status == "done"
+    assert solution["arm.y"].shape == (501,)
+    assert set(solution.events) == {"mesh", "gear"}
+    assert solution.plot().startswith("<?xml")
+    assert list(solution.to_pandas())[:3] == ["t", "rotor.y", "rotor.v"]
+    ensemble = st.simulate_ensemble(rig().vary({"contacts.mesh.law.parameters.F_c": [0.9, 1.0]}), t_end=0.5, step=1e-3)
+    np.testing.assert_allclose(ensemble["arm.y"][1], solution["arm.y"], rtol=0, atol=1e-7 * solution.peaks["arm.y"])
+
+
+def test_a_machine_does_not_change():
+    first = rig()
+    other = first.replace({"bodies.arm.inertia": 0.4})
+    assert first == rig()
+    assert other != first
+    assert other.to_dict()["bodies"]["arm"]["inertia"] == 0.4
+    first.to_dict()["bodies"].clear()
+    assert first == rig()
+
+
+def test_mistakes():
+    with pytest.raises(st.InputError, match="must be made of bodies"):
+        st.Machine("rotor")
+    with pytest.raises(st.InputError, match=r"links\.a: 'a': must be another name: it is that of bodies\.a already"):
+        st.Machine(st.Body("a", mass=1.0), st.Link("a", "a", stiffness=1.0))
+    with pytest.raises(st.InputError, match="t_end: missing: must be given for a Machine"):
+        st.simulate(rig())
+    with pytest.raises(st.InputError, match=r"links\.gear\.ratio: 0: must be"):
+        st.simulate(rig().replace({"links.gear.ratio": 0}), t_end=1.0)
+
+
+def test_a_law_of_ones_own_in_a_contact():
+    from stribeck.laws import BristleLaw
+
+    class Own(BristleLaw):
+        """A law without a file."""
+
+        @staticmethod
+        def dz_dt(p, v, z):
+            return v - abs(v) * p.sigma_0 / p.F_c * z
+
+    p = {"sigma_0": 1e4, "sigma_1": 10.0, "sigma_2": 0.1, "F_c": 1.0, "F_s": 1.0, "v_s": 0.01}
+    made = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", Own(p)), st.Load.signal("p", "a", st.Sine(2.0, 1.0)))
+    assert made.scenario(1.0).law.values["F_c"] == 1.0
+    assert "a.y" in made.show() or "mass 1 kg" in made.show()
