@@ -19,11 +19,8 @@ Array = NDArray[np.float64]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
 _RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 _MOST_ROWS = 25_000
-_MOST_RAW, _BLOCKS, _SHORTEST_BLOCK = (
-    200_000,
-    24,
-    600,
-)  # of a record: more tell nothing new; blocks of a run, rows of one
+_MOST_RAW = 100_000  # rows of a record: more tell nothing new
+_BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
 _FEWEST = 150  # rows that a band lowered for the mass's sake leaves
 _MOVES = 0.015  # of the mass: what half the band may change it by
 _HEAVY = 0.05  # of the force: less inertia tells nothing of the band
