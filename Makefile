@@ -1,10 +1,10 @@
-# make setup | demo | test | bench | proofs   (Python 3.11 or newer; a C compiler makes it fast)
+# make setup | demo | test | bench | fuzz | proofs   (Python 3.11 or newer; a C compiler makes it fast)
 PYTHON ?= $(firstword $(foreach p,python3.13 python3.12 python3.11 python3,$(if $(shell $(p) -c 'import sys; print(sys.version_info >= (3, 11) or "")' 2>/dev/null),$(p))))
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: setup demo test bench proofs clean
+.PHONY: setup demo test bench fuzz proofs clean
 
 # install EXTRA: the package with an extra, by uv where there is one
 define install
@@ -42,6 +42,10 @@ bench: setup
 # installs nothing; without coqc it says so, in a line, and checks nothing
 proofs:
 	@if [ -x $(BIN)/python ]; then p=$(BIN)/python; else p='$(PYTHON)'; fi; $$p proofs/check.py || [ $$? -eq 3 ]
+
+# SEED=7 for another attack
+fuzz: setup
+	$(BIN)/python tools/fuzz/run.py --seed $(or $(SEED),1)
 
 clean:
 	rm -rf $(VENV) build dist src/*.egg-info stribeck-report

@@ -97,6 +97,8 @@ def forms() -> list[Any]:
         choices = (
             [{}] if "smooth_abs" not in law.constants() else [{"smooth_abs": w} for w in ("atan", "sqrt", "compact")]
         )
+        if law.has_z:
+            given.pop("delta", None)  # off: the usual curve
         if law.name == "stribeck":
             given.pop("k_v")
         made += [law({**given, **choice}) for choice in choices]

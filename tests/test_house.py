@@ -12,12 +12,19 @@ FILES = sorted(SOURCE.rglob("*.py"))
 LONGEST_FILE, LONGEST_FUNCTION = 400, 60
 
 # What may be longer, and why.
-LONG_FILES: dict[str, str] = {"cli/app.py": "one signature for each command"}
+LONG_FILES: dict[str, str] = {
+    "cli/app.py": "one signature for each command",
+    "properties/prover/leaf.py": "rules of signs beside the order in which they are tried; to be split",
+}
 LONG_FUNCTIONS: dict[str, str] = {
     "cli/app.py:fit": "Typer reads a command's options from one signature",
     "control/proof.py:derive": "one derivation, read from top to bottom beside the theory",
     "identify/api.py:fit": "half of it is the meaning of its arguments",
     "identify/data/quality.py:clean": "half of it is the meaning of its arguments",
+    "identify/methods/dynamic.py:fit_dynamic": "half of it is the meaning of its arguments",
+    "identify/methods/motion.py:fit_motion": "half of it is the meaning of its arguments; to be split",
+    "identify/statistics/uncertainty.py:_judge": "the verdict on each parameter; to be split",
+    "simulation/ensemble.py:simulate_ensemble": "half of it is the meaning of its arguments",
     "simulation/native.py:solve": "fills one C struct and reads it back",
     "steepness/__init__.py:advise": "half of it is the meaning of its arguments",
 }

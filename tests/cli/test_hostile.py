@@ -209,3 +209,8 @@ def test_names_of_a_solution_stay(scenario):
     loaded = stribeck.Scenario.load(scenario)
     assert loaded.name == "rig"
     assert np.isfinite(loaded.end)
+
+
+@pytest.mark.parametrize("word", ["\x1b[2J", "x" * 500])
+def test_usage_is_one_line_too(stribeck, scenario, word):
+    refused(stribeck("run", scenario, word), "unexpected extra argument")

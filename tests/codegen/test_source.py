@@ -64,7 +64,7 @@ def test_says_what_it_is_and_names_what_it_holds():
     text = source(systems(builtin()["lugre_sobczyk"], ())[0])
     assert "Law: lugre_sobczyk" in text
     assert "/* N/m, bristle stiffness (law.sigma_0) */" in text
-    for name in ("g", "S_0", "dz_dt", "F", "u"):
+    for name in ("g", "S_0", "dz_dt", "F"):
         assert re.search(rf"const real {name} = ", text), name
     assert max(map(len, text.splitlines())) < 250
     assert "[0]" not in re.sub(r"(x|dx|k|right|df_dt|w|dw)\[\d\]", "", text.split("/* ---- The method")[0])
@@ -96,7 +96,7 @@ class Awkward(BristleLaw):
         return Scales(p.F_c / p.sigma_0, p.v_s, p.F_c)
 '''
 NAMES = (
-    "g", "t", "x", "y", "v", "z", "F", "u", "p", "c", "k", "h", "I", "mass", "stiffness", "double", "start", "value",
+    "g", "x", "c", "k", "h", "I", "mass", "stiffness", "double", "start", "value",
     "slope", "exp", "atan", "run", "N", "right", "shift", "jac", "fac", "piece", "dx", "df_dt", "c0", "c1", "inv_mass",
     "t1", "t2", "sign_of", "prepare", "solve", "A", "C", "NODE", "STAGES", "attempt", "Run", "Jacobian", "E_in",
     "M_PI", "NAN", "linux", "real", "mask", "choose", "splat", "any", "exp_of", "LANES", "BY_LANE", "dense",

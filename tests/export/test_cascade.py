@@ -390,6 +390,6 @@ def test_bad_commands(file, tmp_path, capsys):
         assert _status(words) == 2, words
         assert said in capsys.readouterr().err
     law = stribeck.law("lugre_arctan", {**rig().law.machine, "k_v": 1e6})
-    with pytest.raises(stribeck.InputError, match=r"LAW: 'lugre_arctan': must be left out"):
+    with pytest.raises(stribeck.InputError, match=r"law: 'lugre_arctan': must be left out"):
         stribeck.export(law, "c", out, part="cascade", scenario=rig())
     assert not (tmp_path / "out").exists()

@@ -138,5 +138,5 @@ def test_a_missing_package_is_named_with_the_way_to_get_it(monkeypatch):
         monkeypatch.setitem(sys.modules, module, None)
     law = stribeck.law("lugre_majorant", "canudas1995", k_v=1e6)
     for convert, extra in ((law.to_control, "tools"), (law.to_casadi, "tools"), (law.to_jax, "jax")):
-        with pytest.raises(stribeck.StribeckError, match=rf"not installed: pip install 'stribeck\[{extra}\]'"):
+        with pytest.raises(stribeck.StribeckError, match=rf"needs [a-z]+: pip install 'stribeck\[{extra}\]'"):
             convert()

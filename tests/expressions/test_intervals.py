@@ -73,13 +73,6 @@ def test_unbounded_boxes():
     assert (found[1].low[0], found[2].low[0], found[3].high[0]) == (0.0, 0.0, inf)
 
 
-def test_multiples_of_pi_are_meant_exactly():
-    with mpmath.workdps(50):
-        for x, value in ((2 / np.pi, 2 / mpmath.pi), (np.pi, mpmath.pi), (np.pi / 2, mpmath.pi / 2)):
-            assert mpmath.mpf(float(number(x).low)) <= value <= mpmath.mpf(float(number(x).high))
-            assert number(x).low < number(x).high
-
-
 @given(st.floats(-2, 2), st.floats(0, 2), st.floats(0, 1))
 def test_the_range_of_a_polynomial(low, width, share):
     c = tuple(map(Fraction, (0, 0, 0, 10, -15, 6)))

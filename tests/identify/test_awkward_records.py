@@ -5,6 +5,7 @@ import warnings
 import numpy as np
 import pytest
 from scipy.optimize import curve_fit
+from threadpoolctl import threadpool_limits
 
 import stribeck
 from stribeck.identify import predict
@@ -18,7 +19,7 @@ STEP = 2e-3
 
 @pytest.fixture(autouse=True)
 def _strict():
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), threadpool_limits(1):
         warnings.simplefilter("error")
         yield
 

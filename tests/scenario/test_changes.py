@@ -86,7 +86,6 @@ def test_the_result_is_validated():
     [
         ("name.x", "name.x: name is not a table, so it has no key 'x'"),
         ("solve.t_end.x.y", "solve.t_end.x.y: solve.t_end is not a table, so it has no key 'y'"),
-        ("drive.signal.t.0", "drive.signal.t.0: drive.signal.t is not a table, so it has no key '0'"),
     ],
 )
 def test_paths_into_what_is_no_table(path, said):

@@ -15,7 +15,16 @@ from typing import Any, NoReturn
 from stribeck.cli.options import said
 from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote, one_line
 
-_EXTRA = {"fit": "fit", "rig": "fit", "export": "export", "check": "check", "gains": "check", "paper": "paper"}
+_EXTRA = {
+    "fit": "fit",
+    "predict": "fit",
+    "validate": "fit",
+    "rig": "fit",
+    "export": "export",
+    "check": "check",
+    "gains": "check",
+    "paper": "paper",
+}
 _GRACE = 5.0  # s, to clear away what has been begun
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
@@ -109,7 +118,7 @@ def _status(arguments: list[str] | None) -> int:
         if usage is None:
             raise
         if text := " ".join(usage().split()):  # none where the help was printed instead
-            print(f"stribeck: {text} (stribeck --help)", file=sys.stderr)
+            print(one_line(f"stribeck: {text} (stribeck --help)"), file=sys.stderr)
         return 2
 
 

@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
+from stribeck.cli.app_records import predict, validate
 from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
 
-__all__ = ["app"]
+__all__ = ["app", "predict", "validate"]
 
 
 @app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
@@ -153,16 +154,13 @@ def advise(
     return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
 
 
-@app.command(epilog="Example: stribeck fit log.csv --law lugre --time t --position y --force F --out fit")
+@app.command(epilog="Example: stribeck fit log.csv --time t --position y --force F --out fit")
 def fit(
     data: Annotated[
         list[Path], typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs.")
     ],
     law: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--law", metavar="NAME", help="A law; of several, or of all static ones without it, one is picked."
-        ),
+        list[str] | None, typer.Option("--law", metavar="NAME", help="A law; of several, or without it, one is picked.")
     ] = None,
     time: Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")] = None,
     position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")] = None,
@@ -200,10 +198,7 @@ def fit(
     ] = None,
     select: Annotated[
         bool | None,
-        typer.Option(
-            "--select/--no-select",
-            help="Add the terms that lower the error over data left out (the default without --term and --free).",
-        ),
+        typer.Option("--select/--no-select", help="Add terms that predict data left out better (docs/fit.md)."),
     ] = None,
     cutoff: Annotated[
         float | None,
@@ -243,65 +238,6 @@ def fit(
     }  # fmt: skip
     options = work.Options(columns, unit or [], force_gain, set_ or [], cutoff, trim, request)
     return work.fit(data, law or [], options, out, json)
-
-
-@app.command()
-def predict(
-    data: Annotated[list[Path], typer.Argument(metavar="DATA...", help="A record that the fit has not seen.")],
-    fit: Annotated[Path, typer.Option("--fit", metavar="DIR", help="The folder that stribeck fit --out wrote.")],
-    time: Annotated[
-        str | None, typer.Option("--time", metavar="COL", help="Columns: as in the fit unless given.")
-    ] = None,
-    position: Annotated[str | None, typer.Option("--position", metavar="COL")] = None,
-    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL")] = None,
-    force: Annotated[str | None, typer.Option("--force", metavar="COL")] = None,
-    force_gain: Annotated[str | None, typer.Option("--force-gain", metavar="X")] = None,
-    load: Annotated[str | None, typer.Option("--load", metavar="COL")] = None,
-    pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL")] = None,
-    unit: Annotated[list[str] | None, typer.Option("--unit", metavar="COL=UNIT")] = None,
-    cutoff: Annotated[float | None, typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter.")] = None,
-    out: Out = None,
-    json: Json = False,
-) -> int:
-    """The force that a fitted model predicts for another record: error, overlay and page."""
-    from stribeck.cli import fit as words
-    from stribeck.cli import predict as command
-
-    columns = {
-        "time": time, "position": position, "velocity": velocity, "force": force, "load": load, "pressure": pressure,
-    }  # fmt: skip
-    given = {"columns": columns, "units": words.units(unit or []), "force_gain": force_gain, "cutoff": cutoff}
-    return command.predict(data, fit, given, out, json)
-
-
-@app.command()
-def validate(
-    scenario: ScenarioFile,
-    log: Annotated[Path, typer.Option("--log", metavar="FILE", help="The measured record.")],
-    time: Annotated[str | None, typer.Option("--time", metavar="COL")] = None,
-    position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Compared with y.")] = None,
-    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Compared with v.")] = None,
-    force: Annotated[
-        str | None, typer.Option("--force", metavar="COL", help="Measured friction, compared with F.")
-    ] = None,
-    force_gain: Annotated[str | None, typer.Option("--force-gain", metavar="X")] = None,
-    command: Annotated[
-        str | None,
-        typer.Option("--command", metavar="COL", help="What drove the rig: it replaces the scenario's signal."),
-    ] = None,
-    unit: Annotated[list[str] | None, typer.Option("--unit", metavar="COL=UNIT")] = None,
-    set_: Set = None,
-    trust: Trust = False,
-    out: Out = None,
-    json: Json = False,
-) -> int:
-    """A scenario against a measured record: overlay, error, residuals."""
-    from stribeck.cli import fit as words
-    from stribeck.cli import predict as work
-
-    columns = {"time": time, "position": position, "velocity": velocity, "force": force, "command": command}
-    given = {"columns": columns, "units": words.units(unit or []), "force_gain": force_gain}
-    return work.validate(scenario, log, given, set_ or [], out, json, trust)
 
 
 @app.command(epilog="Example: stribeck rig --stroke 0.05 --speed 0.1 --force 50 --out plan")

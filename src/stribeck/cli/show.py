@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stribeck.constants import show as shown
-from stribeck.errors import InputError
+from stribeck.errors import InputError, printable
 from stribeck.files import trouble
 from stribeck.scenario import Scenario, parse_assignment
 
@@ -33,7 +33,7 @@ def print_json(data: Any) -> None:
 
 def command_line() -> str:
     """The command as it was given, for pages."""
-    return "stribeck " + shlex.join(sys.argv[1:])
+    return printable("stribeck " + shlex.join(sys.argv[1:]))
 
 
 def check_folder(out: Path) -> None:

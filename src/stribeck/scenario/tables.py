@@ -195,7 +195,7 @@ def validate(model: type[Table], data: Any, path: str) -> tuple[Any, list[Proble
 
 def _up_to_first_wrong(value: Any) -> Any:
     """A list of numbers as far as the first that is none: only that is said, and 50 000 problems take a minute."""
-    if not isinstance(value, list):
+    if not isinstance(value, list) or any(isinstance(x, dict | list) for x in value):
         return value
     for i, x in enumerate(value):
         number = x if type(x) is float else float("nan") if type(x) is not int or abs(x) >= 2**1024 else 0.0

@@ -99,8 +99,8 @@ class Solution:
         return text
 
     def _repr_svg_(self) -> str:
-        plots = importlib.import_module("stribeck.report.plots")  # stands above this room
-        return str(plots.overview({self.scenario.label: self}))
+        report = importlib.import_module("stribeck.report.overview")  # stands above this room
+        return str(report.overview({self.scenario.label: self}).svg)
 
     def to_pandas(self) -> pandas.DataFrame:
         """The columns as a pandas data frame, t first.

@@ -91,19 +91,7 @@ def read(data: Any, columns: Columns, needs_force: bool = True) -> dict[str, Arr
     source = opened(data)
     path = source.path
     columns = columns if is_table(data) else columns.over(beside(Path(data)))
-    problems: list[str] = []
-    if "time" not in columns.names:
-        problems.append(
-            f"{arg('time')}: must be given, the name of the time column ({path} has {listed(source.names)})"
-        )
-    if needs_force and not {"position", "velocity"} & set(columns.names):
-        problems.append(
-            f"{arg('position')} or {arg('velocity')}: must be given (columns of {path}: {listed(source.names)})"
-        )
-    if needs_force and "force" not in columns.names:
-        problems.append(
-            f"{arg('force')}: must be given, the column of the driving force ({path} has {listed(source.names)})"
-        )
+    problems = _missing(columns, source, needs_force)
     wanted = {}
     for role, name in columns.names.items():
         if name in source.names:
@@ -139,6 +127,25 @@ def read(data: Any, columns: Columns, needs_force: bool = True) -> dict[str, Arr
         if factors[role] != 1.0:
             np.multiply(column, factors[role], out=column)
     return found
+
+
+def _missing(columns: Columns, source: Source, needs_force: bool) -> list[str]:
+    """What must be named and is not."""
+    path = source.path
+    problems: list[str] = []
+    if "time" not in columns.names:
+        problems.append(
+            f"{arg('time')}: must be given, the name of the time column ({path} has {listed(source.names)})"
+        )
+    if needs_force and not {"position", "velocity"} & set(columns.names):
+        problems.append(
+            f"{arg('position')} or {arg('velocity')}: must be given (columns of {path}: {listed(source.names)})"
+        )
+    if needs_force and "force" not in columns.names:
+        problems.append(
+            f"{arg('force')}: must be given, the column of the driving force ({path} has {listed(source.names)})"
+        )
+    return problems
 
 
 def _gain(columns: Columns, source: Source, problems: list[str]) -> float:

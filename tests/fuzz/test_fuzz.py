@@ -1,0 +1,43 @@
+"""A short part of ``make fuzz``, always the same: what it found once it must not find again."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.simulation.rig import needs_compiler
+
+FOLDER = Path(__file__).parent.parent.parent / "tools" / "fuzz"
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="a hanging command is ended by a signal")
+
+
+@pytest.fixture
+def attack(monkeypatch):
+    monkeypatch.syspath_prepend(str(FOLDER))
+    import mutations
+    import parameters
+
+    return {"mutations": mutations, "parameters": parameters}
+
+
+@needs_compiler
+@pytest.mark.parametrize(("name", "count"), [("mutations", 60), ("parameters", 6)])
+def test_nothing_is_found(attack, name, count):
+    ended, faults = attack[name].campaign(2026, count)
+    assert faults == []
+    assert sum(ended.values()) == count
+
+
+def test_the_attack_sees_a_fault(attack, monkeypatch):
+    """A command that breaks, speaks to the terminal or leaves something is named."""
+    mutations = attack["mutations"]
+
+    def broken(words):
+        raise ZeroDivisionError("x")
+
+    monkeypatch.setattr(mutations, "_status", broken)
+    assert "traceback: ZeroDivisionError" in mutations.campaign(1, 1)[1][0]
+    monkeypatch.setattr(mutations, "_status", lambda words: print("\x1b[2J", file=sys.stderr) or 2)
+    assert "a line that no terminal should get" in mutations.campaign(1, 1)[1][0]
+    monkeypatch.setattr(mutations, "_status", lambda words: print("x") or 2)
+    assert "words on standard output" in mutations.campaign(1, 1)[1][0]
