@@ -70,3 +70,31 @@ def test_python_allows_it_too(fitted):
         assert package.law("lugre", file).p.F_c > 0
     finally:
         package.allow_undetermined(False)
+
+
+def test_a_fit_that_ctrl_c_stops_is_written_and_marked(stribeck, fitted, tmp_path, monkeypatch):
+    from contextlib import contextmanager
+
+    from stribeck.cli import show
+
+    told = []
+
+    def tell(share):
+        told.append(share)
+        if len(told) == 12:
+            raise KeyboardInterrupt
+
+    @contextmanager
+    def progress(what):
+        yield tell
+
+    monkeypatch.setattr(show, "progress", progress)
+    log = rig.held_at(0.05)
+    np.savez(tmp_path / "log.npz", t=log.time, y=log.position, F=log.force)
+    columns = ("--time", "t", "--position", "y", "--force", "F", "--mass", 0)
+    outcome = stribeck("fit", tmp_path / "log.npz", "--law", "lugre", *columns, "--out", tmp_path / "out")
+    assert outcome.status == 130
+    table = tomllib.loads((tmp_path / "out" / "parameters.toml").read_text())
+    assert table["status"] == "stopped"
+    assert all(row["determined"] is False for row in table["parameters"].values())
+    assert "stopped" in outcome.out

@@ -61,9 +61,9 @@ def test_a_parameter_that_is_known_closely_is_known(record):
     assert (coulomb.high - coulomb.low) / coulomb.value < 1e-4
 
 
-def test_a_fit_that_misses_has_no_intervals(record):
+def test_a_fit_that_misses_has_no_intervals(tmp_path):
     """A mass three times too large fits nothing."""
-    fit = fitted(record, mass=3 * MASS, starts=2)
+    fit = fitted(recorded(tmp_path / "log.npz", seconds=2.0), mass=3 * MASS, starts=1)
     for name, estimate in {**fit.estimates, **fit.body}.items():
         assert not estimate.identifiable, name
         assert (estimate.value, estimate.low, estimate.high) == (None, None, None), name
@@ -83,7 +83,7 @@ def test_a_start_is_the_same_however_many_there_are(record):
 
 def test_more_starts_are_never_worse(record):
     """The hard way: the force for the noisy motion, in which no start reaches the noise."""
-    errors = [fitted(record, output="force", starts=n).relative_force_error for n in (1, 2, 5)]
+    errors = [fitted(record, output="force", starts=n).relative_force_error for n in (1, 3)]
     assert all(later <= earlier * (1 + 1e-6) for earlier, later in pairwise(errors))
 
 

@@ -147,7 +147,8 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
     for name, e in rows.items():
         if not e.identifiable:
             say(f"{name}: not determined by the data: {e.doubt}", 6, "  ")
-            say(f"to determine it: {e.experiment}", 6, "      ")
+            if e.experiment:
+                say(f"to determine it: {e.experiment}", 6, "      ")
     for r in best.details.get("levels", ()):
         at = "".join(f" at {n.removeprefix('F_c_by_')} {x:.4g}" for n, x in r["at"].items())
         told = f", predicted from the others {r['predicted']:.4g}" if "predicted" in r else ""

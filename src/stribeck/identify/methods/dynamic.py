@@ -116,6 +116,8 @@ def fit_of(
     values, misfit = problem.values(point), log.force - force[0]
     beside = problem.of_body([values])[0]
     notes = [] if optimum.converged and (optimum.starts == 1 or optimum.agreeing > 1) else [optimum.verdict]
+    if work.stopped:
+        notes = [STOPPED]
     return Fit(
         law=problem.law.name,
         method="dynamic",
@@ -129,7 +131,7 @@ def fit_of(
         data_hash=log.hash,
         profiles=judged.profiles,
         prediction=Prediction(log.time, log.position, log.velocity, log.force - beside, force[0] - beside),
-        notes=(*([] if optimum.exhausted else notes), *judged.notes),
+        notes=(*([] if optimum.exhausted and not work.stopped else notes), *judged.notes),
         details={"search": optimum.verdict, "noise": judged.noise},
         status="stopped" if work.stopped else "done",
     )
