@@ -131,8 +131,8 @@ def _open_at_once(path: str, flags: int) -> int:
 
 
 def write_text(path: Path, text: str) -> None:
-    """Write a text file in UTF-8."""
-    write_with(path, lambda beside: beside.write_text(text, encoding="utf-8"))
+    """Write a text file in UTF-8; what is no text, as in names of files, as escapes."""
+    write_with(path, lambda beside: beside.write_bytes(text.encode("utf-8", "backslashreplace")))
 
 
 def arrow_array(values: Any) -> Any:

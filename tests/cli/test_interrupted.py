@@ -73,7 +73,9 @@ def test_a_result_that_fails_half_way(tmp_path):
 
 
 SLOW = """
-import sys, time
+import signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a test run in the background ignores it, and its children
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 from stribeck.report import chapters
 def slow(*args):
     print("ready", flush=True)
@@ -99,7 +101,8 @@ def test_signals_leave_nothing(number, scenario, tmp_path):
 
 
 PAPER = """
-import os, sys, time
+import os, signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
 from pathlib import Path
 from stribeck import paper
 def slow(name, done):

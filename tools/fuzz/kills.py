@@ -43,7 +43,10 @@ def _one(place: Path, rng: random.Random, ended: Counter[str]) -> str | None:
     command = [*base, what, str(scenario), "--out", str(out)]
     if what == "run":
         subprocess.run([*command, *old], env=environment, check=True, capture_output=True)
-    process = subprocess.Popen([*command, *new], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    process = subprocess.Popen(
+        [*command, *new], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background job ignores it
+    )  # fmt: skip
     time.sleep(rng.uniform(0.05, _LAST))
     number = rng.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT))
     process.send_signal(number)

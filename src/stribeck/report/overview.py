@@ -80,7 +80,7 @@ def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption
     for panel in panels(next(iter(solutions.values()))):
         wanted.append(panel)
         if panel.x == "t" and panel.y in names and others:
-            wanted.append(Panel(f"Δ{panel.y}", f"deviation of {panel.y} from {reference[0]}"))
+            wanted.append(Panel(f"Δ{panel.y}", f"deviation of {panel.y} from {plots.plain(reference[0], 40)}"))
     wanted = [p for p in wanted if p.y not in ("z", "E_in")]
     return draw(shown, wanted, name, caption, slow=_speed(next(iter(solutions.values()))))
 
@@ -134,7 +134,7 @@ def draw(
         for key, panel in zip(keys, wanted, strict=True):
             _panel(axes[key], shown, panel, slow)
         if title:
-            made.suptitle(title, fontsize=10, x=0.01, ha="left")
+            made.suptitle(plots.plain(title), fontsize=10, x=0.01, ha="left")
         if len(shown) > 1:
             plots.legend(made, axes["0"], list(shown))
         return plots.finish(made, name, caption, pdf=True)

@@ -146,7 +146,8 @@ def legend(made: Figure, axis: Axes, names: Sequence[str] | None = None) -> None
     handles, labels = axis.get_legend_handles_labels()
     if names is not None:
         handles, labels = (
-            [x for x, label in zip(kind, labels, strict=True) if label in names] for kind in (handles, labels)
+            [x for x, label in zip(kind, labels, strict=True) if label in set(map(plain, names))]
+            for kind in (handles, labels)
         )
     room = 88  # characters beside each other at the legend's size, a line's sample counted as six
     fits = max(1, room // (6 + max(map(len, labels), default=0)))
@@ -158,7 +159,9 @@ def key(axis: Axes, names: Sequence[str], beside: int) -> None:
     """A small legend within one panel: ``names`` of its own line, where it is named, and of the ``beside`` first ones."""
     lines = axis.get_lines()
     handles = [*([lines[beside]] if len(names) > beside else []), *lines[:beside]]
-    axis.legend(handles, names, loc="best", fontsize=8, handlelength=2, borderaxespad=0.2, labelspacing=0.2)
+    axis.legend(
+        handles, list(map(plain, names)), loc="best", fontsize=8, handlelength=2, borderaxespad=0.2, labelspacing=0.2
+    )
 
 
 def finish(made: Figure, name: str, caption: str, pdf: bool = False) -> FigureSvg:

@@ -82,7 +82,8 @@ class Ensemble:
     def _columns(self) -> dict[str, Array]:
         if self._given is not None:
             return self._given
-        assert isinstance(self._variations, Variations)
+        if not isinstance(self._variations, Variations):  # lane by lane, and none was possible
+            return {column.name: np.full(self._states.shape[:2], np.nan) for column in self.columns}
         reached = ~np.isnan(self._states[:, :, 0])
         count = len(self.scenario.system.states)
         found = self._variations.columns(self.t, self._states[:, :, :count], self._states[:, :, count:])
