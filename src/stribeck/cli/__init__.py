@@ -15,7 +15,16 @@ from typing import Any, NoReturn
 from stribeck.cli.options import said
 from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote, one_line
 
-_EXTRA = {"fit": "fit", "rig": "fit", "export": "export", "check": "check", "gains": "check", "paper": "paper"}
+_EXTRA = {
+    "fit": "fit",
+    "predict": "fit",
+    "validate": "fit",
+    "rig": "fit",
+    "export": "export",
+    "check": "check",
+    "gains": "check",
+    "paper": "paper",
+}
 _GRACE = 5.0  # s, to clear away what has been begun
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
