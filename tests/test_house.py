@@ -17,7 +17,7 @@ LONG_FILES: dict[str, str] = {
     "properties/prover/leaf.py": "rules of signs beside the order in which they are tried; to be split",
 }
 LONG_FUNCTIONS: dict[str, str] = {
-    "cli/app.py:fit": "Typer reads a command's options from one signature",
+    "cli/measured.py:fit": "Typer reads a command's options from one signature",
     "control/proof.py:derive": "one derivation, read from top to bottom beside the theory",
     "identify/api.py:fit": "half of it is the meaning of its arguments",
     "identify/data/quality.py:clean": "half of it is the meaning of its arguments",

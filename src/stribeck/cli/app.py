@@ -7,10 +7,9 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.app_records import predict, validate
 from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
 
-__all__ = ["app", "predict", "validate"]
+__all__ = ["app"]
 
 
 @app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
@@ -154,121 +153,6 @@ def advise(
     return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
 
 
-@app.command(epilog="Example: stribeck fit log.csv --time t --position y --force F --out fit")
-def fit(
-    data: Annotated[
-        list[Path], typer.Argument(metavar="DATA...", help="CSV, Parquet, MAT or NPZ; several files are several runs.")
-    ],
-    law: Annotated[
-        list[str] | None, typer.Option("--law", metavar="NAME", help="A law; of several, or without it, one is picked.")
-    ] = None,
-    time: Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")] = None,
-    position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")] = None,
-    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Column of the velocity.")] = None,
-    force: Annotated[
-        str | None, typer.Option("--force", metavar="COL", help="Column of the driving force, torque or current.")
-    ] = None,
-    force_gain: Annotated[
-        str | None,
-        typer.Option("--force-gain", metavar="X", help="Force per unit of that column; or a constant's name."),
-    ] = None,
-    acceleration: Annotated[str | None, typer.Option("--acceleration", metavar="COL")] = None,
-    load: Annotated[str | None, typer.Option("--load", metavar="COL", help="Column of the normal load.")] = None,
-    pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL")] = None,
-    command: Annotated[
-        str | None, typer.Option("--command", metavar="COL", help="Column of what a drive is told (--drive).")
-    ] = None,
-    run: Annotated[str | None, typer.Option("--run", metavar="COL", help="Column of a run number.")] = None,
-    unit: Annotated[
-        list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="Unit of a column; SI unless given.")
-    ] = None,
-    mass: Annotated[float | None, typer.Option("--mass", metavar="M", help="kg; fitted unless given.")] = None,
-    method: Annotated[
-        str | None, typer.Option("--method", metavar="METHOD", help="static, presliding or dynamic.")
-    ] = None,
-    set_: Annotated[
-        list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="A constant that is given, such as k_v=1e6.")
-    ] = None,
-    free: Annotated[
-        list[str] | None, typer.Option("--free", metavar="KEY", help="Fit a constant of the law's own too.")
-    ] = None,
-    term: Annotated[
-        list[str] | None,
-        typer.Option("--term", metavar="TERM", help="What the force holds beside mass and offset (docs/fit.md)."),
-    ] = None,
-    select: Annotated[
-        bool | None,
-        typer.Option("--select/--no-select", help="Add terms that predict data left out better (docs/fit.md)."),
-    ] = None,
-    cutoff: Annotated[
-        float | None,
-        typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter; else from the data; 0: none."),
-    ] = None,
-    trim: Annotated[
-        int | None, typer.Option("--trim", metavar="N", help="Samples dropped at the start of a run.")
-    ] = None,
-    decimate: Annotated[
-        int | None, typer.Option("--decimate", metavar="N", min=1, help="Fit one row in N; else from the data.")
-    ] = None,
-    robust: Annotated[bool, typer.Option("--robust", help="Huber's loss instead of squares.")] = False,
-    folds: Annotated[int, typer.Option("--folds", min=2, help="Blocks of the cross-validation.")] = 10,
-    starts: Annotated[int, typer.Option("--starts", min=1, help="Of the simulation-error fit.")] = 20,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of these starts.")] = 0,
-    output: Annotated[
-        str, typer.Option("--output", metavar="WHAT", help="What a simulation is to meet: force, velocity, position.")
-    ] = "force",
-    drive: Annotated[
-        str | None,
-        typer.Option("--drive", metavar="KIND[:KEY=VALUE,...]", help="What moves the body then: force, pid, spring."),
-    ] = None,
-    out: Out = None,
-    json: Json = False,
-) -> int:
-    """Parameters of a law from a measured log, with intervals and a verdict on what the data cannot tell."""
-    from stribeck.cli import fit as work
-
-    columns = {
-        "time": time, "position": position, "velocity": velocity, "acceleration": acceleration, "force": force,
-        "load": load, "pressure": pressure, "run": run, "command": command,
-    }  # fmt: skip
-    request = {
-        "mass": mass, "method": method, "free": free or (), "terms": term or (), "select": select, "decimate": decimate,
-        "robust": robust, "folds": folds, "starts": starts, "seed": seed,
-        "output": output, "drive": None if drive is None else work.drive(drive),
-    }  # fmt: skip
-    options = work.Options(columns, unit or [], force_gain, set_ or [], cutoff, trim, request)
-    return work.fit(data, law or [], options, out, json)
-
-
-@app.command(epilog="Example: stribeck rig --stroke 0.05 --speed 0.1 --force 50 --out plan")
-def rig(
-    stroke: Annotated[float, typer.Option("--stroke", metavar="M", help="The rig's travel, m.")],
-    speed: Annotated[float, typer.Option("--speed", metavar="M/S", help="Its highest speed, m/s.")],
-    force: Annotated[float, typer.Option("--force", metavar="N", help="Its largest force, N.")],
-    deflection: Annotated[
-        float | None,
-        typer.Option("--deflection", metavar="M", help="Way to break-away, F_c/sigma_0, where it is roughly known."),
-    ] = None,
-    simulate: Annotated[
-        bool, typer.Option("--simulate", help="Write a SYNTHETIC log of the programme too: simulated, not measured.")
-    ] = False,
-    law: Annotated[str, typer.Option("--law", metavar="NAME", help="The synthetic rig's friction.")] = "lugre",
-    parameters: Annotated[
-        str | None, typer.Option("--parameters", metavar="SET", help="Its constants: a set or a file.")
-    ] = None,
-    set_: Annotated[list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="One of its constants.")] = None,
-    seed: Annotated[int, typer.Option("--seed", help="Of its noise.")] = 0,
-    out: Out = None,
-    json: Json = False,
-    _undetermined: Undetermined = False,
-) -> int:
-    """Print what to measure to fit a law: speeds, amplitudes, force rates for the limits of a rig."""
-    from stribeck.cli import rig as command
-
-    limits = (stroke, speed, force, deflection)
-    return command.rig(limits, simulate, law, parameters, set_ or [], seed, out, json)
-
-
 @app.command(epilog="Example: stribeck check lugre_sobczyk --parameters canudas1995 --set k_v=1e7")
 def check(
     law: Annotated[str | None, typer.Argument(metavar="LAW", help="A law; FILE.py:NAME is one too.")] = None,
@@ -397,3 +281,6 @@ def doctor(json: Json = False) -> int:
     from stribeck.cli import doctor as command
 
     return command.doctor(json)
+
+
+from stribeck.cli import measured as measured  # noqa: E402  (its commands stand behind these)

@@ -9,7 +9,7 @@ from typing import Any
 
 from stribeck import laws, parameter_sets
 from stribeck.cli import show
-from stribeck.cli.text import say
+from stribeck.cli.text import say, width
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, left_out, note
 from stribeck.laws.base import PARAMETERS, Law
@@ -174,10 +174,11 @@ def _lines(evidence: Mapping[str, Any]) -> list[str]:
 
 def _print_matrix(checked: list[Verdicts], parameters: str | None) -> None:
     say(f"parameters {parameters or 'as given'}; own constants: " + _own(checked), 4)
-    width = max(len(v.law.name) for v in checked)
-    print(f"{'':{width}}  " + "".join(f"{name:11}" for name in NAMES))
+    wide = max(len(v.law.name) for v in checked)
+    cell = min(12, (width() - 2 - wide) // len(NAMES))
+    print(f"{'':{wide}}  " + "".join(f"{name:{cell}}" for name in NAMES))
     for v in checked:
-        print(f"{v.law.name:{width}}  " + "".join(f"{_WORDS[v[name].holds]:11}" for name in NAMES))
+        print(f"{v.law.name:{wide}}  " + "".join(f"{_WORDS[v[name].holds]:{cell}}" for name in NAMES))
 
 
 def _own(checked: list[Verdicts]) -> str:

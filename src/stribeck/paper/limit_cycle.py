@@ -20,13 +20,13 @@ def chapter(done: Done) -> Chapter:
     with plots.style():
         made, axes = plots.figure([["all", "all"], ["first", "late"]], 5.2)
         for panel in ("all", "first", "late"):
-            curves(axes[panel], solutions, "t", "y")
-            axes[panel].plot(reference.t, reference["r"], color=plots.GREY, linewidth=0.8)
+            _, of_y = curves(axes[panel], solutions, "t", "y")
+            axes[panel].plot(reference.t, of_y.of(reference["r"]), color=plots.GREY, linewidth=0.8)
         axes["all"].set_title("(a) complete simulation (setpoint in grey)")
         axes["first"].set_xlim(0, 100)
         axes["first"].set_title("(b) first 100 s")
         axes["late"].set_xlim(SETTLED, 250)
-        axes["late"].set_ylim(0.9, 1.1)
+        axes["late"].set_ylim(0.9 / of_y.factor, 1.1 / of_y.factor)
         axes["late"].set_title("(c) after the transients")
         plots.legend(made, axes["all"])
         figure = plots.finish(

@@ -16,15 +16,16 @@ def chapter(done: Done) -> Chapter:
     reference = solutions[REFERENCE]
     with plots.style():
         made, axes = plots.figure([["y", "detail"], ["v", "F"]], 5.4)
-        curves(axes["y"], solutions, "t", "y")
-        axes["y"].plot(reference.t, reference["x"], color=plots.GREY, linewidth=0.8)
-        axes["y"].annotate("far end x", (14, 2.6), color=plots.GREY, fontsize=8)
+        _, of_y = curves(axes["y"], solutions, "t", "y")
+        axes["y"].plot(reference.t, of_y.of(reference["x"]), color=plots.GREY, linewidth=0.8)
+        axes["y"].annotate("far end x", (14, 2.6 / of_y.factor), color=plots.GREY, fontsize=8)
         axes["y"].set_title("(a) complete simulation")
         curves(axes["detail"], solutions, "t", "y")
         last = float(reference.events["slip"][-2])
         near = (reference.t > last - 0.6) & (reference.t < last + 0.7)
         axes["detail"].set_xlim(last - 0.6, last + 0.7)
-        axes["detail"].set_ylim(reference["y"][near].min() - 0.02, reference["y"][near].max() + 0.05)
+        low, high = reference["y"][near].min() - 0.02, reference["y"][near].max() + 0.05
+        axes["detail"].set_ylim(low / of_y.factor, high / of_y.factor)
         axes["detail"].set_title("(b) detail: the fifth slip")
         curves(axes["v"], solutions, "t", "v")
         curves(axes["F"], solutions, "t", "F")

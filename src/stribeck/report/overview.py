@@ -91,13 +91,15 @@ def _labelled(solutions: Mapping[str, Solution]) -> dict[str, Quantities]:
     return {f"{label}{early[label]}": quantities(solution) for label, solution in solutions.items()}
 
 
-def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> None:
-    """One line a solution of column ``y`` against column ``x``, on axes with short numbers."""
+def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> tuple[Scale, Scale]:
+    """One line a solution of column ``y`` against column ``x``, on axes with short numbers; the scales of the axes, on
+    which whatever else is drawn there must stand."""
     shown = {label: quantities(solution) for label, solution in solutions.items()}
     of_x, of_y = (scale([q[name] for q in shown.values()]) for name in (x, y))
     for i, (label, q) in enumerate(shown.items()):
         plots.line(axis, i, *plots.thin(of_x.of(q[x].values), of_y.of(q[y].values)), label)
     axis.set(xlabel=of_x.label, ylabel=of_y.label)
+    return of_x, of_y
 
 
 def _speed(solution: Solution) -> float:
