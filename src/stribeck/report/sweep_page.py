@@ -14,15 +14,30 @@ from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import Quantity, scale
 from stribeck.report.sweep import Sweep
+from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 
 Array = NDArray[np.float64]
 
 FOLDER = "_report"  # readers of a folder of parts pass over names that begin with an underscore
-_MEASURES = ("peak_F", "final_y", "amplitude", "period", "slips")
+_MEASURES = ("amplitude", "period", "slips")
 _LANES_SHOWN = 8
 _ROWS_SHOWN = 60
 _MOST = 200_000  # lanes in a plot: more show nothing new
+
+
+def _columns(scenario: Scenario) -> tuple[str, str, str]:
+    """Position, velocity and force that are shown: of a machine, those of its first body, contact or link."""
+    if scenario.rig is None:
+        return "y", "v", "F"
+    names = [column.name for column in scenario.system.columns]
+    force = next((n for n in names if n.endswith(".F")), next((n for n in names if n.endswith(".f")), names[1]))
+    return names[0], names[1], force
+
+
+def _measured(scenario: Scenario) -> tuple[str, ...]:
+    position, _, force = _columns(scenario)
+    return (f"peak_{force}", f"final_{position}", *_MEASURES)
 
 
 def write(sweep: Sweep, command: str = "") -> list[Path]:
@@ -42,7 +57,7 @@ def write(sweep: Sweep, command: str = "") -> list[Path]:
     paths = [path for figure in figures for path in write_figure(figure, folder)]
     found = [Chapter("lanes", "The lanes", text, tables), *chapters.plots(figures)]
     scenario = sweep.lanes.scenario
-    found += [chapters.of_law(scenario.law), chapters.of_scenario(scenario)]
+    found += [*chapters.of_laws(scenario), chapters.of_scenario(scenario)]
     introduction = ["Files of numbers: part-*" + (".csv" if sweep.as_csv else ".parquet") + " beside this folder."]
     return [*paths, chapters.write_page(folder, f"{scenario.name}: a sweep", introduction, found, command)]
 
@@ -51,7 +66,7 @@ def _read(sweep: Sweep) -> dict[str, NDArray[Any]]:
     """The rows of the lanes, of the files in order."""
     from stribeck.recorded import opened
 
-    wanted = ("lane", *sweep.lanes.values, *_MEASURES)
+    wanted = ("lane", *sweep.lanes.values, *_measured(sweep.lanes.scenario))
     found: dict[str, list[Array]] = {name: [] for name in wanted}
     for part in range(sweep.parts):
         source = opened(sweep.path(part))
@@ -71,7 +86,7 @@ def _table(sweep: Sweep, rows: Mapping[str, NDArray[Any]]) -> Table:
 def _measures(sweep: Sweep, rows: Mapping[str, NDArray[Any]]) -> FigureSvg:
     """A panel for each measure and path: the measure against the path, other paths by colour."""
     paths = list(sweep.lanes.values)
-    measures = [name for name in _MEASURES if name in rows and np.isfinite(rows[name]).any()]
+    measures = [name for name in _measured(sweep.lanes.scenario) if name in rows and np.isfinite(rows[name]).any()]
     pick = np.arange(len(sweep.lanes))[:: max(1, len(sweep.lanes) // _MOST)]
     layout = [[f"{m}|{p}" for p in paths[:3]] for m in measures]
     columns = {c.name: c for c in sweep.lanes.scenario.system.columns}
@@ -130,7 +145,8 @@ def _lanes(sweep: Sweep, shown: Mapping[str, Solution]) -> FigureSvg:
 
     colours = colormaps["viridis"](np.linspace(0, 0.9, len(shown)))
     with plots.style():
-        made, axes = plots.figure([["y"], ["v"], ["F"]], 5.4)
+        names = list(dict.fromkeys(_columns(sweep.lanes.scenario)))
+        made, axes = plots.figure([[name] for name in names], 5.4)
         for name, axis in axes.items():
             columns = [
                 Quantity(name, c.unit, c.meaning, s[name]) for s in shown.values() for c in s.columns if c.name == name
@@ -143,5 +159,5 @@ def _lanes(sweep: Sweep, shown: Mapping[str, Solution]) -> FigureSvg:
                 )
             axis.set(xlabel=of_t.label, ylabel=of_y.label, title=columns[0].meaning)
         if len(shown) > 1:
-            plots.legend(made, axes["y"])
+            plots.legend(made, axes[names[0]])
         return plots.finish(made, "lanes", f"{len(shown)} of the lanes, from the first (dark) to the last.", pdf=True)
