@@ -75,7 +75,7 @@ int main(void)
 
 def law(name, **changes):
     values = dict(stribeck.parameters()["canudas1995"].values)
-    own = {"k_v": 1e7, "z_ba": 7e-6, "delta": 2.0, **MAKKAR} | changes
+    own = {"k_v": 1e7, "z_ba": 7e-6, **MAKKAR} | changes
     constants = laws.find(name).constants()
     if name == "stribeck":
         own.pop("k_v")

@@ -31,6 +31,7 @@ static const double SAME_TIME = 1e-12; /* times that differ by less, as a share,
 
 EXPORT int64_t stribeck_run_size(void) { return (int64_t)sizeof(Run); }
 EXPORT int64_t stribeck_states(void) { return N; }
+EXPORT int64_t stribeck_event_room(void) { return MOST_EVENTS * (WATCHES + 1); } /* of one step: less never ends */
 
 static inline Segment present(const Run *run)
 {
@@ -234,7 +235,7 @@ EXPORT int stribeck_advance(Run *run)
     }
     while (run->t < run->t_end) {
         if (run->attempts_left-- <= 0) return MORE;
-        if (run->events + MOST_EVENTS * (WATCHES + 1) > run->event_room) return EVENTS_FULL;
+        if (run->events + stribeck_event_room() > run->event_room) return EVENTS_FULL;
         const int64_t n = run->piece;
         const Segment piece = present(run);
         double t_stop = n + 1 < run->pieces ? smaller(run->piece_start[n + 1], run->t_end) : run->t_end;

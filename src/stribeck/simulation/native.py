@@ -96,7 +96,7 @@ def check(library: ctypes.CDLL) -> None:
         BuildError: it is not.
     """
     try:
-        library.stribeck_run_size.restype = c_int64
+        library.stribeck_run_size.restype = library.stribeck_event_room.restype = c_int64
         library.stribeck_advance.argtypes, library.stribeck_advance.restype = [POINTER(Run)], c_int
     except AttributeError:
         raise BuildError("the library built is not a compiled system") from None
@@ -111,7 +111,8 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     room, noise = held_back(scenario.end, [scenario.sampling()])
     x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
     out = np.empty((scenario.rows, len(system.states) + held))
-    event_time, event_what = np.empty(_EVENT_ROOM), np.empty(_EVENT_ROOM, np.int32)
+    event_room = max(_EVENT_ROOM, library.stribeck_event_room())
+    event_time, event_what = np.empty(event_room), np.empty(event_room, np.int32)
     arrays = {
         "parameters": np.array([values[key] for key in system.parameters]),
         "atol": share * np.array([atol[state.name] for state in system.states]),
@@ -133,7 +134,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     run.h = run.h_smallest = np.inf
     run.h_limit, run.queue_room, run.noise_room = scenario.longest_step, room, noise.shape[1]
     run.pieces, run.rows = len(pieces.start), scenario.rows
-    run.event_room = _EVENT_ROOM
+    run.event_room = event_room
 
     times: list[float] = []
     what: list[int] = []
