@@ -10,8 +10,8 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.constants import kind_of
 from stribeck.control.cascade import Cascade
 from stribeck.control.servo import ServoSystem
@@ -32,8 +32,6 @@ from stribeck.signals.pieces import Pieces, pieces
 from stribeck.system import Groups, System
 
 __all__ = ["Scenario", "parse_assignment"]
-
-Array = NDArray[np.float64]
 
 # In presliding all of the motion is a few natural scales: a tenth keeps y and v within 1e-6 of their peaks there too.
 _ATOL_SHARE = 0.1

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.data.clocks import on_one_clock, pieces, released
 from stribeck.identify.data.filters import low_pass
@@ -20,7 +20,6 @@ from stribeck.identify.data.read import Columns, read
 from stribeck.identify.log import Log
 from stribeck.recorded import is_table
 
-Array = NDArray[np.float64]
 _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
 _LONGEST_LOOK = 1 << 18  # samples from which a spectrum is taken

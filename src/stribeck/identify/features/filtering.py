@@ -8,14 +8,13 @@ two the first error about doubles and the second falls to a third, so that eithe
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.problem import Problem
 
-Array = NDArray[np.float64]
 _LOWER = float(np.sqrt(0.5))
 _WHOLE = 1.5  # of the shift: the error of the motion as it is, by noise; more than it, by rounding off
 
