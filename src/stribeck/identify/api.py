@@ -132,7 +132,24 @@ def read_log(
     trim: int | None = None,
     sharp: bool = False,
 ) -> Log:
-    """The log in files, ready to be fitted; a log as it is."""
+    """The log in files, ready to be fitted; a log as it is.
+
+    Args:
+        data: a file (CSV, Parquet, MAT, NPZ), a data frame or a mapping of names to arrays, or several of one layout.
+        columns: the file's column for each role: ``{"time": "t", "velocity": "v", "force": "F"}``, and position,
+            acceleration, ...; a TOML file of the data's name beside it may hold them.
+        units: the unit of a column by its name; SI unless given.
+        force_gain: force per unit of the force column: a number, or the name of a constant in the file.
+        cutoff: of the low-pass filter, Hz; chosen from the data unless given.
+        trim: rows left out at both ends, where the filter rings; chosen unless given.
+        sharp: keep break-away as sharp as it was measured (for laws with bristles).
+
+    Returns:
+        A :class:`stribeck.identify.log.Log` in SI units, for :func:`stribeck.fit`.
+
+    Raises:
+        InputError: the file cannot be read, a column is missing or has no unit; one line for each problem.
+    """
     if unknown := [n for n in columns if n not in ROLES]:
         raise InputError([f"{n}: {show(columns[n])}: unknown argument{nearest(n, ROLES)}" for n in unknown])
     if isinstance(data, Log):
