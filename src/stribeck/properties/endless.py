@@ -67,7 +67,7 @@ def without_limit(model: Model, claims: Claims, storage: Storage, unrestricted: 
 def unwinding(
     model: Model, claims: Claims, sides: tuple[int, int], fast: float, top: float, share: float
 ) -> Verdict | None:
-    """Between z = t (1 - ``share``) ``top`` and t ``top``, shown to give back the more energy the faster, v = s u, u >= ``fast``."""
+    """From z = t ``top`` down to (1 - ``share``) of it at v = s u, u >= ``fast``: energy shown to be given back, like u."""
     law, (s, t) = model.law, sides
     u = np.geomspace(fast, fast * 1e12, 7)[:, None]
     w = top * np.array([1 - share, 1 - share / 2, 1.0])

@@ -6,9 +6,10 @@ docs/theory.md ("A level that varies") proves what is used here: that one law, t
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import islice
 from time import process_time
 from typing import Any
 
@@ -32,16 +33,23 @@ _PROVED = (
     "energy as storage S; it is least there (theory.md)"
 )
 _DAMPED = "sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 F_c at the lowest level: the power lost is nowhere negative, for every z"
-_BOUNDED = "wherever |z| >= Z, Z the highest level over sigma_0, dz/dt points inward or is 0, for every v and every level"
-_SWING = "a cycle of held speeds and levels that returns z to its start and draws energy (enclosed by interval arithmetic)"
+_BOUNDED = (
+    "wherever |z| >= Z, Z the highest level over sigma_0, dz/dt points inward or is 0, for every v and every level"
+)
+_SWING = (
+    "a cycle of held speeds and levels that returns z to its start and draws energy (enclosed by interval arithmetic)"
+)
 _DROPPED = (
     "wound up at the highest level and unwound at the lowest: F v <= -c v^2 and |dz/dt| <= C |v| for z from z_start to z_end "
     "and |v| >= u (signs over the whole range): the energy drawn grows like |v|, without limit"
 )
 _HELD = "at a level that is held: "
 _SAME = "at the lowest level and, by the same steps, at every level (theory.md): "
-_UNKNOWN = "which of its levels is the worst is known for the laws of this package only; no run that draws energy was found"
+_UNKNOWN = (
+    "which of its levels is the worst is known for the laws of this package only; no run that draws energy was found"
+)
 _ENDLESS = Fraction(3)  # where a level has no upper end: how far beyond the threshold it is swung
+_TRIED = 4  # cycles, of those found
 _DROPS = (1e-2, 1e-4, 1e-6, 1e-9, 1e-12)
 
 
@@ -56,6 +64,11 @@ class LevelVerdicts(Verdicts):
 
     varied: Varied = field(kw_only=True)
     proofs: dict[str, Law] = field(default_factory=dict, kw_only=True)
+
+    @property
+    def level(self) -> dict[str, list[float | None]]:
+        """The constants that vary, and between which ends."""
+        return self.varied.to_json()
 
     def verify(self) -> bool:
         """Check every proof by the independent checker, and replay every counterexample; True where all agree."""
@@ -75,7 +88,7 @@ class LevelVerdicts(Verdicts):
 
     def to_json(self) -> dict[str, Any]:
         """As for a law, with the ranges under ``level``."""
-        return {**super().to_json(), "level": self.varied.to_json()}
+        return {**super().to_json(), "level": self.level}
 
 
 def check_level(law: Law, low: float, high: float, v_max: float | None, work: float) -> Verdicts:
@@ -108,9 +121,8 @@ def check_varied(varied: Varied, v_max: float | None, work: float) -> LevelVerdi
         importlib.import_module("flint")
     of = _Decided(varied, v_max, work, found.proofs)
     for name in NAMES:
-        decide: Callable[[], Verdict] = getattr(of, name, lambda name=name: of.same(name))
         try:
-            found.properties[name] = decide()
+            found.properties[name] = of.decided(name)
         except (InputError, Unreadable, ArithmeticError) as error:
             found.properties[name] = undecided(f"the law cannot be treated at every level: {error}")
     found.seconds = process_time() - started
@@ -126,10 +138,17 @@ class _Decided:
         self.known = kind.name in BRISTLES and laws.builtin().get(kind.name) is kind
         self._held: dict[tuple[int, str], Verdict] = {}
 
+    def decided(self, name: str) -> Verdict:
+        """The verdict on one property."""
+        own = {"bounded": self.bounded, "passive": self.passive}
+        return own[name]() if name in own else self.same(name)
+
     def held(self, side: int, name: str) -> Verdict:
         """The verdict at one end of the level, held for ever."""
         if (side, name) not in self._held:
-            self._held[side, name] = getattr(Checked(self.varied.extreme(side, _ENDLESS), self.v_max, self.work), name)()
+            self._held[side, name] = getattr(
+                Checked(self.varied.extreme(side, _ENDLESS), self.v_max, self.work), name
+            )()
         return self._held[side, name]
 
     def _with_level(self, name: str, verdict: Verdict, law: Law) -> Verdict:
@@ -157,7 +176,9 @@ class _Decided:
             if held.holds is False:
                 held.method = _HELD + held.method
                 return held
-            return undecided("the level has no upper end, and z no bound that holds at all of them" if self.known else _UNKNOWN)
+            return undecided(
+                "the level has no upper end, and z no bound that holds at all of them" if self.known else _UNKNOWN
+            )
         model = Model(law)
         certificate = bounded.prove(model, Claims(model, Work(SHARES["bounded"] * self.work)))
         if certificate is None:
@@ -183,7 +204,9 @@ class _Decided:
             certificate = {"format": 1, "law": self.varied.law.name, "property": "passive", "theorem": "damped"}
             found = Verdict(True, _DAMPED, self._theorem(True), certificate=certificate)
             return self._with_level("passive", found, self.varied.law)
-        return self._refuted() or undecided(_UNKNOWN if not self.known else "neither a proof nor a run that draws energy was found")
+        return self._refuted() or undecided(
+            _UNKNOWN if not self.known else "neither a proof nor a run that draws energy was found"
+        )
 
     def _proved(self, law: Law, any_z: bool) -> Verdict | None:
         model = Model(law, self.v_max)
@@ -216,16 +239,24 @@ class _Decided:
 
     def _refuted(self) -> Verdict | None:
         low, high = self.varied.extreme(-1), self.varied.extreme(1, self._most())
-        if self.varied.varies:
-            for swing in swings.find(low, high, self.v_max):
-                if (drawn := swing.drawn()) is not None:
-                    return _swung(self.varied.law, swing, drawn)
+        if self.varied.varies and (found := self._by_swing(low, high)) is not None:
+            return found
         for side in (-1, 1):
             held = self.held(side, "passive")
             if held.holds is False:
                 held.method = _HELD + held.method
                 return held
         return self._dropped(low, high) if self.known and self.v_max is None else None
+
+    def _by_swing(self, low: Law, high: Law) -> Verdict | None:
+        """A cycle that is certain to draw energy; one that a run confirms, where there is such a one among the best."""
+        found: list[Verdict] = []
+        for swing in islice(swings.find(low, high, self.v_max), _TRIED):
+            if (drawn := swing.drawn()) is not None:
+                found.append(_swung(self.varied.law, swing, drawn))
+                if found[-1].scenario is not None:
+                    return found[-1]
+        return found[0] if found else None
 
     def _most(self) -> Fraction:
         """How high a level without end is swung: beyond what the constants bear."""
@@ -242,7 +273,9 @@ class _Decided:
             found = endless.unwinding(model, claims, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
             if found is not None:
                 found.method = _DROPPED
-                found.evidence["levels"] = [{n: x.p.__dict__[n] for n in ("F_c", "F_s") if n in x.values} for x in (high, low)]
+                found.evidence["levels"] = [
+                    {n: x.p.__dict__[n] for n in ("F_c", "F_s") if n in x.values} for x in (high, low)
+                ]
                 return found
         return None
 

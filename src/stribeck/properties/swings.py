@@ -18,8 +18,8 @@ from stribeck.properties.storage import Storage, own_speeds
 Array = NDArray[np.float64]
 
 _REPEATS = 100  # cycles in a run, at most: so many until more is drawn than winding up cost
-_SPEEDS = 60
-_NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4)  # of the highest deflection: how far below it a cycle may turn
+_SPEEDS = 70
+_NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: how far below it a cycle may turn
 
 
 @dataclass(frozen=True)
@@ -48,11 +48,11 @@ class Swing:
         """Bounds of the energy that one cycle draws, J, by interval arithmetic; None where these do not confirm it."""
         models = [(Model(law), v, a, b) for law, v, a, b in self.pieces()[-2:]]
         for panels in (64, 1024, 16384):
-            parts = [enclosed.energy(model, v, a, b, panels) for model, v, a, b in models]
-            if any(part is None for part in parts):
+            parts = [x for model, v, a, b in models if (x := enclosed.energy(model, v, a, b, panels)) is not None]
+            if len(parts) < len(models):
                 continue
-            low, high = (sum(part[i] for part in parts if part is not None) for i in (0, 1))
-            slack = 1e-12 * sum(abs(x) for part in parts if part is not None for x in part)
+            low, high = (sum(part[i] for part in parts) for i in (0, 1))
+            slack = 1e-12 * sum(abs(x) for part in parts for x in part)
             if high + slack < 0:
                 return -(high + slack), -(low - slack)
         return None
@@ -62,7 +62,7 @@ class Swing:
         rows = []
         for law, v, a, b in self.pieces():
             time, energy = cycles.integrate(law, v, a, b)
-            level = {n: law.p.__dict__[n] for n in ("F_c", "F_s") if n in law.values}
+            level: dict[str, float] = {n: law.p.__dict__[n] for n in ("F_c", "F_s") if n in law.values}
             rows.append({"v": v, **level, "duration": time, "z_end": b, "energy_in": energy})
         up, down = rows[-2:]
         drawn = -(up["energy_in"] + down["energy_in"])
@@ -101,7 +101,9 @@ class Swing:
 
 def _steps(ends: list[float], values: list[float]) -> dict[str, Any]:
     """Points of a signal that holds each value until its end."""
-    t, value, now = [], [], 0.0
+    t: list[float] = []
+    value: list[float] = []
+    now = 0.0
     for end, x in zip(ends, values, strict=True):
         t += [now, end]
         value += [x, x]
@@ -129,7 +131,7 @@ def find(low: Law, high: Law, v_max: float | None = None) -> Iterator[Swing]:
 
 def _speeds(a: Law, b: Law, v_max: float | None) -> Array:
     own = sorted(own_speeds(a) + own_speeds(b))
-    top = v_max if v_max is not None else own[-1] * 1e6
+    top = v_max if v_max is not None else own[-1] * 1e10
     u = np.geomspace(min(own[0] * 1e-3, top * 1e-3), top, _SPEEDS)
     u[-1] = top
     return np.concatenate([-u[::-1], u])

@@ -32,6 +32,7 @@ class WorstLevel(BristleLaw):
 
     @staticmethod
     def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        """With the smallest g."""
         return v - abs(v) * p.sigma_0 / p.F_c * z
 
 
@@ -47,6 +48,7 @@ class WorstLevelMajorant(BristleLaw):
 
     @staticmethod
     def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        """With the smallest g."""
         return v - m(p, v) * p.sigma_0 / p.F_c * z
 
 
@@ -67,7 +69,9 @@ class Varied:
         """F_c and F_s together, between ``low`` and ``high`` times their values."""
         ends = Fraction(low), Fraction(high)
         names = [n for n in ("F_c", "F_s") if law.values.get(n) is not None]
-        return cls(law, {n: (ends[0] * Fraction(law.p.__dict__[n]), ends[1] * Fraction(law.p.__dict__[n])) for n in names})
+        return cls(
+            law, {n: (ends[0] * Fraction(law.p.__dict__[n]), ends[1] * Fraction(law.p.__dict__[n])) for n in names}
+        )
 
     @property
     def varies(self) -> bool:
