@@ -96,8 +96,8 @@ class Written:
         )
         return self._body(outputs, text, True, " " * 4)
 
-    def equations(self) -> str:
-        """The class ``law`` that :mod:`stribeck.export.python.stepping` takes, as text."""
+    def equations(self, gradients: bool = True) -> str:
+        """The class ``law`` that :mod:`stribeck.export.python.stepping` takes, as text; gradients: by the constants."""
         parts = [
             "class law:",
             f'    """The equations of {self.law.name}: dz/dt, F and their derivatives."""',
@@ -108,7 +108,8 @@ class Written:
         made.append(("hold", "p, v", ("a", "b")) if self.linear else ("rate", "p, v, z", ("rate", "rate_z")))
         for name, arguments, outputs in made:
             parts += ["", "    @staticmethod", f"    def {name}({arguments}):", self.function(*outputs, indent=" " * 8)]
-        parts += ["", "    @staticmethod", "    def by_constants(p, v, z):", self.of_constants()]
+        if gradients:
+            parts += ["", "    @staticmethod", "    def by_constants(p, v, z):", self.of_constants()]
         return "\n".join(parts)
 
 
