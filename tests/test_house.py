@@ -66,3 +66,8 @@ def test_private_names_stay_in_their_module():
                     if name.name.startswith("_") and not name.name.startswith("__")
                 }
     assert found == set(PRIVATE_IMPORTS)
+
+
+def test_an_array_is_declared_once():
+    found = [relative(path) for path in FILES if "NDArray[np.float64]" in path.read_text(encoding="utf-8")]
+    assert found == ["arrays.py"]

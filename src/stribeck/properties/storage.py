@@ -14,9 +14,8 @@ from time import monotonic
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stribeck.arrays import Array
 from stribeck.laws.base import Law
-
-Array = NDArray[np.float64]
 
 _SLOWEST, _FASTEST = 1e-7, 1e16  # sampled, as multiples of the smallest and the largest speed of the law's own
 _PER_DECADE, _ZOOMS, _ZOOM_POINTS = 5, 7, 7
