@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from stribeck.properties import Verdict, Verdicts, check, storage_interval
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
+    from stribeck.properties.ports import MachineVerdicts, check_machine
     from stribeck.scenario import Scenario
     from stribeck.scenario.objects import (
         Body,
@@ -37,10 +38,44 @@ if TYPE_CHECKING:
     from stribeck.steepness import Advice, advise
 
 __all__ = [
-    "Advice", "Body", "BuildError", "Contact", "Controller", "Ensemble", "File", "InputError", "Link", "Load",
-    "Machine", "Motor", "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution",
-    "Spline", "Step", "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined",
-    "check", "check_all", "export", "fit", "law", "margins", "parameters", "simulate", "simulate_ensemble",
+    "Advice",
+    "Body",
+    "BuildError",
+    "Contact",
+    "Controller",
+    "Ensemble",
+    "File",
+    "InputError",
+    "Link",
+    "Load",
+    "Machine",
+    "MachineVerdicts",
+    "Motor",
+    "NotDifferentiable",
+    "PointToPoint",
+    "Points",
+    "Ramp",
+    "Scenario",
+    "Sine",
+    "Solution",
+    "Spline",
+    "Step",
+    "StribeckError",
+    "StribeckNote",
+    "Verdict",
+    "Verdicts",
+    "advise",
+    "allow_undetermined",
+    "check",
+    "check_all",
+    "check_machine",
+    "export",
+    "fit",
+    "law",
+    "margins",
+    "parameters",
+    "simulate",
+    "simulate_ensemble",
     "storage_interval",
 ]  # fmt: skip
 
@@ -54,6 +89,7 @@ _HOME = {
     "fit": "stribeck.identify.api",
     **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),
     "check_all": "stribeck.properties.matrix",
+    **dict.fromkeys(("MachineVerdicts", "check_machine"), "stribeck.properties.ports"),
     "law": "stribeck.laws",
     "margins": "stribeck.properties.margins",
     **dict.fromkeys(("allow_undetermined", "parameters"), "stribeck.parameter_sets"),
