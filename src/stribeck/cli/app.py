@@ -305,6 +305,35 @@ def gains(
     return command.gains(scenario, v_max, set_ or [], out, json, trust)
 
 
+@app.command(epilog="Example: stribeck explore my_rig.toml --out my_rig.html")
+def explore(
+    what: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.html", help="The page; NAME.html unless given.")
+    ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option("--law", metavar="NAME", help="Offer this law beside the scenario's own; every law unless given."),
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's or fit's folder.")
+    ] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Write a page that simulates the scenario in a browser while its numbers are turned; it needs no network."""
+    from stribeck.cli import explore as command
+
+    return command.explore(what, out, law, report, set_ or [], trust, json)
+
+
 @app.command(epilog="Example: stribeck doctor --json")
 def doctor(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""

@@ -58,5 +58,5 @@ def _safely(decide: Callable[[], Verdict], name: str) -> Verdict:
     try:
         return decide()
     except Exception as error:
-        _log.warning("the check of '%s' failed", name, exc_info=True)
+        _log.debug("the check of '%s' failed", name, exc_info=True)
         return undecided(f"the equations cannot be treated: {type(error).__name__}: {error}")
