@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from stribeck.constants import show
+from stribeck.constants import kind_of, show
 from stribeck.laws.base import Law
 from stribeck.machine import controllers, loads
 from stribeck.machine.links import Link
@@ -109,6 +109,10 @@ class MachineReader(Reading):
                 return None
             found = self._signal(start["signal"], f"{path}.from.signal", name)
             start, ok = found, found is not None
+        elif not isinstance(start, str):
+            text = f"must be a body's name, or a table with the signal of a far end, not {kind_of(start)}"
+            self.problems.append((f"{path}.from", f"{show(start)}: {text}"))
+            return None
         else:
             ok = self.refer(f"{path}.from", start, ["bodies"])
         if end != tables.GROUND and not self.refer(f"{path}.to", end, ["bodies"], [tables.GROUND]):
