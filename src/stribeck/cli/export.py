@@ -131,7 +131,4 @@ def _of(rig: Scenario, contact: str | None) -> tuple[Law, bool]:
     path = law_path(rig, contact)
     if rig.rig is None:
         return rig.law, rig.rotary
-    (at,) = (each for each in rig.rig.machine.contacts if each.law_path == path)
-    return rig.rig.laws[path], rig.rig.machine.rotary(
-        at.span.end, at.span.start if isinstance(at.span.start, str) else None
-    )
+    return rig.rig.laws[path], rig.rig.laws[path].rotary

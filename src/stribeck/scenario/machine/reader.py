@@ -54,6 +54,9 @@ class MachineReader(Reading):
         if not self.problems:
             parts = (bodies, links, contacts, loads_, motors, controllers_)
             machine = Machine(*parts, tuple(self.signals), self.energy)
+            for contact in contacts:
+                start = contact.span.start if isinstance(contact.span.start, str) else None
+                self.laws[contact.law_path].rotary = machine.rotary(contact.span.end, start)
             self.rig = Rig(machine, self.values, self.signals, self.laws, self.initial, self.seeds)
         return self.problems
 
