@@ -8,13 +8,12 @@ from html import escape
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck import laws
+from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 
-Array = NDArray[np.float64]
 _TOLD = (
     "levels",
     "selection",

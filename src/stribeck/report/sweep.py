@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.analysis.oscillation import amplitude_and_period
+from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
 from stribeck.files import write_json, write_parquet, write_with
@@ -28,7 +29,6 @@ from stribeck.simulation.native import step_share
 from stribeck.simulation.variations import arrays, vary
 from stribeck.version import __version__
 
-Array = NDArray[np.float64]
 Progress = Callable[[float, float], None]
 
 _PART_BYTES = 64e6  # of the columns of one part: what is lost at most when a sweep is killed, some seconds of work

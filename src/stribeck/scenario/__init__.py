@@ -10,8 +10,8 @@ from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.constants import kind_of
 from stribeck.control.cascade import Cascade
 from stribeck.control.servo import ServoSystem
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
     from stribeck.scenario.machine import Rig
 
 __all__ = ["Scenario", "parse_assignment"]
-
-Array = NDArray[np.float64]
 
 # In presliding all of the motion is a few natural scales: a tenth keeps y and v within 1e-6 of their peaks there too.
 _ATOL_SHARE = 0.1

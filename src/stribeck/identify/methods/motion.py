@@ -7,9 +7,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_of, judged_of
@@ -26,7 +26,6 @@ from stribeck.scenario import Scenario
 from stribeck.signals import Points
 from stribeck.simulation import simulate
 
-Array = NDArray[np.float64]
 _RTOL = 1e-6
 _STARTS_THERE = 8
 _MISSED = 0.02  # of the output's changes: a fit that leaves more, and more than noise, has missed it
