@@ -228,7 +228,8 @@ def _declared(model: type[Table], where: tuple[Any, ...]) -> dict[str, Any]:
     for part in where:
         inner = "items" if isinstance(part, int) else "additionalProperties"
         node = node.get("properties", {}).get(part) or node[inner]
-        node = node.get("anyOf", [node])[0]  # the other one is the None of what may be left out
+        if "anyOf" in node:  # the other one is the None of what may be left out
+            node = {**node["anyOf"][0], **({"description": node["description"]} if "description" in node else {})}
         if "$ref" in node:
             node = schema["$defs"][node["$ref"].rpartition("/")[2]]
     return node
