@@ -12,9 +12,9 @@ from zipfile import is_zipfile
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, StribeckError, arg, nearest, needed
 
-Array = NDArray[np.float64]
 _WIDEST = 1000  # columns of a matrix
 _LONGEST_PREAMBLE = 200  # lines before the head of a text file
 _SCALARS = 1  # a variable of so many values is a constant of the file, not a column

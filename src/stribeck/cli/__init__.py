@@ -24,6 +24,7 @@ _EXTRA = {
     "check": "check",
     "gains": "check",
     "paper": "paper",
+    "explore": "explore",
 }
 _GRACE = 5.0  # s, to clear away what has been begun
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}

@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.data.read import Columns, read
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
-Array = NDArray[np.float64]
 _COLUMNS = {"position": ("y", "m"), "velocity": ("v", "m/s"), "force": ("F", "N")}
 
 

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy import signal
 from scipy.interpolate import CubicSpline
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 
-Array = NDArray[np.float64]
 _CHUNK = 1_000_000
 _STAGE = 13  # the most that one Chebyshev filter of order 8 is to reduce the rate by
 _FORGOTTEN = 1e-10

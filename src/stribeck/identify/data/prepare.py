@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import signal
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.data.clocks import on_one_clock, pieces, released
 from stribeck.identify.data.filters import derivative, low_pass
@@ -20,7 +20,6 @@ from stribeck.identify.data.read import Columns, read
 from stribeck.identify.log import Log
 from stribeck.recorded import is_table
 
-Array = NDArray[np.float64]
 _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
 _ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its floor up to the cut-off
 _LONGEST_LOOK = 1 << 18  # samples from which a spectrum is taken
@@ -41,13 +40,13 @@ class Preparation:
     Attributes:
         cutoff: of the zero-phase Butterworth filter (order 4, there and back), Hz; 0 takes the motion as it is.
         trim: samples dropped at the start of each run, where the filter has not settled.
-        sharp: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
+        simulated: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
             cut-off chosen from the data is raised.
     """
 
     cutoff: float | None = None
     trim: int | None = None
-    sharp: bool = False
+    simulated: bool = False
 
 
 def load(sources: Sequence[Any], columns: Columns, how: Preparation | None = None) -> Log:
@@ -91,7 +90,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         if (kept := keeping_all(parts, measured, seen[2], cutoff, step)) > cutoff:
             cutoff = kept
             notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
-        if how.sharp and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
+        if how.simulated and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
             notes.append(
                 f"position and velocity only at {cutoff:.3g} Hz, as a simulation averages their noise out and needs sharp "
@@ -104,19 +103,19 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
-    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.sharp)
+    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.simulated)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
             rows = slice(last - count, last)
             columns["acceleration"][rows] = low_pass(columns["acceleration"][rows], chosen, step)
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
-    sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if how.sharp else "central differences")
-    if how.sharp:
+    sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if how.simulated else "central differences")
+    if how.simulated:
         sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if how.trim is None and cutoff > 0:
-        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)), how.sharp)
+        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)), how.simulated)
     return Log(
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
         files=tuple(names[i] for i in files) if names else (), spectrum=seen,

@@ -8,15 +8,14 @@ two the first error about doubles and the second falls to a third, so that eithe
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.problem import Problem
 
-Array = NDArray[np.float64]
 _FEWEST = 8  # samples of a run
 _LOWER = float(np.sqrt(0.5))
 _COARSER = 0.6  # of the shift by twice the step: halving it takes three fifths or more of the error away

@@ -9,14 +9,13 @@ Cook and Stefanski, J. Am. Stat. Assoc. 89(428):1314-1328, 1994), and scatters a
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.data.filters import derivative, low_pass
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import raw, white_noise
 from stribeck.identify.models.problem import Problem
 
-Array = NDArray[np.float64]
 _DOSES = 4
 
 

@@ -13,10 +13,10 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_toeplitz
 from scipy.stats import t as student
 
+from stribeck.arrays import Array
 from stribeck.identify.features.filtering import leeway, sampling
 from stribeck.identify.features.guess import scales
 from stribeck.identify.features.what_to_measure import experiment_for
@@ -41,7 +41,6 @@ from stribeck.identify.statistics.verdicts import (
 )
 from stribeck.identify.work import Work
 
-Array = NDArray[np.float64]
 _WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
