@@ -279,7 +279,9 @@ def gains(
 def explore(
     what: Annotated[
         str | None,
-        typer.Argument(metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."),
+        typer.Argument(
+            metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE.html", help="The page; NAME.html unless given.")
