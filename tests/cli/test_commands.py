@@ -65,7 +65,7 @@ def test_laws_lists_all_with_equations(stribeck):
     assert lugre["parameters"]["sigma_0"]["unit"] == "N/m"
     assert lugre["guarantees"]["bounded"] is True
     assert lugre["guarantees"]["passive"]["if"]["text"] == "σ₁ (F_s - F_c) <= σ₂ F_c"
-    assert set(data["parameter_sets"]["canudas1995"]) == {"title", "source", "motion", "values"}
+    assert set(data["parameter_sets"]["canudas1995"]) == {"title", "source", "motion", "values", "undetermined"}
     text = stribeck("laws").out
     assert all(f"{name}: " in text for name in builtin())
 

@@ -73,11 +73,11 @@ def _stop(number: int, frame: object) -> NoReturn:
 
 
 def _status(arguments: list[str] | None) -> int:
-    from stribeck.cli.app import app
-
     warnings.simplefilter("always", StribeckNote)
     warnings.showwarning = _show  # type: ignore[assignment]
     try:
+        from stribeck.cli.app import app  # here, as a signal may come while it is read
+
         result = app(args=arguments, prog_name="stribeck", standalone_mode=False)
         if result == 130:  # Typer's own word for Ctrl-C
             raise KeyboardInterrupt

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, wrap
 from stribeck.properties import cycles, enclosed, fitted, replay
@@ -77,7 +78,7 @@ def _numeric(model: Model, slope: Expr) -> fitted.Slope:
     function = python_function([*names, "z"], [slope])
     values = [float(model.values[n]) for n in names]
 
-    def of(z: fitted.Array) -> fitted.Array:
+    def of(z: Array) -> Array:
         with np.errstate(all="ignore"):
             return np.asarray(function(*values, z)[0]) + 0 * z
 

@@ -7,11 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.simulation import Solution
-
-Array = NDArray[np.float64]
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
 _NOT_ABOVE_ONE = ("m", "s", "rad", "V")  # nobody reads kilometres, kiloseconds or kiloradians off a plot

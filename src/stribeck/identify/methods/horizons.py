@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
 from stribeck.identify.log import Log
@@ -17,7 +16,6 @@ from stribeck.identify.models.motion_problem import FINE, ROUGH, MotionProblem
 from stribeck.identify.models.problem import Coordinate
 from stribeck.identify.work import Work
 
-Array = NDArray[np.float64]
 _SHORTEST = 40  # rows
 _GROWS = 4
 _MANY = 24  # windows from which the first look is taken
