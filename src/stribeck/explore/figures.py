@@ -102,7 +102,7 @@ def figures(found: dict[str, Panel]) -> dict[str, Any]:
 
 def _figure(name: str, panel: Panel, x_range: Any) -> Any:
     from bokeh.models import ColumnDataSource, HoverTool
-    from bokeh.models.annotations import Legend
+    from bokeh.models.annotations.legends import Legend
     from bokeh.plotting import figure
 
     over_time = panel.x == "t"
