@@ -23,8 +23,9 @@ POOR = 0.25  # of a column's changes: a fit that leaves more misses
 _FIRST = 0.05  # of a column's changes: the noise to begin with
 _WEIGHTINGS = 2
 _SETTLED = 0.05
-_STRETCH = 40  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
-_SHORTEST = 0.3  # s
+_STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
+_SHORTEST = 0.2  # s
+_ROUGH = 12  # steps of the search in stretches
 _MUCH = 3.0  # a whole recording that is worse than its stretches by this factor is fitted in stretches
 Keep = Callable[[dict[str, float], float], None]
 
@@ -139,7 +140,9 @@ def estimate(
         window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
         runs, _ = prepared(scenario, recordings, named, window, free=False)
         rough = Problem(runs, list(sought), dict(noise), work=work)
-        found = search(rough, starts, seed, _point(rough, begin) if begin else None, _kept(rough, keep), wide=True)
+        found = search(
+            rough, starts, seed, _point(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH
+        )
         begin = rough.values(found.u)
         others = [rough.values(u) for u in found.others]
         if found.stopped:

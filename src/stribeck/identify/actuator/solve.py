@@ -47,7 +47,7 @@ def cost(r: Array) -> Array:
 
 def search(
     problem: Problem, starts: int, seed: int, first: Array | None = None,
-    keep: Callable[[Array, float], None] | None = None, more: Sequence[Array] = (), wide: bool = False,
+    keep: Callable[[Array, float], None] | None = None, more: Sequence[Array] = (), wide: bool = False, steps: int = _STEPS,
 ) -> Found:  # fmt: skip
     """The best point from ``starts`` of them: the given one (or the machine's), ``more``, and others spread over the
     bounds; ``wide``: follow several of them to the end.
@@ -72,7 +72,7 @@ def search(
             order = np.append(order[:-1], 0)
         U, costs = U[order], costs[order]
         damping, quiet = np.full(len(U), 1e-2), np.zeros(len(U), int)
-        for step in range(_STEPS):
+        for step in range(steps):
             i = int(np.argmin(costs))
             best = Found(U[i].copy(), float(costs[i]), _agreeing(U, costs, i), True)
             if keep is not None:
