@@ -352,4 +352,5 @@ def doctor(json: Json = False) -> int:
     return command.doctor(json)
 
 
+from stribeck.cli import exchange as exchange  # noqa: E402
 from stribeck.cli import measured as measured  # noqa: E402  (its commands stand behind these)
