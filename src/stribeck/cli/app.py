@@ -255,7 +255,7 @@ def export(
         str | None,
         typer.Argument(
             metavar="LAW",
-            help="The law, the scenario's unless given; 'stribeck laws' lists them. FILE.py:NAME is one too.",
+            help="The law, the scenario's unless given; FILE.py:NAME is one too. Or a scenario: MACHINE.toml.",
         ),
     ] = None,
     parameters: Annotated[
@@ -265,10 +265,18 @@ def export(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="A constant, such as k_v=1e7 (cascade: drive.K_D=80)."),
     ] = None,
-    part: Annotated[str, typer.Option("--part", metavar="PART", help="law, body, observer or cascade.")] = "law",
+    part: Annotated[
+        str | None,
+        typer.Option(
+            "--part", metavar="PART", help="law, body, observer, cascade or machine (of a machine unless given)."
+        ),
+    ] = None,
     scenario: Annotated[
         Path | None,
         typer.Option("--scenario", metavar="FILE", help="A scenario: mass, controller, and law unless given."),
+    ] = None,
+    contact: Annotated[
+        str | None, typer.Option("--contact", metavar="NAME", help="The contact of a machine whose law it is.")
     ] = None,
     step: Annotated[
         float | None,
@@ -283,7 +291,9 @@ def export(
     """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
     from stribeck.cli import export as command
 
-    return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json, trust)
+    return command.export(
+        law, target, out, parameters, set_ or [], part, scenario, contact, step, self_test, fmi, json, trust
+    )
 
 
 @app.command(epilog="Example: stribeck gains servo.toml --out gains")
@@ -342,4 +352,5 @@ def doctor(json: Json = False) -> int:
     return command.doctor(json)
 
 
+from stribeck.cli import exchange as exchange  # noqa: E402
 from stribeck.cli import measured as measured  # noqa: E402  (its commands stand behind these)
