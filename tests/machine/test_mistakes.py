@@ -34,6 +34,7 @@ def problems(data):
 
 ARM_MISTAKES = {
     "an unknown body": ({"links.gear.from": "rotr"}, "links.gear.from: 'rotr': there is no such body (did you mean 'rotor'?)"),
+    "a link from nowhere": ({"links.gear": {"to": "arm", "stiffness": 1.0}}, "links.gear.from: missing: must be given"),
     "an unknown key": ({"links.gear.stifness": 1.0}, "links.gear.stifness: 1.0: unknown key (did you mean 'stiffness'?)"),
     "a ratio of 0": ({"links.gear.ratio": 0}, "links.gear.ratio: 0: must be a finite number other than 0"),
     "to itself": ({"links.gear.to": "rotor"}, "links.gear.to: 'rotor': must be another body than from, or 'ground'"),

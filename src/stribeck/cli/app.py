@@ -137,6 +137,10 @@ def advise(
     ] = None,
     v_max: Annotated[float | None, typer.Option(help="Largest speed that matters, m/s; 100 v_s unless given.")] = None,
     mass: Annotated[float | None, typer.Option(help="Mass of the body, kg.")] = None,
+    level: Annotated[
+        str | None,
+        typer.Option(metavar="LOW:HIGH", help="The largest v_d that keeps it passive while F_c and F_s vary so."),
+    ] = None,
     trust: Trust = False,
     out: Out = None,
     json: Json = False,
@@ -148,7 +152,7 @@ def advise(
     tolerated = {
         "creep": creep, "share": share, "steady_error": steady_error, "speed": speed, "presliding_error": presliding_error,
         "force_rate": force_rate, "position_error": position_error, "scenario": scenario, "sample_time": sample_time,
-        "v_max": v_max, "mass": mass,
+        "v_max": v_max, "mass": mass, "level": level,
     }  # fmt: skip
     return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
 
@@ -315,7 +319,9 @@ def gains(
 def explore(
     what: Annotated[
         str | None,
-        typer.Argument(metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."),
+        typer.Argument(
+            metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."
+        ),
     ] = None,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FILE.html", help="The page; NAME.html unless given.")
@@ -346,4 +352,5 @@ def doctor(json: Json = False) -> int:
     return command.doctor(json)
 
 
+from stribeck.cli import exchange as exchange  # noqa: E402
 from stribeck.cli import measured as measured  # noqa: E402  (its commands stand behind these)

@@ -118,6 +118,7 @@ def _setup(scenario: Scenario, q: Groups) -> dict[str, Expr]:
     share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
     draft = object.__new__(Scenario)
     draft.__dict__.update({**scenario.__dict__, "solve": SimpleNamespace(rtol=rtol, atol=scenario.solve.atol)})
+    atol: dict[str, Any]
     try:
         atol = draft.atol(q)
     except TypeError:  # a law of the user's whose scales are no equations: they stay those of the file
@@ -162,9 +163,7 @@ def _value(name: str, arguments: str, value: Expr, inputs: dict[str, str]) -> st
     return _write(name, arguments, [("const double value", value)], inputs, "static double", "    return value;\n")
 
 
-def _function(
-    name: str, arguments: str, outputs: dict[str, Expr], inputs: dict[str, str], public: bool = False
-) -> str:
+def _function(name: str, arguments: str, outputs: dict[str, Expr], inputs: dict[str, str], public: bool = False) -> str:
     kind = "EXPORT void" if public else "static void"
     return _write(f"stribeck_{name}" if public else name, arguments, list(outputs.items()), inputs, kind, "")
 

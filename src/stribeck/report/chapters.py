@@ -25,7 +25,7 @@ def write_page(
     """Write report.html, which stands alone; its path."""
     about = f"Stribeck {__version__}" + (f", {command}" if command else "")
     path = folder / "report.html"
-    write_text(path, html(title, about, introduction, chapters))
+    write_text(path, html(title, about, introduction, chapters, command))
     return path
 
 
