@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
 from stribeck.drives.pid import Pid
 from stribeck.errors import InputError, StribeckError, needed
@@ -102,7 +102,7 @@ class _Loop:
     of: str
     known: dict[tuple[float, float], complex] = field(default_factory=dict)
 
-    def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def box(self) -> tuple[Array, Array]:
         """Where a cycle is looked for."""
         law, mass = self.scenario.law, float(self.scenario.groups().plant.mass)
         natural = math.sqrt(abs(self.scenario.groups().drive.K_p) / mass) or 1.0
@@ -112,14 +112,14 @@ class _Loop:
             sizes = (1e-2 * scales.speed, 30 * scales.force / (mass * natural))
         return np.log([sizes[0], natural / 30]), np.log([sizes[1], natural * 30])
 
-    def residual(self, x: NDArray[np.float64]) -> list[float]:
+    def residual(self, x: Array) -> list[float]:
         """What is left of controller * body = 1, as a share of the terms."""
         size, omega = (float(a) for a in np.exp(x))
         loop = self.controller(omega) * self.body(size, omega)
         error = (loop - 1) / (abs(loop) + 1)
         return [error.real, error.imag]
 
-    def cycle(self, x: NDArray[np.float64]) -> tuple[float, float]:
+    def cycle(self, x: Array) -> tuple[float, float]:
         """Amplitude of the position and period."""
         size, omega = (float(a) for a in np.exp(x))
         speed = size if self.of == "law" else abs(self.body(size, omega)) * size
@@ -145,13 +145,13 @@ class _Loop:
         return self.known[size, omega]
 
 
-def _harmonic(angle: NDArray[np.float64], x: NDArray[np.float64]) -> complex:
+def _harmonic(angle: Array, x: Array) -> complex:
     return complex(2 * np.mean(x * np.exp(-1j * angle)))
 
 
 def _last_cycle(
     law: Law, kind: str, amplitude: float, frequency: float, mass: float | None, column: str
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Array, Array]:
     """The phase and a column over the last of the cycles that let transients die out: more of them for a body."""
     cycles = 2 if mass is None else 4
     signal = {"kind": "sine", "amplitude": float(amplitude), "frequency": float(frequency), "phase": math.pi / 2}

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.control.gains import at_speed, damping, decay
 from stribeck.control.proof import ERRORS, derive
 from stribeck.control.servo import ServoSystem
@@ -16,8 +17,6 @@ from stribeck.errors import StribeckError, needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, symbol, total_derivative
 from stribeck.simulation import Solution
-
-Array = NDArray[np.float64]
 
 RISE = 1e-9  # of V(0): what is less is the solver's
 _TOLERANCE = 1e-6  # of the largest |dV/dt|

@@ -137,6 +137,10 @@ def advise(
     ] = None,
     v_max: Annotated[float | None, typer.Option(help="Largest speed that matters, m/s; 100 v_s unless given.")] = None,
     mass: Annotated[float | None, typer.Option(help="Mass of the body, kg.")] = None,
+    level: Annotated[
+        str | None,
+        typer.Option(metavar="LOW:HIGH", help="The largest v_d that keeps it passive while F_c and F_s vary so."),
+    ] = None,
     trust: Trust = False,
     out: Out = None,
     json: Json = False,
@@ -148,7 +152,7 @@ def advise(
     tolerated = {
         "creep": creep, "share": share, "steady_error": steady_error, "speed": speed, "presliding_error": presliding_error,
         "force_rate": force_rate, "position_error": position_error, "scenario": scenario, "sample_time": sample_time,
-        "v_max": v_max, "mass": mass,
+        "v_max": v_max, "mass": mass, "level": level,
     }  # fmt: skip
     return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
 
@@ -175,17 +179,43 @@ def check(
     certificate: Annotated[
         Path | None, typer.Option("--certificate", metavar="FILE", help="Write the proofs here, for others to check.")
     ] = None,
+    level: Annotated[
+        str | None,
+        typer.Option(
+            "--level", metavar="LOW:HIGH", help="F_c and F_s vary in any way between LOW and HIGH times theirs."
+        ),
+    ] = None,
+    scenario: Annotated[
+        Path | None,
+        typer.Option(
+            "--scenario", metavar="FILE", help="Each contact of this machine, and what follows for the whole."
+        ),
+    ] = None,
+    force: Annotated[
+        list[str] | None,
+        typer.Option("--force", metavar="NAME=MAX", help="With --scenario: the force of this link stays within +-MAX."),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Folder for a page, and for counterexamples as scenarios to run."),
     ] = None,
+    trust: Trust = False,
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
     """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
+    if scenario is not None:
+        from stribeck.cli import check_machine
+
+        alien = {"LAW": law, "--parameters": parameters, "--all": every, "--margins": margins, "--level": level}
+        return check_machine.check(
+            scenario, set_ or [], v_max, force or [], json, trust, verify, out, certificate, alien
+        )  # fmt: skip
     from stribeck.cli import check as command
 
-    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate)
+    if force:
+        command.refuse_force(force)
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate, level)
 
 
 @app.command(epilog="Example: stribeck new my_rig")
@@ -225,7 +255,7 @@ def export(
         str | None,
         typer.Argument(
             metavar="LAW",
-            help="The law, the scenario's unless given; 'stribeck laws' lists them. FILE.py:NAME is one too.",
+            help="The law, the scenario's unless given; FILE.py:NAME is one too. Or a scenario: MACHINE.toml.",
         ),
     ] = None,
     parameters: Annotated[
@@ -235,10 +265,18 @@ def export(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="A constant, such as k_v=1e7 (cascade: drive.K_D=80)."),
     ] = None,
-    part: Annotated[str, typer.Option("--part", metavar="PART", help="law, body, observer or cascade.")] = "law",
+    part: Annotated[
+        str | None,
+        typer.Option(
+            "--part", metavar="PART", help="law, body, observer, cascade or machine (of a machine unless given)."
+        ),
+    ] = None,
     scenario: Annotated[
         Path | None,
         typer.Option("--scenario", metavar="FILE", help="A scenario: mass, controller, and law unless given."),
+    ] = None,
+    contact: Annotated[
+        str | None, typer.Option("--contact", metavar="NAME", help="The contact of a machine whose law it is.")
     ] = None,
     step: Annotated[
         float | None,
@@ -253,7 +291,9 @@ def export(
     """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
     from stribeck.cli import export as command
 
-    return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json, trust)
+    return command.export(
+        law, target, out, parameters, set_ or [], part, scenario, contact, step, self_test, fmi, json, trust
+    )
 
 
 @app.command(epilog="Example: stribeck gains servo.toml --out gains")
@@ -273,6 +313,35 @@ def gains(
     from stribeck.cli import gains as command
 
     return command.gains(scenario, v_max, set_ or [], out, json, trust)
+
+
+@app.command(epilog="Example: stribeck explore my_rig.toml --out my_rig.html")
+def explore(
+    what: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.html", help="The page; NAME.html unless given.")
+    ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option("--law", metavar="NAME", help="Offer this law beside the scenario's own; every law unless given."),
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's or fit's folder.")
+    ] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Write a page that simulates the scenario in a browser while its numbers are turned; it needs no network."""
+    from stribeck.cli import explore as command
+
+    return command.explore(what, out, law, report, set_ or [], trust, json)
 
 
 @app.command(epilog="Example: stribeck doctor --json")

@@ -9,15 +9,13 @@ from math import exp, expm1, floor
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.control.observer import START
 from stribeck.control.servo import MEASURED, ServoSystem
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol
 from stribeck.signals import Signal
-
-Array = NDArray[np.float64]
 
 Leg = tuple[float, dict[tuple[str, str], float]]  # until when, and the constants that change at its begin
 _COMPUTED = ("u", "F_hat", "p_d", "z_hat")

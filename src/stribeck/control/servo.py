@@ -8,9 +8,7 @@ from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.control.cascade import Cascade, Path
 from stribeck.control.observer import ETA, SCALES, Z_HAT, Adaptation, Estimate, adapt, observe
@@ -22,8 +20,6 @@ from stribeck.expressions.ops import Value, both, sqrt, where
 from stribeck.laws.base import Law
 from stribeck.plants.cylinder import Cylinder
 from stribeck.signals import Signal
-
-Array = NDArray[np.float64]
 
 _MOTION = (
     Column("y", "m", "position"),

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from time import monotonic
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.expressions.intervals import Interval
 
-Array = NDArray[np.float64]
 Bound = Callable[[Sequence[Interval]], Interval]
 
 _MOST = 400_000  # boxes

@@ -16,11 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stribeck.arrays import Array
 from stribeck.expressions import ranges
 from stribeck.expressions.exact import Exact
 from stribeck.expressions.graph import Expr, ordered
-
-Array = NDArray[np.float64]
 
 _BITS = 80  # of arb: 27 more than a float's
 _SPLIT = 134217729.0  # 2^27 + 1: halves a float's digits (Dekker)

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from stribeck.arrays import Array
+
 _COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "unfiltered", "run")
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck import laws
+from stribeck.arrays import Array
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.files import finite
 from stribeck.identify.data.filters import shifted
@@ -25,7 +26,6 @@ from stribeck.identify.models.separable import Separable
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit, Prediction
 
-Array = NDArray[np.float64]
 FILE = "fit.json"
 _FORMAT = 1
 

@@ -11,12 +11,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck import laws
+from stribeck.arrays import Array
 from stribeck.laws.base import Law
-
-Array = NDArray[np.float64]
 
 _SPEEDS = (1e-9, 1e4)  # sampled, as multiples of the law's own speed
 _ROUNDING = 1e-12  # of the largest term: what is smaller is taken as 0

@@ -7,8 +7,9 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from stribeck.arrays import Array
 from stribeck.errors import NotDifferentiable
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
@@ -49,24 +50,24 @@ class Evaluation:
 
     # -- evaluation: NumPy -----------------------------------------------------------------------------------------
 
-    def rate(self, v: ArrayLike, z: ArrayLike) -> NDArray[np.float64]:
+    def rate(self, v: ArrayLike, z: ArrayLike) -> Array:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m); shapes broadcast."""
         v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
         with np.errstate(all="ignore"):
             return shaped(self.dz_dt(self.p, v, z), v, z)
 
-    def force(self, v: ArrayLike, z: ArrayLike = 0.0) -> NDArray[np.float64]:
+    def force(self, v: ArrayLike, z: ArrayLike = 0.0) -> Array:
         """Friction force in N for velocities v (m/s) and deflections z (m); shapes broadcast."""
         v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
         with np.errstate(all="ignore"):
             return shaped(self.friction(self.p, v, z, self.dz_dt(self.p, v, z)), v, z)
 
-    def jacobian(self, v: ArrayLike, z: ArrayLike = 0.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def jacobian(self, v: ArrayLike, z: ArrayLike = 0.0) -> tuple[Array, Array]:
         """The derivatives of dz/dt by v and by z (1/s), at velocities v and deflections z."""
         rate_v, rate_z = self._evaluate(np.asarray(v, float), np.asarray(z, float))[1:3]
         return rate_v, rate_z
 
-    def force_rate(self, v: ArrayLike, z: ArrayLike, dv_dt: ArrayLike) -> NDArray[np.float64]:
+    def force_rate(self, v: ArrayLike, z: ArrayLike, dv_dt: ArrayLike) -> Array:
         """dF/dt in N/s at velocities v (m/s), deflections z (m) and accelerations dv_dt (m/s^2); shapes broadcast.
 
         Raises:
@@ -92,7 +93,7 @@ class Evaluation:
             value = np.where(at_rest, above, value)
         return value[()]
 
-    def steady_deflection(self, v: ArrayLike) -> NDArray[np.float64]:
+    def steady_deflection(self, v: ArrayLike) -> Array:
         """The deflection z in m at which dz/dt = 0 when v (m/s) is held; 0 at v = 0.
 
         The root that a bristle starting from z = 0 reaches: the closed form where dz/dt is linear in z, bisection else.
@@ -109,7 +110,7 @@ class Evaluation:
                 z = first_root(lambda z: self.rate(v, z) * np.sign(v), np.sign(v), self.scales(self.p).length)
         return np.where(v == 0, 0.0, z)[()]
 
-    def steady_force(self, v: ArrayLike) -> NDArray[np.float64]:
+    def steady_force(self, v: ArrayLike) -> Array:
         """The friction force in N when v (m/s) is held for long.
 
         At v = 0 a body can be held by a range of forces; 0, the middle, is returned.
@@ -133,7 +134,7 @@ class Evaluation:
             Evaluation._derivatives[key] = _Derivatives(function, names, linear="z" not in symbols([outputs[2]]))
         return Evaluation._derivatives[key]
 
-    def _evaluate(self, v: NDArray[np.float64], z: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    def _evaluate(self, v: Array, z: Array) -> list[Array]:
         """F and the derivatives of dz/dt and F by v and z."""
         graph = self._graph()
         v, z = np.broadcast_arrays(v, z)
@@ -142,9 +143,7 @@ class Evaluation:
                 np.broadcast_to(x, v.shape)[()] for x in graph.function(*(self.values[n] for n in graph.names), v, z)
             ]
 
-    def _force_rate(
-        self, v: NDArray[np.float64], z: NDArray[np.float64], dv_dt: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _force_rate(self, v: Array, z: Array, dv_dt: Array) -> tuple[Array, Array]:
         force, _, _, force_v, force_z = self._evaluate(v, z)
         rate = self.rate(v, z) if self.has_z else 0.0
         with np.errstate(all="ignore"):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.properties import enclosed, replay
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import Claims
@@ -125,7 +125,7 @@ def _fastest(model: Model, level: float) -> tuple[float, float] | None:
         rate = law.rate(v[:, None], z)
         slowest = rate.min(axis=1)
         size = np.maximum(abs(law.rate(v, -level)), abs(law.rate(v, 0.0)))
-        time: NDArray[np.float64] = np.where(slowest > 1e-9 * size, (1 / rate).mean(axis=1) * level, np.inf)
+        time: Array = np.where(slowest > 1e-9 * size, (1 / rate).mean(axis=1) * level, np.inf)
     if not np.isfinite(time).any():
         return None
     # not faster than need be: among speeds that take at most ten times as long as ... a second, the slowest

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.properties.storage import Storage
 
-Array = NDArray[np.float64]
 Slope = Callable[[Array], Array]
 
 _CELLS, _HALVINGS = 24, 5

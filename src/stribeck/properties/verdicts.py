@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,7 +22,8 @@ class Verdict:
         evidence: numbers that belong to it, SI units.
         scenario: of a counterexample, the tables of a scenario that shows it; else None.
         certificate: of a proof, plain data that ``stribeck check --verify`` and others can check; else None.
-        verified: whether the independent checker, or a second run of the scenario, agreed; None where neither was asked.
+        verified: whether the independent checker, and for a counterexample a second run of its scenario, agreed; None
+            where neither was asked or could tell.
         stated: what the scenario ends with.
     """
 
@@ -47,9 +48,20 @@ class Verdict:
             from stribeck.properties.verify_certificate import verify
 
             self.verified = self.certificate is not None and not verify(self.certificate, law, name, v_max)
-        elif self.scenario is not None and self.stated:
-            self.verified = replay.repeats(self.scenario, self.stated)
+        elif self.holds is False:
+            from stribeck.properties.verify_certificate.counterexamples import confirmed
+
+            agreed = confirmed(law, name, self.evidence)
+            if self.scenario is not None and self.stated:
+                agreed = agreed is not False and replay.repeats(self.scenario, self.stated)
+            self.verified = agreed
         return self.verified
+
+
+def ranges_in_words(ranges: Mapping[str, Sequence[float | None]]) -> str:
+    """'F_c from 1 to 2, F_s from 1.5 up'."""
+    words = [f"{n} from {low:.6g} " + ("up" if high is None else f"to {high:.6g}") for n, (low, high) in ranges.items()]
+    return ", ".join(words)
 
 
 def undecided(reason: str, **evidence: Any) -> Verdict:
@@ -74,6 +86,11 @@ class Verdicts:
 
     def __getitem__(self, name: str) -> Verdict:
         return self.properties[name]
+
+    @property
+    def level(self) -> dict[str, list[float | None]]:
+        """The constants that vary and the ends between which they do (None: without end); none in a plain check."""
+        return {}
 
     def verify(self) -> bool:
         """Check every proof's certificate and replay every counterexample; True where all agree."""

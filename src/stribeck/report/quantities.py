@@ -7,11 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.simulation import Solution
-
-Array = NDArray[np.float64]
 
 _PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
 _NOT_ABOVE_ONE = ("m", "s", "rad", "V")  # nobody reads kilometres, kiloseconds or kiloradians off a plot
@@ -52,6 +50,12 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
     fitting = [(factor, name) for factor, name in _PREFIXES if factor <= top]
     factor, name = next(((f, n) for f, n in fitting if largest >= _LEAST * f), fitting[-1])
     return factor, name + unit
+
+
+def human(x: float, unit: str) -> str:
+    """A number of three digits in a unit that keeps it short: ``0.0642`` m is ``64.2 mm``."""
+    factor, name = prefixed(unit, abs(x))
+    return f"{x / factor:.3g} {name}"
 
 
 def scale(shown: Iterable[Quantity], plain: bool = False) -> Scale:

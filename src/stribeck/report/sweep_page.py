@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.report import chapters, plots
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
@@ -16,8 +17,6 @@ from stribeck.report.quantities import Quantity, scale
 from stribeck.report.sweep import Sweep
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
-
-Array = NDArray[np.float64]
 
 FOLDER = "_report"  # readers of a folder of parts pass over names that begin with an underscore
 _MEASURES = ("amplitude", "period", "slips")

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError
 
-Array = NDArray[np.float64]
 _LOOPS, _SPEEDS, _RATES = 4, 8, 3  # tests of each kind
 _CYCLES = 3
 _SLOWEST = 1e-3  # of the speed limit

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck import laws
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import write_text, write_with
 from stribeck.report import plots
@@ -17,7 +17,6 @@ from stribeck.report.page import FigureSvg
 from stribeck.rig.plan import Limits, Test, motion, programme
 from stribeck.rig.synthetic import LABEL, Experiment, Sensors, experiment
 
-Array = NDArray[np.float64]
 HEAD = (
     "test",
     "kind",

@@ -8,16 +8,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import lfilter, savgol_filter
 
+from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.laws import table
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
-Array = NDArray[np.float64]
 LABEL = "SYNTHETIC: simulated by Stribeck, not measured"
 
 

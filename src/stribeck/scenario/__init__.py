@@ -7,11 +7,11 @@ from collections.abc import Collection, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.constants import kind_of
 from stribeck.control.cascade import Cascade
 from stribeck.control.servo import ServoSystem
@@ -22,7 +22,6 @@ from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario import servo, tables
 from stribeck.scenario.changes import changed, parse_assignment, plain, unfolds
-from stribeck.scenario.machine import Rig
 from stribeck.scenario.memory import ROWS_LARGEST
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.servo import Servo
@@ -31,9 +30,10 @@ from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, pieces
 from stribeck.system import Groups, System
 
-__all__ = ["Scenario", "parse_assignment"]
+if TYPE_CHECKING:
+    from stribeck.scenario.machine import Rig
 
-Array = NDArray[np.float64]
+__all__ = ["Scenario", "parse_assignment"]
 
 # In presliding all of the motion is a few natural scales: a tenth keeps y and v within 1e-6 of their peaks there too.
 _ATOL_SHARE = 0.1
@@ -69,6 +69,28 @@ class Scenario:
         self.drive: type[Drive] | type[Cascade]
         self.signal: Signal
         _refuse(Reader(self, _trusted(trust)).read())
+        self._frozen = True
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if self._frozen:
+            raise AttributeError(f"{name}: a Scenario does not change; replace({{PATH: VALUE}}) makes another")
+        object.__setattr__(self, name, value)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scenario) and (self.data, self.folder) == (other.data, other.folder)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.folder))
+
+    def __repr__(self) -> str:
+        return f"<Scenario {self.name}: {self.subject}, t_end {self.solve.t_end:g} s>"
+
+    def with_values(self, **values: Any) -> Scenario:
+        """This scenario with other values of law, mass, initial state or signal, of the same structure; not judged."""
+        new = object.__new__(Scenario)
+        new.__dict__.update({name: x for name, x in self.__dict__.items() if name != "threshold"})
+        new.__dict__.update({"_law" if name == "law" else name: x for name, x in values.items()})
+        return new
 
     @classmethod
     def load(
@@ -132,6 +154,7 @@ class Scenario:
     output: tables.Output
 
     _law: Law | None = None
+    _frozen = False
 
     @property
     def law(self) -> Law:

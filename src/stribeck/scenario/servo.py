@@ -9,9 +9,9 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck import laws
+from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
 from stribeck.control.observer import SCALES
 from stribeck.control.sampled import Sampling
@@ -21,7 +21,6 @@ from stribeck.laws.base import PARAMETERS, BristleLaw, Law
 from stribeck.plants.cylinder import Cylinder
 from stribeck.signals import Signal
 
-Array = NDArray[np.float64]
 Problem = tuple[str, str]
 
 NONE = "none"  # the observer's name where friction is not compensated

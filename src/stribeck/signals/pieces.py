@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.expressions.graph import Expr, derivative, wrap
 from stribeck.expressions.ops import Value
 from stribeck.signals.piecewise import Segment, Signal
 from stribeck.signals.trajectories import Curve
-
-Array = NDArray[np.float64]
 
 # Why a trajectory restarts at a breakpoint with a step of unknown length: what it follows jumps, or its slope does. The
 # same numbers stand in runtime/method.c.

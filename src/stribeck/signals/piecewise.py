@@ -11,15 +11,14 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value, pi, sin
 from stribeck.recorded import read_columns
 from stribeck.units import ANGLE, FORCE, LENGTH, PRESSURE, SPEED, TIME
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK
@@ -23,8 +24,6 @@ from stribeck.simulation.result import failure
 from stribeck.simulation.single import simulate
 from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations, vary
-
-Array = NDArray[np.float64]
 
 
 class Ensemble:

@@ -7,8 +7,8 @@ from math import inf
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.control.sampled import Log
 from stribeck.errors import needed
 from stribeck.expressions.emit import python_function
@@ -17,7 +17,6 @@ from stribeck.scenario import Scenario
 from stribeck.signals.pieces import JUMP, SMOOTH
 from stribeck.simulation.result import Result, ended, held_back, legs
 
-Array = NDArray[np.float64]
 _SAME_TIME = 1e-12  # as in runtime/run.c
 
 

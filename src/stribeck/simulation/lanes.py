@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import BuildError
 from stribeck.simulation.native import step_share
 from stribeck.simulation.result import held_back
@@ -47,8 +48,8 @@ class Outcome:
     """What became of each lane: states and held outputs (lanes, rows, both), rows reached, status as in runtime/lanes.c,
     counts; ``happened`` has the shape (lanes, watched quantities, 4)."""
 
-    states: NDArray[np.float64]
-    t_reached: NDArray[np.float64]
+    states: Array
+    t_reached: Array
     counts: dict[str, Integers]
 
 

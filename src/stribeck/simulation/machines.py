@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.errors import InputError
 from stribeck.laws.base import PARAMETERS, Law
@@ -20,7 +21,6 @@ from stribeck.scenario.machine.rig import AT_LIMIT, evaluate
 from stribeck.signals.pieces import Pieces, merged
 from stribeck.simulation.variations import LaneByLane, Place, Tables, Variations, arrays
 
-Array = NDArray[np.float64]
 _IN_PIECES = ("ramp", "step")  # signals whose constants make pieces
 
 

@@ -10,12 +10,12 @@ from ctypes import POINTER, c_double, c_int, c_int64
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.codegen.response import motion_source, parameters, response_source
 from stribeck.errors import BuildError
 from stribeck.laws.base import Law
 from stribeck.simulation import cache, compiler
 
-Array = NDArray[np.float64]
 _STEPS_A_SAMPLE = 1000
 
 

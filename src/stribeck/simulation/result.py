@@ -8,8 +8,8 @@ from math import ceil, floor
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.control.sampled import Leg, Log
 from stribeck.control.sampled import legs as sampled_legs
 from stribeck.control.servo import ServoSystem
@@ -20,14 +20,14 @@ from stribeck.scenario import Scenario
 class Result:
     """The states at the output rows that were reached, the events met, why it ended early if so, and statistics."""
 
-    states: NDArray[np.float64]
+    states: Array
     events: list[tuple[float, int]]  # time; which watched quantity (times 4), and which of its events
     reason: str | None
     stats: dict[str, Any]
     log: Log | None = None  # of a sampled controller
 
 
-def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tuple[int, NDArray[np.float64]]:
+def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tuple[int, Array]:
     """How many outputs of a sampled controller wait at most, and the standard normal numbers of the controllers' noise,
     from the sampling of each controller in each lane."""
     every = [each for lane in lanes for each in lane]
@@ -50,7 +50,7 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
     return f"gave up at t = {t:.9g} s after solve.max_steps = {max_steps} attempted steps"
 
 
-def legs(scenario: Scenario, log: Log) -> Generator[Leg, NDArray[np.float64], None]:
+def legs(scenario: Scenario, log: Log) -> Generator[Leg, Array, None]:
     """The stretches of a run within which no run-time constant changes: until when, and what changes at its begin.
 
     The state at the end of each is to be sent back.
@@ -71,7 +71,7 @@ def legs(scenario: Scenario, log: Log) -> Generator[Leg, NDArray[np.float64], No
             yield end, {("signal", name): value for name, value in values.items()}
 
 
-def ended(scenario: Scenario, t: float, x: NDArray[np.float64]) -> str | None:
+def ended(scenario: Scenario, t: float, x: Array) -> str | None:
     """Why equations that are no longer finite ended, where the plant says why."""
     system = scenario.system
     return system.ended(scenario.values(), t, x) if isinstance(system, ServoSystem) else None

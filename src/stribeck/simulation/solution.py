@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.drives.base import Column
 from stribeck.errors import nearest, needed
 from stribeck.files import write_text
@@ -20,8 +20,6 @@ from stribeck.simulation.result import Result
 
 if TYPE_CHECKING:
     import pandas
-
-Array = NDArray[np.float64]
 
 
 class Solution:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from stribeck.arrays import Array
 from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
@@ -21,7 +22,6 @@ from stribeck.signals.pieces import Pieces
 from stribeck.signals.pieces import pieces as pieces_of
 from stribeck.system import Groups, System
 
-Array = NDArray[np.float64]
 Place = tuple[str, str]  # owner and name of a constant; the owner "initial" has the states at t = 0
 
 

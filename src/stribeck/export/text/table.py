@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.export.request import Request
 from stribeck.laws.base import Law
 
 POINTS = 20
 _RANGE = 100.0  # the last velocity in multiples of the law's own (v_s)
-
-Array = NDArray[np.float64]
 
 
 def files(request: Request) -> dict[str, str | bytes]:

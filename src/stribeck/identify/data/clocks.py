@@ -7,12 +7,11 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.data.quality import FEWEST, Clean
 
-Array = NDArray[np.float64]
 _ALIKE = 1e-3  # of the step: files that differ by less share a grid
 _ANOTHER = 1.5  # between steps: more is another rate
 _WINDOW = 25  # rows that tell the rate

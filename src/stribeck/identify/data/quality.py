@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 FEWEST = 50
 _EVEN = 1e-2  # of the step: what times may be off and still count as evenly spaced

@@ -9,15 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.data.units import ROLES, factor, is_drive
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, is_table, listed, no_column, opened
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.log import Log
 
-Array = NDArray[np.float64]
 _SHORTEST = 60  # rows
 _BLOCK = 20  # rows whose mean is looked at: ripple and noise average out
 _SPREAD = 0.04  # of the speed: what a block's mean may be off

@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.features.guess import Scales
 from stribeck.identify.features.what_to_measure import presliding_length
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 
-Array = NDArray[np.float64]
 _SAMPLES = 40  # in a cycle of a loop, and in a stroke to one side
 _RATES = (1.0, 10.0)  # of loops: slow, and as fast as the record's largest speed allows at most
 _SIZES = (0.5, 1.0, 2.0, 5.0)  # of loops, in lengths of presliding

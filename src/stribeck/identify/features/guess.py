@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
 from stribeck.laws.base import Law
 
-Array = NDArray[np.float64]
 _REVERSALS_LOOKED_AT = 200
 _REST = 0.01  # of the largest speed
 _FEWEST_AT_REST = 8  # samples

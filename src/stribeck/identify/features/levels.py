@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from stribeck.arrays import Array
 from stribeck.identify.methods.static_start import Model
 from stribeck.identify.models.columns import column
 from stribeck.identify.models.separable import Separable, Solution
@@ -17,7 +18,6 @@ from stribeck.identify.models.terms import TERMS
 from stribeck.identify.statistics.clusters import BLOCKS
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory
 
-Array = NDArray[np.float64]
 _NORMAL = 1.96
 _FEWEST_ROWS = 30
 

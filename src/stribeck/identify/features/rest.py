@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.log import Log
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 _WINDOW, _SHORTEST = 0.02, 10  # s, rows: of a look
 _WINDOWS = 3  # in a row make a rest

@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.laws.base import Law
 
-Array = NDArray[np.float64]
 _FORCE_LIKE = ("N", "N s/m")  # constants of these units may multiply
 _GRID = 4001
 

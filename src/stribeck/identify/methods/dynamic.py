@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from stribeck.arrays import Array
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import STOPPED, Optimum, multistart, starting_points
@@ -22,7 +22,6 @@ from stribeck.identify.statistics.crossvalidate import cross_validate
 from stribeck.identify.statistics.verdicts import Noise
 from stribeck.identify.work import Work
 
-Array = NDArray[np.float64]
 _STARTS = 20
 
 

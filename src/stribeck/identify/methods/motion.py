@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_of, judged_of
@@ -27,7 +26,6 @@ from stribeck.scenario import Scenario
 from stribeck.signals import Points
 from stribeck.simulation import simulate
 
-Array = NDArray[np.float64]
 _RTOL = 1e-6
 _STARTS_THERE = 8
 _MISSED = 0.02  # of the output's changes: a fit that leaves more, and more than noise, has missed it
@@ -93,20 +91,17 @@ class RigProblem(Problem):
         )
 
     def _simulated(self, number: int, rows: slice, values: Given) -> Array | None:
-        scenario = copy.copy(self.scenarios[number])  # its numbers change, its structure does not
-        scenario.__dict__.pop("threshold", None)
         try:
-            scenario.law = self.law({n: values[n] for n in self.law.constants() if n in values})
+            law = self.law({n: values[n] for n in self.law.constants() if n in values})
         except InputError:
             return None
-        scenario.mass = values["mass"]
         z = values.get(first_deflection(number), 0.0) * self.length(values)
-        scenario.initial = {**scenario.initial, **({"z": z} if self.law.has_z else {})}
+        initial = {**self.scenarios[number].initial, **({"z": z} if self.law.has_z else {})}
         time = self.log.time[rows] - self.log.time[rows][0]
-        scenario.signal = Points(
-            time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0)
+        signal = Points(time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0))
+        solution = simulate(
+            self.scenarios[number].with_values(law=law, mass=values["mass"], initial=initial, signal=signal)
         )
-        solution = simulate(scenario)
         found = solution[self.column]
         return found if solution.status == "done" and np.isfinite(found).all() else None
 

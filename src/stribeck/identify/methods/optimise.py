@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import qmc
 
+from stribeck.arrays import Array
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.work import Stopped, Work, cores
 
-Array = NDArray[np.float64]
 STOPPED = "stopped by Ctrl-C: the best values so far"
 _MANY = 200  # evaluations
 _FIRST_LOOK = 12  # evaluations after which the better starts go on

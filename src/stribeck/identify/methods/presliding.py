@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck import laws
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Scales, scales
 from stribeck.identify.features.what_to_measure import experiment_for
@@ -22,7 +22,6 @@ from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.work import Work
 
-Array = NDArray[np.float64]
 _NOISES = 6.0  # standard deviations that a reversal must stand above the noise
 _LONGEST = 8.0  # natural lengths (friction level / stiffness) that a small reversal may be long
 _FEWEST_TURNS = 3

@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck import laws
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.data.segments import constant_speed
 from stribeck.identify.features.levels import levels
@@ -29,7 +29,6 @@ from stribeck.identify.result import Estimate, Fit, Prediction
 from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, groups
 from stribeck.identify.statistics.static_intervals import judge, linearised
 
-Array = NDArray[np.float64]
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
 _HUBER = 1.345

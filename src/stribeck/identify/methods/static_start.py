@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Scales, ranges, scales
@@ -18,7 +17,6 @@ from stribeck.identify.models.static_problem import Rows
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
 
-Array = NDArray[np.float64]
 _SHARP = 1e9  # s/m
 _DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
 

@@ -7,14 +7,13 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.data import filters
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS
 
-Array = NDArray[np.float64]
 Reduce = Callable[[Array], Array]
 _BYTES = 256_000_000  # that columns once computed may take
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck import laws
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.data.filters import shifted
 from stribeck.identify.features.guess import Range, ranges, scales
@@ -19,7 +20,6 @@ from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
 from stribeck.simulation.response import Response
 
-Array = NDArray[np.float64]
 Given = Mapping[str, float]
 
 _TOLERANCE = 1e-6  # of the deflection, as a share of its natural scale: far below any sensor

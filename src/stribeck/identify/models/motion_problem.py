@@ -13,13 +13,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, structure
 from stribeck.identify.models.problem import Coordinate, Problem
 from stribeck.simulation.response import Motion
 
-Array = NDArray[np.float64]
 OUTPUTS = {"position": "position", "velocity": "velocity"}
 ROUGH, FINE = 1e-2, 1e-4  # error of a step as a share of the output's noise; an estimate averages over many samples
 _SLIDES = 0.05  # of the largest speed: a window that starts faster needs no deflection of its own

@@ -10,12 +10,11 @@ from types import SimpleNamespace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 
-Array = NDArray[np.float64]
 _FAILED = 1e3  # residual, in units of the data, where a simulation fails
 _WALL = 1e3  # residual for a distance of one beyond what the law allows
 

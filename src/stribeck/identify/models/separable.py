@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares, nnls
 from scipy.stats import qmc
 
+from stribeck.arrays import Array
 from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.terms import TERMS
 
-Array = NDArray[np.float64]
 _GRID, _DRAWS = 25, 5  # points of one shape; 2**draws of several
 _DELAYS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)  # steps
 _REFINED = 3  # of the starts

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
 
+from stribeck.arrays import Array
 from stribeck.identify.data import filters
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
 from stribeck.identify.models.columns import Columns, Reduce
 
-Array = NDArray[np.float64]
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
 _RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 _MOST_ROWS = 25_000

@@ -6,12 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.log import Log
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

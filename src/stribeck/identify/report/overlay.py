@@ -6,14 +6,13 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.files import write_text
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.version import __version__
 
-Array = NDArray[np.float64]
 _ZOOM = 0.1  # of the record
 
 

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
@@ -17,7 +16,6 @@ from stribeck.properties import check
 from stribeck.report.page import Chapter, Table, html
 from stribeck.version import __version__
 
-Array = NDArray[np.float64]
 _VERDICTS = {True: "yes", False: "no", None: "undecided"}
 _SAME = 0.05  # of a speed: closer ones share a line
 
@@ -47,7 +45,7 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
         if unknown
         else "The data determine every parameter of the law.",
     ]
-    return html(f"{fit.law} fitted to {data}", about, introduction, chapters)
+    return html(f"{fit.law} fitted to {data}", about, introduction, chapters, command)
 
 
 def _result(fit: Fit) -> Chapter:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.report.traces import inner_rows
@@ -16,7 +17,6 @@ from stribeck.identify.result import Fit
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
 
-Array = NDArray[np.float64]
 _DOTS = 2500  # points of a cloud: more make the page heavy and show nothing new
 _LOOPS = 6
 _SLOWEST = 0.01  # quantile of the speeds

@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.identify.result import Fit
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
 
-Array = NDArray[np.float64]
 _CLOSE = 2  # reversals shown
 _SHARE = 0.04  # of the record, that a close look is wide
 _FEWEST = 40  # rows of it

@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from stribeck.arrays import Array
 from stribeck.identify.log import Log
 
-Array = NDArray[np.float64]
 Groups = NDArray[np.intp]
 BLOCKS, _BANDS, _BINS = 10, 8, 16
 _FEWEST_FILES, _FEWEST_RUNS = 3, 6

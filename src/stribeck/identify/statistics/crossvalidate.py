@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import descend
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 
-Array = NDArray[np.float64]
 FOLDS = 10
 _BLOCKS = 5  # in a part
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import chi2
 
+from stribeck.arrays import Array
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Profile
 
-Array = NDArray[np.float64]
 THRESHOLD = float(chi2.ppf(0.95, 1))
 _NOTICEABLE = 0.05  # of twice the log-likelihood
 _FARTHEST = 4.0  # of the logarithm, to which a profile is followed

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import scales
 from stribeck.identify.features.rest import held_force
@@ -22,7 +23,6 @@ from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
-Array = NDArray[np.float64]
 _NORMAL, _THRESHOLD = 1.959964, 3.841459
 _WIDEST = 0.7  # half a 95 % interval in the logarithm: half to twice the value
 _MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance

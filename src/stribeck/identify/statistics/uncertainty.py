@@ -7,15 +7,17 @@ minimum it agrees with it (Chandler and Bate, Biometrika 94(1):167-183, 2007).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_toeplitz
 from scipy.stats import t as student
 
-from stribeck.identify.features.filtering import leeway
+from stribeck.arrays import Array
+from stribeck.identify.features.filtering import leeway, sampling
 from stribeck.identify.features.guess import scales
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
@@ -39,7 +41,6 @@ from stribeck.identify.statistics.verdicts import (
 )
 from stribeck.identify.work import Work
 
-Array = NDArray[np.float64]
 _WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
@@ -49,6 +50,7 @@ _MORE = 1.15  # times the measurement's noise: the residual of a model that foll
 _MODEL = 1.5  # times the force's noise: the model's own error is seen
 _BEYOND = 3.0  # times what noise explains: a residual that is the model's
 _FEWEST_WINDOWS = 8  # beyond the number of constants
+_BLOCKS = 40  # stretches of a record as clusters
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _LONGEST_MEMORY = 50  # samples, of the noise model
 _FRESH_STARTS = 4
@@ -92,6 +94,17 @@ def judge(
     return _judge(problem, u, log, False, noise, work)
 
 
+def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
+    """How far each inner coordinate may be off by what no residual shows: the motion's filter, what happens between its
+    samples, its noise, and the lower filter of the acceleration. They have nothing to do with each other."""
+    if isinstance(problem, MotionProblem):
+        return between_samples(problem, u, slopes)
+    shift, spread = again_with_noise(problem, u)
+    noise = _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread
+    filtered = np.maximum(leeway(problem, u, slopes), _WHOLE * sharper_acceleration(problem, u, slopes))
+    return np.asarray(np.sqrt(noise**2 + filtered**2 + sampling(problem, u, slopes) ** 2))
+
+
 def without(problem: Problem, u: Array, why: str) -> Judgement:
     """The best values found, and nothing that is known of them."""
     values = {c.name: c.outer(x) for c, x in zip(problem.coordinates, u.tolist(), strict=True) if not c.nuisance}
@@ -133,16 +146,13 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             f"the residual is {np.sqrt(variance) / expected.measured:.3g} times the noise of the {problem.output}: the "
             f"intervals are from how the {len(problem.windows)} windows of the record differ"
         )
+    elif isinstance(problem, MotionProblem):
+        inner = at_least_by_blocks(problem, slopes, misfit, inner)
     support = supporting_samples(slopes)
     alike = indistinct(plain, slopes, variance)
     sizes, values = scales(log), problem.values(u)
     unseen = presliding_unseen(problem, values, log)
-    if isinstance(problem, MotionProblem):
-        spare = between_samples(problem, u, slopes)
-    else:
-        shift, spread = again_with_noise(problem, u)
-        spare = np.maximum(leeway(problem, u, slopes), _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread)
-        spare = np.maximum(spare, _WHOLE * sharper_acceleration(problem, u, slopes))
+    spare = systematic(problem, u, slopes)
     deviations = np.sqrt(np.diag(inner))
     inflation = np.maximum(np.diag(inner) / np.maximum(np.diag(plain), 1e-300), 1e-6)
     own = [k for k, c in enumerate(problem.coordinates) if not c.nuisance]
@@ -250,17 +260,36 @@ def covariance(slopes: Array, variance: float, memory: Array) -> Array:
 
 
 def by_windows(problem: MotionProblem, slopes: Array, misfit: Array, otherwise: Array) -> Array:
-    """The covariance of least squares whose errors are alike within a window in a way that nobody knows (the sandwich
-    estimate by clusters), with Student's quantile for their number; ``otherwise`` where there are too few."""
-    count, shared = len(problem.windows), problem.shared
-    if count < shared + _FEWEST_WINDOWS:
+    """The covariance with windows as clusters; ``otherwise`` where there are too few."""
+    if len(problem.windows) < problem.shared + _FEWEST_WINDOWS:
         return otherwise
+    return sandwich(problem, slopes, misfit, problem.parts)
+
+
+def at_least_by_blocks(problem: MotionProblem, slopes: Array, misfit: Array, inner: Array) -> Array:
+    """The covariance, raised for the constants whose variance is larger with stretches of the record as clusters: a model
+    of the residuals' memory does not see a sensor that drifts."""
+    count = max(problem.shared + _FEWEST_WINDOWS, _BLOCKS)
+    rows = len(misfit)
+    if rows < 10 * count:
+        return inner
+    edges = np.linspace(0, rows, count + 1).astype(int).tolist()
+    by_blocks = sandwich(problem, slopes, misfit, [slice(a, b) for a, b in pairwise(edges)])
+    more = np.sqrt(np.maximum(np.diag(by_blocks) / np.maximum(np.diag(inner), 1e-300), 1.0))
+    more[problem.shared :] = 1.0
+    return np.asarray(inner * np.outer(more, more))
+
+
+def sandwich(problem: MotionProblem, slopes: Array, misfit: Array, clusters: Sequence[slice]) -> Array:
+    """The covariance of least squares whose errors are alike within a cluster in a way that nobody knows, with Student's
+    quantile for their number."""
+    count = len(clusters)
     size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
     scaled = slopes / size
     normal = scaled.T @ scaled
     inverse = np.linalg.inv(normal + 1e-14 * np.trace(normal) * np.eye(len(normal)))
-    scores = np.array([scaled[part].T @ misfit[part] for part in problem.parts])
-    left = count - shared
+    scores = np.array([scaled[part].T @ misfit[part] for part in clusters])
+    left = count - problem.shared
     wider = count / left * (student.ppf(0.975, left) / np.sqrt(THRESHOLD)) ** 2
     return np.asarray(wider * inverse @ (scores.T @ scores) @ inverse / np.outer(size, size))
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.features.experiments import narrower
 from stribeck.identify.features.guess import Scales, reversals
 from stribeck.identify.log import Log
@@ -17,7 +18,6 @@ from stribeck.identify.models.problem import Coordinate, Problem
 from stribeck.identify.result import Estimate
 from stribeck.identify.statistics.profiles import THRESHOLD
 
-Array = NDArray[np.float64]
 _WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
 _MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
 _BOUND = 0.95  # correlation with one that is inflated so

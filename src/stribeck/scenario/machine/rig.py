@@ -9,16 +9,14 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
 from stribeck.laws.base import Law, Scales
 from stribeck.machine.parts import LinkPart, LoadPart, SignalUse
 from stribeck.machine.system import Machine
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
-
-Array = NDArray[np.float64]
 
 # Natural magnitudes where no contact says any: a millimetre (milliradian) and its tenfold in a second.
 AT_LIMIT = (
