@@ -26,7 +26,7 @@ def make(name, **changes):
 
 
 def answer(law, lanes, **options):
-    response = Response(type(law), law.structure)
+    response = Response(type(law), law.form)
     length = law.scales(law.p).length
     sets = response.lanes([each.values for each in lanes])
     return response.force(T, V, sets, np.zeros(len(lanes)), 1e-7 * length, **options)

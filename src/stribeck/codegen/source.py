@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-import threading
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from importlib.resources import files
@@ -34,18 +33,13 @@ _RESERVED = frozenset(
 )
 
 
-# Nodes are shared, and so are their labels: the code of a system must not depend on what else there is.
-_one_at_a_time = threading.Lock()
-
-
 @lru_cache(maxsize=64)
 def source(system: Equations, lanes: bool = False) -> str:
     """One C file for the system: compile it alone, as a shared library.
 
     With ``lanes`` it solves several trajectories at once, each in a lane of the widest vectors that it is compiled for.
     """
-    with _one_at_a_time:
-        return _Source(system, lanes).text()
+    return _Source(system, lanes).text()
 
 
 class _Source:
@@ -59,10 +53,9 @@ class _Source:
             for (group, name), field in zip(system.parameters, self.fields, strict=True)
         }
         made = collect(system)
-        for node in ordered(made.every):
-            node.label = None
-        made = collect(system)  # sets the labels of this system
-        flat, self.coefficients = hoist(made.every, self.parameter_text.keys(), {*_RESERVED, *self.fields})
+        self.called = made.called
+        taken = {*_RESERVED, *self.fields}
+        flat, self.coefficients = hoist(made.every, self.parameter_text.keys(), taken, self.called)
         made.put(flat)
         n = len(self.names)
         self.rates, self.by_time, self.watched = made.rates, made.by_time, made.watched
@@ -282,10 +275,10 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
         lines = [f"const real {local[n]} = x[{i}];" for i, n in enumerate(self.names) if n in used]
         if late:
             locals_ = [(f"const real new_{i}", node) for i, (_, node) in enumerate(outputs)]
-            lines += Writer(C, {**inputs, **local}, taken=_RESERVED).write(locals_)
+            lines += Writer(C, {**inputs, **local}, taken=_RESERVED, names=self.called).write(locals_)
             lines += [f"{target} = new_{i};" for i, (target, _) in enumerate(outputs)]
         else:
-            lines += Writer(C, {**inputs, **local}, taken=_RESERVED).write(outputs)
+            lines += Writer(C, {**inputs, **local}, taken=_RESERVED, names=self.called).write(outputs)
         lines += [end] if end else []
         body = "".join(f"    {line}\n" for line in lines)
         unused = "".join(f"    (void){word};\n" for word in _argument_names(arguments) if not _mentions(body, word))

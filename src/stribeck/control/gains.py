@@ -50,22 +50,21 @@ class Verdict:
 
 def decay(law: Law) -> Expr:
     """w(v) of a law dz/dt = S_1 v - w z, its constants symbols."""
-    p, v, z = law.symbolic(symbol, law.structure), symbol("v"), symbol("z")
+    p, v, z = law.symbolic(symbol, law.form), symbol("v"), symbol("z")
     return -derivative(wrap(law.dz_dt(p, v, z)), z)
 
 
 def damping(law: Law) -> Expr:
     """sigma_1 of a law F = sigma_0 z + sigma_1 dz/dt + sigma_2 v: with v_d a function of v, largest at rest."""
-    p, rate = law.symbolic(symbol, law.structure), symbol("dz_dt")
+    p, rate = law.symbolic(symbol, law.form), symbol("dz_dt")
     return derivative(wrap(law.friction(p, symbol("v"), symbol("z"), rate)), rate)
 
 
 def at_speed(law: Law, expr: Expr) -> Callable[[Any], Any]:
     """An expression of the law's constants and v as a function of the speed."""
-    names = [name for name, value in law.values.items() if value is not None]
-    function = python_function([*names, "v"], [expr])
-    values = [law.values[name] for name in names]
-    return lambda v: function(*values, v)[0]
+    numbers = law.p.numbers
+    function = python_function([*numbers, "v"], [expr])
+    return lambda v: function(*numbers.values(), v)[0]
 
 
 def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:

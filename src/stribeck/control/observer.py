@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.expressions.ops import Value, clip, where
 from stribeck.laws.base import Law
+from stribeck.laws.values import Constants, told
 
 Z_HAT = Column("z_hat", "m", "the observer's deflection")
 _LAYER = 0.05  # share of a bound over which the projection fades the rate out
@@ -71,8 +71,8 @@ def adapt(law: type[Law], p: Any, a: Any, K: Value, v: Value, s: Value, x: dict[
     the error of F_hat linearly, up to terms of second order.
     """
     z, eta, scale = x["z_hat"], x["eta"], x["a_g"]
-    known = SimpleNamespace(**vars(p))
-    known.sigma_0, known.sigma_1, known.sigma_2 = p.sigma_0 * x["a_0"], p.sigma_1 * x["a_1"], p.sigma_2 * x["a_2"]
+    scaled = {f"sigma_{i}": getattr(p, f"sigma_{i}") * x[f"a_{i}"] for i in range(3)}
+    known = Constants({**vars(p), **scaled}, told(p))
 
     def decay(z: Value) -> Value:  # -w z
         return law.dz_dt(p, v, z) - law.dz_dt(p, v, 0.0 * z)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from stribeck.expressions import ops
-from stribeck.expressions.graph import Expr, ordered
+from stribeck.expressions.graph import Expr, Names, ordered
 
 ATOM, UNARY, MUL, ADD, COMPARE, AND, OR, TERNARY = range(8)
 _LONGEST_LINE = 110
@@ -55,12 +55,14 @@ def _literal(x: float) -> str:
 class Writer:
     """Writes statements that compute some outputs.
 
-    A node becomes a variable of its own when it is used more than once, carries a label, or its text would be long;
-    all others are written where they are used.
+    A node becomes a variable of its own when it is used more than once, has a name in ``names``, or its text would be
+    long; all others are written where they are used.
     """
 
-    def __init__(self, dialect: Dialect, inputs: Mapping[str, str], taken: Iterable[str] = ()) -> None:
-        self.dialect, self.inputs = dialect, inputs
+    def __init__(
+        self, dialect: Dialect, inputs: Mapping[str, str], taken: Iterable[str] = (), names: Names | None = None
+    ) -> None:
+        self.dialect, self.inputs, self.names = dialect, inputs, Names() if names is None else names
         self.taken = set(taken) | {text for text in inputs.values() if text.isidentifier()}
         self.lines: list[str] = []
         self._text: dict[Expr, tuple[str, int]] = {}
@@ -82,9 +84,10 @@ class Writer:
         text, precedence = self._format(node)
         if node.op in ("symbol", "constant", "lt", "le", "both", "either"):
             return text, precedence
-        if uses == 1 and not node.label and len(text) <= _LONGEST_LINE:
+        called = self.names.get(node)
+        if uses == 1 and called is None and len(text) <= _LONGEST_LINE:
             return text, precedence
-        name = self._name(node.label)
+        name = self._name(called)
         self.lines.append(f"{self.dialect.declare}{name} = {text}{self.dialect.statement_end}")
         return name, ATOM
 

@@ -22,12 +22,11 @@ Number = int | float
 class Expr:
     """A node: an operation on other nodes, a named symbol, or a constant. Equal nodes are the same object."""
 
-    __slots__ = ("__weakref__", "args", "label", "op", "value")
+    __slots__ = ("__weakref__", "args", "op", "value")
 
     op: str
     args: tuple[Expr, ...]
     value: float | str | None
-    label: str | None
 
     def __add__(self, other: Any) -> Expr:
         return _add(self, wrap(other))
@@ -105,7 +104,7 @@ def _node(op: str, *args: Expr, value: float | str | None = None) -> Expr:
         node = _nodes.get(key)
         if node is None:
             node = Expr()
-            node.op, node.args, node.value, node.label = op, args, value, None
+            node.op, node.args, node.value = op, args, value
             _nodes[key] = node
     return node
 
@@ -355,32 +354,48 @@ def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
         "add": _add, "sub": _sub, "mul": _mul, "div": _div, "neg": _neg, "pow": _power, "where": _Graph.where,
     }  # fmt: skip
     if node.op in build:
-        new = build[node.op](*args)
-    elif node.op in ("lt", "le", "both", "either"):
-        new = _node(node.op, *args)
-    else:
-        new = _function(node.op, *args)
-    if new.label is None and new.op not in ("symbol", "constant"):
-        new.label = node.label
-    return new
+        return build[node.op](*args)
+    if node.op in ("lt", "le", "both", "either"):
+        return _node(node.op, *args)
+    return _function(node.op, *args)
 
 
-def rewrite(outputs: Iterable[Expr], rule: Callable[[Expr], Expr]) -> list[Expr]:
-    """The outputs with ``rule`` applied to every node, arguments first."""
-    outputs = list(outputs)
+class Names(dict[Expr, str]):
+    """What intermediate results are called in the code of one build; a node keeps the first name that it is given."""
+
+    def give(self, node: Any, name: str) -> None:
+        """Call a result so; symbols and numbers have no names of their own."""
+        if isinstance(node, Expr) and node.args:
+            self.setdefault(node, name)
+
+    def hand_on(self, old: Expr, new: Expr) -> Expr:
+        """Call what stands in the place of a node as it was called; the new node."""
+        if old is not new and old in self:
+            self.give(new, self[old])
+        return new
+
+    def term(self, name: str, latex: str, args: tuple[Any, ...], value: Any) -> Any:
+        """Call a term of an equation by its name; see :class:`stribeck.laws.values.Constants`."""
+        self.give(value, name)
+        return value
+
+
+def rewrite(outputs: Iterable[Expr], rule: Callable[[Expr], Expr], names: Names | None = None) -> list[Expr]:
+    """The outputs with ``rule`` applied to every node, arguments first; ``names`` are handed on."""
+    outputs, names = list(outputs), Names() if names is None else names
     new: dict[Expr, Expr] = {}
     for node in ordered(outputs):
-        new[node] = rule(rebuild(node, tuple(new[a] for a in node.args)))
+        new[node] = rule(names.hand_on(node, rebuild(node, tuple(new[a] for a in node.args))))
     return [new[node] for node in outputs]
 
 
-def substitute(outputs: Iterable[Expr], values: Mapping[Expr, Expr]) -> list[Expr]:
-    """The outputs with the nodes that are keys of ``values`` replaced."""
-    outputs = list(outputs)
+def substitute(outputs: Iterable[Expr], values: Mapping[Expr, Expr], names: Names | None = None) -> list[Expr]:
+    """The outputs with the nodes that are keys of ``values`` replaced; ``names`` are handed on."""
+    outputs, names = list(outputs), Names() if names is None else names
     new: dict[Expr, Expr] = dict(values)
     for node in ordered(outputs):
         if node not in new:
-            new[node] = rebuild(node, tuple(new[a] for a in node.args))
+            new[node] = names.hand_on(node, rebuild(node, tuple(new[a] for a in node.args)))
     return [new[node] for node in outputs]
 
 

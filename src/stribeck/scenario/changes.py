@@ -63,7 +63,7 @@ def _law_table(law: laws.Law) -> Any:
         return law
     given = {**law.machine, **{n: x for n, x in law.values.items() if x is not None}}
     inside = {n: x for n, x in given.items() if n in PARAMETERS}
-    own = {n: x for n, x in given.items() if n not in PARAMETERS} | law.choices
+    own = {n: x for n, x in given.items() if n not in PARAMETERS} | law.p.words
     return {"name": law.name, **own, **({"parameters": inside} if inside else {})}
 
 

@@ -61,7 +61,7 @@ def costs(law: Law) -> list[str]:
     """What a step costs, as lines for the header; none for a law or a form that was not counted
     (benchmarks/arm_instructions.py counts them all)."""
     counted = json.loads(resources("stribeck.export").joinpath("templates", "costs.json").read_text(encoding="utf-8"))
-    rows = counted["laws"].get(" ".join((law.name, *law.structure)), {})
+    rows = counted["laws"].get(" ".join((law.name, *law.form.words)), {})
     if not rows or builtin().get(law.name) is not type(law):
         return []
     each = "; ".join(f"{target} {mean} (most {most})" for target, (mean, most) in rows.items())

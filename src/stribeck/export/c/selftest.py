@@ -46,7 +46,7 @@ def terms(equations: Equations, names: tuple[str, ...]) -> Any:
     for node in ordered(outputs):
         known[node] = _magnitude(node, known)
     p = equations.law
-    symbols = list(p.numbers(p.structure))
+    symbols = list(p.numbers(p.form))
     function = python_function([*symbols, "v", "z"], [known[node] for node in outputs])
     values = [p.values[name] for name in symbols]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from stribeck.constants import show
@@ -32,7 +31,7 @@ ops.register("casadi", _Backend())
 def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
     """See :meth:`stribeck.laws.Law.to_casadi`."""
     ca: Any = package("casadi", "tools")
-    known = [name for name, value in law.values.items() if value is not None]
+    known = list(law.p.numbers)
     problems = [
         f"free: {show(n)}: law '{law.name}' has no such constant{nearest(n, known)}" for n in free if n not in known
     ]
@@ -42,7 +41,7 @@ def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
         raise InputError(problems)
     v, z = ca.MX.sym("v"), ca.MX.sym("z")
     inputs = {name: ca.MX.sym(name) for name in dict.fromkeys(free)}
-    p = SimpleNamespace(**{**vars(law.p), **inputs})
+    p = law.p.replaced(inputs)
     rate = law.dz_dt(p, v, z)
     outputs = {"dz_dt": rate, "F": law.friction(p, v, z, rate)}
     states = {"v": v, "z": z}

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 from stribeck.constants import show
@@ -10,6 +9,7 @@ from stribeck.errors import InputError, nearest, note
 from stribeck.export.optional import package
 from stribeck.expressions import ops
 from stribeck.laws.base import Law
+from stribeck.laws.values import Constants
 
 
 class _Backend:
@@ -35,13 +35,13 @@ class JaxLaw:
     def __init__(self, law: Law) -> None:
         self.law = law
 
-    def _constants(self, given: dict[str, Any]) -> SimpleNamespace:
-        known = [name for name, value in self.law.values.items() if value is not None]
+    def _constants(self, given: dict[str, Any]) -> Constants:
+        known = list(self.law.p.numbers)
         if odd := [name for name in given if name not in known]:
             raise InputError(
                 [f"{n} = {show(given[n])}: law '{self.law.name}' has no such constant{nearest(n, known)}" for n in odd]
             )
-        return SimpleNamespace(**{**vars(self.law.p), **given})
+        return self.law.p.replaced(given)
 
     def rate(self, v: Any, z: Any, **constants: Any) -> Any:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""

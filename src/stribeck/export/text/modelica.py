@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from stribeck.constants import Constant, rotary_unit, rotary_words
 from stribeck.export.request import Request
 from stribeck.expressions.emit import ADD, ATOM, UNARY, Dialect, Writer
-from stribeck.expressions.graph import Expr, symbol, wrap
+from stribeck.expressions.graph import Expr, Names, symbol, wrap
 from stribeck.laws.base import Law
 from stribeck.version import __version__
 
@@ -112,11 +112,12 @@ def _turned(text: str) -> str:
 
 def _block(law: Law, constants: Mapping[str, float]) -> str:
     declared, names = law.constants(), {name: _name(name) for name in constants}
-    p, v, z = law.symbolic(symbol, law.structure), symbol("v"), symbol("z")
+    called = Names()
+    p, v, z = law.symbolic(symbol, law.form, called.term), symbol("v"), symbol("z")
     rate = wrap(law.dz_dt(p, v, z))
     outputs: list[tuple[str, Expr]] = [("der(z)", rate)] if law.has_z else []
     outputs.append(("F", wrap(law.friction(p, v, z, rate))))
-    lines = _Writer(MODELICA, {**names, "v": "v", "z": "z"}, taken=_KEYWORDS).write(outputs)
+    lines = _Writer(MODELICA, {**names, "v": "v", "z": "z"}, taken=_KEYWORDS, names=called).write(outputs)
     helpers = [left for left in (line.split(" = ")[0] for line in lines) if left not in ("der(z)", "F")]
     length, _ = _nominal(law)
     rows = [_parameter(names[n], declared[n], x) for n, x in constants.items()]

@@ -9,7 +9,7 @@ from stribeck.export.c.ccode import ARGUMENTS, Equations, render
 from stribeck.export.c.sampling import resolution
 from stribeck.export.request import Request
 from stribeck.expressions.emit import Dialect, Writer
-from stribeck.expressions.graph import Expr
+from stribeck.expressions.graph import Expr, Names
 
 _OWN = ("v", "dt", "reset", "f", "z", "ok")  # of the block itself; the language knows no case
 _PARTS = 16  # of a step, for laws whose dz/dt is not linear in z
@@ -32,9 +32,9 @@ _DIALECT = Dialect(
 class _Writer(Writer):
     """Variables are called w_..., unique whatever the case of letters; they are listed for their declaration."""
 
-    def __init__(self, request: Request, inputs: dict[str, str]) -> None:
+    def __init__(self, request: Request, inputs: dict[str, str], names: Names) -> None:
         functions = {op: name.format(n=request.name) for op, name in _DIALECT.functions.items()}
-        super().__init__(Dialect(**{**vars(_DIALECT), "functions": functions}), inputs)
+        super().__init__(Dialect(**{**vars(_DIALECT), "functions": functions}), inputs, names=names)
         self.variables: list[str] = []
 
     def begin(self) -> None:
@@ -72,7 +72,7 @@ def files(request: Request) -> dict[str, str | bytes]:
         text = "a constant of this name cannot be exported to Structured Text: rename it"
         raise InputError([f"{name}: {text}" for name in bad])
     inputs = {name: name for name in request.constants} | {"v": "v", "z": "z", "rate": "w_rate"}
-    writer = _Writer(request, inputs)
+    writer = _Writer(request, inputs, equations.names)
     writer.taken.update(("w_rate", "w_slope", "w_drive", "w_x", "w_dz", "w_bound", "w_h"))
 
     def statements(outputs: Sequence[tuple[str, str]]) -> list[str]:

@@ -18,6 +18,7 @@ from stribeck.identify.models import terms
 from stribeck.identify.models.problem import Coordinate, Problem, Tie
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
+from stribeck.laws.form import Form
 from stribeck.simulation.response import Response
 
 Given = Mapping[str, float]
@@ -56,7 +57,7 @@ class VelocityProblem(Problem):
         self.rows = np.ones(len(log), bool) if rows is None else rows
         size = float(np.sqrt(np.mean(log.force**2)))
         super().__init__(law, coordinates, fixed, tied, log.force[self.rows], size)
-        self.response = Response(law, structure(law, fixed))
+        self.response = Response(law, form_of(law, fixed))
         self.runs = list(log.runs())
         self.levels = [name for name in body if TERMS[name].level]
         self.body = [name for name in body if not TERMS[name].level and TERMS[name].column is not None]
@@ -143,14 +144,12 @@ class VelocityProblem(Problem):
         return out
 
 
-def structure(law: type[Law], given: Given) -> tuple[str, ...]:
+def form_of(law: type[Law], given: Given) -> Form:
     """The form of the law's equations: optional constants that are given, and words."""
-    words = {
-        n: f"{n}={given[n]}"
-        for n, c in law.constants().items()
-        if c.choices and given.get(n, c.choices[0]) != c.choices[0]
-    }
-    return tuple(words.get(n, n) for n, c in law.constants().items() if n in words or (c.optional and n in given))
+    constants = law.constants()
+    on = tuple(n for n, c in constants.items() if c.optional and n in given)
+    given_words = ((n, str(given[n])) for n, c in constants.items() if c.choices and n in given)
+    return Form(on, tuple((n, word) for n, word in given_words if word != constants[n].choices[0]))
 
 
 def _columns(log: Log, names: Sequence[str]) -> Array:
