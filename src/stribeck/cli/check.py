@@ -10,6 +10,7 @@ from typing import Any
 from stribeck import laws, parameter_sets
 from stribeck.cli import show
 from stribeck.cli.text import say, width
+from stribeck.constants import DECIDED
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, left_out, note
 from stribeck.laws.base import PARAMETERS, Law
@@ -19,7 +20,6 @@ from stribeck.scenario import parse_assignment
 
 _DEFAULT_SET = "canudas1995"
 _BESIDE = 23  # columns, where the words of a verdict begin
-_WORDS = {True: "yes", False: "no", None: "undecided"}
 
 
 def check(
@@ -145,7 +145,7 @@ def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
     for name, verdict in verdicts.properties.items():
         again = {True: ", verified", False: ", NOT CONFIRMED", None: ""}[verdict.verified]
         reason = verdict.evidence.get("reason") if verdict.holds is None else verdict.method
-        say(f"{reason}{again}", _BESIDE, f"  {name:11}{_WORDS[verdict.holds]:10}")
+        say(f"{reason}{again}", _BESIDE, f"  {name:11}{DECIDED[verdict.holds]:10}")
         for line in _lines(verdict.evidence):
             say(line, _BESIDE + 2, " " * _BESIDE)
     for name, margin in data.get("margins", {}).get("constants", {}).items():
@@ -178,7 +178,7 @@ def _print_matrix(checked: list[Verdicts], parameters: str | None) -> None:
     cell = min(12, (width() - 2 - wide) // len(NAMES))
     print(f"{'':{wide}}  " + "".join(f"{name:{cell}}" for name in NAMES))
     for v in checked:
-        print(f"{v.law.name:{wide}}  " + "".join(f"{_WORDS[v[name].holds]:{cell}}" for name in NAMES))
+        print(f"{v.law.name:{wide}}  " + "".join(f"{DECIDED[v[name].holds]:{cell}}" for name in NAMES))
 
 
 def _own(checked: list[Verdicts]) -> str:

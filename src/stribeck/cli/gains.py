@@ -11,7 +11,7 @@ import numpy as np
 from stribeck.analysis.lyapunov import Along, along
 from stribeck.cli import show
 from stribeck.cli.text import say
-from stribeck.control.gains import Condition, Proof, Staying, Verdict, judge, prove, staying
+from stribeck.control.gains import Condition, GainVerdict, Proof, Staying, judge, prove, staying
 from stribeck.control.proof import derive
 from stribeck.errors import InputError
 from stribeck.scenario import Scenario
@@ -105,7 +105,7 @@ def _doubts(scenario: Scenario) -> list[str]:
     return [*found, "a valve at its limit, and p_1 and p_2 one by one"]
 
 
-def _print(scenario: Scenario, verdict: Verdict, proof: Proof, doubts: list[str], found: Along | None) -> None:
+def _print(scenario: Scenario, verdict: GainVerdict, proof: Proof, doubts: list[str], found: Along | None) -> None:
     d, v = scenario.drive_values, verdict
     given = f"K_D = {d['K_D']:g} N s/m, K = {d['K']:g} m/N, |v| <= {v.v_max:.4g} m/s, w <= {v.w_max:.4g} 1/s"
     say(f"{scenario.name}: {given}", 4)

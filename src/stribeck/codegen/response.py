@@ -6,17 +6,21 @@ from collections.abc import Callable
 from importlib.resources import files
 
 from stribeck.codegen.source import PORTABLE
-from stribeck.expressions.emit import C, Writer
+from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import Expr, Names, derivative, symbol, wrap
 from stribeck.laws.base import Law
 from stribeck.laws.form import USUAL, Form
 
 # Words of C that a variable must not have, and names of the generated functions.
-_TAKEN = frozenset(
-    """
-    exp log sqrt sin cos atan tanh fabs pow double int const return if else for do p v z INFINITY NAN PARAMETERS UNUSED
+_TAKEN = (
+    C_WORDS
+    | C_FUNCTIONS
+    | frozenset(
+        """
+    p v z PARAMETERS UNUSED
     by_z by_v r_v r_z f_v f_z real mask splat choose abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of
     """.split()  # noqa: SIM905
+    )
 )
 
 

@@ -10,7 +10,7 @@ from importlib.resources import files
 from stribeck.codegen.collected import collect, hoist
 from stribeck.codegen.elimination import eliminate
 from stribeck.equations import Equations
-from stribeck.expressions.emit import C, Writer
+from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import (
     ZERO,
     Expr,
@@ -21,15 +21,17 @@ from stribeck.expressions.graph import (
 )
 
 # Words of C, and names that the generated functions use themselves.
-_RESERVED = frozenset(
-    """
-    auto break case char const continue default do double else enum extern float for goto if inline int long register
-    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-    p c t x dx piece jac fac shift df_dt exp log sqrt sin cos atan tanh fabs pow
+_RESERVED = (
+    C_WORDS
+    | C_FUNCTIONS
+    | frozenset(
+        """
+    p c t x dx piece jac fac shift df_dt
     abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
     floor_of piece_ w dw m u which noise memory timing sample watch moved_energy
-    N WATCHES WATCHED CURVED PIECE HELD MOVED LANES BY_LANE EXPORT INFINITY NAN HUGE_VAL M_PI M_E UNUSED unix linux
+    N WATCHES WATCHED CURVED PIECE HELD MOVED LANES BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
     """.split()  # noqa: SIM905
+    )
 )
 
 

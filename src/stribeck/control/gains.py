@@ -33,7 +33,7 @@ class Condition:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class GainVerdict:
     """Whether V decreases for all errors, up to ``v_max``, while the valve is not at its limit."""
 
     v_max: float
@@ -67,7 +67,7 @@ def at_speed(law: Law, expr: Expr) -> Callable[[Any], Any]:
     return lambda v: function(*numbers.values(), v)[0]
 
 
-def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
+def judge(law: Law, gains: Mapping[str, float], v_max: float) -> GainVerdict:
     """The conditions for gains K_D, K and a law that is linear in z, in plant and observer alike.
 
     With v_d they hold for sigma_1 at rest, its largest value: sufficient then, as both ask less of a smaller one.
@@ -101,7 +101,7 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
     limit = float(roots[0]) if roots else math.inf
     # half of what the condition allows; where it allows any K, what is given
     proposed = {"K_D": max(gains["K_D"], twice), "K": gains["K"] if limit <= 0 else min(gains["K"], limit / 2)}
-    return Verdict(
+    return GainVerdict(
         v_max, w_max, condition(exact, True), condition(error, gains["K"] < largest_K), largest_K, proposed
     )  # fmt: skip
 

@@ -29,6 +29,16 @@ class Dialect:
     value: str = "{0}"  # a number that stands alone, not beside an operator
 
 
+# What no variable, member or constant can be called in C: its words, what its headers define, and two macros of compilers.
+C_WORDS = frozenset(
+    """
+    auto break case char const continue default do double else enum extern float for goto if inline int long register
+    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+    INFINITY NAN unix linux
+    """.split()  # noqa: SIM905
+)
+C_FUNCTIONS = frozenset({"exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "fabs", "pow"})
+
 # ``real`` is a number, or a vector of numbers for several trajectories: runtime/scalar.c, runtime/vector.c.
 _FUNCTIONS = ("abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow", "floor")
 C = Dialect(

@@ -39,6 +39,7 @@ class Evaluation:
     friction: Callable[..., Any]
     scales: Callable[..., Any]
     symbolic: Callable[..., Any]
+    guarantees: Callable[[], dict[str, bool | None]]
     p: Constants
     _derivatives: ClassVar[dict[Any, _Derivatives]] = {}
 
@@ -47,6 +48,20 @@ class Evaluation:
         """True where F is discontinuous at v = 0, so that a body cannot come to rest in a simulation."""
         above, below = self.force(1e-300, 0.0), self.force(-1e-300, 0.0)
         return bool(abs(above - below) > 1e-9 * self.scales(self.p).force)
+
+    @property
+    def differentiable(self) -> bool:
+        """True where F has a time derivative wherever v has one: as the law claims, or where it claims nothing as is found
+        at rest, with and without a deflection."""
+        smooth = self.guarantees()["smooth"]
+        if smooth is not None:
+            return smooth
+        length = self.scales(self.p).length if self.has_z else 0.0
+        try:
+            self.force_rate(0.0, np.array([0.0, length, -length]), 1.0)
+        except NotDifferentiable:
+            return False
+        return True
 
     # -- evaluation: NumPy -----------------------------------------------------------------------------------------
 

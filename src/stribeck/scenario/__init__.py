@@ -14,7 +14,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import kind_of
 from stribeck.control.cascade import Cascade
-from stribeck.control.servo import ServoSystem
+from stribeck.control.servo_system import ServoSystem
 from stribeck.drives import Drive
 from stribeck.equations import Equations
 from stribeck.errors import InputError, printable

@@ -12,7 +12,7 @@ from typing import Any
 from stribeck import drives, laws, parameter_sets
 from stribeck.constants import Constant
 from stribeck.control.cascade import Cascade
-from stribeck.control.servo import ServoSystem
+from stribeck.control.servo_system import ServoSystem
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.form import USUAL
 from stribeck.machine import controllers as machine_controllers

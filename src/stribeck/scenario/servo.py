@@ -15,7 +15,7 @@ from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
 from stribeck.control.observer import SCALES
 from stribeck.control.sampled import Sampling
-from stribeck.control.servo import ServoSystem, compiled
+from stribeck.control.servo_system import ServoSystem, compiled
 from stribeck.errors import InputError, NotDifferentiable
 from stribeck.laws.base import PARAMETERS, BristleLaw, Law
 from stribeck.laws.form import USUAL

@@ -8,7 +8,7 @@ from typing import Any
 
 from stribeck.constants import Constant
 from stribeck.control.observer import START, Z_HAT
-from stribeck.control.servo import MEASURED, ServoSystem
+from stribeck.control.servo_system import MEASURED, ServoSystem
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, condition, render, statements
@@ -55,7 +55,7 @@ _EQUATIONS = (
 
 
 @dataclass(frozen=True)
-class Cascade:
+class ControllerCode:
     """The controller of a request's scenario, and what the templates ask of it."""
 
     request: Request
@@ -196,7 +196,7 @@ class Cascade:
 
 def files(request: Request) -> dict[str, str | bytes]:
     """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
-    cascade = Cascade(request)
+    cascade = ControllerCode(request)
     values = cascade.context()
     name = cascade.name
     content: dict[str, str | bytes] = {
@@ -212,7 +212,7 @@ def files(request: Request) -> dict[str, str | bytes]:
 
 def notes(request: Request) -> list[str]:
     """What differs from the scenario at the time step that was given."""
-    cascade = Cascade(request)
+    cascade = ControllerCode(request)
     found, step, sampling = [], request.step, cascade.servo.sampling
     if cascade.period is None:
         found.append(

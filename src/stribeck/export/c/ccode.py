@@ -10,7 +10,7 @@ from typing import Any
 
 from stribeck.control.observer import correction
 from stribeck.errors import needed
-from stribeck.expressions.emit import Dialect, Writer
+from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
 from stribeck.expressions.graph import Expr, Names, derivative, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
 
@@ -25,15 +25,10 @@ DIALECT = Dialect(
 )
 
 # Of C and of the templates' macros: neither a variable nor a member can be called so.
-_WORDS = """
-    auto break case char const continue default do double else enum extern float for goto if inline int long register
-    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-    EPSILON SLOWEST NAN INFINITY unix linux
-"""
-_LOCALS = "p v z s l dt a b x y u w real R FN exp log sqrt sin cos atan tanh fabs pow sign_of rate force dv_dt"
-WORDS = frozenset(_WORDS.split())
+WORDS = C_WORDS | {"EPSILON", "SLOWEST"}
+_LOCALS = "p v z s l dt a b x y u w real R FN sign_of rate force dv_dt"
 ARGUMENTS = frozenset({"K", "error"})  # of the equations below: no constant can be called so
-_TAKEN = WORDS | frozenset(_LOCALS.split())
+_TAKEN = WORDS | C_FUNCTIONS | frozenset(_LOCALS.split())
 
 
 class CWriter(Writer):
@@ -56,7 +51,7 @@ def statements(outputs: Sequence[tuple[str, Expr]], inputs: Mapping[str, str], n
 
 
 @dataclass(frozen=True)
-class Equations:
+class LawCode:
     """A law's equations and their derivatives as expressions of v, z and the constants' names; ``rate`` is dz/dt as
     an argument of the force."""
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Mapping
+from types import SimpleNamespace
 
 from stribeck.constants import Constant, rotary_unit, rotary_words
 from stribeck.export.request import Request
 from stribeck.expressions.emit import ADD, ATOM, UNARY, Dialect, Writer
 from stribeck.expressions.graph import Expr, Names, symbol, wrap
 from stribeck.laws.base import Law
+from stribeck.plants.mass import Mass
 from stribeck.version import __version__
 
 MODELICA = Dialect(
@@ -90,13 +92,20 @@ package {name} "{_line(law)}"
   equation
     friction.v = v;
     der(y) = v;
-    mass*der(v) = u - friction.F;
+    der(v) = {_acceleration()};
   end Body;
 
   annotation(version="{__version__}", Documentation(info="<html><pre>{info}</pre></html>"));
 end {name};
 """
     return f"{comment}\n{_turned(made) if request.rotary else made}"
+
+
+def _acceleration() -> str:
+    """dv/dt of the body, from the equation that is simulated."""
+    value = Mass.acceleration(SimpleNamespace(mass=symbol("mass")), symbol("u"), symbol("F"))
+    line = _Writer(MODELICA, {"mass": "mass", "u": "u", "F": "friction.F"}).write([("a", wrap(value))])[-1]
+    return line.removeprefix("a = ").removesuffix(";")
 
 
 def _turned(text: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stribeck.errors import InputError
-from stribeck.export.c.ccode import ARGUMENTS, Equations, render
+from stribeck.export.c.ccode import ARGUMENTS, LawCode, render
 from stribeck.export.c.sampling import resolution
 from stribeck.export.request import Request
 from stribeck.expressions.emit import Dialect, Writer
@@ -64,7 +64,7 @@ def number(x: float) -> str:
 
 def files(request: Request) -> dict[str, str | bytes]:
     """The function block, with the functions that it needs."""
-    law, equations = request.law, Equations(request.law)
+    law, equations = request.law, LawCode(request.law)
     names = [*_OWN, *(name.lower() for name in request.constants)]
     if bad := [
         name for name in request.constants if names.count(name.lower()) > 1 or name in ARGUMENTS or not name.isascii()

@@ -12,7 +12,7 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.data.filters import shifted
-from stribeck.identify.features.guess import Range, ranges, scales
+from stribeck.identify.features.guess import Guess, ranges, scales
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
 from stribeck.identify.models.problem import Coordinate, Problem, Tie
@@ -214,7 +214,7 @@ def velocity_problem(
         here = ranges(law, sizes)[name]
         if start and start.get(name, 0.0) > 0:
             given = float(start[name])
-            here = Range(given, min(here.low, given), max(here.high, given), here.reach)
+            here = Guess(given, min(here.low, given), max(here.high, given), here.reach)
         unit = law.constants()[name].unit
         found.append((Coordinate(name, unit, *here.bounds), here.value, here.low, here.high))
     found += [_body_coordinate(name, log, sizes.force, sizes.offset) for name in body if name not in held]

@@ -11,7 +11,7 @@ from typing import Any
 from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.control.cascade import Cascade, Path
-from stribeck.control.observer import ETA, SCALES, Z_HAT, Adaptation, Estimate, adapt, observe
+from stribeck.control.observer import ETA, SCALES, Z_HAT, Adaptation, Observed, adapt, observe
 from stribeck.drives.base import Column
 from stribeck.equations import Equations
 from stribeck.expressions.emit import python_function
@@ -170,7 +170,7 @@ class ServoSystem(Equations):
         acceleration = derivative(speed, t)
         return position, speed, acceleration, derivative(acceleration, t)
 
-    def _observe(self, c: Any, v: Expr, s: Value, called: Names | None) -> Estimate:
+    def _observe(self, c: Any, v: Expr, s: Value, called: Names | None) -> Observed:
         x: dict[str, Value] = {state.name: symbol(state.name) for state in self.controller_states}
         p = self._observer_constants(called) if self.observer else None
         if self.adaptive:
