@@ -16,6 +16,22 @@ from stribeck.version import __version__
 
 
 @dataclass(frozen=True)
+class Target:
+    """A tool to write for.
+
+    Its ``module`` has ``files(request)``, which returns the content by file name, and may have ``notes(request)``: what
+    the law loses there. ``folder`` is False where the target is one file, ``out`` itself.
+    """
+
+    name: str
+    module: str
+    meaning: str
+    parts: tuple[str, ...] = ("law",)
+    folder: bool = True
+    self_test: bool = False
+
+
+@dataclass(frozen=True)
 class Request:
     """One export: the law with its constants, the part wanted, the scenario and the time step where they are given."""
 

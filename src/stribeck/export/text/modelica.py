@@ -8,12 +8,14 @@ from collections.abc import Mapping
 from types import SimpleNamespace
 
 from stribeck.constants import Constant, rotary_unit, rotary_words
-from stribeck.export.request import Request
+from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import ADD, ATOM, UNARY, Dialect, Writer
 from stribeck.expressions.graph import Expr, Names, symbol, wrap
 from stribeck.laws.base import Law
 from stribeck.plants.mass import Mass
 from stribeck.version import __version__
+
+TARGET = Target("modelica", "text.modelica", "a Modelica package", folder=False)
 
 MODELICA = Dialect(
     declare="",

@@ -12,12 +12,14 @@ import re
 from dataclasses import replace
 
 from stribeck.errors import InputError
-from stribeck.export.request import Request
+from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import PYTHON, Writer
 from stribeck.expressions.graph import Names, derivative, symbol, wrap
 from stribeck.laws.base import Law
 from stribeck.laws.dahl import Dahl
 from stribeck.laws.lugre import LuGre
+
+TARGET = Target("mujoco", "text.mujoco", "a MuJoCo model, and a callback", ("law", "body"))
 
 _STEP = 1e-3  # s, unless the request says otherwise
 _SLOTS = 10  # numbers that an actuator of MuJoCo can carry (mjNBIAS)

@@ -7,9 +7,11 @@ from collections.abc import Sequence
 from stribeck.errors import InputError
 from stribeck.export.c.ccode import ARGUMENTS, LawCode, render
 from stribeck.export.c.sampling import resolution
-from stribeck.export.request import Request
+from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import Dialect, Writer
 from stribeck.expressions.graph import Expr, Names
+
+TARGET = Target("st", "text.st", "an IEC 61131-3 function block in Structured Text", folder=False)
 
 _OWN = ("v", "dt", "reset", "f", "z", "ok")  # of the block itself; the language knows no case
 _PARTS = 16  # of a step, for laws whose dz/dt is not linear in z
