@@ -8,7 +8,8 @@ from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
-from stribeck.expressions.graph import Expr, Names, symbol
+from stribeck.expressions.graph import Expr, symbol
+from stribeck.expressions.names import Names
 from stribeck.signals.pieces import STRAIGHT
 
 Events = tuple[str, str, str, str]

@@ -10,7 +10,8 @@ from typing import Any
 from stribeck.constants import Constant
 from stribeck.drives.base import Column, Drive
 from stribeck.equations import Equations
-from stribeck.expressions.graph import Expr, Names, derivative, symbol, wrap
+from stribeck.expressions.graph import Expr, derivative, symbol, wrap
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 from stribeck.expressions import ops
 from stribeck.expressions.emit import PYTHON, C, Writer, python_function
-from stribeck.expressions.graph import Names, constant, symbol
+from stribeck.expressions.graph import constant, symbol
+from stribeck.expressions.names import Names
 from stribeck.simulation import compiler
 from tests.expressions.trees import NAMES, QUICK, node_of, trees
 

@@ -37,7 +37,7 @@ def fit(
     if out is not None:
         show.check_folder(out)
     with show.progress("fit") as tell:
-        log = fitting.read_log(data, columns, how)
+        log = fitting.log_of(data, columns, how)
         if tell is not None:
             tell(_READ)
         result = fitting.fit_log(log, laws, options, _rest_of(tell))

@@ -29,7 +29,7 @@ def predict(
     gain = columns.force_gain if columns.force_gain is not None else model.force_gain
     how = Preparation(cutoff if cutoff is not None else model.cutoff, None, simulated)
     with show.progress("predict"):
-        log = fitting.read_log(data, Columns(names, units, gain), how)
+        log = fitting.log_of(data, Columns(names, units, gain), how)
         found = predicting.predict(model, log)
     summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}, "files": []}
     if out is not None:

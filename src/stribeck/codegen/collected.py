@@ -6,7 +6,8 @@ from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 
 from stribeck.equations import Equations
-from stribeck.expressions.graph import ONE, ZERO, Expr, Names, derivative, ordered, rewrite, substitute, symbol, symbols
+from stribeck.expressions.graph import ONE, ZERO, Expr, derivative, ordered, rewrite, substitute, symbol, symbols
+from stribeck.expressions.names import Names
 
 
 @dataclass

@@ -7,7 +7,8 @@ from importlib.resources import files
 
 from stribeck.codegen.source import PORTABLE
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
-from stribeck.expressions.graph import Expr, Names, derivative, symbol, wrap
+from stribeck.expressions.graph import Expr, derivative, symbol, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.laws.form import USUAL, Form
 

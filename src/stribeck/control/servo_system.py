@@ -18,7 +18,6 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import (
     ONE,
     Expr,
-    Names,
     constant,
     derivative,
     substitute,
@@ -26,6 +25,7 @@ from stribeck.expressions.graph import (
     total_derivative,
     wrap,
 )
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, both, sqrt, where
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form

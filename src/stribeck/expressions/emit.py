@@ -9,7 +9,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from stribeck.expressions import ops
-from stribeck.expressions.graph import Expr, Names, ordered
+from stribeck.expressions.graph import Expr, ordered
+from stribeck.expressions.names import Names
 
 ATOM, UNARY, MUL, ADD, COMPARE, AND, OR, TERNARY = range(8)
 _LONGEST_LINE = 110

@@ -9,12 +9,15 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stribeck.expressions import ops
 from stribeck.expressions.exact import Exact, combined, function
+
+if TYPE_CHECKING:
+    from stribeck.expressions.names import Names
 
 Number = int | float
 
@@ -360,42 +363,26 @@ def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
     return _function(node.op, *args)
 
 
-class Names(dict[Expr, str]):
-    """What intermediate results are called in the code of one build; a node keeps the first name that it is given."""
-
-    def give(self, node: Any, name: str) -> None:
-        """Call a result so; symbols and numbers have no names of their own."""
-        if isinstance(node, Expr) and node.args:
-            self.setdefault(node, name)
-
-    def hand_on(self, old: Expr, new: Expr) -> Expr:
-        """Call what stands in the place of a node as it was called; the new node."""
-        if old is not new and old in self:
-            self.give(new, self[old])
-        return new
-
-    def term(self, name: str, latex: str, args: tuple[Any, ...], value: Any) -> Any:
-        """Call a term of an equation by its name; see :class:`stribeck.laws.values.Constants`."""
-        self.give(value, name)
-        return value
+def _unnamed(old: Expr, new: Expr) -> Expr:
+    return new
 
 
 def rewrite(outputs: Iterable[Expr], rule: Callable[[Expr], Expr], names: Names | None = None) -> list[Expr]:
     """The outputs with ``rule`` applied to every node, arguments first; ``names`` are handed on."""
-    outputs, names = list(outputs), Names() if names is None else names
+    outputs, hand_on = list(outputs), _unnamed if names is None else names.hand_on
     new: dict[Expr, Expr] = {}
     for node in ordered(outputs):
-        new[node] = rule(names.hand_on(node, rebuild(node, tuple(new[a] for a in node.args))))
+        new[node] = rule(hand_on(node, rebuild(node, tuple(new[a] for a in node.args))))
     return [new[node] for node in outputs]
 
 
 def substitute(outputs: Iterable[Expr], values: Mapping[Expr, Expr], names: Names | None = None) -> list[Expr]:
     """The outputs with the nodes that are keys of ``values`` replaced; ``names`` are handed on."""
-    outputs, names = list(outputs), Names() if names is None else names
+    outputs, hand_on = list(outputs), _unnamed if names is None else names.hand_on
     new: dict[Expr, Expr] = dict(values)
     for node in ordered(outputs):
         if node not in new:
-            new[node] = names.hand_on(node, rebuild(node, tuple(new[a] for a in node.args)))
+            new[node] = hand_on(node, rebuild(node, tuple(new[a] for a in node.args)))
     return [new[node] for node in outputs]
 
 

@@ -101,7 +101,7 @@ def fit(
         output, drive,
     )  # fmt: skip
     of_file = Columns({**(columns or {}), **named}, dict(units or {}), force_gain)
-    log = read_log(data, of_file, Preparation(cutoff, trim, is_simulated(names, method)))
+    log = log_of(data, of_file, Preparation(cutoff, trim, is_simulated(names, method)))
     return fit_log(log, names, options, progress)
 
 
@@ -132,7 +132,38 @@ def is_simulated(names: Sequence[str], method: str | None) -> bool:
     return method in ("presliding", "dynamic") or (method is None and any(laws.find(name).has_z for name in names))
 
 
-def read_log(data: Data, columns: Columns, how: Preparation | None = None) -> Log:
+def read_log(
+    data: Data,
+    columns: Mapping[str, str],
+    units: Mapping[str, str] | None = None,
+    force_gain: float | str | None = None,
+    cutoff: float | None = None,
+    trim: int | None = None,
+    simulated: bool = False,
+) -> Log:
+    """The log in files, ready to be fitted; a log as it is.
+
+    Args:
+        data: a file (CSV, Parquet, MAT, NPZ), a data frame or a mapping of names to arrays, or several of one layout.
+        columns: the file's column for each role: ``{"time": "t", "velocity": "v", "force": "F"}``, and position,
+            acceleration, ...; a TOML file of the data's name beside it may hold them.
+        units: the unit of a column by its name; SI unless given.
+        force_gain: force per unit of the force column: a number, or the name of a constant in the file.
+        cutoff: of the low-pass filter, Hz; chosen from the data unless given.
+        trim: rows left out at both ends, where the filter rings; chosen unless given.
+        simulated: for laws with bristles, which are simulated: the filter rounds break-away less.
+
+    Returns:
+        A :class:`stribeck.identify.log.Log` in SI units, for :func:`stribeck.fit`.
+
+    Raises:
+        InputError: the file cannot be read, a column is missing or has no unit; one line for each problem.
+    """
+    named = Columns(dict(columns), dict(units or {}), force_gain)
+    return log_of(data, named, Preparation(cutoff, trim, simulated))
+
+
+def log_of(data: Data, columns: Columns, how: Preparation | None = None) -> Log:
     """The log in files, ready to be fitted; a log as it is."""
     names, how = columns.names, how or Preparation()
     if unknown := [n for n in names if n not in ROLES]:

@@ -31,6 +31,7 @@ from stribeck.expressions.ops import Value
 from stribeck.laws import terms
 from stribeck.laws.evaluation import Evaluation
 from stribeck.laws.form import USUAL, Form
+from stribeck.laws.objects import AsObject
 from stribeck.laws.tools import ToTools
 from stribeck.laws.values import Constants, OnTerm
 
@@ -110,7 +111,7 @@ def _may_be_none(constant: Constant) -> bool:
     return constant.optional or bool(constant.choices)
 
 
-class Law(Evaluation, ToTools):
+class Law(AsObject, Evaluation, ToTools):
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
     Args:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 from stribeck.expressions.graph import (
     ZERO,
     Expr,
-    Names,
     derivative,
     is_zero,
     substitute,
@@ -15,6 +14,7 @@ from stribeck.expressions.graph import (
     total_derivative,
     wrap,
 )
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import both, clip, where
 from stribeck.machine.controllers import Own
 from stribeck.machine.friction import compensation, parameters

@@ -5,7 +5,8 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from stribeck.expressions.graph import Expr, Names, derivative, is_zero, substitute, symbol, symbols, wrap
+from stribeck.expressions.graph import Expr, derivative, is_zero, substitute, symbol, symbols, wrap
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, clip, where
 from stribeck.laws.base import Law
 from stribeck.laws.values import Constants

@@ -12,7 +12,8 @@ from types import SimpleNamespace
 from typing import Any
 
 from stribeck.constants import Constant
-from stribeck.expressions.graph import Expr, Names, symbol
+from stribeck.expressions.graph import Expr, symbol
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from stribeck.equations import Sample
-from stribeck.expressions.graph import Expr, Names, derivative, substitute, symbol, symbols, wrap
+from stribeck.expressions.graph import Expr, derivative, substitute, symbol, symbols, wrap
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import exp, floor, where
 from stribeck.machine.parts import ControllerPart
 

@@ -8,7 +8,8 @@ from functools import cached_property
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK, Equations, Sample, Watch, Watched
-from stribeck.expressions.graph import Expr, Names
+from stribeck.expressions.graph import Expr
+from stribeck.expressions.names import Names
 from stribeck.machine.balance import Balance
 from stribeck.machine.parts import (
     Body,

@@ -72,9 +72,25 @@ class Scenario:
         self.__dict__.update(known, data=data, folder=folder, parts=parts, _law=law)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"{name}: a scenario does not change; with_changes() makes another")
+        raise AttributeError(f"{name}: a Scenario does not change; replace({{PATH: VALUE}}) makes another")
 
     __delattr__ = __setattr__  # type: ignore[assignment]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scenario) and (self.data, self.folder) == (other.data, other.folder)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.folder))
+
+    def __repr__(self) -> str:
+        return f"<Scenario {self.name}: {self.subject}, t_end {self.solve.t_end:g} s>"
+
+    def with_values(self, **values: Any) -> Scenario:
+        """This scenario with other values of law, mass, initial state or signal, of the same structure; not judged. Its
+        ``data`` stay as they are."""
+        other = object.__new__(Scenario)
+        other._set(self.data, self.folder, dataclasses.replace(self.parts, **values))
+        return other
 
     @classmethod
     def load(
@@ -125,13 +141,6 @@ class Scenario:
         return Scenario(changed(self.data, changes, self.folder), folder=self.folder, trust=True)
 
     replace = with_changes
-
-    def with_parts(self, **parts: Any) -> Scenario:
-        """This scenario with other values in the place of validated ones (``law``, ``mass``, ``initial``, ``signal``), for
-        loops that cannot read it anew each time; its ``data`` stay as they are."""
-        other = object.__new__(Scenario)
-        other._set(self.data, self.folder, dataclasses.replace(self.parts, **parts))
-        return other
 
     # -- what Reader found -----------------------------------------------------------------------------------------
 

@@ -13,7 +13,8 @@ from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, condition, render, statements
 from stribeck.export.request import Request, ascii_only, made_by, valued
-from stribeck.expressions.graph import Expr, Names, derivative, ordered, symbol, symbols, wrap
+from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
 from stribeck.scenario import Scenario

@@ -11,7 +11,8 @@ from typing import Any
 from stribeck.control.observer import correction
 from stribeck.errors import needed
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
-from stribeck.expressions.graph import Expr, Names, derivative, ordered, substitute, symbol, symbols, wrap
+from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 
 _FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")

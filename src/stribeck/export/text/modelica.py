@@ -10,7 +10,8 @@ from types import SimpleNamespace
 from stribeck.constants import Constant, rotary_unit, rotary_words
 from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import ADD, ATOM, UNARY, Dialect, Writer
-from stribeck.expressions.graph import Expr, Names, symbol, wrap
+from stribeck.expressions.graph import Expr, symbol, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.plants.mass import Mass
 from stribeck.version import __version__

@@ -14,7 +14,8 @@ from dataclasses import replace
 from stribeck.errors import InputError
 from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import PYTHON, Writer
-from stribeck.expressions.graph import Names, derivative, symbol, wrap
+from stribeck.expressions.graph import derivative, symbol, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.laws.dahl import Dahl
 from stribeck.laws.lugre import LuGre

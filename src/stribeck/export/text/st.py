@@ -9,7 +9,8 @@ from stribeck.export.c.ccode import ARGUMENTS, LawCode, render
 from stribeck.export.c.sampling import resolution
 from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import Dialect, Writer
-from stribeck.expressions.graph import Expr, Names
+from stribeck.expressions.graph import Expr
+from stribeck.expressions.names import Names
 
 TARGET = Target("st", "text.st", "an IEC 61131-3 function block in Structured Text", folder=False)
 

@@ -14,7 +14,7 @@ from scipy import signal
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.data.clocks import on_one_clock, pieces, released
-from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.filters import derivative, low_pass
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import Columns, read
 from stribeck.identify.log import Log
@@ -110,7 +110,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
             columns["acceleration"][rows] = low_pass(columns["acceleration"][rows], chosen, step)
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
-    sources = _sources(roles, measured, cutoff, parts)
+    sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if how.simulated else "central differences")
     if how.simulated:
         sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
@@ -194,23 +194,28 @@ def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep
         if name in found and cutoff > 0:
             found[name] = low_pass(found[name], cutoff, step)
     if "velocity" not in found:
-        found["velocity"] = np.gradient(found["position"], step)
+        found["velocity"] = _slope(found["position"], step, bool(keep))
     if "position" not in found:
         found["position"] = np.concatenate(
             [[0.0], np.cumsum((found["velocity"][1:] + found["velocity"][:-1]) * step / 2)]
         )
     if "acceleration" not in found:
-        found["acceleration"] = np.gradient(found["velocity"], step)
+        found["acceleration"] = _slope(found["velocity"], step, bool(keep))
     return found
 
 
-def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean]) -> dict[str, str]:
+def _slope(x: Array, step: float, sharp: bool) -> Array:
+    """dx/dt; central differences are the published procedure's for least squares."""
+    return derivative(x, step) if sharp else np.asarray(np.gradient(x, step))
+
+
+def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean], slopes: str) -> dict[str, str]:
     filtered = f", low-pass {cutoff:g} Hz, zero phase" if cutoff > 0 else ""
     resampled = "" if all(part.even for part in parts) else ", resampled"
     found = {name: f"measured{resampled}{filtered if name in _MOTION[1:] else ''}" for name in roles}
     found.setdefault("position", "the integral of the velocity")
-    found.setdefault("velocity", "central differences of the position")
-    found.setdefault("acceleration", "central differences of the velocity")
+    found.setdefault("velocity", f"{slopes} of the position")
+    found.setdefault("acceleration", f"{slopes} of the velocity")
     return found
 
 

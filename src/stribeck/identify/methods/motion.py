@@ -95,15 +95,13 @@ class RigProblem(Problem):
             law = self.law({n: values[n] for n in self.law.constants() if n in values})
         except InputError:
             return None
-        time = self.log.time[rows] - self.log.time[rows][0]
         z = values.get(first_deflection(number), 0.0) * self.length(values)
-        beside = self._beside(rows, values) if self.kind == "force" else 0.0
-        scenario = self.scenarios[number].with_parts(
-            law=law, mass=values["mass"],
-            initial={**self.scenarios[number].initial, **({"z": z} if self.law.has_z else {})},
-            signal=Points(time, self.signal[rows] - beside),
-        )  # fmt: skip
-        solution = simulate(scenario)
+        initial = {**self.scenarios[number].initial, **({"z": z} if self.law.has_z else {})}
+        time = self.log.time[rows] - self.log.time[rows][0]
+        signal = Points(time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0))
+        solution = simulate(
+            self.scenarios[number].with_values(law=law, mass=values["mass"], initial=initial, signal=signal)
+        )
         found = solution[self.column]
         return found if solution.status == "done" and np.isfinite(found).all() else None
 
