@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from stribeck.properties import Verdict, Verdicts, check, storage_interval
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
+    from stribeck.properties.ports import MachineVerdicts, check_machine
     from stribeck.report.sweep import sweep
     from stribeck.scenario import Scenario
     from stribeck.scenario.objects import (
@@ -45,11 +46,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Advice", "Body", "BristleLaw", "BuildError", "Claims", "Constant", "Contact", "Controller", "Ensemble",
-    "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "Motor", "NotDifferentiable", "PointToPoint",
-    "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step", "StribeckError", "StribeckNote",
-    "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "compare", "export", "fit",
-    "gains", "hunting", "law", "margins", "parameters", "read_log", "simulate", "simulate_ensemble",
-    "storage_interval", "sweep",
+    "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "MachineVerdicts", "Motor",
+    "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
+    "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
+    "check_all", "check_machine", "compare", "export", "fit", "gains", "hunting", "law", "margins",
+    "parameters", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -69,6 +70,7 @@ _HOME = {
     **dict.fromkeys(("BristleLaw", "Claims", "Law"), "stribeck.laws.base"),
     **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),
     "check_all": "stribeck.properties.matrix",
+    **dict.fromkeys(("MachineVerdicts", "check_machine"), "stribeck.properties.ports"),
     "law": "stribeck.laws",
     "margins": "stribeck.properties.margins",
     **dict.fromkeys(("allow_undetermined", "parameters"), "stribeck.parameter_sets"),

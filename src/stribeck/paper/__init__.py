@@ -19,7 +19,7 @@ from stribeck.version import __version__
 # In the order of the report; other modules of this folder that have a chapter come after them.
 _LISTED = (
     "steady", "smoothing", "presliding", "stick_slip", "sine_force", "limit_cycle", "break_away", "servo", "statements",
-    "beyond", "guarantees", "evidence", "which_k_v",
+    "beyond", "guarantees", "evidence", "which_k_v", "joint",
 )  # fmt: skip
 _NO_CHAPTERS = ("common", "sketches")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from stribeck.constants import kind_of, show
 from stribeck.control.cascade import Cascade
@@ -14,11 +14,14 @@ from stribeck.drives import Drive
 from stribeck.equations import Equations
 from stribeck.errors import nearest
 from stribeck.laws.base import Law
-from stribeck.scenario import machine, memory, servo, tables, trust
+from stribeck.scenario import memory, servo, tables, trust
 from stribeck.scenario.law import LawReader, no_table, unknown
 from stribeck.scenario.signal import read_signal
 from stribeck.signals import Signal
 from stribeck.system import System
+
+if TYPE_CHECKING:
+    from stribeck.scenario.machine import Rig
 
 _TABLES = ("law", "plant", "drive", "solve", "output")
 
@@ -33,7 +36,7 @@ class Parts:
     signal: Signal | None = None
     mass: float | None = None
     servo: servo.Servo | None = None
-    rig: machine.Rig | None = None
+    rig: Rig | None = None
     initial: dict[str, float] | None = None
     solve: tables.Solve | None = None
     output: tables.Output | None = None
@@ -88,6 +91,8 @@ class Reader:
 
     def _machine(self) -> list[tables.Problem]:
         """A machine: bodies, and elements between them."""
+        from stribeck.scenario import machine  # costs a fifth of a start, which other files need not pay
+
         self._unknown(self.data, "", machine.TOP)
         self._schema(2)
         self._name()

@@ -2,4 +2,4 @@
 
 from stribeck.export.request import Target
 
-TARGET = Target("fmu", "fmu.archive", "an FMU for FMI 2.0 and 3.0", ("law", "body", "cascade"), folder=False)
+TARGET = Target("fmu", "fmu.archive", "an FMU for FMI 2.0 and 3.0", ("law", "body", "cascade", "machine"), folder=False)
