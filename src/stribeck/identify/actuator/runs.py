@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
@@ -20,7 +20,6 @@ from stribeck.simulation import cache, compiler, lanes
 from stribeck.simulation.machines import machine_places, vary_machine
 from stribeck.simulation.variations import Variations
 
-Array = NDArray[np.float64]
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
 _LIBRARIES: dict[Equations, ctypes.CDLL] = {}

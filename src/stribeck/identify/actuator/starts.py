@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck.identify.actuator.coordinates import Coordinate
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.runs import Run, made
 from stribeck.scenario import Scenario
 
-Array = NDArray[np.float64]
 _NEAR = 12  # samples from which a state is estimated
 _ROOM = 6.0  # bounds of a start, in its estimate's deviations
 _MOVES = 3.0
