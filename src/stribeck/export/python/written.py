@@ -14,28 +14,8 @@ from stribeck.expressions.graph import Expr, derivative, rewrite, symbol
 from stribeck.laws.base import Law
 
 FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign", "floor", "where", "both", "either")
-_TAKEN = frozenset(
-    {
-        *FUNCTIONS,
-        *[
-            "abs",
-            "pow",
-            "like",
-            "real",
-            "p",
-            "v",
-            "z",
-            "i",
-            "wp",
-            "torch",
-            "law",
-            "sign_of",
-            "gradient",
-            "by_rate",
-            "by_force",
-        ],
-    }
-)
+_NAMES = ("p", "v", "z", "i", "wp", "torch", "law", "sign_of", "gradient", "by_rate", "by_force", "at")
+_TAKEN = frozenset({*FUNCTIONS, "abs", "pow", "like", "real", *_NAMES})
 ARRAYS = replace(PYTHON, value="like(v, {0})")
 WARP = Dialect(
     declare="",

@@ -111,7 +111,7 @@ def candidates(best: Estimate, run: Run) -> Iterator[tuple[str, Run]]:
     assert run.scenario.rig is not None
     there = {t.column for t in run.targets}
     for column in run.scenario.rig.machine.columns:
-        if column.name not in there and column.name.endswith((".y", ".i", ".torque", ".f")) and run.targets:
+        if column.name not in there and column.name.endswith((".y", ".i", ".torque")) and run.targets:
             t = run.targets[0].t
             extra = Target(column.name, t, np.zeros(len(t)))
             yield f"with {column.name} measured too", replace(run, targets=[*run.targets, extra])

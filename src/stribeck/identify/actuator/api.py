@@ -63,7 +63,7 @@ def fit_machine(
         raise InputError(f"{arg('starts')}: {show(starts)}: must be a whole number >= 1")
     work = Work(progress)
     with threadpool_limits(1):
-        return FitState(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)
+        return Fitting(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)
 
 
 def checked(scenario: Scenario, logs: Logs) -> list[Coordinate]:
@@ -94,7 +94,7 @@ def checked(scenario: Scenario, logs: Logs) -> list[Coordinate]:
     return sought
 
 
-class FitState:
+class Fitting:
     """One run of the command."""
 
     def __init__(

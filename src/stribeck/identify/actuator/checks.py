@@ -10,7 +10,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import Coordinate
 from stribeck.identify.actuator.estimate import POOR, Estimate, leftovers
-from stribeck.identify.actuator.intervals import Spread, inverse, meat_of, memory_of
+from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
 from stribeck.identify.actuator.problem import Problem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
 from stribeck.identify.actuator.runs import Run
@@ -165,7 +165,6 @@ def after(best: Estimate, s: Spread) -> list[str]:
     problem, u = best.problem, best.u
     r = problem.residuals(u[None])[0]
     sought = {c.output for c in problem.sought}
-    lags, _, _ = memory_of(problem, r)
     told = []
     for column in problem.noise:
         extra = _sensor(problem, u, column)
@@ -177,17 +176,19 @@ def after(best: Estimate, s: Spread) -> list[str]:
             if size <= 0:
                 continue
             covariance = inverse(J)
-            value = float(-(covariance @ (J.T @ r))[-1])
+            move = -(covariance @ (J.T @ r))
+            value, left = float(move[-1]), r + J @ move  # what is left with it
+            lags, _, _ = remembered(problem, left)
             wide = float(
-                np.sqrt(max((covariance @ meat_of(problem, r, J, lags) @ covariance)[-1, -1], covariance[-1, -1]))
+                np.sqrt(max((covariance @ scores(problem, left, J, lags) @ covariance)[-1, -1], covariance[-1, -1]))
             )
-            fall = value**2 / covariance[-1, -1] / float(r @ r)
+            fall = 1 - float(left @ left) / float(r @ r)
             if abs(value) > _SURE * wide and fall > _MATTERS:
                 told.append(
                     (fall, f"{column}: {_words(what, value, wide)}; seek outputs.{column}.{what} if that can be")
                 )
     told.sort(reverse=True)
-    return [text for _, text in told[:2]]
+    return [text for _, text in told[:1]]  # the others may be its shadows
 
 
 def _words(what: str, value: float, wide: float) -> str:

@@ -42,9 +42,9 @@ def spread(problem: Problem, u: Array) -> Spread:
     step = np.clip(0.3 * np.sqrt(np.diag(rough)), 1e-5, 2e-2)
     J = problem.central(u, step)
     covariance = inverse(J)
-    lags, memory, independent = memory_of(problem, r)
+    lags, memory, independent = remembered(problem, r)
     inflation = np.ones(len(u))
-    meat = meat_of(problem, r, J, lags)
+    meat = scores(problem, r, J, lags)
     sandwich = covariance @ meat @ covariance
     plain = np.diag(covariance)
     with np.errstate(all="ignore"):
@@ -62,7 +62,7 @@ def inverse(J: Array) -> Array:
     return np.asarray((vectors / values) @ vectors.T / np.outer(size, size))
 
 
-def memory_of(problem: Problem, r: Array) -> tuple[dict[int, int], dict[str, float], float]:
+def remembered(problem: Problem, r: Array) -> tuple[dict[int, int], dict[str, float], float]:
     """For each target, by its first number, the lags over which its residuals are correlated; the time (in samples) in
     which each column forgets, its integrated autocorrelation; and how many independent residuals there are."""
     lags: dict[int, int] = {}
@@ -95,7 +95,7 @@ def _places(problem: Problem) -> list[tuple[int, int, str]]:
     return found
 
 
-def meat_of(problem: Problem, r: Array, J: Array, lags: dict[int, int]) -> Array:
+def scores(problem: Problem, r: Array, J: Array, lags: dict[int, int]) -> Array:
     """The covariance of the slopes times the residuals: Newey and West's, with Bartlett's window over each memory."""
     total = np.zeros((J.shape[1], J.shape[1]))
     for at, size, _ in _places(problem):
