@@ -12,6 +12,7 @@ from stribeck.export.python.constants import checked
 from stribeck.export.python.written import FUNCTIONS, equations
 from stribeck.expressions import ops
 from stribeck.laws.base import Law
+from stribeck.laws.values import Constants
 
 
 class _Backend:
@@ -38,8 +39,8 @@ class JaxLaw:
         self.law = law
         self._step: Any = None
 
-    def _constants(self, given: dict[str, Any]) -> SimpleNamespace:
-        return SimpleNamespace(**{**vars(self.law.p), **checked(self.law, given)})
+    def _constants(self, given: dict[str, Any]) -> Constants:
+        return self.law.p.replaced(checked(self.law, given))
 
     def rate(self, v: Any, z: Any, **constants: Any) -> Any:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""
@@ -70,7 +71,9 @@ class JaxLaw:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
         jnp: Any = package("jax.numpy", "jax")
         state, v, dt = self._arrays(state, v, dt)
-        p = SimpleNamespace(**{n: jnp.asarray(x, float) for n, x in vars(self._constants(constants)).items() if _number(x)})
+        p = SimpleNamespace(
+            **{n: jnp.asarray(x, float) for n, x in vars(self._constants(constants)).items() if _number(x)}
+        )
         return stepping.settled(jnp, _loop, _equations(self.law), p, v, state + 0 * v, dt)
 
     @staticmethod

@@ -170,7 +170,7 @@ class MachineReader(Reading):
         if span is None or law is None or None in levels or None in factors:
             return None
         parts = tuple(x for x in levels if x), tuple(x for x in factors if x)
-        return ContactPart(name, type(law), law.structure, span, *parts)
+        return ContactPart(name, type(law), law.form, span, *parts)
 
     def _law(self, table: Any, path: str) -> Law | None:
         reader = LawReader(table, path, self.folder, self.executes)
@@ -277,4 +277,4 @@ class MachineReader(Reading):
         else:
             self.problems.append((f"{path}.contact", "missing: must be given (a contact, or else a law)"))
             return None
-        return None if law is None else Compensation(type(law), law.structure, place, values.speed)
+        return None if law is None else Compensation(type(law), law.form, place, values.speed)
