@@ -246,7 +246,10 @@ def paper(
 @app.command(epilog="Example: stribeck export lugre --parameters canudas1995 --target c --out firmware")
 def export(
     target: Annotated[
-        str, typer.Option("--target", metavar="NAME", help="The tool: c, fmu, modelica, mujoco, st or table.")
+        str,
+        typer.Option(
+            "--target", metavar="NAME", help="c, fmu, isaaclab, mjwarp, modelica, mujoco, newton, st or table."
+        ),
     ],
     out: Annotated[
         Path, typer.Option("--out", metavar="PATH", help="Where to: a folder for c and mujoco, else a file.")
