@@ -215,6 +215,7 @@ class Compensation:
     options: tuple[str, ...]
     path: str  # of the law's table: the contact's, or one of its own
     speed: str  # "reference" or "measured"
+    share: bool = False  # whether a share of it other than the whole is given
 
     @cached_property
     def p(self) -> SimpleNamespace:

@@ -20,7 +20,7 @@ from stribeck.simulation.result import Result, ended, held_back, legs
 _SAME_TIME = 1e-12  # as in runtime/run.c
 
 
-class _Equations:
+class RateFunctions:
     """The system's functions of (t, x) for solve_ivp, within one piece of the signals."""
 
     def __init__(self, scenario: Scenario) -> None:
@@ -64,7 +64,7 @@ class _Equations:
 class _Controllers:
     """The sampled controllers: when they sample, what they remember, and which outputs wait."""
 
-    def __init__(self, scenario: Scenario, equations: _Equations) -> None:
+    def __init__(self, scenario: Scenario, equations: RateFunctions) -> None:
         system, self.equations = scenario.system, equations
         samples, self.timing = system.samples(), scenario.sampling()
         self.noise = held_back(scenario.end, [self.timing])[1]
@@ -132,7 +132,7 @@ class _Run:
     """A run as far as it has come: the state, the rows filled, the events met."""
 
     def __init__(self, scenario: Scenario, progress: Callable[[float], None] | None) -> None:
-        self.scenario, self.progress, self.equations = scenario, progress, _Equations(scenario)
+        self.scenario, self.progress, self.equations = scenario, progress, RateFunctions(scenario)
         self.controllers = _Controllers(scenario, self.equations)
         names = self.equations.states
         atol = scenario.atol()
