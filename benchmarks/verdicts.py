@@ -4,18 +4,22 @@ The truth of the former is derived by hand (tests/properties/nasty); that of the
 conditions of docs/theory.md, evaluated here with rational numbers. A counterexample to passivity is integrated anew.
 
     python benchmarks/verdicts.py [--sets 20] [--seed 0] [--nasty | --builtin] [--list]
+    python benchmarks/verdicts.py --builtin --results benchmarks/results/verdicts.json --seconds 150   # again until it is done
 
 prints a table: laws, verdicts, wrong ones, crashes, undecided (of natural laws and ordinary sets apart), CPU seconds.
+With ``--results`` a run goes on where the last one with the same sources of the check, sets and seed stopped.
 """
 
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import random
 import sys
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -32,6 +36,7 @@ import stribeck
 MAJORANTS = [f"{law}/{m}" for law in ("lugre_majorant", "elastoplastic_majorant") for m in ("atan", "sqrt", "compact")]
 BUILTIN = ["lugre", "lugre_arctan", "lugre_sobczyk", "elastoplastic", "elastoplastic_sobczyk", "dahl", *MAJORANTS]
 DIGITS = 60
+FAILED = "the equations cannot be treated"  # how check says that it failed itself
 
 
 @dataclass
@@ -39,6 +44,7 @@ class Row:
     """A line of the table."""
 
     name: str
+    sets: int = 0
     laws: int = 0
     verdicts: int = 0
     undecided: int = 0
@@ -66,6 +72,8 @@ class Row:
             if verdict.holds is None:
                 self.undecided += 1
                 self.open.append(f"{name}: {what}")
+                if str(verdict.evidence.get("reason")).startswith(FAILED):
+                    self.crashes.append(f"{name}: {what}: {verdict.evidence['reason']}")
             elif truth[what] is not None and verdict.holds is not truth[what]:
                 self.wrong.append(f"{name}: {what}: {verdict.holds} ({verdict.method})")
             elif what == "passive" and verdict.holds is False and (text := replayed(law, verdict.evidence)):
@@ -235,26 +243,68 @@ def law_of(name: str, values: dict[str, float]) -> Any:
     return stribeck.law(law, values, **({"smooth_abs": majorant} if majorant else {}))
 
 
-def builtin(kind: str, sets: int, seed: int, names: list[str]) -> Iterator[Row]:
+def builtin(kind: str, names: list[str], progress: Progress) -> Iterator[Row]:
     """A row for each built-in law with sets of one kind."""
     for name in BUILTIN:
         if names and name not in names:
             continue
-        rng, row = random.Random(f"{seed} {kind} {name}"), Row(f"{kind} {name}")
-        for _ in range(sets):
-            values = SETS[kind](rng, name)
+        row = progress.row(f"{kind} {name}")
+        while row.sets < progress.sets and not progress.spent():
+            values = SETS[kind](random.Random(f"{progress.seed} {kind} {name} {row.sets}"), name)
+            row.sets += 1
             try:
                 law = law_of(name, values)
             except stribeck.InputError:  # z_ba rounded up to F_c/sigma_0
                 continue
             row.judge(f"{name} {values}", law, truth_of(name, values))
+        progress.save()
         yield row
+
+
+class Progress:
+    """Rows that are done, kept in a file between runs; a run ends when its CPU seconds are spent."""
+
+    def __init__(self, file: Path | None, sets: int, seed: int, seconds: float) -> None:
+        self.file, self.sets, self.seed, self.until = file, sets, seed, time.process_time() + seconds
+        self.rows: dict[str, Row] = {}
+        self.about = {"check": sources(), "sets": sets, "seed": seed}
+        if file is not None and file.exists():
+            data = json.loads(file.read_text())
+            if all(data.get(n) == x for n, x in self.about.items()):
+                self.rows = {n: Row(**row) for n, row in data["rows"].items()}
+
+    def row(self, name: str) -> Row:
+        """The row of that name, as far as it is."""
+        return self.rows.setdefault(name, Row(name))
+
+    def spent(self) -> bool:
+        """Whether this run is to end."""
+        return time.process_time() > self.until
+
+    def save(self) -> None:
+        """Write what is done."""
+        if self.file is not None:
+            whole = total("all", list(self.rows.values()))
+            table = {**self.about, "done": all(row.sets >= self.sets for row in self.rows.values())}
+            counts = {
+                "laws": whole.laws, "verdicts": whole.verdicts, "undecided": whole.undecided, "wrong": len(whole.wrong),
+                "crashes": len(whole.crashes), "cpu_seconds": whole.seconds, "slowest_law_cpu_seconds": whole.slowest,
+            }  # fmt: skip
+            rows = {n: asdict(row) for n, row in self.rows.items()}
+            self.file.write_text(json.dumps({**table, "all": counts, "rows": rows}, indent=1) + "\n")
+
+
+def sources() -> str:
+    """A short name of the code that decides: other results belong to other code."""
+    folder = Path(stribeck.__file__).parent
+    files = sorted([*(folder / "properties").rglob("*.py"), *(folder / "expressions").rglob("*.py")])
+    return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()[:12]
 
 
 def total(name: str, rows: list[Row]) -> Row:
     """The sum of rows."""
     return Row(
-        name, *(sum(getattr(r, n) for r in rows) for n in ("laws", "verdicts", "undecided", "seconds")),
+        name, *(sum(getattr(r, n) for r in rows) for n in ("sets", "laws", "verdicts", "undecided", "seconds")),
         slowest=max((r.slowest for r in rows), default=0.0), wrong=[x for r in rows for x in r.wrong],
         crashes=[x for r in rows for x in r.crashes], open=[x for r in rows for x in r.open],
     )  # fmt: skip
@@ -270,6 +320,8 @@ def main() -> int:
     parser.add_argument("--nasty", action="store_true", help="only the nasty laws")
     parser.add_argument("--builtin", action="store_true", help="only built-in laws")
     parser.add_argument("--list", action="store_true", help="list what stayed undecided")
+    parser.add_argument("--results", type=Path, help="file of built-in laws' results, to go on with")
+    parser.add_argument("--seconds", type=float, default=1e9, help="CPU seconds after which built-in laws are left")
     options = parser.parse_args()
     print(HEAD)
     rows, all_rows = [], []
@@ -280,10 +332,11 @@ def main() -> int:
         natural = rows.pop()
         print(total("nasty laws", rows).line())
         all_rows += [*rows, natural]
+    progress = Progress(options.results, options.sets, options.seed, options.seconds)
     for kind in SETS if not options.nasty else ():
         if options.kind in (None, kind):
             rows = []
-            for row in builtin(kind, options.sets, options.seed, options.names):
+            for row in builtin(kind, options.names, progress):
                 print(row.line(), flush=True)
                 rows.append(row)
             print(total(f"all {kind}", rows).line())

@@ -8,14 +8,21 @@ from typing import TYPE_CHECKING, Any
 from stribeck.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from stribeck.analysis.comparison import compare
+    from stribeck.analysis.gains import gains
+    from stribeck.analysis.hunting import hunting
+    from stribeck.constants import Constant
     from stribeck.errors import BuildError, InputError, NotDifferentiable, StribeckError, StribeckNote
     from stribeck.export import export
-    from stribeck.identify.api import fit
+    from stribeck.identify.api import fit, read_log
+    from stribeck.identify.result import Fit
     from stribeck.laws import law
+    from stribeck.laws.base import BristleLaw, Claims, Law
     from stribeck.parameter_sets import allow_undetermined, parameters
     from stribeck.properties import Verdict, Verdicts, check, storage_interval
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
+    from stribeck.report.sweep import sweep
     from stribeck.scenario import Scenario
     from stribeck.scenario.objects import (
         Body,
@@ -37,11 +44,12 @@ if TYPE_CHECKING:
     from stribeck.steepness import Advice, advise
 
 __all__ = [
-    "Advice", "Body", "BuildError", "Contact", "Controller", "Ensemble", "File", "InputError", "Link", "Load",
-    "Machine", "Motor", "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution",
-    "Spline", "Step", "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined",
-    "check", "check_all", "export", "fit", "law", "margins", "parameters", "simulate", "simulate_ensemble",
-    "storage_interval",
+    "Advice", "Body", "BristleLaw", "BuildError", "Claims", "Constant", "Contact", "Controller", "Ensemble",
+    "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "Motor", "NotDifferentiable", "PointToPoint",
+    "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step", "StribeckError", "StribeckNote",
+    "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "compare", "export", "fit",
+    "gains", "hunting", "law", "margins", "parameters", "read_log", "simulate", "simulate_ensemble",
+    "storage_interval", "sweep",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -51,7 +59,14 @@ _HOME = {
     ),
     **dict.fromkeys(("Advice", "advise"), "stribeck.steepness"),
     "export": "stribeck.export",
-    "fit": "stribeck.identify.api",
+    **dict.fromkeys(("fit", "read_log"), "stribeck.identify.api"),
+    "Fit": "stribeck.identify.result",
+    "compare": "stribeck.analysis.comparison",
+    "gains": "stribeck.analysis.gains",
+    "hunting": "stribeck.analysis.hunting",
+    "sweep": "stribeck.report.sweep",
+    "Constant": "stribeck.constants",
+    **dict.fromkeys(("BristleLaw", "Claims", "Law"), "stribeck.laws.base"),
     **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),
     "check_all": "stribeck.properties.matrix",
     "law": "stribeck.laws",
@@ -79,7 +94,7 @@ _HOME = {
     ),
     **dict.fromkeys(("Ensemble", "Solution", "simulate", "simulate_ensemble"), "stribeck.simulation"),
 }
-_EXTRA = {"export": "export", "fit": "fit"}  # where one package alone would not be enough
+_EXTRA = {"export": "export", "fit": "fit", "read_log": "fit"}  # where one package alone would not be enough
 
 
 def __getattr__(name: str) -> Any:

@@ -154,7 +154,7 @@ class CsvSource(Source):
                     try:
                         found[name].append(float((cell.replace(",", ".") if self.decimal == "," else cell) or "nan"))
                     except ValueError:
-                        raise InputError(self._text(name, f"'{cell}'", wanted)) from None
+                        raise InputError(self._text(name, f"'{cell}'", wanted, str(number))) from None
         return {name: np.array(values) for name, values in found.items()}
 
     def _by_arrow(self, include: list[str], wanted: dict[str, str]) -> dict[str, Array]:
@@ -194,9 +194,10 @@ class CsvSource(Source):
             raise InputError(self._reason(error, wanted)) from None
         return joined
 
-    def _text(self, name: str, cell: str, wanted: dict[str, str]) -> str:
+    def _text(self, name: str, cell: str, wanted: dict[str, str], row: str) -> str:
         role = next((role for role, column in wanted.items() if column == name), "data")
-        return f"{arg(role)}: column {name!r} holds text: {cell}, not numbers ({self.path})"
+        place = f"{self.path}, row {row}" if row.isdigit() else self.path
+        return f"{arg(role)}: column {name!r} holds text: {cell}, not numbers ({place})"
 
     def _reason(self, error: Exception, wanted: dict[str, str]) -> str:
         text = str(error).splitlines()[0]
@@ -204,7 +205,7 @@ class CsvSource(Source):
         if bad:
             column = text.partition("CSV column #")[2].partition(":")[0]
             name = self.names[int(column)] if column.isdigit() and int(column) < len(self.names) else column
-            return self._text(name, rest, wanted)
+            return self._text(name, rest, wanted, text.partition("Row #")[2].partition(":")[0])
         return f"{arg('data')}: '{self.path}': cannot be read: {text}"
 
 
@@ -242,11 +243,23 @@ def _table_begins(lines: Sequence[str]) -> tuple[int, bool, str]:
         if len(heads) == 2 and heads[1] == i - 2 and _is_units(lines[i - 1], separator, len(cells)):
             return i - 2, True, separator
         if heads and heads[0] == i - 1:
-            return i - 1, True, separator
+            return _above_bad_rows(lines, i - 1, separator, len(cells)), True, separator
         return i, False, separator
     first = lines[0]
     separator = _separator(first)
     return 0, not all(_is_number(cell) for cell in first.split(separator)), separator
+
+
+def _above_bad_rows(lines: Sequence[str], head: int, separator: str, count: int) -> int:
+    """The line of the names, where the one that seemed to hold them has numbers too, and words alone stand above it: it is
+    a row with a cell that is none."""
+    for j in range(head, -1, -1):
+        cells = lines[j].split(separator)
+        if len(cells) != count:
+            break
+        if not any(map(_is_number, cells)):
+            return j
+    return head
 
 
 def _separator(line: str) -> str:

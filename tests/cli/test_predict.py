@@ -5,6 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from stribeck import examples
+
 COLUMNS = ("--time", "t", "--velocity", "v", "--force", "F")
 
 
@@ -82,3 +84,10 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     nothing = stribeck("validate", tmp_path / "rig.toml", "--log", log, "--time", "t")
     assert nothing.status == 2
     assert "one must be given" in nothing.err
+
+
+def test_a_machine_is_refused_in_a_line(stribeck, tmp_path):
+    (tmp_path / "log.csv").write_text("t,y\n" + "".join(f"{0.1 * i},{i}\n" for i in range(9)))
+    found = stribeck("validate", examples.path("belt"), "--log", tmp_path / "log.csv", "--time", "t", "--position", "y")
+    assert (found.status, found.out) == (2, "")
+    assert "is a machine; must be a law on a single body" in found.err

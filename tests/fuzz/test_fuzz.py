@@ -1,10 +1,12 @@
 """A short part of ``make fuzz``, always the same: what it found once it must not find again."""
 
 import sys
+import types
 from pathlib import Path
 
 import pytest
 
+from stribeck.cli import _status
 from tests.simulation.rig import needs_compiler
 
 FOLDER = Path(__file__).parent.parent.parent / "tools" / "fuzz"
@@ -41,3 +43,15 @@ def test_the_attack_sees_a_fault(attack, monkeypatch):
     assert "a line that no terminal should get" in mutations.campaign(1, 1)[1][0]
     monkeypatch.setattr(mutations, "_status", lambda words: print("x") or 2)
     assert "words on standard output" in mutations.campaign(1, 1)[1][0]
+
+
+def test_a_signal_while_the_commands_are_read(monkeypatch, capsys):
+    """It ended in a traceback: the first half second of a command reads its libraries."""
+
+    class Halfway(types.ModuleType):
+        def __getattr__(self, name):
+            raise KeyboardInterrupt
+
+    monkeypatch.setitem(sys.modules, "stribeck.cli.app", Halfway("stribeck.cli.app"))
+    assert _status(["doctor"]) == 130
+    assert "interrupted" in capsys.readouterr().err

@@ -1,9 +1,13 @@
 """What the filter of a coarse position does to the bristles' damping is counted in the interval."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import stribeck
+from stribeck.identify.data.prepare import Preparation, load
+from stribeck.identify.data.read import Columns
 from stribeck.identify.features.filtering import leeway
 from stribeck.identify.models.dynamic_problem import velocity_problem
 from tests.identify import rig
@@ -37,3 +41,23 @@ def test_damping_that_hangs_on_the_filter_is_not_printed_as_known(tmp_path):
 def test_motion_taken_as_it_is_has_no_filter_to_doubt():
     problem, u, _, _ = velocity_problem(rig.measured(rig.LOOPS), "lugre", mass=0.0)
     assert not leeway(problem, u, problem.sensitivities(u)).any()
+
+
+def test_a_simulation_follows_what_moves_at_a_tenth_of_the_sampling_rate():
+    t, rate = np.arange(400) * 2e-3, 2 * np.pi * 50
+    table = {"t": t, "x": np.sin(rate * t), "F": np.cos(rate * t)}
+    log = load([table], Columns({"time": "t", "position": "x", "force": "F"}), Preparation(0.0, None, True))
+    inside = slice(50, -50)
+    assert log.velocity[inside] == pytest.approx(rate * np.cos(rate * t[inside]), abs=2e-3 * rate)
+    assert log.acceleration[inside] == pytest.approx(-(rate**2) * np.sin(rate * t[inside]), abs=4e-3 * rate**2)
+
+
+@pytest.mark.parametrize("seed", [3, 6])
+def test_break_aways_of_a_few_samples_bias_no_interval(seed, monkeypatch):
+    """At 500 Hz a body breaks away within some ten samples: the Stribeck curve came out too steep and F_c too low."""
+    monkeypatch.syspath_prepend(str(Path(__file__).parent.parent.parent / "benchmarks"))
+    import coverage_cells
+
+    found = coverage_cells.one("force, 5 nm", seed)["parameters"]
+    assert all(found[name]["known"] for name in ("sigma_0", "sigma_2", "F_c", "F_s"))
+    assert [name for name, e in found.items() if e["known"] and not e["covers"]] == []

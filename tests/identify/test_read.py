@@ -13,6 +13,7 @@ from stribeck.identify.data.filters import decimate, shifted, zero_phase
 from stribeck.identify.data.prepare import Preparation, load
 from stribeck.identify.data.quality import clean
 from stribeck.identify.data.read import Columns, read
+from stribeck.recorded import read_columns
 
 T = np.arange(400) * 1e-3
 X, F = np.sin(8 * T), np.cos(8 * T) + 3
@@ -287,3 +288,12 @@ def test_a_small_motion_is_not_erased_by_the_filter(tmp_path):
     assert np.ptp(log.position) > 0.9 * np.ptp(x)
     kept = np.searchsorted(t, log.time - 1e-6)
     assert np.std(log.position - x[kept]) < 0.12 * np.std(x)
+
+
+@pytest.mark.parametrize("arrow", [True, False])
+def test_a_first_row_with_text_is_not_taken_for_the_head(arrow, tmp_path, monkeypatch):
+    (tmp_path / "log.csv").write_text("t,v\n0,a\n1,2\n2,3\n")
+    if not arrow:
+        monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
+    with pytest.raises(InputError, match=r"column 'v' holds text: 'a', not numbers \(.*log.csv, row 2\)"):
+        read_columns(tmp_path / "log.csv", {"time": "t", "velocity": "v"})

@@ -64,10 +64,11 @@ def test_the_published_model_of_emps_with_friction_by_direction():
 @emps
 def test_a_better_model_of_emps_predicts_blocks_left_out():
     terms = ["sigma_2_by_direction", "delay", "stiffness", "F_c_by_position"]
-    from stribeck.identify.api import read_log
+    from stribeck.identify.api import log_of
+    from stribeck.identify.data.read import Columns
     from stribeck.identify.methods.static import Setting, fit_static
 
-    log = read_log(EMPS, COLUMNS, force_gain="gtau")
+    log = log_of(EMPS, Columns(COLUMNS, force_gain="gtau"))
     setting = Setting({}, free=("F_c", "sigma_2", "k_v"), body=("offset", *terms))
     fit = fit_static(log, "coulomb_viscous", setting, profiles=False)
     assert fit.cross_validated_error < 0.024

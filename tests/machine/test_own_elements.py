@@ -1,6 +1,7 @@
 """Elements of the user's own, in a file: a link, a load and a controller."""
 
 import re
+import shlex
 import tomllib
 from pathlib import Path
 
@@ -8,6 +9,10 @@ import numpy as np
 import pytest
 
 from stribeck import InputError, Scenario
+from stribeck.cli import _status
+from stribeck.machine import controllers, loads
+from stribeck.machine.links import Link
+from stribeck.scenario.machine import tables
 from tests.machine.machines import law, machine, push, solved
 from tests.simulation.rig import needs_compiler
 
@@ -153,12 +158,32 @@ def test_the_example_of_the_documentation(tmp_path):
     assert np.max(np.abs(balance(s))) <= 1e-8 * s.peaks["E_in"]
 
 
-def test_the_machine_of_the_documentation():
+def test_the_machine_of_the_documentation(tmp_path, monkeypatch):
+    """docs/machines.md: its machine, its commands, its Python."""
+    monkeypatch.chdir(tmp_path)
     text = (Path(__file__).parent.parent.parent / "docs" / "machines.md").read_text(encoding="utf-8")
-    toml, python = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("toml", "python"))
-    data = tomllib.loads(toml)
-    data["solve"]["t_end"] = 0.3
-    assert solved(data).peaks["mesh.F"] > 0.6
+    toml, shell, python = (re.search(rf"```{kind}\n(.*?)```", text, re.DOTALL)[1] for kind in ("toml", "sh", "python"))
+    (tmp_path / "joint.toml").write_text(toml.replace("t_end = 3.0", "t_end = 0.1"))
+    for command in shell.splitlines():
+        words = shlex.split(command, comments=True)
+        assert words[0] == "stribeck"
+        assert _status(words[1:]) == 0, command
+    for name in ("joint.svg", "joint/plot.svg", "laws/compare.svg", "sweep/part-000000.parquet"):
+        assert (tmp_path / name).exists(), name
     scope: dict = {}
     exec(python.replace("t_end=3.0", "t_end=0.2"), scope)
     assert scope["ensemble"].status == ["done"] * 3
+
+
+def test_the_pages_name_every_table_and_key():
+    """docs/machines.md names each key that the reader takes, of every table."""
+    text = (Path(__file__).parent.parent.parent / "docs" / "machines.md").read_text(encoding="utf-8")
+    models = [
+        tables.BodyTable, tables.link_table(Link), tables.contact_table(), tables.motor_table(),
+        *(tables.load_table(kind) for kind in loads.KINDS.values()), tables.CompensationTable, tables.sampling_table(),
+        *(tables.controller_table(kind) for kind in controllers.KINDS.values()), tables.level_table(False),
+        *(tables.factor_table(way) for way in (True, False)),
+    ]  # fmt: skip
+    for model in models:
+        for key in model.model_fields:
+            assert re.search(rf"\b{key.strip('_')}\b", text), f"{model.__name__}: {key}"

@@ -33,7 +33,7 @@ def load(folder, text, name="record.csv", **signal):
         ("time,v\n0,1\n", "time", "no such column (it has time, v)"),
         ("t,speed\n0,1\n", "value", "no such column (it has t, speed)"),
         ("t,v\n", "path", "has a head but no rows"),
-        ("t,v\n0,a\n1,2\n", "time", "no such column"),
+        ("t,v\n0,a\n1,2\n", "value", "holds text: 'a', not numbers"),
         ("t,v\n0,true\n1,false\n", "value", "not numbers"),
         ("t,v\n0,1\n1,\n", "value", "has 1 empty or nan cells"),
         ("t,v\n,1\n,2\n", "time", ""),

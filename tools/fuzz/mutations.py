@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import math
 import random
 import signal
 import tempfile
@@ -21,6 +22,7 @@ _TOKENS = (
 )  # fmt: skip
 _MOST_WORK, _LONGEST_WAIT = 20.0, 600  # s of the processor and on the wall, after which a command counts as hanging
 # Runs that would be long for good reasons are no fault: the time is cut, and the steps are counted.
+_FIT = ("fit", "--time", "t", "--position", "y", "--force", "F")
 _SHORT = ("--set", "solve.t_end=0.05", "--set", "solve.max_steps=20000")
 
 
@@ -38,11 +40,17 @@ def commands(place: Path, rng: random.Random) -> list[str]:
         ["export", "lugre", "--parameters", str(place / "set.toml"), "--target", rng.choice(["c", "st", "table"]), "--out", out],
         ["check", "dahl", "--parameters", str(place / "set.toml")],
         ["laws", str(place / "mine.py") + ":Mine"],
+        ["validate", file, "--log", str(place / "log.csv"), "--time", "t", "--position", "y", *_SHORT, "--out", out],
+        [*_FIT, str(place / "log.csv"), "--law", "coulomb_viscous"],
+        [*_FIT, str(place / "log.csv"), "--law", "coulomb_viscous", "--out", out],
     ])  # fmt: skip
     if rng.random() < 0.3:
         at = rng.randrange(1, len(words) + 1)
         words.insert(
-            at, rng.choice(("--set", "--law", "--vary", "--out", "--target", "--k", *_TOKENS)).replace("\\x00", "")
+            at,
+            rng.choice(("--set", "--law", "--vary", "--out", "--target", "--term", "--unit", *_TOKENS)).replace(
+                "\\x00", ""
+            ),
         )
     return words
 
@@ -91,10 +99,17 @@ class Mine(StaticLaw):
 _SET = "title = 'x'\n[parameters]\nsigma_0 = 1e5\nsigma_1 = 300.0\nsigma_2 = 0.4\nF_c = 1.0\nF_s = 1.5\nv_s = 1e-3\n"
 
 
+_LOG = "t,y,F\n" + "\n".join(
+    f"{0.01 * i:.2f},{0.1 * math.sin(0.05 * i):.6f},{(math.cos(0.05 * i) > 0) * 2 - 1 - 0.05 * math.sin(0.05 * i):.6f}"
+    for i in range(400)
+)
+
+
 def _files(place: Path, rng: random.Random) -> None:
     name = rng.choice([name for name in examples.names() if name != "measured"])
-    text = {"rig.toml": examples.path(name).read_text(encoding="utf-8"), "set.toml": _SET, "mine.py": _LAW}
-    which = rng.choice(["rig.toml", "rig.toml", "rig.toml", "set.toml", "mine.py"])
+    text = {"rig.toml": examples.path(name).read_text(encoding="utf-8"), "set.toml": _SET, "mine.py": _LAW,
+            "log.csv": _LOG}  # fmt: skip
+    which = rng.choice(["rig.toml", "rig.toml", "rig.toml", "set.toml", "mine.py", "log.csv"])
     for file, content in text.items():
         (place / file).write_bytes(mutated(content, rng) if file == which else content.encode())
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from stribeck.errors import InputError, arg, nearest
+from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
+from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import Solution, simulate
 
 COMPARED = ("y", "v", "F")
@@ -92,3 +96,70 @@ def compare_laws(variants: Mapping[str, Scenario], progress: Callable[[float], N
     reference = solutions[labels[0]]
     found = {label: deviations(reference, solutions[label]) for label in labels[1:]}
     return Comparison(reference.scenario.name, solutions, found)
+
+
+def compare(
+    scenario: Scenario | Machine | str | Path | Mapping[str, Any],
+    laws: Sequence[Law | str] | Mapping[str, Law | str],
+    *,
+    contact: str | None = None,
+    t_end: float | None = None,
+    step: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Comparison:
+    """Simulate one scenario or machine under several laws; the first is the reference of the others' deviations.
+
+    Args:
+        scenario: what to simulate: a scenario, a machine, the path of its file, or its tables.
+        laws: laws, or names of laws that keep the constants of the scenario's; as a mapping, by what to call each.
+        contact: whose law is replaced, of a machine that has several contacts.
+        t_end, step: as for :func:`stribeck.simulate`; must be given (t_end) for a :class:`Machine`.
+        progress: called now and then with the share done, 0 to 1.
+
+    Returns:
+        ``solutions`` by label, ``deviations`` (largest, and as a share of the reference's peak, by column), ``status``.
+
+    Raises:
+        InputError: no law, an unknown one, the same label twice, or no valid scenario.
+    """
+    base = scenario_of(scenario, t_end, step)
+    table = law_path(base, contact)
+    if isinstance(laws, str | Law):
+        raise InputError("laws: must be a list of laws, or a table of them by label")
+    if isinstance(laws, Mapping):
+        labelled = list(laws.items())
+    else:
+        labelled = [(each.name if isinstance(each, Law) else str(each), each) for each in laws]
+    labels = [label for label, _ in labelled]
+    if not labels:
+        raise InputError("laws: empty: must hold at least one law")
+    if len(set(labels)) < len(labels):
+        twice = max(labels, key=labels.count)
+        raise InputError(f"laws: {twice!r}: given twice; give a table of laws by label")
+    variants = {
+        label: base.with_changes({table: law} if isinstance(law, Law) else {f"{table}.name": law})
+        for label, law in labelled
+    }
+    return compare_laws(variants, progress)
+
+
+def law_path(scenario: Scenario, contact: str | None) -> str:
+    """The path of the law to replace: of a machine, that of the ``contact``, or of its only one.
+
+    Raises:
+        InputError: there is no such contact, or none is named where there are several.
+    """
+    if scenario.rig is None:
+        if contact is not None:
+            raise InputError(f"{arg('contact')}: {contact!r}: must be left out: {scenario.name} is no machine")
+        return "law"
+    names = [each.name for each in scenario.rig.machine.contacts]
+    if contact is None and len(names) == 1:
+        contact = names[0]
+    if contact is None:
+        known = f"one of {', '.join(names)}" if names else "of a contact, and there is none"
+        raise InputError(f"{arg('contact')}: missing: must be given ({known})")
+    if contact not in names:
+        guess = nearest(contact, names) or f" (there is {', '.join(names) or 'none'})"
+        raise InputError(f"{arg('contact')}: {contact!r}: there is no such contact{guess}")
+    return f"contacts.{contact}.law"

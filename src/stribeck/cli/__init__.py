@@ -24,6 +24,7 @@ _EXTRA = {
     "check": "check",
     "gains": "check",
     "paper": "paper",
+    "explore": "explore",
 }
 _GRACE = 5.0  # s, to clear away what has been begun
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
@@ -72,11 +73,11 @@ def _stop(number: int, frame: object) -> NoReturn:
 
 
 def _status(arguments: list[str] | None) -> int:
-    from stribeck.cli.app import app
-
     warnings.simplefilter("always", StribeckNote)
     warnings.showwarning = _show  # type: ignore[assignment]
     try:
+        from stribeck.cli.app import app  # here, as a signal may come while it is read
+
         result = app(args=arguments, prog_name="stribeck", standalone_mode=False)
         if result == 130:  # Typer's own word for Ctrl-C
             raise KeyboardInterrupt

@@ -175,17 +175,43 @@ def check(
     certificate: Annotated[
         Path | None, typer.Option("--certificate", metavar="FILE", help="Write the proofs here, for others to check.")
     ] = None,
+    level: Annotated[
+        str | None,
+        typer.Option(
+            "--level", metavar="LOW:HIGH", help="F_c and F_s vary in any way between LOW and HIGH times theirs."
+        ),
+    ] = None,
+    scenario: Annotated[
+        Path | None,
+        typer.Option(
+            "--scenario", metavar="FILE", help="Each contact of this machine, and what follows for the whole."
+        ),
+    ] = None,
+    force: Annotated[
+        list[str] | None,
+        typer.Option("--force", metavar="NAME=MAX", help="With --scenario: the force of this link stays within +-MAX."),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="Folder for a page, and for counterexamples as scenarios to run."),
     ] = None,
+    trust: Trust = False,
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
     """Does this law with these parameters have each property? A proof, or a counterexample that 'run' replays."""
+    if scenario is not None:
+        from stribeck.cli import check_machine
+
+        alien = {"LAW": law, "--parameters": parameters, "--all": every, "--margins": margins, "--level": level}
+        return check_machine.check(
+            scenario, set_ or [], v_max, force or [], json, trust, verify, out, certificate, alien
+        )  # fmt: skip
     from stribeck.cli import check as command
 
-    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate)
+    if force:
+        command.refuse_force(force)
+    return command.check(law, parameters, set_ or [], v_max, json, every, margins, verify, out, certificate, level)
 
 
 @app.command(epilog="Example: stribeck new my_rig")
@@ -273,6 +299,33 @@ def gains(
     from stribeck.cli import gains as command
 
     return command.gains(scenario, v_max, set_ or [], out, json, trust)
+
+
+@app.command(epilog="Example: stribeck explore my_rig.toml --out my_rig.html")
+def explore(
+    what: Annotated[
+        str | None,
+        typer.Argument(metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.html", help="The page; NAME.html unless given.")
+    ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option("--law", metavar="NAME", help="Offer this law beside the scenario's own; every law unless given."),
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's or fit's folder.")
+    ] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Write a page that simulates the scenario in a browser while its numbers are turned; it needs no network."""
+    from stribeck.cli import explore as command
+
+    return command.explore(what, out, law, report, set_ or [], trust, json)
 
 
 @app.command(epilog="Example: stribeck doctor --json")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from json import dumps
+from math import inf, nan
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from stribeck.errors import InputError, left_out, note
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.properties import NAMES, Verdict, Verdicts
 from stribeck.properties import check as decide
+from stribeck.properties.verdicts import ranges_in_words
 from stribeck.scenario import parse_assignment
 
 _DEFAULT_SET = "canudas1995"
@@ -25,15 +27,17 @@ _WORDS = {True: "yes", False: "no", None: "undecided"}
 def check(
     name: str | None, parameters: str | None, assignments: list[str], v_max: float | None, json: bool,
     every: bool = False, margins: bool = False, verify: bool = False, out: Path | None = None,
-    certificate: Path | None = None,
+    certificate: Path | None = None, level: str | None = None,
 ) -> int:  # fmt: skip
     """Check the law named, or every law, and print the verdicts; 0 whatever they are."""
+    bounds = _level(level)
+    if bounds is not None and (every or margins):
+        raise InputError("--level: must stand without --all and --margins, which are for constants that do not vary")
     if every == (name is not None):
         raise InputError("LAW: must be given, or --all for every law, and not both")
     if every and (margins or out is not None or certificate is not None):
         raise InputError("--all: must stand without --margins, --out and --certificate, which are for one law")
-    if v_max is not None and not 0 < v_max < float("inf"):
-        raise InputError(f"--v-max: {shown(v_max)}: must be a finite number > 0, in m/s")
+    refuse_v_max(v_max)
     given = dict(parse_assignment(text) for text in assignments)
     if parameters is None and not set(given) & set(PARAMETERS) and (every or _needs_parameters(name)):
         parameters = _DEFAULT_SET
@@ -46,14 +50,14 @@ def check(
         raise InputError(f"{name!r}: {problem}")
     if out is not None:
         show.check_folder(out)
-    verdicts = decide(law, v_max)
+    verdicts = decide(law, v_max, level=bounds)
     if verify:
         verdicts.verify()
     data = verdicts.to_json()
     if margins and law.has_z:
         data["margins"] = _margins(verdicts)
     if out is not None:
-        data["files"] = _write(verdicts, out)
+        data["files"] = write_scenarios(verdicts, out)
         with left_out("the page"):
             from stribeck.report import check as report
 
@@ -68,6 +72,33 @@ def check(
     else:
         _print(verdicts, data)
     return 0
+
+
+def refuse_v_max(v_max: float | None) -> None:
+    """Raise unless it is a speed or none."""
+    if v_max is not None and not 0 < v_max < float("inf"):
+        raise InputError(f"--v-max: {shown(v_max)}: must be a finite number > 0, in m/s")
+
+
+def refuse_force(force: list[str]) -> None:
+    """--force is about a machine's links."""
+    raise InputError(
+        f"--force: {shown(force[0])}: needs --scenario: it bounds the force of a link, a load or a motor there"
+    )
+
+
+def _level(text: str | None) -> tuple[float, float] | None:
+    """LOW:HIGH as numbers."""
+    if text is None:
+        return None
+    low, sign, high = text.partition(":")
+    try:
+        found = float(low), float(high)
+    except ValueError:
+        found = nan, nan
+    if not sign or not 0 < found[0] <= found[1] < inf:
+        raise InputError(f"--level: {text!r}: must be LOW:HIGH, two finite numbers with 0 < LOW <= HIGH, such as 1:2")
+    return found
 
 
 def _needs_parameters(name: str | None) -> bool:
@@ -112,7 +143,7 @@ def _margins(verdicts: Verdicts) -> dict[str, Any]:
     return asdict(margins(verdicts.law, verdicts.v_max, verdicts["bounded"].holds is not False))
 
 
-def _write(verdicts: Verdicts, out: Path) -> list[str]:
+def write_scenarios(verdicts: Verdicts, out: Path, prefix: str = "") -> list[str]:
     """A scenario for each counterexample that one can show."""
     from tomli_w import dumps as toml
 
@@ -121,7 +152,7 @@ def _write(verdicts: Verdicts, out: Path) -> list[str]:
     files = []
     for name, verdict in verdicts.properties.items():
         if verdict.holds is False and verdict.scenario is not None:
-            path = out / f"{name}.toml"
+            path = out / f"{prefix}{name}.toml"
             write_text(
                 path,
                 f"# {verdicts.law.name} is not {name}: {verdict.method}\n{_stated(verdict)}{toml(verdict.scenario)}",
@@ -140,14 +171,21 @@ def _constants(law: Law) -> str:
     return ", ".join(f"{n} = {x}" for n, x in values.items())
 
 
-def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
-    say(f"{verdicts.law.name} with {_constants(verdicts.law)}", 4)
+def print_verdicts(verdicts: Verdicts, of: str = "") -> None:
+    """A law's constants, its verdicts and their evidence."""
+    say(f"{of}{verdicts.law.name} with {_constants(verdicts.law)}", 4)
+    if verdicts.level:
+        say(f"for every history of {ranges_in_words(verdicts.level)}", 4, "  ")
     for name, verdict in verdicts.properties.items():
         again = {True: ", verified", False: ", NOT CONFIRMED", None: ""}[verdict.verified]
         reason = verdict.evidence.get("reason") if verdict.holds is None else verdict.method
         say(f"{reason}{again}", _BESIDE, f"  {name:11}{_WORDS[verdict.holds]:10}")
         for line in _lines(verdict.evidence):
             say(line, _BESIDE + 2, " " * _BESIDE)
+
+
+def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
+    print_verdicts(verdicts)
     for name, margin in data.get("margins", {}).get("constants", {}).items():
         ends = [
             f"{word} {margin[end]:.9g}" for word, end in (("from", "low"), ("up to", "high")) if margin[end] is not None

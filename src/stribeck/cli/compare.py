@@ -7,12 +7,12 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-from stribeck.analysis.comparison import Comparison, compare_laws
+from stribeck.analysis.comparison import Comparison, compare_laws, law_path
 from stribeck.cli import show
 from stribeck.cli.text import say, width
-from stribeck.errors import InputError, StribeckNote, nearest
+from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS
-from stribeck.scenario import Scenario, parse_assignment
+from stribeck.scenario import parse_assignment
 
 _NUMBERS = 40  # columns of a row beside the label
 _LAW = re.compile(r"(?P<name>(?:.*\.py:)?[^:]+)(?::(?P<constants>.*))?")
@@ -23,7 +23,7 @@ def compare(
 ) -> int:
     """Simulate the scenario under each law, print the deviations from the first, write an overlay."""
     scenario = show.load(path, assignments, trust)
-    table = _table(scenario, contact)
+    table = law_path(scenario, contact)
     with warnings.catch_warnings():  # that a law without smoothing takes no k_v is what it is compared for
         warnings.filterwarnings("ignore", r"(.*\.)?law\.(parameters\.)?k_v: dropped", StribeckNote)
         variants = {text: scenario.with_changes(_changes(text, table)) for text in laws}
@@ -46,24 +46,6 @@ def compare(
         if solution.status != "done":
             show.failed(f"{scenario.name} with {label}", solution.reason)
     return 0 if comparison.status == "done" else 1
-
-
-def _table(scenario: Scenario, contact: str | None) -> str:
-    """The path of the law that is replaced."""
-    if scenario.rig is None:
-        if contact is not None:
-            raise InputError(f"--contact: {contact!r}: must be left out: {scenario.name} is no machine")
-        return "law"
-    names = [each.name for each in scenario.rig.machine.contacts]
-    if contact is None and len(names) == 1:
-        contact = names[0]
-    if contact is None:
-        known = f"one of {', '.join(names)}" if names else "of a contact, and there is none"
-        raise InputError(f"--contact: missing: must be given ({known})")
-    if contact not in names:
-        guess = nearest(contact, names) or f" (there is {', '.join(names) or 'none'})"
-        raise InputError(f"--contact: {contact!r}: there is no such contact{guess}")
-    return f"contacts.{contact}.law"
 
 
 def _changes(text: str, table: str) -> dict[str, Any]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import shlex
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +13,10 @@ from stribeck.cli.text import say
 from stribeck.constants import show as shown
 from stribeck.errors import InputError
 from stribeck.identify import api as fitting
+from stribeck.identify.data.prepare import Preparation
+from stribeck.identify.data.read import Columns
 from stribeck.identify.log import Log
+from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics.choose import Choice
 from stribeck.scenario import parse_assignment
@@ -22,34 +24,23 @@ from stribeck.scenario import parse_assignment
 _READ = 0.05  # of the work
 
 
-@dataclass(frozen=True)
-class Options:
-    """The options of the command that say how to fit."""
-
-    columns: dict[str, str | None]
-    units: list[str]
-    force_gain: str | None
-    assignments: list[str]
-    cutoff: float | None
-    trim: int | None
-    request: dict[str, Any]
-
-
-def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, json: bool) -> int:
+def fit(
+    data: list[Path],
+    laws: list[str],
+    columns: Columns,
+    how: Preparation,
+    options: FitOptions,
+    out: Path | None,
+    json: bool,
+) -> int:
     """Read the log, fit, print the estimates, write what was asked for."""
-    columns = {role: name for role, name in options.columns.items() if name is not None}
-    constants = _constants(options.assignments)
     if out is not None:
         show.check_folder(out)
     with show.progress("fit") as tell:
-        sharp = fitting.is_simulated(laws, options.request["method"])
-        log = fitting.read_log(
-            data, columns, _units(options.units), options.force_gain, options.cutoff, options.trim, sharp
-        )
+        log = fitting.log_of(data, columns, how)
         if tell is not None:
             tell(_READ)
-        law = laws[0] if len(laws) == 1 else laws or None
-        result = fitting.fit(log, law, constants=constants, progress=_rest_of(tell), **options.request)
+        result = fitting.fit_log(log, laws, options, _rest_of(tell))
     summary = result.to_json()
     summary["data"] = {
         "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
@@ -60,7 +51,7 @@ def fit(data: list[Path], laws: list[str], options: Options, out: Path | None, j
 
         command = "stribeck " + shlex.join(sys.argv[1:])
         summary["files"] = write(result, log, out, command, ", ".join(p.name for p in data))
-        summary["files"].append(_save(result, options, columns, out))
+        summary["files"].append(_save(result, columns, how, out))
     if json:
         show.print_json(summary)
     else:
@@ -74,21 +65,16 @@ def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | 
     return None if tell is None else lambda share: tell(_READ + (1 - _READ) * share)
 
 
-def _save(result: Fit | Choice, options: Options, columns: dict[str, str], out: Path) -> str:
+def _save(result: Fit | Choice, columns: Columns, how: Preparation, out: Path) -> str:
     """Write what ``stribeck predict`` needs; the path."""
     from stribeck.files import write_text
     from stribeck.identify import predict
 
     reading = {
-        "columns": columns, "units": _units(options.units), "force_gain": options.force_gain, "cutoff": options.cutoff
+        "columns": columns.names, "units": columns.units, "force_gain": columns.force_gain, "cutoff": how.cutoff
     }  # fmt: skip
     write_text(out / predict.FILE, predict.saved(result.best if isinstance(result, Choice) else result, reading))
     return str(out / predict.FILE)
-
-
-def units(texts: list[str]) -> dict[str, str]:
-    """``COL=UNIT`` as a mapping."""
-    return _units(texts)
 
 
 def drive(text: str) -> dict[str, Any]:
@@ -107,7 +93,8 @@ def drive(text: str) -> dict[str, Any]:
     return found
 
 
-def _constants(assignments: list[str]) -> dict[str, float | str]:
+def constants(assignments: list[str]) -> dict[str, float | str]:
+    """``KEY=VALUE`` as a mapping."""
     found: dict[str, float | str] = {}
     for text in assignments:
         name, value = parse_assignment(text)
@@ -118,14 +105,15 @@ def _constants(assignments: list[str]) -> dict[str, float | str]:
     return found
 
 
-def _units(texts: list[str]) -> dict[str, str]:
+def columns(names: dict[str, str | None], units: list[str], force_gain: str | None) -> Columns:
+    """The columns that options name, each by its role, and their units, each as ``COL=UNIT``."""
     found = {}
-    for text in texts:
+    for text in units:
         column, equals, unit = text.rpartition("=")
         if not equals or not column or not unit:
             raise InputError(f"--unit: {text!r}: must be COL=UNIT, such as pos=mm")
         found[column.strip()] = unit.strip()
-    return found
+    return Columns({role: name for role, name in names.items() if name is not None}, found, force_gain)
 
 
 def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:

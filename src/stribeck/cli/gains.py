@@ -2,63 +2,37 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from stribeck.analysis.lyapunov import Along, along
+from stribeck.analysis import gains as analysis
+from stribeck.analysis.gains import check_servo
+from stribeck.analysis.lyapunov import Along
 from stribeck.cli import show
 from stribeck.cli.text import say
-from stribeck.control.gains import Condition, Proof, Staying, Verdict, judge, prove, staying
+from stribeck.control.gains import Condition, Proof, Staying, Verdict
 from stribeck.control.proof import derive
-from stribeck.errors import InputError
 from stribeck.scenario import Scenario
-from stribeck.scenario.servo import not_linear
-from stribeck.simulation import Solution, simulate
 
 
 def gains(path: Path, v_max: float | None, assignments: list[str], out: Path | None, json: bool, trust: bool) -> int:
     """Print whether V decreases for the scenario's gains: conditions, proof, and V along the simulation."""
     scenario = show.load(path, assignments, trust)
-    if v_max is not None and not 0 < v_max < np.inf:
-        raise InputError(f"--v-max: {v_max}: must be a finite speed > 0, m/s")
-    if scenario.servo is None:
-        raise InputError(f"drive.kind: {scenario.drive.kind!r}: 'stribeck gains' needs a servo, drive.kind = 'cascade'")
-    observer = scenario.servo.observer
-    if text := not_linear(observer):
-        raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
-    assert observer is not None
+    check_servo(scenario, v_max)
     if out is not None:
         show.check_folder(out)
     with show.progress(scenario.name) as tell:
-        solution = simulate(scenario, tell)
-    speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
-    verdict = judge(observer, scenario.drive_values, speed)
-    proof = prove(observer, scenario.drive_values, (-speed, speed))
-    found = along(solution) if len(solution.t) else None
-    doubts = _doubts(scenario)
-    stays = _staying(scenario, solution, speed) if len(solution.t) else None
-    summary: dict[str, Any] = {
-        "scenario": scenario.name, "derivative": str(derive().derivative), **verdict.summary(),
-        "proof": {"proven": proof.proven, "boxes": proof.boxes, "reason": proof.reason or None},
-        "not_covered": doubts, "simulation": {"status": solution.status, "reason": solution.reason},
-    }  # fmt: skip
-    if stays is not None:
-        summary["staying"] = asdict(stays)
-    if found is not None:
-        summary["simulation"] |= found.summary()
+        found = analysis.gains(scenario, v_max, tell)
+    solution, summary = found.solution, found.summary()
     if out is not None:
         from stribeck.report.gains import write
 
-        summary["files"] = write(solution, verdict, proof, found, summary, out, show.command_line())
+        summary["files"] = write(solution, found.verdict, found.proof, found.along, summary, out, show.command_line())
     if json:
         show.print_json(summary)
     else:
-        _print(scenario, verdict, proof, doubts, found)
-        if stays is not None:
-            _print_staying(stays, speed)
+        _print(scenario, found.verdict, found.proof, list(found.not_covered), found.along)
+        if found.staying is not None:
+            _print_staying(found.staying, found.verdict.v_max)
         for file in summary.get("files", ()):
             print(f"  wrote {file}")
     if solution.status != "done":
@@ -67,42 +41,12 @@ def gains(path: Path, v_max: float | None, assignments: list[str], out: Path | N
     return 0
 
 
-def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
-    """Whether the speed stays where the gains are good; the path's speed is that of the rows, dy_d/dt = v - s + lambda e."""
-    d = scenario.drive_values
-    lag = d["lambda"] * solution["e"]
-    path = float(np.max(np.abs(solution["v"] - solution["s"] + lag)))
-    assert scenario.servo is not None
-    return staying(v_max, scenario.servo.plant["mass"], path, float(solution["V"][0]), float(lag[0]))
-
-
 def _print_staying(stays: Staying, v_max: float) -> None:
     word = "stays" if stays.holds else "is not shown to stay"
     _line(
         f"from this start |v| {word} below {v_max:.4g} m/s (V falls, so |v| <= {stays.bound:.4g} m/s); so it does from "
         f"every start with V(0) < {stays.largest_V:.4g} J and lambda |e(0)| <= sqrt(2 V(0)/M)"
     )
-
-
-def _doubts(scenario: Scenario) -> list[str]:
-    """What of the scenario the proof does not cover."""
-    servo, observer = scenario.servo, scenario.servo.observer if scenario.servo else None
-    assert servo is not None
-    assert observer is not None
-    found = []
-    if not observer.same_as(scenario.law):
-        found.append(
-            "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
-        )
-    if servo.model != servo.plant:
-        found.append("the controller knows another plant")
-    if servo.sampling is not None:
-        found.append("the controller is sampled")
-    if servo.adaptation is not None:
-        found.append("adapted parameters: V has further terms (docs/servo.md)")
-    if scenario.drive_values.get("supply_droop"):
-        found.append("the supply droops")
-    return [*found, "a valve at its limit, and p_1 and p_2 one by one"]
 
 
 def _print(scenario: Scenario, verdict: Verdict, proof: Proof, doubts: list[str], found: Along | None) -> None:

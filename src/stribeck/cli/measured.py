@@ -82,18 +82,21 @@ def fit(
 ) -> int:
     """Parameters of a law from a measured log, with intervals and a verdict on what the data cannot tell."""
     from stribeck.cli import fit as work
+    from stribeck.identify.api import is_simulated
+    from stribeck.identify.data.prepare import Preparation
+    from stribeck.identify.options import FitOptions
 
     columns = {
         "time": time, "position": position, "velocity": velocity, "acceleration": acceleration, "force": force,
         "load": load, "pressure": pressure, "run": run, "command": command,
     }  # fmt: skip
-    request = {
-        "mass": mass, "method": method, "free": free or (), "terms": term or (), "select": select, "decimate": decimate,
-        "robust": robust, "folds": folds, "starts": starts, "seed": seed,
-        "output": output, "drive": None if drive is None else work.drive(drive),
-    }  # fmt: skip
-    options = work.Options(columns, unit or [], force_gain, set_ or [], cutoff, trim, request)
-    return work.fit(data, law or [], options, out, json)
+    options = FitOptions(
+        mass=mass, method=method, constants=work.constants(set_ or []), free=tuple(free or ()), terms=tuple(term or ()),
+        select=select, decimate=decimate, robust=robust, folds=folds, starts=starts, seed=seed, output=output,
+        drive=None if drive is None else work.drive(drive),
+    )  # fmt: skip
+    how = Preparation(cutoff, trim, is_simulated(law or [], method))
+    return work.fit(data, law or [], work.columns(columns, unit or [], force_gain), how, options, out, json)
 
 
 @app.command(epilog="Example: stribeck predict another.csv --fit fit --out predicted")
@@ -121,8 +124,7 @@ def predict(
     columns = {
         "time": time, "position": position, "velocity": velocity, "force": force, "load": load, "pressure": pressure,
     }  # fmt: skip
-    given = {"columns": columns, "units": words.units(unit or []), "force_gain": force_gain, "cutoff": cutoff}
-    return command.predict(data, fit, given, out, json)
+    return command.predict(data, fit, words.columns(columns, unit or [], force_gain), cutoff, out, json)
 
 
 @app.command(epilog="Example: stribeck validate rig.toml --log log.csv --time t --position y")
@@ -151,8 +153,8 @@ def validate(
     from stribeck.cli import predict as work
 
     columns = {"time": time, "position": position, "velocity": velocity, "force": force, "command": command}
-    given = {"columns": columns, "units": words.units(unit or []), "force_gain": force_gain}
-    return work.validate(scenario, log, given, set_ or [], out, json, trust)
+    of_log = words.columns(columns, unit or [], force_gain)
+    return work.validate(scenario, log, of_log, set_ or [], out, json, trust)
 
 
 @app.command(epilog="Example: stribeck rig --stroke 0.05 --speed 0.1 --force 50 --out plan")

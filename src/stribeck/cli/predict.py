@@ -12,20 +12,24 @@ import numpy as np
 from stribeck.cli import show
 from stribeck.identify import api as fitting
 from stribeck.identify import predict as predicting
+from stribeck.identify.data.prepare import Preparation
+from stribeck.identify.data.read import Columns
 
 
-def predict(data: list[Path], folder: Path, given: dict[str, Any], out: Path | None, json: bool) -> int:
+def predict(
+    data: list[Path], folder: Path, columns: Columns, cutoff: float | None, out: Path | None, json: bool
+) -> int:
     """Read the record as the fit's was read, predict its force, print the errors."""
     model = predicting.load(folder)
     if out is not None:
         show.check_folder(out)
     simulated = model.method != "static" and fitting.is_simulated([model.law], None)
-    columns = {**model.columns, **{role: name for role, name in given["columns"].items() if name is not None}}
-    units = {**{n: u for n, u in model.units.items() if n in columns.values()}, **given["units"]}
-    gain = given["force_gain"] if given["force_gain"] is not None else model.force_gain
-    cutoff = given["cutoff"] if given["cutoff"] is not None else model.cutoff
+    names = {**model.columns, **columns.names}
+    units = {**{n: u for n, u in model.units.items() if n in names.values()}, **columns.units}
+    gain = columns.force_gain if columns.force_gain is not None else model.force_gain
+    how = Preparation(cutoff if cutoff is not None else model.cutoff, None, simulated)
     with show.progress("predict"):
-        log = fitting.read_log(data, columns, units, gain, cutoff, None, simulated)
+        log = fitting.log_of(data, Columns(names, units, gain), how)
         found = predicting.predict(model, log)
     summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}, "files": []}
     if out is not None:
@@ -73,7 +77,7 @@ def _errors(found: predicting.Predicted) -> dict[str, float | None]:
 
 
 def validate(
-    scenario: Path, data: Path, given: dict[str, Any], assignments: list[str], out: Path | None, json: bool, trust: bool
+    scenario: Path, data: Path, columns: Columns, assignments: list[str], out: Path | None, json: bool, trust: bool
 ) -> int:
     """Simulate the scenario, compare with the record, print the errors."""
     from stribeck.identify import validate as validating
@@ -81,9 +85,8 @@ def validate(
     if out is not None:
         show.check_folder(out)
     loaded = show.load(scenario, assignments, trust)
-    columns = {role: name for role, name in given["columns"].items() if name is not None}
     with show.progress("validate"):
-        found = validating.validate(loaded, data, columns, given["units"], given["force_gain"])
+        found = validating.validate(loaded, data, columns.names, columns.units, columns.force_gain)
     summary: dict[str, Any] = {**found.to_json(), "scenario": loaded.name, "data": str(data), "files": []}
     if out is not None:
         from stribeck.identify.report import overlay

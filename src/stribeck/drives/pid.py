@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from stribeck.constants import Constant
 from stribeck.drives.base import Column, Drive
-from stribeck.expressions.ops import Value
+from stribeck.expressions.ops import Value, where
 
 
 class Pid(Drive):
@@ -35,4 +35,5 @@ class Pid(Drive):
     @staticmethod
     def state_scales(p: Any, length: float, force: float) -> tuple[float, ...]:
         """The integral that makes the friction force, or a length for a second without integral gain."""
-        return (force / abs(p.K_i) if p.K_i else length,)
+        gain = abs(p.K_i)
+        return (where(gain > 0, force / where(gain > 0, gain, 1.0), length),)

@@ -40,8 +40,11 @@ class Target:
 TARGETS: dict[str, Target] = {
     "c": Target("c.c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade"), self_test=True),
     "fmu": Target("fmu.archive", "an FMU for FMI 2.0 and 3.0", ("law", "body", "cascade"), folder=False),
+    "isaaclab": Target("learning.isaaclab", "an actuator for IsaacLab", folder=False),
+    "mjwarp": Target("learning.mjwarp", "joint friction for MuJoCo Warp", folder=False),
     "modelica": Target("text.modelica", "a Modelica package", folder=False),
     "mujoco": Target("text.mujoco", "a MuJoCo model, and a callback", ("law", "body")),
+    "newton": Target("learning.newton", "joint friction for Newton", folder=False),
     "st": Target("text.st", "an IEC 61131-3 function block in Structured Text", folder=False),
     "table": Target("text.table", "a table of velocity and force, at most 20 points", folder=False),
 }

@@ -136,6 +136,16 @@ def either(a: Value, b: Value) -> Value:
     return _backend(a, b).either(a, b)
 
 
+def smaller(a: Value, b: Value) -> Value:
+    """The smaller of two values."""
+    return where(a < b, a, b)
+
+
+def larger(a: Value, b: Value) -> Value:
+    """The larger of two values."""
+    return where(a > b, a, b)
+
+
 def clip(x: Value, low: Value, high: Value) -> Value:
     """x limited to [low, high]."""
     return where(x < low, low, where(x > high, high, x))

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import copy
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from threadpoolctl import threadpool_limits
 
 from stribeck import laws
@@ -22,7 +20,7 @@ from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.methods.motion import fit_motion
 from stribeck.identify.methods.presliding import fit_presliding
 from stribeck.identify.methods.static import Setting, check_motion
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.choose import Choice, choose, fit_with_baselines, select_law, select_terms
 from stribeck.identify.statistics.crossvalidate import FOLDS
@@ -98,24 +96,35 @@ def fit(
         InputError: data, columns, units or constants cannot be used; a line for each problem.
     """
     names = [] if law is None else [law] if isinstance(law, str) else list(law)
-    sharp = is_simulated(names, method)
-    log = read_log(data, {**(columns or {}), **named}, units, force_gain, cutoff, trim, sharp)
-    ask = _Request(
+    options = FitOptions(
         mass, method, dict(constants or {}), tuple(free), tuple(terms), select, decimate, robust, folds, starts, seed,
         output, drive,
     )  # fmt: skip
-    ask.work = Work(progress)
-    if output != "force" and len(names) != 1:
+    of_file = Columns({**(columns or {}), **named}, dict(units or {}), force_gain)
+    log = log_of(data, of_file, Preparation(cutoff, trim, is_simulated(names, method)))
+    return fit_log(log, names, options, progress)
+
+
+def fit_log(
+    log: Log, names: Sequence[str], options: FitOptions, progress: Callable[[float], None] | None = None
+) -> Fit | Choice:
+    """Fit one law to a log; or several, or for no name the static ones, and pick one; as :func:`fit` says."""
+    work = Work(progress)
+    if options.output != "force" and len(names) != 1:
         raise InputError(f"{arg('output')}: laws are compared by the force they predict; must be given with one law")
     if not names:
-        return ask.any_law(log)
+        return _any_law(log, options)
     if len(names) == 1:
-        return ask.fit(log, names[0])
-    if method is None and any(laws.find(name).has_z for name in names):
-        ask.method = "dynamic"  # errors compare within one method only
-    ask.cross = folds
+        return _fit_law(log, names[0], options, work)
+    if options.method is None and any(laws.find(name).has_z for name in names):
+        options = replace(options, method="dynamic")  # errors compare within one method only
     known = {constant for name in names for constant in laws.find(name).constants()}
-    return compare(log, names, lambda log, name: ask.of_law(name, known, names).fit(log, name))
+
+    def each(log: Log, name: str) -> Fit:
+        part = work.part(names.index(name), len(names))
+        return _fit_law(log, name, options.of_law(name, known), part, compared=True)
+
+    return compare(log, names, each)
 
 
 def is_simulated(names: Sequence[str], method: str | None) -> bool:
@@ -130,20 +139,47 @@ def read_log(
     force_gain: float | str | None = None,
     cutoff: float | None = None,
     trim: int | None = None,
-    sharp: bool = False,
+    simulated: bool = False,
 ) -> Log:
+    """The log in files, ready to be fitted; a log as it is.
+
+    Args:
+        data: a file (CSV, Parquet, MAT, NPZ), a data frame or a mapping of names to arrays, or several of one layout.
+        columns: the file's column for each role: ``{"time": "t", "velocity": "v", "force": "F"}``, and position,
+            acceleration, ...; a TOML file of the data's name beside it may hold them.
+        units: the unit of a column by its name; SI unless given.
+        force_gain: force per unit of the force column: a number, or the name of a constant in the file.
+        cutoff: of the low-pass filter, Hz; chosen from the data unless given.
+        trim: rows left out at both ends, where the filter rings; chosen unless given.
+        simulated: for laws with bristles, which are simulated: the filter rounds break-away less.
+
+    Returns:
+        A :class:`stribeck.identify.log.Log` in SI units, for :func:`stribeck.fit`.
+
+    Raises:
+        InputError: the file cannot be read, a column is missing or has no unit; one line for each problem.
+    """
+    named = Columns(dict(columns), dict(units or {}), force_gain)
+    return log_of(data, named, Preparation(cutoff, trim, simulated))
+
+
+def log_of(data: Data, columns: Columns, how: Preparation | None = None) -> Log:
     """The log in files, ready to be fitted; a log as it is."""
-    if unknown := [n for n in columns if n not in ROLES]:
-        raise InputError([f"{n}: {show(columns[n])}: unknown argument{nearest(n, ROLES)}" for n in unknown])
+    names, how = columns.names, how or Preparation()
+    if unknown := [n for n in names if n not in ROLES]:
+        raise InputError([f"{n}: {show(names[n])}: unknown argument{nearest(n, ROLES)}" for n in unknown])
     if isinstance(data, Log):
-        asked = {**columns, "units": units, "force_gain": force_gain, "cutoff": cutoff, "trim": trim}
+        asked = {
+            **names, "units": columns.units or None, "force_gain": columns.force_gain, "cutoff": how.cutoff,
+            "trim": how.trim,
+        }  # fmt: skip
         if given := [name for name, value in asked.items() if value is not None]:
             raise InputError(
                 [f"{arg(n)}: {show(asked[n])}: is for columns of a file; a Log is taken as it is" for n in given]
             )
         return data
     sources = [data] if isinstance(data, str | Path) or is_table(data) else list(data)
-    return load(sources, Columns(dict(columns), dict(units or {}), force_gain), Preparation(cutoff, trim, sharp))
+    return load(sources, columns, how)
 
 
 def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> Fit | Choice:
@@ -165,123 +201,64 @@ def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> 
     return choose(fits, failed)
 
 
-class _Request:
-    """What is asked of every law."""
-
-    def __init__(
-        self, mass: float | None, method: str | None, constants: dict[str, Any], free: Sequence[str],
-        terms: Sequence[str], select: bool | None, decimate: int | None, robust: bool, folds: int, starts: int, seed: int,
-        output: str, drive: Mapping[str, Any] | None,
-    ) -> None:  # fmt: skip
-        if method is not None and method not in METHODS:
-            raise InputError(f"{arg('method')}: {method!r}: must be {', '.join(METHODS)}{nearest(method, METHODS)}")
-        self.mass, self.method, self.constants, self.free = mass, method, constants, tuple(free)
-        self.terms, self.select, self.decimate, self.robust = tuple(terms), select, decimate, robust
-        self.folds, self.starts, self.seed = folds, starts, seed
-        self.output, self.drive = output, drive
-        self.work = Work()
-        self.cross = 0  # folds of a simulation-error fit: costly, and wanted for comparison only
-
-    def of_law(self, law: str, known: Collection[str], among: Sequence[str]) -> _Request:
-        """The request without the constants that only other laws have."""
-        foreign = set(known) - set(laws.find(law).constants())
-        other = copy.copy(self)
-        other.work = self.work.part(among.index(law), len(among))
-        other.constants = {n: v for n, v in self.constants.items() if n not in foreign}
-        other.free = tuple(n for n in self.free if n not in foreign)
-        return other
-
-    def fit(self, log: Log, law: str) -> Fit:
-        """The fit of one law."""
-        found = laws.find(law)
-        problems = [
-            f"{arg(argument)}: {name}: law '{law}' has no such constant{nearest(name, found.constants())}"
-            for argument, names in (("constants", self.constants), ("free", self.free))
-            for name in names
-            if name not in found.constants() and not (argument == "constants" and name in TERMS)
-        ]
-        problems += [
-            f"{arg(f'constants.{name}')}: {show(value)}: {text}"
-            for name, value in self.constants.items()
-            if name in found.constants() and (text := found.constants()[name].problem(value))
-        ]
-        problems += [
-            f"{arg(f'constants.{name}')}: {show(value)}: must be a finite number"
-            for name, value in self.constants.items()
-            if name in TERMS and (isinstance(value, str) or not np.isfinite(value))
-        ]
-        problems += [
-            f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"
-            for name in self.free
-            if name in found.constants() and found.constants()[name].choices
-        ]
-        if self.mass is not None and not (np.isfinite(self.mass) and self.mass >= 0):
-            problems.append(f"{arg('mass')}: {show(self.mass)}: must be a finite number >= 0")
-        if problems:
-            raise InputError(problems)
-        method = self.method or ("dynamic" if found.has_z else "static")
-        if method != "static" and (wrong := self._only_static()):
-            raise InputError([f"{arg(name)}: belongs to {arg('method')} static, not {method}" for name in wrong])
-        if method != "dynamic" and (self.output != "force" or self.drive):
-            raise InputError(f"{arg('output')}, {arg('drive')}: belong to {arg('method')} dynamic, not {method}")
-        if self.drive and self.output == "force":
-            raise InputError(f"{arg('drive')}: needs {arg('output')} velocity or position")
-        check_motion(log)
-        return _with_warning(METHODS[method](self, log, law))
-
-    def _only_static(self) -> list[str]:
-        given = {"select": bool(self.select), "decimate": self.decimate, "robust": self.robust}
-        return [name for name, value in given.items() if value]
-
-    def free_of(self, law: str) -> list[str] | None:
-        """The machine's constants and what is freed beside them; None for the machine's alone."""
-        found = laws.find(law)
-        usual = list(found.uses or found.own_constants())
-        return list(dict.fromkeys([*usual, *self.free])) if self.free else None
-
-    def _setting(self, free: Sequence[str] | None) -> Setting:
-        body = tuple(dict.fromkeys(("offset", *self.terms)))
-        return Setting(self.constants, free, self.mass, body, self.decimate, self.robust, folds=self.folds)
-
-    def static(self, log: Log, law: str) -> Fit:
-        """By least squares on the force, without memory."""
-        setting, plain = self._setting(self.free_of(law)), law == PLAIN or self.cross
-        select = self.select if self.select is not None else not (self.terms or self.free or plain)
-        with threadpool_limits(1):  # more threads of linear algebra only spin on matrices so small
-            return select_terms(log, law, setting) if select else fit_with_baselines(log, law, setting)
-
-    def any_law(self, log: Log) -> Choice:
-        """The static law and the terms that predict data left out best."""
-        if self.method not in (None, "static") or self.free:
-            option = "free" if self.free else "method"
-            raise InputError(f"{arg(option)}: needs {arg('law')}: without one, static laws are compared")
-        if self.mass is not None and not (np.isfinite(self.mass) and self.mass >= 0):
-            raise InputError(f"{arg('mass')}: {show(self.mass)}: must be a finite number >= 0")
-        with threadpool_limits(1):
-            choice = select_law(log, self._setting(None))
-        return replace(choice, fits={name: _with_warning(each) for name, each in choice.fits.items()})
-
-    def presliding(self, log: Log, law: str) -> Fit:
-        """From small reversals."""
-        return fit_presliding(
-            log, law, fixed=self.constants, mass=self.mass or 0.0, starts=min(self.starts, 8), seed=self.seed,
-            work=self.work,
+def _fit_law(log: Log, law: str, options: FitOptions, work: Work, compared: bool = False) -> Fit:
+    """The fit of one law; ``compared``: beside others, by the error over data left out."""
+    options.check(law)
+    check_motion(log)
+    method = options.method_for(laws.find(law))
+    if method == "static":
+        found = _static(log, law, options, compared)
+    elif method == "presliding":
+        found = fit_presliding(
+            log, law, fixed=_numbers(options), mass=options.mass or 0.0, starts=min(options.starts, 8),
+            seed=options.seed, work=work,
         )  # fmt: skip
+    else:
+        found = _dynamic(log, law, options, work, compared)
+    return _with_warning(found)
 
-    def dynamic(self, log: Log, law: str) -> Fit:
-        """By simulation of the law along the measured motion, or of the motion under the measured force or command."""
-        if self.output != "force":
-            offset = ("offset",) if (self.drive or {"kind": "force"}).get("kind") == "force" else ()
-            return fit_motion(
-                log, law, self.drive, output=self.output, fixed=self.constants, free=self.free_of(law), mass=self.mass,
-                body=tuple(dict.fromkeys((*offset, *self.terms))), starts=self.starts, seed=self.seed,
-                work=self.work,
-            )  # fmt: skip
-        return fit_dynamic(
-            log, law, fixed=self.constants, free=self.free_of(law), mass=self.mass,
-            body=tuple(dict.fromkeys(("offset", *self.terms))), starts=self.starts, seed=self.seed, folds=self.cross,
-            work=self.work,
+
+def _numbers(options: FitOptions) -> dict[str, Any]:
+    return dict(options.constants)
+
+
+def _setting(options: FitOptions, free: Sequence[str] | None) -> Setting:
+    return Setting(
+        _numbers(options), free, options.mass, options.body("offset"), options.decimate, options.robust,
+        folds=options.folds,
+    )  # fmt: skip
+
+
+def _static(log: Log, law: str, options: FitOptions, compared: bool) -> Fit:
+    """By least squares on the force, without memory."""
+    setting, plain = _setting(options, options.free_of(law)), law == PLAIN or compared
+    select = options.select if options.select is not None else not (options.terms or options.free or plain)
+    with threadpool_limits(1):  # more threads of linear algebra only spin on matrices so small
+        return select_terms(log, law, setting) if select else fit_with_baselines(log, law, setting)
+
+
+def _any_law(log: Log, options: FitOptions) -> Choice:
+    """The static law and the terms that predict data left out best."""
+    options.check_without_law()
+    with threadpool_limits(1):
+        choice = select_law(log, _setting(options, None))
+    return replace(choice, fits={name: _with_warning(each) for name, each in choice.fits.items()})
+
+
+def _dynamic(log: Log, law: str, options: FitOptions, work: Work, compared: bool) -> Fit:
+    """By simulation of the law along the measured motion, or of the motion under the measured force or command."""
+    free = options.free_of(law)
+    if options.output != "force":
+        offset = ("offset",) if (options.drive or {"kind": "force"}).get("kind") == "force" else ()
+        return fit_motion(
+            log, law, options.drive, output=options.output, fixed=_numbers(options), free=free, mass=options.mass,
+            body=options.body(*offset), starts=options.starts, seed=options.seed, work=work,
         )  # fmt: skip
+    folds = options.folds if compared else 0  # costly, and wanted for comparison only
+    return fit_dynamic(
+        log, law, fixed=_numbers(options), free=free, mass=options.mass, body=options.body("offset"),
+        starts=options.starts, seed=options.seed, folds=folds, work=work,
+    )  # fmt: skip
 
 
 def _with_warning(fit: Fit) -> Fit:
@@ -294,8 +271,3 @@ def _with_warning(fit: Fit) -> Fit:
         "show what), and its numbers, intervals too, say little about the machine"
     )
     return replace(fit, notes=(text, *fit.notes))
-
-
-METHODS: dict[str, Callable[[Any, Log, str], Fit]] = {
-    "static": _Request.static, "presliding": _Request.presliding, "dynamic": _Request.dynamic,
-}  # fmt: skip

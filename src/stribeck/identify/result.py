@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from html import escape
 from typing import Any
 
 import numpy as np
@@ -82,7 +83,7 @@ class Prediction:
     fitted: Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Fit:
     """The result of a fit.
 
@@ -116,6 +117,25 @@ class Fit:
     notes: tuple[str, ...] = ()
     details: dict[str, Any] = field(default_factory=dict)
     status: str = "done"
+
+    def __repr__(self) -> str:
+        known = (f"{n} = {e.value:.4g}" for n, e in self.estimates.items() if e.value is not None)
+        unknown = f"; not determined: {', '.join(self.unidentified)}" if self.unidentified else ""
+        error = f"error {100 * self.relative_force_error:.3g} %"
+        return f"<Fit {self.law}, {self.method}, {error}: {', '.join(known)}{unknown}>"
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the estimates with their intervals, and what the data do not determine."""
+        rows = ""
+        for name, e in {**self.estimates, **self.body}.items():
+            ends = ("-" if x is None else f"{x:.4g}" for x in (e.low, e.high))
+            value = "-" if e.value is None else f"{e.value:.4g}"
+            cells = (name, value, " to ".join(ends), e.unit, "" if e.identifiable else e.why)
+            rows += f"<tr>{''.join(f'<td>{escape(x)}</td>' for x in cells)}</tr>"
+        head = "".join(f"<th>{word}</th>" for word in ("", "value", "95 %", "unit", "not determined"))
+        title = f"{self.law}, {self.method} fit: {100 * self.relative_force_error:.3g} % of the force is left"
+        notes = "".join(f"<li>{escape(note)}</li>" for note in self.notes)
+        return f"<b>{escape(title)}</b><table><tr>{head}</tr>{rows}</table>{f'<ul>{notes}</ul>' if notes else ''}"
 
     @property
     def correlations(self) -> Array:

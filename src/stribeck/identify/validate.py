@@ -54,12 +54,16 @@ def validate(
             the drive's signal, the motion then beginning as the record does.
 
     Raises:
-        InputError: the record cannot be read, or has nothing to compare with.
+        InputError: the record cannot be read, or has nothing to compare with; the scenario is a machine.
     """
     names = dict(columns)
     measured = [role for role in _COLUMNS if role in names]
     if not measured:
         raise InputError(f"{arg('position')}, {arg('velocity')} or {arg('force')}: one must be given: what is compared")
+    if scenario.rig is not None:
+        raise InputError(
+            f"{arg('scenario')}: {scenario.name}: is a machine; must be a law on a single body (schema = 1)"
+        )
     raw = read(data, Columns(names, dict(units or {}), force_gain), needs_force=False)
     rows = np.all([np.isfinite(x) for x in raw.values()], axis=0)
     raw = {role: x[rows] for role, x in raw.items()}

@@ -30,6 +30,7 @@ from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value
 from stribeck.laws import terms
 from stribeck.laws.evaluation import Evaluation
+from stribeck.laws.objects import AsObject
 from stribeck.laws.tools import ToTools
 
 # Parameters of a machine: they belong to the contact, whichever law describes it.
@@ -102,7 +103,7 @@ def _may_be_none(constant: Constant) -> bool:
     return constant.optional or bool(constant.choices)
 
 
-class Law(Evaluation, ToTools):
+class Law(AsObject, Evaluation, ToTools):
     """A friction law with its constants' values; the base of :class:`BristleLaw` and :class:`StaticLaw`.
 
     Args:

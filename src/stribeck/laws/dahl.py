@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from math import sqrt
 from typing import Any
 
-from stribeck.expressions.ops import Value
+from stribeck.expressions.ops import Value, sqrt
 from stribeck.laws.base import BristleLaw, Claims, Scales
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stribeck.constants import Constant
-from stribeck.expressions.ops import Value, exp, sign, tanh
+from stribeck.expressions.ops import Value, exp, larger, sign, smaller, tanh
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Scales, StaticLaw
 from stribeck.laws.terms import K_V, S_0
 
@@ -48,7 +48,7 @@ class Stribeck(StaticLaw):
     @staticmethod
     def scales(p: Any) -> Scales:
         """The Stribeck velocity, or 1/k_v where the smooth sign is given."""
-        speed = p.v_s if p.k_v is None else min(p.v_s, 1 / p.k_v)
+        speed = p.v_s if p.k_v is None else smaller(p.v_s, 1 / p.k_v)
         return Scales(_TIME * speed, speed, p.F_s)
 
 
@@ -71,8 +71,8 @@ class Makkar(StaticLaw):
     @staticmethod
     def scales(p: Any) -> Scales:
         """The speed at which the steeper tanh bends."""
-        speed = 1 / max(p.g2, p.g5)
-        return Scales(_TIME * speed, speed, max(p.g1, p.g4, p.g6 * speed))
+        speed = 1 / larger(p.g2, p.g5)
+        return Scales(_TIME * speed, speed, larger(larger(p.g1, p.g4), p.g6 * speed))
 
 
 class StribeckTanh(StaticLaw):
@@ -93,5 +93,5 @@ class StribeckTanh(StaticLaw):
     @staticmethod
     def scales(p: Any) -> Scales:
         """The Stribeck velocity, or 1/k_v where that is slower."""
-        speed = min(p.v_s, 1 / p.k_v)
+        speed = smaller(p.v_s, 1 / p.k_v)
         return Scales(_TIME * speed, speed, p.F_s)

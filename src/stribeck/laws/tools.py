@@ -44,11 +44,31 @@ class ToTools:
         return function
 
     def to_jax(self) -> Any:
-        """The law in JAX: ``rate(v, z, **constants)`` and ``force(v, z, **constants)``, for grad, jit and vmap.
+        """The law in JAX: ``rate``, ``force``, and ``step`` for simulators; for grad, jit and vmap.
 
         See :class:`stribeck.export.python.jax.JaxLaw`.
         """
         return _exporter("jax").to_jax(self)
+
+    def to_torch(self) -> Any:
+        """The law in PyTorch: ``rate``, ``force``, and ``step(state, v, effort, inertia, dt) -> (state, friction)``.
+
+        See :class:`stribeck.export.python.torch.TorchLaw`.
+        """
+        return _exporter("torch").to_torch(self)
+
+    def to_warp(self, precision: str = "single") -> Any:
+        """The law as kernels of NVIDIA Warp: ``step(state, v, effort, inertia, dt) -> (state, friction)``.
+
+        See :class:`stribeck.export.python.warp.WarpLaw`.
+
+        Args:
+            precision: ``single`` or ``double``.
+
+        Raises:
+            InputError: no such precision.
+        """
+        return _exporter("warp").to_warp(self, precision)
 
 
 def _exporter(tool: str) -> Any:

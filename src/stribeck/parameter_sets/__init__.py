@@ -45,7 +45,11 @@ _allowed = [False]  # for every thread: a sweep's lanes read what the command al
 
 
 def allow_undetermined(allowed: bool = True) -> None:
-    """Whether sets may be used that hold numbers which the data behind them do not determine, from here on."""
+    """Whether sets may be used that hold numbers which the data behind them do not determine, from here on.
+
+    Args:
+        allowed: False refuses them, as at first.
+    """
     _allowed[0] = allowed
 
 

@@ -20,17 +20,28 @@ WORK = 2400.0  # regions looked at for all five properties; it does not depend o
 _log = logging.getLogger(__name__)
 
 
-def check(law: Law, v_max: float | None = None, work: float = WORK) -> Verdicts:
+def check(
+    law: Law, v_max: float | None = None, work: float = WORK, level: tuple[float, float] | None = None
+) -> Verdicts:
     """Whether a law with its constants has each of the five properties.
 
     Args:
         law: the law.
         v_max: passivity is asked for \\|v\\| <= v_max, m/s; for every v unless given.
         work: how many regions of (v, z) may be looked at; what is not decided by then is null.
+        level: (LOW, HIGH): F_c and F_s vary together, in any way, between LOW and HIGH times their values (by load, position,
+            temperature); a verdict holds for every such history.
 
     Returns:
         The verdicts: each true with a proof, false with a counterexample, or null with the reason. docs/check.md.
+
+    Raises:
+        InputError: ``level`` is no range, or the law does not allow such constants.
     """
+    if level is not None:
+        from stribeck.properties.level import check_level
+
+        return check_level(law, *level, v_max, work)
     started = process_time()
     if not law.has_z:
         reason = f"law '{law.name}' has no internal state z, which the properties are about"
@@ -47,5 +58,5 @@ def _safely(decide: Callable[[], Verdict], name: str) -> Verdict:
     try:
         return decide()
     except Exception as error:
-        _log.warning("the check of '%s' failed", name, exc_info=True)
+        _log.debug("the check of '%s' failed", name, exc_info=True)
         return undecided(f"the equations cannot be treated: {type(error).__name__}: {error}")

@@ -12,7 +12,7 @@ from typing import Any
 
 from stribeck.expressions.exact import tree_of
 from stribeck.expressions.graph import Expr, ordered
-from stribeck.properties.prover.leaf import End
+from stribeck.properties.prover.region import End
 from stribeck.properties.prover.search import Tree
 
 FORMAT = 1

@@ -12,7 +12,7 @@ from stribeck.properties.model import Model, Unreadable
 from stribeck.properties.prover.search import Work
 from stribeck.properties.verdicts import Verdict, undecided
 
-_SHARES = {"bounded": 0.2, "unique": 0.25, "smooth": 0.1, "passive": 0.6, "drift_free": 0.1}
+SHARES = {"bounded": 0.2, "unique": 0.25, "smooth": 0.1, "passive": 0.6, "drift_free": 0.1}
 
 
 class Checked:
@@ -28,7 +28,7 @@ class Checked:
 
     def claims(self, name: str) -> Claims:
         """A prover with its share of the work."""
-        return Claims(self.model, Work(_SHARES[name] * self.work))
+        return Claims(self.model, Work(SHARES[name] * self.work))
 
     @cached_property
     def _bounded(self) -> tuple[Verdict, Certificate | None]:

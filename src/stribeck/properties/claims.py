@@ -9,7 +9,7 @@ from typing import Any
 from stribeck.expressions.graph import Expr, derivative, substitute, symbol
 from stribeck.properties.certificate import Claim
 from stribeck.properties.model import SIGNS, Model, U, W, Z
-from stribeck.properties.prover.leaf import End
+from stribeck.properties.prover.region import End
 from stribeck.properties.prover.search import Work
 
 Ranges = Mapping[str, tuple[Fraction, End]]

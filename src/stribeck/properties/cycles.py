@@ -63,7 +63,7 @@ def integrate(law: Law, v: float, a: float, b: float) -> tuple[float, float]:
 def find(law: Law, storage: Storage) -> Cycle | None:
     """A short cycle that draws energy; None where none was found."""
     at = abs(storage.worst[1]) if law.symmetric else storage.worst[1]
-    candidates = [_best(storage, *_candidates(storage, at), points) for points in _windows(storage, at)]
+    candidates = [best(storage, storage, *_candidates(storage, at), points) for points in _windows(storage, at)]
     found = [c for c in candidates if c is not None]
     if not found:
         return None
@@ -111,16 +111,22 @@ def _candidates(storage: Storage, at: float) -> tuple[Array, Array]:
     return np.append(speeds, v_high), np.append(speeds, v_low)
 
 
-def _best(storage: Storage, ups: Array, downs: Array, z: Array) -> tuple[float, float, float, float, float] | None:
-    """The best (cost, v_up, v_down, low, high): much energy for what flows, neither slow nor fast."""
+def best(
+    rising: Storage, falling: Storage, ups: Array, downs: Array, z: Array
+) -> tuple[float, float, float, float, float] | None:
+    """The best (cost, v_up, v_down, low, high): much energy for what flows, neither slow nor fast.
+
+    ``rising`` and ``falling`` hold the laws on the two ways, which are two where the level differs.
+    """
     z = np.unique(z)
-    dz, fastest = np.gradient(z), own_speeds(storage.law)[-1]
-    (f_up, e_up), (f_down, e_down) = (storage.slopes(v[:, None], z) for v in (ups, downs))
+    dz, fastest = np.gradient(z), own_speeds(rising.law)[-1]
+    f_up, e_up = rising.slopes(ups[:, None], z)
+    f_down, e_down = falling.slopes(downs[:, None], z)
     both = (f_up > 0)[:, None, :] & (f_down < 0)[None, :, :]
     gain = np.where(both, e_down[None, :, :] - e_up[:, None, :], -np.inf) * dz
     low, high, total = _largest_sums(gain)
     rows, columns = np.nonzero((total > 0) & (high - low >= 2))
-    best = None
+    found_best = None
     for i, j in zip(rows, columns, strict=True):
         found = _window(f_up[i], -f_down[j], int(low[i, j]), int(high[i, j]))
         if found is None:
@@ -130,10 +136,10 @@ def _best(storage: Storage, ups: Array, downs: Array, z: Array) -> tuple[float, 
         if share > _SAFE:
             time = float((dz[w] / f_up[i, w] - dz[w] / f_down[j, w]).sum())
             fast = max(abs(ups[i]), abs(downs[j])) / fastest
-            cost = _cost(share, time, fast, (z[found[1]] - z[found[0]]) / storage.largest)
-            if best is None or cost < best[0]:
-                best = (cost, float(ups[i]), float(downs[j]), float(z[found[0]]), float(z[found[1]]))
-    return best
+            cost = _cost(share, time, fast, (z[found[1]] - z[found[0]]) / rising.largest)
+            if found_best is None or cost < found_best[0]:
+                found_best = (cost, float(ups[i]), float(downs[j]), float(z[found[0]]), float(z[found[1]]))
+    return found_best
 
 
 def _cost(share: float, time: float, fast: float, part: float) -> float:

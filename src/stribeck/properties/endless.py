@@ -57,16 +57,17 @@ def without_limit(model: Model, claims: Claims, storage: Storage, unrestricted: 
         for share in (1e-2, 1e-4, 1e-6, 1e-9):
             for s in SIGNS:
                 for t in SIGNS:
-                    found = _unwinding(model, claims, (s, t), fast, z_top, share)
+                    found = unwinding(model, claims, (s, t), fast, z_top, share)
                     if found is not None:
                         _with_a_run(model, storage, found, z_top)
                         return found
     return None
 
 
-def _unwinding(
+def unwinding(
     model: Model, claims: Claims, sides: tuple[int, int], fast: float, top: float, share: float
 ) -> Verdict | None:
+    """From z = t ``top`` down to (1 - ``share``) of it at v = s u, u >= ``fast``: energy shown to be given back, like u."""
     law, (s, t) = model.law, sides
     u = np.geomspace(fast, fast * 1e12, 7)[:, None]
     w = top * np.array([1 - share, 1 - share / 2, 1.0])

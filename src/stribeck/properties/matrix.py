@@ -36,7 +36,15 @@ def every_law(values: Mapping[str, float | str]) -> list[Law]:
 
 
 def check_all(values: Mapping[str, float | str], v_max: float | None = None) -> dict[str, Verdicts]:
-    """The verdicts on :func:`every_law` by name."""
+    """The verdicts of :func:`stribeck.check` on every law that a machine's constants allow, by the law's name.
+
+    Args:
+        values: the machine's parameters and the laws' own constants, by name.
+        v_max: passivity is asked for speeds up to this, m/s; for every speed unless given.
+
+    Raises:
+        InputError: a value is bad.
+    """
     return {law.name: check(law, v_max) for law in every_law(values)}
 
 

@@ -52,7 +52,10 @@ class Model:
         self.rate = finite(wrap(law.dz_dt(p, V, Z)))
         self.force = finite(wrap(law.friction(p, V, Z, RATE)))
         self.power_force = substitute([self.force], {RATE: self.rate})[0]
-        self.stored = finite(wrap(law.stored_energy(p, Z)))
+        try:
+            self.stored = finite(wrap(law.stored_energy(p, Z)))
+        except AttributeError:  # that of the base class, which needs sigma_0, in a law without it
+            self.stored = ZERO
         self._bound = finite(wrap(law.z_bound(p)))
         self.values = {f"c_{n}": Fraction(x) for n, x in law.values.items() if x is not None}
         self.values["rest"] = Fraction(0)
@@ -67,7 +70,8 @@ class Model:
         Raises:
             Unreadable: it is not a positive number.
         """
-        from stribeck.properties.prover.leaf import Leaf, Region, Rules
+        from stribeck.properties.prover.leaf import Leaf, Rules
+        from stribeck.properties.prover.region import Region
 
         low, high = Box(self.inputs)(self._bound)
         if not 0 < low <= high < math.inf:
@@ -110,7 +114,8 @@ class Model:
 
     def _switches(self) -> dict[str, set[Fraction]]:
         """The speeds and deflections at which conditions switch, where these are rational."""
-        from stribeck.properties.prover.leaf import Axis, Leaf, Region, Rules
+        from stribeck.properties.prover.leaf import Leaf, Rules
+        from stribeck.properties.prover.region import Axis, Region
 
         found: dict[str, set[Fraction]] = {"u": set(), "w": set()}
         axes = (Axis("u", Fraction(0), None), Axis("w", Fraction(0), None))
@@ -166,6 +171,8 @@ def finite(expr: Expr) -> Expr:
     """
     found = rewrite([expr], _without_infinite)[0]
     for node in ordered([found]):
+        if node.op == "floor":
+            raise Unreadable("the equations hold floor(...), which the proofs do not treat")
         if isinstance(node.value, float) and not math.isfinite(node.value):
             raise Unreadable(f"the equations hold the number {node.value}")
         if node.op in ("both", "either", "where"):

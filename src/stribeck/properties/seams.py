@@ -115,7 +115,8 @@ def _present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
 
 def constant_of(model: Model, expr: Expr) -> Fraction | None:
     """The rational number that an expression of the constants is."""
-    from stribeck.properties.prover.leaf import Leaf, Region, Rules
+    from stribeck.properties.prover.leaf import Leaf, Rules
+    from stribeck.properties.prover.region import Region
     from stribeck.properties.prover.ring import Unclear
 
     try:

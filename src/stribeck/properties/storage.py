@@ -100,7 +100,7 @@ class Storage:
             f, *others = law.rate(v, signs * z)
             f = np.where(abs(f) > _CANCELS * np.maximum(*np.abs(others)), f, 0.0)
             energy = law.friction(law.p, v, z, f) * v / f
-        return f, np.where(np.isfinite(energy), energy, 0.0)
+        return f, energy
 
     def interval(self, z: ArrayLike) -> tuple[Array, Array]:
         """L(z) and U(z) in J/m; -inf and inf where no speed unwinds, or winds up."""
@@ -115,7 +115,7 @@ class Storage:
         def largest(v: Array) -> tuple[Array, NDArray[np.int64]]:
             """Of L and of -U (along the first axis) the largest value over v (along the second), and its index."""
             f, energy = self.slopes(v, z)
-            value = np.where(_SIDES * f > 0, -_SIDES * energy, -np.inf)
+            value = np.where((_SIDES * f > 0) & np.isfinite(energy), -_SIDES * energy, -np.inf)
             at = value.argmax(axis=1)
             return value[lanes, at, columns], at
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -52,6 +52,12 @@ class Verdict:
         return self.verified
 
 
+def ranges_in_words(ranges: Mapping[str, Sequence[float | None]]) -> str:
+    """'F_c from 1 to 2, F_s from 1.5 up'."""
+    words = [f"{n} from {low:.6g} " + ("up" if high is None else f"to {high:.6g}") for n, (low, high) in ranges.items()]
+    return ", ".join(words)
+
+
 def undecided(reason: str, **evidence: Any) -> Verdict:
     """Neither proved nor refuted."""
     return Verdict(None, "undecided", {"reason": reason, **evidence})
@@ -74,6 +80,11 @@ class Verdicts:
 
     def __getitem__(self, name: str) -> Verdict:
         return self.properties[name]
+
+    @property
+    def level(self) -> dict[str, list[float | None]]:
+        """The constants that vary and the ends between which they do (None: without end); none in a plain check."""
+        return {}
 
     def verify(self) -> bool:
         """Check every proof's certificate and replay every counterexample; True where all agree."""

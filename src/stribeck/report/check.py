@@ -11,6 +11,7 @@ import numpy as np
 from stribeck.errors import StribeckError
 from stribeck.laws.base import Law
 from stribeck.properties import Verdict, Verdicts
+from stribeck.properties.verdicts import ranges_in_words
 from stribeck.report import chapters, plots
 from stribeck.report.files import write_figure
 from stribeck.report.overview import overview
@@ -34,9 +35,9 @@ def write(verdicts: Verdicts, folder: Path, data: Mapping[str, Any], command: st
     law = verdicts.law
     curve = _curve(law)
     replays = [
-        figure for name, verdict in verdicts.properties.items() if (figure := _replay(name, verdict)) is not None
+        figure for name, verdict in verdicts.properties.items() if (figure := replay_figure(name, verdict)) is not None
     ]
-    found = [_verdicts(verdicts), *_margins(data.get("margins")), _evidence(verdicts)]
+    found = [verdicts_chapter(verdicts, note=_level(verdicts)), *_margins(data.get("margins")), evidence(verdicts)]
     found.append(Chapter("curve", "Friction at held speeds", figures=[curve]))
     if replays:
         text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
@@ -49,15 +50,24 @@ def write(verdicts: Verdicts, folder: Path, data: Mapping[str, Any], command: st
     return [*paths, chapters.write_page(folder, f"What {law.name} guarantees", introduction, found, command)]
 
 
-def _verdicts(verdicts: Verdicts) -> Chapter:
+def verdicts_chapter(verdicts: Verdicts, key: str = "verdicts", title: str = "Verdicts", note: str = "") -> Chapter:
+    """A table of the five properties, and how each was decided."""
     rows = []
     for name, v in verdicts.properties.items():
         again = {True: "confirmed", False: "NOT CONFIRMED", None: "-"}[v.verified]
         how = str(v.evidence.get("reason", v.method)) if v.holds is None else v.method
         rows.append([name.replace("_", "-"), _MEANING[name], WORDS[v.holds], how, again])
     head = ["property", "meaning", "holds", "how it was decided", "second run"]
-    text = ["yes is proved; for no there is a counterexample. The constants are taken as exact."]
-    return Chapter("verdicts", "Verdicts", text, [Table(head, rows, prose=True)])
+    text = [
+        "yes is proved; for no there is a counterexample. The constants are taken as exact.",
+        *([note] if note else []),
+    ]
+    return Chapter(key, title, text, [Table(head, rows, prose=True)])
+
+
+def _level(verdicts: Verdicts) -> str:
+    """What varies, in a sentence."""
+    return f"Each verdict holds for every history of {ranges_in_words(verdicts.level)}." if verdicts.level else ""
 
 
 def _margins(margins: Mapping[str, Any] | None) -> list[Chapter]:
@@ -72,18 +82,19 @@ def _margins(margins: Mapping[str, Any] | None) -> list[Chapter]:
     return [Chapter("margins", "Margins of passivity", text, [Table(["constant", "value", "from", "up to"], ends)])]
 
 
-def _evidence(verdicts: Verdicts) -> Chapter:
+def evidence(verdicts: Verdicts, key: str = "evidence", title: str = "Evidence") -> Chapter:
+    """The numbers that belong to each verdict."""
     tables = []
     for name, v in verdicts.properties.items():
         plain = {n: x for n, x in v.evidence.items() if isinstance(x, int | float | str) and n != "reason"}
         if plain:
             rows = [[n, f"{x:.9g}" if isinstance(x, float) else str(x)] for n, x in plain.items()]
             tables.append(Table([name.replace("_", "-"), "evidence (SI)"], rows, prose=True))
-        for key in ("programme", "levels"):
-            steps: Sequence[Mapping[str, float]] = v.evidence.get(key, ())
+        for listed in ("programme", "levels"):
+            steps: Sequence[Mapping[str, float]] = v.evidence.get(listed, ())
             if steps:
                 tables.append(Table([*steps[0]], [[f"{x:.6g}" for x in step.values()] for step in steps[:40]]))
-    return Chapter("evidence", "Evidence", (), tables)
+    return Chapter(key, title, (), tables)
 
 
 def _curve(law: Law) -> FigureSvg:
@@ -105,7 +116,7 @@ def _curve(law: Law) -> FigureSvg:
         return plots.finish(made, "curve", "The friction force when a speed is held.", pdf=True)
 
 
-def _replay(name: str, verdict: Verdict) -> FigureSvg | None:
+def replay_figure(name: str, verdict: Verdict, of: str = "") -> FigureSvg | None:
     """The motion of a counterexample; None where there is none that can be shown."""
     if verdict.holds is not False or verdict.scenario is None:
         return None
@@ -115,4 +126,5 @@ def _replay(name: str, verdict: Verdict) -> FigureSvg | None:
         return None
     stated = ", ".join(f"{n} = {x:.6g}" for n, x in verdict.evidence.get("replay", {}).items())
     words = name.replace("_", "-")
-    return overview({f"not {words}": solution}, f"not_{name}", f"Not {words}: {verdict.method}. At the end: {stated}.")
+    key = f"{of}_not_{name}" if of else f"not_{name}"
+    return overview({f"not {words}": solution}, key, f"Not {words}: {verdict.method}. At the end: {stated}.")

@@ -23,9 +23,10 @@ from stribeck.errors import InputError, arg, needed
 from stribeck.files import write_json, write_parquet, write_with
 from stribeck.report.files import write_csv
 from stribeck.scenario import Scenario
+from stribeck.scenario.objects import Machine, Varied, scenario_of
 from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.simulation.native import step_share
-from stribeck.simulation.variations import vary
+from stribeck.simulation.variations import arrays, vary
 from stribeck.version import __version__
 
 Progress = Callable[[float, float], None]
@@ -245,6 +246,45 @@ class Sweep:
             )
         else:
             write_json(place, {**self.manifest, "sha256": {}})
+
+
+def sweep(
+    scenario: Scenario | Machine | Varied | str | Path | Mapping[str, Any],
+    values: Mapping[str, Any] | None = None,
+    out: str | Path = "sweep",
+    *,
+    t_end: float | None = None,
+    step: float | None = None,
+    summary: bool = False,
+    as_csv: bool = False,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Sweep:
+    """Simulate every lane into a folder, in parts; go on where an earlier sweep into it was stopped.
+
+    Args:
+        scenario: what the lanes share; or ``machine.vary({...})``.
+        values: the values of every lane by path, arrays of one length (``np.meshgrid`` makes grids).
+        out: the folder.
+        t_end, step: as for :func:`stribeck.simulate`.
+        summary: keep one row a lane (peaks, events, amplitude, period) in place of its trajectory.
+        as_csv: write CSV in the place of Parquet.
+        threads: of the processor; all unless given.
+        progress: called with the share of the lanes done, and how many were done in this run.
+
+    Returns:
+        The sweep: ``path(i)`` is the file of part i of ``parts``.
+
+    Raises:
+        InputError: a path cannot be varied, or the folder holds another sweep.
+    """
+    if isinstance(scenario, Varied):
+        values = {**scenario.values, **(values or {})}
+    shared = scenario.machine if isinstance(scenario, Varied) else scenario
+    found = Sweep(scenario_of(shared, t_end, step), arrays(values or {}), Path(out), summary, as_csv)
+    found.folder.mkdir(parents=True, exist_ok=True)
+    found.run(threads, progress)
+    return found
 
 
 @contextmanager

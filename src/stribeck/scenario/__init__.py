@@ -67,6 +67,28 @@ class Scenario:
         self.drive: type[Drive] | type[Cascade]
         self.signal: Signal
         _refuse(Reader(self, _trusted(trust)).read())
+        self._frozen = True
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if self._frozen:
+            raise AttributeError(f"{name}: a Scenario does not change; replace({{PATH: VALUE}}) makes another")
+        object.__setattr__(self, name, value)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Scenario) and (self.data, self.folder) == (other.data, other.folder)
+
+    def __hash__(self) -> int:
+        return hash((self.name, self.folder))
+
+    def __repr__(self) -> str:
+        return f"<Scenario {self.name}: {self.subject}, t_end {self.solve.t_end:g} s>"
+
+    def with_values(self, **values: Any) -> Scenario:
+        """This scenario with other values of law, mass, initial state or signal, of the same structure; not judged."""
+        new = object.__new__(Scenario)
+        new.__dict__.update({name: x for name, x in self.__dict__.items() if name != "threshold"})
+        new.__dict__.update({"_law" if name == "law" else name: x for name, x in values.items()})
+        return new
 
     @classmethod
     def load(
@@ -130,6 +152,7 @@ class Scenario:
     output: tables.Output
 
     _law: Law | None = None
+    _frozen = False
 
     @property
     def law(self) -> Law:

@@ -46,8 +46,6 @@ def plain(value: Any, path: str = "", depth: int = 0) -> Any:
         raise InputError(f"{path}: nested too deeply: must be at most {_DEEPEST} tables or lists deep")
     if isinstance(value, laws.Law):
         return laws.table(value)
-    if isinstance(value, laws.Law):
-        return _law_table(value)
     if isinstance(value, Mapping):
         return {str(key): plain(inner, path or str(key), depth + 1) for key, inner in value.items()}
     if isinstance(value, np.ndarray | np.generic):
@@ -55,16 +53,6 @@ def plain(value: Any, path: str = "", depth: int = 0) -> Any:
     if isinstance(value, list | tuple):
         return [inner if type(inner) is float else plain(inner, path, depth + 1) for inner in value]
     return str(value) if isinstance(value, PurePath) else value
-
-
-def _law_table(law: laws.Law) -> Any:
-    """A law of the package as its table; one of the user's own as it is, for its file is not known."""
-    if laws.builtin().get(law.name) is not type(law):
-        return law
-    given = {**law.machine, **{n: x for n, x in law.values.items() if x is not None}}
-    inside = {n: x for n, x in given.items() if n in PARAMETERS}
-    own = {n: x for n, x in given.items() if n not in PARAMETERS} | law.choices
-    return {"name": law.name, **own, **({"parameters": inside} if inside else {})}
 
 
 def changed(data: Mapping[str, Any], changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:

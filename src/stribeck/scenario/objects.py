@@ -292,8 +292,17 @@ class Machine:
                 raise InputError(f"{part.section}.{part.name}: {text}")
             seen[part.name] = part.section
             data.setdefault(part.section, {})[part.name] = dict(part.table)
-        self._data, self._parts = plain(data), parts
-        self._folder = Path(folder) if folder is not None else Path()
+        self._set(plain(data), parts, Path(folder) if folder is not None else Path())
+
+    _data: dict[str, Any]
+    _parts: tuple[Part, ...]
+    _folder: Path
+
+    def _set(self, data: dict[str, Any], parts: tuple[Part, ...], folder: Path) -> None:
+        self.__dict__.update(_data=data, _parts=parts, _folder=folder)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: a Machine does not change; replace({{PATH: VALUE}}) makes another")
 
     @property
     def name(self) -> str:
@@ -317,7 +326,7 @@ class Machine:
     def replace(self, changes: Mapping[str, Any]) -> Machine:
         """The same machine with other values at some paths: ``{"bodies.arm.inertia": 0.4}``."""
         new = object.__new__(Machine)
-        new._data, new._parts, new._folder = changed(self._data, changes, self._folder), self._parts, self._folder
+        new._set(changed(self._data, changes, self._folder), self._parts, self._folder)
         return new
 
     def vary(self, values: Mapping[str, ArrayLike]) -> Varied:

@@ -10,8 +10,10 @@ import numpy as np
 
 from stribeck.control.sampled import Log
 from stribeck.errors import BuildError
+from stribeck.expressions.ops import Value, clip, larger, smaller, sqrt
 from stribeck.scenario import Scenario
 from stribeck.simulation.result import Result, ended, failure, held_back, legs
+from stribeck.system import Groups
 
 # The fields of Run in runtime/run.c, in the same order.
 _POINTERS = (
@@ -26,7 +28,7 @@ _INTEGERS = (
     "jacobians", "attempts_left", "held_back", "restart",
 )  # fmt: skip
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
-_EVENT_ROOM = 4096
+EVENT_ROOM = 4096
 _STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
 # What one step may err by, as a share of the tolerances: errors made while a contact creeps towards break-away grow up
 # to a hundredfold before it slips, and the solution is to keep what the tolerances promise.
@@ -54,7 +56,7 @@ class Run(ctypes.Structure):
 
 def step_share(scenario: Scenario) -> float:
     """What one step may err by, as a share of the scenario's tolerances."""
-    return max(_wanted_share(scenario), min(1.0, _RTOL_SMALLEST / scenario.solve.rtol))
+    return float(larger(_wanted_share(scenario), smaller(1.0, _RTOL_SMALLEST / scenario.solve.rtol)))
 
 
 def doubts(scenario: Scenario) -> list[str]:
@@ -74,19 +76,31 @@ def _wanted_share(scenario: Scenario) -> float:
     """A contact that is hardly damped swings many times, and the errors of all swings add up."""
     if scenario.system.held:
         return _SAMPLED_SHARE
-    return _STEP_SHARE * min(1.0, max((damping_ratio(scenario) / _WELL_DAMPED) ** 2, _LEAST_DAMPED))
+    return share_of(damping_ratio(scenario))
+
+
+def share_of(damping: Value) -> Value:
+    """What one step may err by where nothing else sets it: a number, or an expression of one."""
+    return _STEP_SHARE * clip((damping / _WELL_DAMPED) ** 2, _LEAST_DAMPED, 1.0)
 
 
 def damping_ratio(scenario: Scenario) -> float:
     """Of a body on its bristles, at rest; infinite where there is no such thing."""
     if scenario.rig is not None:  # a machine has many bodies and contacts
         return float("inf")
-    p, mass = scenario.law.p, scenario.mass
+    return float(damping_of(scenario, scenario.groups() if scenario.servo is None else None))
+
+
+def damping_of(scenario: Scenario, constants: Groups | None) -> Value:
+    """The damping ratio of the scenario's body with other values (None: its own), as numbers or as expressions."""
+    p = scenario.law.p if constants is None else constants.law
+    mass = scenario.mass if constants is None else getattr(constants.plant, "mass", None)
     sigma_0 = getattr(p, "sigma_0", None)
-    if not sigma_0 or not mass or scenario.drive.sets_velocity or not scenario.law.has_z:
+    if sigma_0 is None or mass is None or scenario.drive.sets_velocity or not scenario.law.has_z:
         return float("inf")
-    damping = [getattr(p, name, None) or 0.0 for name in ("sigma_1", "sigma_2")]
-    return float((sum(damping) + scenario.drive_values.get("K_d", 0.0)) / (2 * (sigma_0 * mass) ** 0.5))
+    given = [getattr(p, name, None) for name in ("sigma_1", "sigma_2")]
+    K_d = scenario.drive_values.get("K_d", 0.0) if constants is None else getattr(constants.drive, "K_d", 0.0)
+    return (sum(x for x in given if x is not None) + K_d) / (2 * sqrt(sigma_0 * mass))
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -111,7 +125,7 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     room, noise = held_back(scenario.end, [scenario.sampling()])
     x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
     out = np.empty((scenario.rows, len(system.states) + held))
-    event_room = max(_EVENT_ROOM, library.stribeck_event_room())
+    event_room = max(EVENT_ROOM, library.stribeck_event_room())
     event_time, event_what = np.empty(event_room), np.empty(event_room, np.int32)
     arrays = {
         "parameters": np.array([values[key] for key in system.parameters]),

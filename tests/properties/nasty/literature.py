@@ -104,7 +104,8 @@ class BoucWen2(BristleLaw):
 
 
 class BoucWenOneAndAHalf(BristleLaw):
-    """Bouc-Wen, n = 1.5, beta = 0.7, gamma = 0.3: f/v = 1 - u^1.5 for v z > 0, 1 + 0.4 |u|^1.5 else. C1 in z;
+    """Bouc-Wen, n = 1.5, beta = 0.75, gamma = 0.25 (which add up to 1 in floats, as 0.7 and 0.3 do not): f/v = 1 -
+    u^1.5 for v z > 0, 1 + 0.5 |u|^1.5 else. C1 in z;
     inward for |u| > 1 (v z > 0) and for v z < 0: unique, bounded. D >= 0 as BoucWen1: passive. Not smooth."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -114,7 +115,7 @@ class BoucWenOneAndAHalf(BristleLaw):
     @staticmethod
     def dz_dt(p, v, z):
         u = z * p.sigma_0 / p.F_s
-        return v - 0.7 * abs(v) * abs(u) ** 0.5 * u - 0.3 * v * abs(u) ** 1.5
+        return v - 0.75 * abs(v) * abs(u) ** 0.5 * u - 0.25 * v * abs(u) ** 1.5
 
     @staticmethod
     def friction(p, v, z, dz_dt):
@@ -122,7 +123,7 @@ class BoucWenOneAndAHalf(BristleLaw):
 
 
 class BoucWenHalf(BristleLaw):
-    """Bouc-Wen, n = 1/2, beta = 0.7, gamma = 0.3: f/v is 1 - |u|^.5 for v z > 0, 1 + 0.4 |u|^.5 else; f does not
+    """Bouc-Wen, n = 1/2, beta = 0.75, gamma = 0.25: f/v is 1 - |u|^.5 for v z > 0, 1 + 0.5 |u|^.5 else; f does not
     increase with z for either sign of v: unique, though not Lipschitz at z = 0. Bounded and passive as
     BoucWen1."""
 
@@ -133,7 +134,7 @@ class BoucWenHalf(BristleLaw):
     @staticmethod
     def dz_dt(p, v, z):
         u = z * p.sigma_0 / p.F_s
-        return v - 0.7 * abs(v) * sign(u) * abs(u) ** 0.5 - 0.3 * v * abs(u) ** 0.5
+        return v - 0.75 * abs(v) * sign(u) * abs(u) ** 0.5 - 0.25 * v * abs(u) ** 0.5
 
     @staticmethod
     def friction(p, v, z, dz_dt):

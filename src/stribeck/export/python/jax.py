@@ -5,9 +5,11 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from stribeck.constants import show
-from stribeck.errors import InputError, nearest, note
+from stribeck.errors import note
 from stribeck.export.optional import package
+from stribeck.export.python import stepping
+from stribeck.export.python.constants import checked
+from stribeck.export.python.written import FUNCTIONS, equations
 from stribeck.expressions import ops
 from stribeck.laws.base import Law
 
@@ -34,14 +36,10 @@ class JaxLaw:
 
     def __init__(self, law: Law) -> None:
         self.law = law
+        self._step: Any = None
 
     def _constants(self, given: dict[str, Any]) -> SimpleNamespace:
-        known = [name for name, value in self.law.values.items() if value is not None]
-        if odd := [name for name in given if name not in known]:
-            raise InputError(
-                [f"{n} = {show(given[n])}: law '{self.law.name}' has no such constant{nearest(n, known)}" for n in odd]
-            )
-        return SimpleNamespace(**{**vars(self.law.p), **given})
+        return SimpleNamespace(**{**vars(self.law.p), **checked(self.law, given)})
 
     def rate(self, v: Any, z: Any, **constants: Any) -> Any:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""
@@ -54,9 +52,66 @@ class JaxLaw:
         p = self._constants(constants)
         return self.law.friction(p, v, z, self.law.dz_dt(p, v, z))
 
+    def step(self, state: Any, v: Any, effort: Any, inertia: Any, dt: Any, **constants: Any) -> tuple[Any, Any]:
+        """One implicit step of joints and their bristles: the state after it, and the friction during it.
+
+        See :meth:`stribeck.export.python.torch.TorchLaw.step`; here grad, jvp, jit, vmap and scan apply.
+        """
+        given = checked(self.law, constants)
+        numbers = {n: x for n, x in {**self.law.values, **given}.items() if x is not None}
+        jnp: Any = package("jax.numpy", "jax")
+        arrays = jnp.broadcast_arrays(*self._arrays(state, v, effort, inertia, dt, *numbers.values()))
+        if self._step is None:
+            self._step = _differentiable(self.law)
+        x, force, _, _ = self._step(dict(zip(numbers, arrays[5:], strict=True)), tuple(arrays[:5]))
+        return x, force
+
+    def settle(self, state: Any, v: Any, dt: Any, **constants: Any) -> Any:
+        """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
+        jnp: Any = package("jax.numpy", "jax")
+        state, v, dt = self._arrays(state, v, dt)
+        p = SimpleNamespace(**{n: jnp.asarray(x, float) for n, x in vars(self._constants(constants)).items() if _number(x)})
+        return stepping.settled(jnp, _loop, _equations(self.law), p, v, state + 0 * v, dt)
+
     @staticmethod
     def _arrays(*values: Any) -> tuple[Any, ...]:
         return tuple(package("jax.numpy", "jax").asarray(x, float) for x in values)
+
+
+def _number(x: Any) -> bool:
+    return x is not None and not isinstance(x, str)
+
+
+def _loop(body: Any, state: Any) -> Any:
+    """Repeat body while any entry of state[0] is unfinished."""
+    lax: Any = package("jax.lax", "jax")
+    return lax.while_loop(lambda s: s[0].any(), lambda s: tuple(body(s)), tuple(state))
+
+
+def _equations(law: Law) -> Any:
+    jnp: Any = package("jax.numpy", "jax")
+    backend = _Backend()
+    return equations(law, {**{name: getattr(backend, name) for name in FUNCTIONS}, "like": jnp.full_like})
+
+
+def _differentiable(law: Law) -> Any:
+    """The step with its derivative by the implicit function theorem."""
+    jax: Any = package("jax", "jax")
+    jnp, own = jax.numpy, _equations(law)
+
+    @jax.custom_jvp  # type: ignore[untyped-decorator]
+    def step(p: Any, given: Any) -> Any:
+        return stepping.solved(jnp, _loop, own, SimpleNamespace(**p), given)
+
+    @step.defjvp  # type: ignore[untyped-decorator]
+    def derivative(values: Any, moved: Any) -> Any:
+        (p, given), (constants, changes) = values, moved
+        x, force, w, jump = step(p, given)
+        x_, force_ = stepping.tangent(jnp, own, SimpleNamespace(**p), (x, w, jump), given, changes, constants)
+        nothing = jax.numpy.zeros(jump.shape, jax.dtypes.float0)
+        return (x, force, w, jump), (x_, force_, 0 * w, nothing)
+
+    return step
 
 
 def to_jax(law: Law) -> JaxLaw:

@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal
+from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
@@ -94,3 +95,11 @@ def shifted(x: Array, shift: float) -> Array:
     padded = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
     start = before + whole - 1
     return np.asarray(sum(w * padded[start + k : start + k + len(x)] for k, w in enumerate(weights)))
+
+
+def derivative(x: Array, step: float) -> Array:
+    """dx/dt by a cubic spline, whose error is of the fourth order: what moves at a tenth of the sampling rate comes out
+    0.1 % too small, where central differences lose 6 %."""
+    if len(x) < 4:
+        return np.asarray(np.gradient(x, step))
+    return np.asarray(CubicSpline(step * np.arange(len(x)), x)(step * np.arange(len(x)), 1))

@@ -14,7 +14,7 @@ from scipy import signal
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.data.clocks import on_one_clock, pieces, released
-from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.filters import derivative, low_pass
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import Columns, read
 from stribeck.identify.log import Log
@@ -40,13 +40,13 @@ class Preparation:
     Attributes:
         cutoff: of the zero-phase Butterworth filter (order 4, there and back), Hz; 0 takes the motion as it is.
         trim: samples dropped at the start of each run, where the filter has not settled.
-        sharp: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
+        simulated: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
             cut-off chosen from the data is raised.
     """
 
     cutoff: float | None = None
     trim: int | None = None
-    sharp: bool = False
+    simulated: bool = False
 
 
 def load(sources: Sequence[Any], columns: Columns, how: Preparation | None = None) -> Log:
@@ -90,7 +90,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         if (kept := keeping_all(parts, measured, seen[2], cutoff, step)) > cutoff:
             cutoff = kept
             notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
-        if how.sharp and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
+        if how.simulated and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
             notes.append(
                 f"position and velocity only at {cutoff:.3g} Hz, as a simulation averages their noise out and needs sharp "
@@ -103,19 +103,19 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
-    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.sharp)
+    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.simulated)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
             rows = slice(last - count, last)
             columns["acceleration"][rows] = low_pass(columns["acceleration"][rows], chosen, step)
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
-    sources = _sources(roles, measured, cutoff, parts)
-    if how.sharp:
+    sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if how.simulated else "central differences")
+    if how.simulated:
         sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if how.trim is None and cutoff > 0:
-        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)), how.sharp)
+        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)), how.simulated)
     return Log(
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
         files=tuple(names[i] for i in files) if names else (), spectrum=seen,
@@ -194,23 +194,28 @@ def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep
         if name in found and cutoff > 0:
             found[name] = low_pass(found[name], cutoff, step)
     if "velocity" not in found:
-        found["velocity"] = np.gradient(found["position"], step)
+        found["velocity"] = _slope(found["position"], step, bool(keep))
     if "position" not in found:
         found["position"] = np.concatenate(
             [[0.0], np.cumsum((found["velocity"][1:] + found["velocity"][:-1]) * step / 2)]
         )
     if "acceleration" not in found:
-        found["acceleration"] = np.gradient(found["velocity"], step)
+        found["acceleration"] = _slope(found["velocity"], step, bool(keep))
     return found
 
 
-def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean]) -> dict[str, str]:
+def _slope(x: Array, step: float, sharp: bool) -> Array:
+    """dx/dt; central differences are the published procedure's for least squares."""
+    return derivative(x, step) if sharp else np.asarray(np.gradient(x, step))
+
+
+def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean], slopes: str) -> dict[str, str]:
     filtered = f", low-pass {cutoff:g} Hz, zero phase" if cutoff > 0 else ""
     resampled = "" if all(part.even for part in parts) else ", resampled"
     found = {name: f"measured{resampled}{filtered if name in _MOTION[1:] else ''}" for name in roles}
     found.setdefault("position", "the integral of the velocity")
-    found.setdefault("velocity", "central differences of the position")
-    found.setdefault("acceleration", "central differences of the velocity")
+    found.setdefault("velocity", f"{slopes} of the position")
+    found.setdefault("acceleration", f"{slopes} of the velocity")
     return found
 
 

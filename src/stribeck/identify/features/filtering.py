@@ -8,6 +8,7 @@ two the first error about doubles and the second falls to a third, so that eithe
 from __future__ import annotations
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass
@@ -15,7 +16,9 @@ from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.problem import Problem
 
+_FEWEST = 8  # samples of a run
 _LOWER = float(np.sqrt(0.5))
+_COARSER = 0.6  # of the shift by twice the step: halving it takes three fifths or more of the error away
 _WHOLE = 1.5  # of the shift: the error of the motion as it is, by noise; more than it, by rounding off
 
 
@@ -33,6 +36,29 @@ def leeway(problem: Problem, u: Array, slopes: Array) -> Array:
     size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
     shift = np.linalg.lstsq(slopes / size, after[0] - before[0], rcond=1e-9)[0] / size
     return np.asarray(_WHOLE * abs(shift))
+
+
+def sampling(problem: Problem, u: Array, slopes: Array) -> Array:
+    """How far each inner coordinate may be off because of what happens between samples, such as where a body stops: from
+    the shift with every second sample alone, velocity and acceleration by splines between them."""
+    if not isinstance(problem, VelocityProblem):
+        return np.zeros(len(u))
+    log = problem.log
+    velocity, acceleration = log.velocity.copy(), log.acceleration.copy()
+    for rows in log.runs():
+        if rows.stop - rows.start < _FEWEST:
+            continue
+        t = log.step * np.arange(rows.stop - rows.start)
+        at_every_second = CubicSpline(t[::2], log.position[rows][::2])
+        velocity[rows] = at_every_second(t, 1)
+        acceleration[rows] = CubicSpline(t[::2], velocity[rows][::2])(t, 1)
+    before, after = problem.outputs(u[None, :]), problem.moving(velocity).outputs(u[None, :])
+    if before is None or after is None:
+        return np.zeros(len(u))
+    inertia = problem.values(u).get("mass", 0.0) * (acceleration - log.acceleration)[problem.rows]
+    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
+    shift = np.linalg.lstsq(slopes / size, after[0] - before[0] + inertia, rcond=1e-9)[0] / size
+    return np.asarray(_COARSER * abs(shift))
 
 
 def smoother_log(log: Log) -> Log:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
@@ -92,20 +91,17 @@ class RigProblem(Problem):
         )
 
     def _simulated(self, number: int, rows: slice, values: Given) -> Array | None:
-        scenario = copy.copy(self.scenarios[number])  # its numbers change, its structure does not
-        scenario.__dict__.pop("threshold", None)
         try:
-            scenario.law = self.law({n: values[n] for n in self.law.constants() if n in values})
+            law = self.law({n: values[n] for n in self.law.constants() if n in values})
         except InputError:
             return None
-        scenario.mass = values["mass"]
         z = values.get(first_deflection(number), 0.0) * self.length(values)
-        scenario.initial = {**scenario.initial, **({"z": z} if self.law.has_z else {})}
+        initial = {**self.scenarios[number].initial, **({"z": z} if self.law.has_z else {})}
         time = self.log.time[rows] - self.log.time[rows][0]
-        scenario.signal = Points(
-            time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0)
+        signal = Points(time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0))
+        solution = simulate(
+            self.scenarios[number].with_values(law=law, mass=values["mass"], initial=initial, signal=signal)
         )
-        solution = simulate(scenario)
         found = solution[self.column]
         return found if solution.status == "done" and np.isfinite(found).all() else None
 

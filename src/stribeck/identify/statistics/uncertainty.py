@@ -15,7 +15,7 @@ from scipy.linalg import solve_toeplitz
 from scipy.stats import t as student
 
 from stribeck.arrays import Array
-from stribeck.identify.features.filtering import leeway
+from stribeck.identify.features.filtering import leeway, sampling
 from stribeck.identify.features.guess import scales
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
@@ -91,6 +91,17 @@ def judge(
     return _judge(problem, u, log, False, noise, work)
 
 
+def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
+    """How far each inner coordinate may be off by what no residual shows: the motion's filter, what happens between its
+    samples, its noise, and the lower filter of the acceleration. They have nothing to do with each other."""
+    if isinstance(problem, MotionProblem):
+        return between_samples(problem, u, slopes)
+    shift, spread = again_with_noise(problem, u)
+    noise = _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread
+    filtered = np.maximum(leeway(problem, u, slopes), _WHOLE * sharper_acceleration(problem, u, slopes))
+    return np.asarray(np.sqrt(noise**2 + filtered**2 + sampling(problem, u, slopes) ** 2))
+
+
 def without(problem: Problem, u: Array, why: str) -> Judgement:
     """The best values found, and nothing that is known of them."""
     values = {c.name: c.outer(x) for c, x in zip(problem.coordinates, u.tolist(), strict=True) if not c.nuisance}
@@ -136,12 +147,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     alike = indistinct(plain, slopes, variance)
     sizes, values = scales(log), problem.values(u)
     unseen = presliding_unseen(problem, values, log)
-    if isinstance(problem, MotionProblem):
-        spare = between_samples(problem, u, slopes)
-    else:
-        shift, spread = again_with_noise(problem, u)
-        spare = np.maximum(leeway(problem, u, slopes), _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread)
-        spare = np.maximum(spare, _WHOLE * sharper_acceleration(problem, u, slopes))
+    spare = systematic(problem, u, slopes)
     deviations = np.sqrt(np.diag(inner))
     inflation = np.maximum(np.diag(inner) / np.maximum(np.diag(plain), 1e-300), 1e-6)
     own = [k for k, c in enumerate(problem.coordinates) if not c.nuisance]

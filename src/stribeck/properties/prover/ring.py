@@ -76,6 +76,10 @@ class Ring:
             self._known[key] = Quotient(top, bottom, len(self._known))
         return self._known[key]
 
+    def quotient(self, top: Any, bottom: Any) -> Quotient:
+        """The quotient of two polynomials."""
+        return self._reduced(top, bottom)
+
     def constant(self, x: Fraction) -> Quotient:
         """A rational number."""
         one = self.context.constant(1)

@@ -9,8 +9,9 @@ from math import log
 from typing import Any
 
 from stribeck.expressions.graph import Expr, ordered
-from stribeck.expressions.ranges import Range
-from stribeck.properties.prover.leaf import Axis, End, Leaf, Region, Rules
+from stribeck.expressions.ranges import INF, Box, Range
+from stribeck.properties.prover.leaf import Leaf, Rules
+from stribeck.properties.prover.region import Axis, End, Region
 from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 
 Tree = list[Any]
@@ -113,7 +114,11 @@ class _Search:
         self.prover, self.expr, self.relation, self.work, self.cones = prover, expr, relation, work, cones
         ops = {node.op for node in ordered([expr])}
         self.cased = bool(ops & {"where", "abs", "sign"})
-        self.exps, self.waves = "exp" in ops, bool(ops & {"atan", "tanh", "sqrt"})
+        self.exps, self.waves = "exp" in ops, bool(ops & {"atan", "tanh", "sqrt", "pow"})
+        self.powers = "pow" in ops
+        anywhere = Box({**prover.inputs, "u": (0.0, INF), "w": (0.0, INF)})
+        exps = [node for node in ordered([expr]) if node.op == "exp"]
+        self.rising = any(anywhere(node.args[0])[1] > 0 for node in exps)  # exp(y) with y > 0 somewhere
 
     def root(self, region: Region) -> Tree | None:
         """The whole region at once, in other coordinates, or part by part."""
@@ -207,8 +212,10 @@ class _Search:
             return
         endless = any(a.high is None for a in region.axes)
         zero = any(a.low == 0 for a in region.axes)
-        waves = (["far"] if endless else []) + ["range"] + (["slope"] if zero else [])
-        exps = ["range", "far"] if endless else ["range"]
+        waves = (
+            (["far"] if endless else []) + ["range"] + (["slope"] if zero else []) + (["chord"] if self.powers else [])
+        )
+        exps = (["range", "far"] if endless else ["range"]) + (["tangent"] if self.rising else [])
         for cases in ("range", "either") if self.cased else ("either",):
             for wave in waves if self.waves else ("range",):
                 for e in exps if self.exps and cases == ("range" if self.cased else "either") else ("range",):
@@ -241,8 +248,6 @@ class _Search:
         """Whether the relation fails at a point of the region, by interval arithmetic."""
         if self.relation == "=0":
             return False
-        from stribeck.expressions.ranges import Box
-
         point: dict[str, Fraction] = {}
         for a in region.axes:
             if a.high is None:

@@ -23,6 +23,7 @@ from stribeck.properties.verify_certificate.expressions import (
 _OPAQUE = 60  # functions and undecided cases in one expression, at most
 _AT_0 = {"exp": 1, "sin": 0, "cos": 1, "atan": 0, "tanh": 0, "sqrt": 0, "abs": 0, "sign": 0}
 _SINES = (0, 1, 0, -1)
+_MOST = 16  # the largest whole power that is multiplied out
 
 
 class Normal:
@@ -149,9 +150,26 @@ class Normal:
             quarters = self._quarters(first)
             if quarters is not None:
                 return self.context.constant(_SINES[(quarters + (x.op == "cos")) % 4]), self.one
-        if x.op == "pow" and arguments[1][0] == 0:
-            return self.one, self.one
+        if x.op == "pow" and (parts := self._power(*arguments)) is not None:
+            return parts
         return self._opaque((x.op, *(self._key(a) for a in arguments)))
+
+    def _power(self, y: tuple[Any, Any], power: tuple[Any, Any]) -> tuple[Any, Any] | None:
+        """y^0 = 1; 0^e = 0 for e > 0; y^(n + f) as y^n y^f with n >= 0 whole and 0 <= f < 1, y^(1/2) as a root."""
+        if power[0] == 0:
+            return self.one, self.one
+        if not (power[0].is_constant() and power[1].is_constant()):
+            return None
+        exact = fmpq(power[0].leading_coefficient()) / fmpq(power[1].leading_coefficient())
+        n = int(exact.floor())
+        if not 0 <= n <= _MOST:
+            return None
+        if y[0] == 0:
+            return y
+        rest = exact - n
+        key = ("sqrt", self._key(y)) if rest == fmpq(1, 2) else ("pow", self._key(y), (int(rest.p), int(rest.q)))
+        root = self._opaque(key) if rest != 0 else (self.one, self.one)
+        return self._made(y[0] ** n * root[0], y[1] ** n * root[1])
 
     def _quarters(self, x: tuple[Any, Any]) -> int | None:
         """n where x is n pi/2."""

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from flint import fmpq
+from flint.utils.flint_exceptions import DomainError
 
 from stribeck.properties.verify_certificate import intervals
 from stribeck.properties.verify_certificate.expressions import (
@@ -25,10 +26,11 @@ from stribeck.properties.verify_certificate.expressions import (
 )
 from stribeck.properties.verify_certificate.intervals import Range
 from stribeck.properties.verify_certificate.rational import Quotient, Ring, Variable
-from stribeck.properties.verify_certificate.rules import Atom, value
+from stribeck.properties.verify_certificate.rules import ENDLESS_RULES, Atom, value
 
 FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
 _ODD = ("sin", "atan", "tanh")
+_MOST = 16  # the largest whole power that is multiplied out
 
 
 @dataclass(frozen=True)
@@ -67,7 +69,8 @@ class Leaf:
                 raise Refused(f"no atom: {str(atom)[:80]}")
             expression, rule, *rest = atom
             self.atoms.append(Atom(read(expression, self.names), str(rule), rest, len(axes) + i))
-        self.ring = Ring([*variables, *(Variable(unit=True, strict=False) for _ in self.atoms)])
+        shares = [Variable(unit=atom.rule not in ENDLESS_RULES, strict=False) for atom in self.atoms]
+        self.ring = Ring([*variables, *shares])
         self.values: dict[Node, Quotient] = {}
         self._resolved: dict[int, list[Any]] = {}
         made: dict[str, Quotient] = {}
@@ -211,7 +214,7 @@ class Leaf:
                 return weak
         opposite = node("where", c, node("neg", a), node("neg", b))
         for atom in self.atoms:
-            if atom.rule == "range" and atom.node.op == "where":
+            if atom.rule in ("range", "above", "below") and atom.node.op == "where":
                 if self._equal(atom.node, x):
                     return value(self, x, atom)
                 if self._equal(atom.node, opposite):
@@ -240,12 +243,14 @@ class Leaf:
                 self(x)
 
     def _weak(self, c: Node, a: Node, b: Node) -> Quotient | None:
-        """The value of a minimum or maximum, where l <= r or r <= l is known."""
+        """The value of cases that agree where l = r, as their difference is a multiple of r - l, if l <= r or r <= l."""
         try:
             left, right, first, second = self(c.args[0]), self(c.args[1]), self(a), self(b)
         except Refused:
             return None
-        if not ((first.same(left) and second.same(right)) or (first.same(right) and second.same(left))):
+        ring = self.ring
+        way, apart = ring.add(right, left, -1), ring.add(first, second, -1)
+        if apart.above != 0 and (way.above == 0 or not (way.above / way.above.gcd(apart.above)).is_constant()):
             return None
         sign = self.sign_of(node("sub", c.args[1], c.args[0]))
         if sign is None:
@@ -319,6 +324,10 @@ class Leaf:
             quarters = self._quarters(x.args[0])
             if quarters is not None:
                 return self.ring.number((0, 1, 0, -1)[(quarters + (x.op == "cos")) % 4])
+        if x.op == "pow" and (parts := self._parts(x)) is not None:
+            return parts
+        if x.op == "sqrt" and (root := self._root(x.args[0])) is not None:
+            return root
         opposite = node(x.op, node("neg", x.args[0])) if x.op in (*_ODD, "cos") else x
         for atom in self.atoms:
             if atom.rule == "either":
@@ -329,6 +338,41 @@ class Leaf:
                 found = value(self, opposite, atom)
                 return found if x.op == "cos" else Quotient(-found.above, found.below)
         raise Refused(f"{x.op} has no atom")
+
+    def _root(self, y: Node) -> Quotient | None:
+        """The root of what is the square of something of known sign."""
+        try:
+            square = self(y)
+            root = Quotient(square.above.sqrt(), square.below.sqrt())
+        except (Refused, DomainError):
+            return None
+        sign = self.ring.sign(root)
+        return None if sign is None else root if sign[0] >= 0 else Quotient(-root.above, root.below)
+
+    def _parts(self, x: Node) -> Quotient | None:
+        """y^(n + f) as y^n y^f, where n is whole and 0 <= f < 1, y^(1/2) as a root; None where it is y^f already."""
+        y, power = x.args
+        with suppress(Refused):
+            e = self(power)
+            if not (e.above.is_constant() and e.below.is_constant()) or e.above == 0:
+                return None
+            exact = fmpq(e.above.leading_coefficient()) / fmpq(e.below.leading_coefficient())
+            n = int(exact.floor())
+            rest = exact - n
+            if not -_MOST <= n <= _MOST or (n == 0 and rest != fmpq(1, 2)):
+                return None
+            sign, ring = self.sign_of(y), self.ring
+            if sign is None or sign[0] < 0 or (n < 0 and sign != (1, True)):
+                return None
+            found, base = ring.number(1), self(y)
+            for _ in range(abs(n)):
+                found = ring.mul(found, base)
+            found = found if n >= 0 else ring.div(ring.number(1), found)
+            if rest == 0:
+                return found
+            root = node("sqrt", y) if rest == fmpq(1, 2) else node("pow", y, node("number", value=rest))
+            return ring.mul(found, self(root))
+        return None
 
     def _quarters(self, x: Node) -> int | None:
         """n where an argument is n pi/2."""

@@ -16,9 +16,15 @@ if TYPE_CHECKING:
     from stribeck.properties.verify_certificate.leaf import Leaf
 
 
+ENDLESS_RULES = ("above", "below", "tangent")  # their variable is only known to be >= 0
+
+
 @dataclass
 class Atom:
-    """An expression of u and w, the rule for its value, what the rule needs, and the number of its share."""
+    """An expression of u and w, the rule for its value, what the rule needs, and the number of its share.
+
+    The share is in [0, 1], or for :data:`ENDLESS_RULES` only known to be >= 0.
+    """
 
     node: Node
     rule: str
@@ -40,6 +46,12 @@ def value(leaf: Leaf, x: Node, atom: Atom) -> Quotient:
             return ring.mul(ring.mul(ring.pi, ring.number(fmpq(1, 2))), part)
         _check_slope(leaf, x, lo, hi)
         return ring.mul(leaf(x.args[0]), part)
+    if atom.rule in ("above", "below"):
+        return _one_end(leaf, x, atom, share)
+    if atom.rule == "tangent" and x.op == "exp":  # exp(y) >= 1 + y for every y
+        return ring.add(ring.add(ring.number(1), leaf(x.args[0])), share)
+    if atom.rule == "chord":
+        return _chord(leaf, x, atom, share)
     if atom.rule == "far":
         return _far(leaf, x, share)
     if atom.rule == "root" and x.op == "sqrt":
@@ -51,6 +63,43 @@ def _check_range(leaf: Leaf, x: Node, lo: fmpq, hi: fmpq) -> None:
     low, high = leaf.inside(x)
     if low is None or high is None or low < lo or high > hi:
         raise Refused(f"{x.op} is not within [{lo}, {hi}]")
+
+
+def _one_end(leaf: Leaf, x: Node, atom: Atom, share: Quotient) -> Quotient:
+    """What is above, or below, a number."""
+    end = rational(atom.rest[0])
+    low, high = leaf.inside(x)
+    above = atom.rule == "above"
+    if (low is None or low < end) if above else (high is None or high > end):
+        raise Refused(f"{x.op} is not {atom.rule} {end}")
+    return leaf.ring.add(leaf.ring.number(end), share, 1 if above else -1)
+
+
+def _chord(leaf: Leaf, x: Node, atom: Atom, share: Quotient) -> Quotient:
+    """y^f = 1 + (y - 1) m, 0 < f < 1: m is the slope of the chord from 1 to y of a concave function, and falls with y."""
+    y = x.args[0]
+    f = fmpq(1, 2)
+    if x.op == "pow":
+        found = leaf(x.args[1])
+        if not (found.above.is_constant() and found.below.is_constant()) or found.above == 0:
+            raise Refused("the rule 'chord' needs a number as exponent")
+        f = fmpq(found.above.leading_coefficient()) / fmpq(found.below.leading_coefficient())
+    if x.op not in ("pow", "sqrt") or not 0 < f < 1:
+        raise Refused(f"the rule 'chord' does not fit {x.op}")
+    least, most = (rational(n) for n in atom.rest)
+    one = node("number", value=fmpq(1))
+    below, above, size = (
+        leaf.sign_of(node("sub", *p)) for p in ((one, y), (y, one), (y, node("number", value=fmpq(0))))
+    )
+    if size is None or size[0] < 0:
+        raise Refused("the base may be below 0")
+    low = f if below is not None and below[0] >= 0 else fmpq(0)
+    high = f if above is not None and above[0] >= 0 else fmpq(1)
+    if least > low or most < high:
+        raise Refused("the slope of the chord is not within its bounds")
+    ring = leaf.ring
+    slope = ring.add(ring.number(least), ring.mul(ring.number(most - least), share))
+    return ring.add(ring.number(1), ring.mul(ring.add(leaf(y), ring.number(1), -1), slope))
 
 
 def _check_pi_range(leaf: Leaf, x: Node, lo: fmpq, hi: fmpq) -> None:

@@ -1,0 +1,122 @@
+"""Whether the gains of a pneumatic servo make V decrease: conditions, proof, and V along the simulation."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from stribeck.analysis.lyapunov import Along, along
+from stribeck.constants import show
+from stribeck.control.gains import Proof, Staying, Verdict, judge, prove, staying
+from stribeck.control.proof import derive
+from stribeck.errors import InputError, arg
+from stribeck.scenario import Scenario
+from stribeck.scenario.servo import not_linear
+from stribeck.simulation import Solution, simulate
+
+
+@dataclass(frozen=True)
+class Gains:
+    """What is found about the gains of a servo.
+
+    Attributes:
+        solution: the scenario simulated.
+        verdict: the conditions at the speed ``verdict.v_max``, by how much they hold, and gains that do.
+        proof: whether dV/dt <= 0 is proven by intervals for all errors and speeds up to it.
+        along: V along the simulation; None where it has no row.
+        staying: from which starts the speed stays below ``v_max``; None as before.
+        not_covered: what of the scenario the proof does not cover, in words.
+    """
+
+    solution: Solution
+    verdict: Verdict
+    proof: Proof
+    along: Along | None
+    staying: Staying | None
+    not_covered: tuple[str, ...]
+
+    def summary(self) -> dict[str, Any]:
+        """What ``stribeck gains --json`` prints, without the files."""
+        found: dict[str, Any] = {
+            "scenario": self.solution.scenario.name, "derivative": str(derive().derivative), **self.verdict.summary(),
+            "proof": {"proven": self.proof.proven, "boxes": self.proof.boxes, "reason": self.proof.reason or None},
+            "not_covered": list(self.not_covered),
+            "simulation": {"status": self.solution.status, "reason": self.solution.reason},
+        }  # fmt: skip
+        if self.staying is not None:
+            found["staying"] = asdict(self.staying)
+        if self.along is not None:
+            found["simulation"] |= self.along.summary()
+        return found
+
+
+def gains(
+    scenario: Scenario | str | Path | Mapping[str, Any],
+    v_max: float | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> Gains:
+    """Whether the Lyapunov function V of a pneumatic servo (``drive.kind = "cascade"``) decreases with its gains.
+
+    Args:
+        scenario: a servo: a scenario, the path of its file, or its tables.
+        v_max: the speed up to which it is asked, m/s; twice the peak of the simulation unless given.
+        progress: called now and then with the share of the simulation done, 0 to 1.
+
+    Raises:
+        InputError: the scenario is no servo, its observer's law is not linear in z, or ``v_max`` is no speed.
+        StribeckError: SymPy is not installed.
+    """
+    rig = Scenario.of(scenario)
+    check_servo(rig, v_max)
+    solution = simulate(rig, progress)
+    servo, d = rig.servo, rig.drive_values
+    assert servo is not None
+    assert servo.observer is not None
+    speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
+    verdict, proof = judge(servo.observer, d, speed), prove(servo.observer, d, (-speed, speed))
+    if not len(solution.t):
+        return Gains(solution, verdict, proof, None, None, doubts(rig))
+    return Gains(solution, verdict, proof, along(solution), _staying(rig, solution, speed), doubts(rig))
+
+
+def check_servo(scenario: Scenario, v_max: float | None) -> None:
+    """Refuse what has no V, and a speed that is none."""
+    if v_max is not None and not 0 < v_max < np.inf:
+        raise InputError(f"{arg('v_max')}: {show(v_max)}: must be a finite speed > 0, m/s")
+    if scenario.servo is None:
+        raise InputError(f"drive.kind: {scenario.drive.kind!r}: 'stribeck gains' needs a servo, drive.kind = 'cascade'")
+    if text := not_linear(scenario.servo.observer):
+        raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
+
+
+def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
+    """Whether the speed stays where the gains are good; the path's speed is that of the rows, dy_d/dt = v - s + lambda e."""
+    lag = scenario.drive_values["lambda"] * solution["e"]
+    path = float(np.max(np.abs(solution["v"] - solution["s"] + lag)))
+    assert scenario.servo is not None
+    return staying(v_max, scenario.servo.plant["mass"], path, float(solution["V"][0]), float(lag[0]))
+
+
+def doubts(scenario: Scenario) -> tuple[str, ...]:
+    """What of the scenario the proof does not cover."""
+    servo, observer = scenario.servo, scenario.servo.observer if scenario.servo else None
+    assert servo is not None
+    assert observer is not None
+    found = []
+    if not observer.same_as(scenario.law):
+        found.append(
+            "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
+        )
+    if servo.model != servo.plant:
+        found.append("the controller knows another plant")
+    if servo.sampling is not None:
+        found.append("the controller is sampled")
+    if servo.adaptation is not None:
+        found.append("adapted parameters: V has further terms (docs/servo.md)")
+    if scenario.drive_values.get("supply_droop"):
+        found.append("the supply droops")
+    return (*found, "a valve at its limit, and p_1 and p_2 one by one")

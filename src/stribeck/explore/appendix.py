@@ -1,0 +1,179 @@
+"""What the page asks of a law and a system beside the solver, as C behind the solver's own: columns, tolerances, curve.
+
+All of it is written out from the equations that the simulator, the proofs and the listings use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import fields, replace
+from types import SimpleNamespace
+from typing import Any
+
+from stribeck.drives.base import Column
+from stribeck.expressions.emit import C, Writer
+from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
+from stribeck.expressions.ops import where
+from stribeck.laws.base import Claims, Law, Relation
+from stribeck.scenario import Scenario
+from stribeck.signals.piecewise import Segment
+from stribeck.simulation.native import damping_of, share_of
+from stribeck.system import Groups, System
+
+CLAIMS = tuple(field.name for field in fields(Claims))
+_NAN = float("nan")
+
+# The same search as laws/numeric.py's first_root: double until the rate turns, then halve.
+_STEADY = """\
+/* Friction when each speed is held for long. */
+EXPORT void stribeck_steady(const double *p, int64_t n, const double *v, double *F)
+{
+    for (int64_t i = 0; i < n; i++) {
+        const double side = v[i] > 0 ? 1 : -1;
+        double z = -law_rate(p, v[i], 0) / law_rate_z(p, v[i], 0);
+        if (!LINEAR) {
+            double low = 0, high = law_length(p);
+            for (int k = 0; k < 200 && law_rate(p, v[i], side * high) * side > 0; k++) high *= 2;
+            for (int k = 0; k < 120; k++) {
+                const double middle = 0.5 * (low + high);
+                if (!(low < middle && middle < high)) break;
+                if (law_rate(p, v[i], side * middle) * side > 0) low = middle; else high = middle;
+            }
+            z = side * high;
+        }
+        F[i] = law_force(p, v[i], HAS_Z ? z : 0, 0);
+    }
+}"""
+
+_TABLE = """\
+/* Every column of the output, row by row. */
+EXPORT void stribeck_table(const double *p, int64_t rows, double step, int64_t pieces, const double *start,
+                           const double *piece_rows, const double *states, double *out)
+{
+    int64_t n = 0;
+    for (int64_t i = 0; i < rows; i++) {
+        const double t = (double)i * step;
+        while (n + 1 < pieces && start[n + 1] <= t) n++;
+        columns(p, piece_rows + n * PIECE, t, states + i * (N + HELD), out + i * COLUMNS);
+    }
+}"""
+
+
+def appendix(scenario: Scenario) -> str:
+    """The functions, to stand behind the C of the scenario's system."""
+    system = scenario.system
+    assert isinstance(system, System)
+    law, q = type(scenario.law), system.symbolic()
+    inputs = {f"{group}.{name}": f"p[{i}]" for i, (group, name) in enumerate(system.parameters)}
+    piece = {f"segment.{n}": f"s[{i}]" for i, n in enumerate(("start", "value", "slope"))}
+    states = {state.name: f"x[{i}]" for i, state in enumerate(system.states)}
+    local = {"v": "v", "z": "z", "dz_dt": "dz_dt"}
+    v, z, rate = symbol("v"), symbol("z"), symbol("dz_dt")
+    signal = (system.signal.equation if system.signal else Segment.equation)(q.signal, symbol("t"))
+    whole = replace(system, energy=True)  # the page shows the energy stored, whether the file asks for it or not
+    found = whole.quantities(q, signal, {state.name: symbol(state.name) for state in system.states})
+    dz_dt = wrap(law.dz_dt(q.law, v, z)) if law.has_z else wrap(0)
+    by_z = derivative(dz_dt, z)
+    p = "const double *p"
+    one = f"{p}, double v, double z"
+    now = f"{p}, const double *s, double t, const double *x, double *out"
+    outputs = {f"out[{i}]": wrap(found[column.name]) for i, column in enumerate(columns(system))}
+    return "\n\n".join(
+        [
+            "/* ---- What the page shows beside the states. */",
+            f"#define COLUMNS {len(columns(system))}\n#define HAS_Z {int(law.has_z)}\n"
+            f"#define LINEAR {int('z' not in symbols([by_z]))}",
+            _function("columns", now, outputs, {**inputs, **piece, **states, "t": "t"}),
+            _value("law_rate", one, dz_dt, {**inputs, **local}),
+            _value("law_rate_z", one, by_z, {**inputs, **local}),
+            _value("law_force", f"{one}, double dz_dt", wrap(law.friction(q.law, v, z, rate)), {**inputs, **local}),
+            _value("law_length", p, _length(scenario, q), inputs),
+            _TABLE,
+            _STEADY,
+            _function("setup", f"{p}, double rtol, double *out", _setup(scenario, q), {**inputs, "rtol": "rtol"}, True),
+            _function("claims", f"{p}, double *out", _claims(law, q), inputs, True),
+            _function("relations", f"{p}, double *out", _relations(law, q, inputs), inputs, True),
+        ]
+    )
+
+
+def columns(system: System) -> tuple[Column, ...]:
+    """The columns that the page takes: those of the output, and the energy stored."""
+    stored = next(c for c in replace(system, energy=True).columns if c.name == "E_stored")
+    return system.columns if system.energy else (*system.columns, stored)
+
+
+def relations(law: type[Law]) -> list[Relation]:
+    """The conditions between constants that the page tests, in the order of the C."""
+    return [each for each in dict.fromkeys(law.relations) if all(n in law.constants() for n in each.needs)]
+
+
+def _setup(scenario: Scenario, q: Groups) -> dict[str, Expr]:
+    """The absolute tolerance of each state, the step's share of the tolerances, the longest step."""
+    system, rtol = scenario.system, symbol("rtol")
+    assert isinstance(system, System)
+    share = share_of(damping_of(scenario, q))
+    least = 1e-13 / rtol  # simulation/native.py: below it rounding is the larger error
+    share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
+    draft = object.__new__(Scenario)
+    draft.__dict__.update({**scenario.__dict__, "solve": SimpleNamespace(rtol=rtol, atol=scenario.solve.atol)})
+    try:
+        atol = draft.atol(q)
+    except TypeError:  # a law of the user's whose scales are no equations: they stay those of the file
+        atol = {n: x / scenario.solve.rtol * rtol for n, x in scenario.atol().items()}
+    longest: Any = scenario.signal.longest_step
+    if system.signal:
+        longest = system.signal(vars(q.signal)).longest_step
+    values = [*(share * atol[state.name] for state in system.states), share, longest]
+    return {f"out[{i}]": wrap(x) for i, x in enumerate(values)}
+
+
+def _length(scenario: Scenario, q: Groups) -> Expr:
+    try:
+        return wrap(scenario.law.scales(q.law).length)
+    except TypeError:
+        return wrap(scenario.law.scales(scenario.law.p).length)
+
+
+def _claims(law: type[Law], q: Groups) -> dict[str, Expr]:
+    """Each claim at the present numbers: 1, 0, or not a number where the property does not apply."""
+    found = {}
+    for i, name in enumerate(CLAIMS):
+        claim = getattr(law.claims, name)
+        value = claim(q.law) if callable(claim) else claim
+        if isinstance(value, Expr):
+            value = where(value, wrap(1), wrap(0))
+        found[f"out[{i}]"] = wrap(_NAN if value is None else value)
+    return found
+
+
+def _relations(law: type[Law], q: Groups, inputs: dict[str, str]) -> dict[str, Expr]:
+    found = {}
+    for i, relation in enumerate(relations(law)):
+        holds: Any = True
+        with suppress(TypeError):  # a user's own, which is no equation: the page cannot test it
+            holds = relation.holds(q.law)
+        found[f"out[{i}]"] = wrap(where(holds, wrap(1), wrap(0)) if isinstance(holds, Expr) else 1.0)
+    return found
+
+
+def _value(name: str, arguments: str, value: Expr, inputs: dict[str, str]) -> str:
+    return _write(name, arguments, [("const double value", value)], inputs, "static double", "    return value;\n")
+
+
+def _function(
+    name: str, arguments: str, outputs: dict[str, Expr], inputs: dict[str, str], public: bool = False
+) -> str:
+    kind = "EXPORT void" if public else "static void"
+    return _write(f"stribeck_{name}" if public else name, arguments, list(outputs.items()), inputs, kind, "")
+
+
+def _write(
+    name: str, arguments: str, outputs: Sequence[tuple[str, Expr]], inputs: dict[str, str], kind: str, end: str
+) -> str:
+    for node in ordered(expr for _, expr in outputs):
+        node.label = None  # the text must not depend on what else was written
+    lines = Writer(C, inputs, taken={"p", "v", "z", "s", "x", "t", "out", "value", "dz_dt", "rtol"}).write(outputs)
+    unused = "".join(f"    (void){part.replace('*', ' ').split()[-1]};\n" for part in arguments.split(","))
+    return f"{kind} {name}({arguments})\n{{\n{unused}{''.join(f'    {line}' + chr(10) for line in lines)}{end}}}"

@@ -1,0 +1,123 @@
+// The charts (BokehJS): what a result puts into their sources, units for people, the ghost, light and dark.
+"use strict";
+const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"]];
+
+function prefix(size, unit) { // the factor to divide by, and the unit's text
+  if (!/^(m|m\/s|s|N|N m|J|W|rad|rad\/s)$/.test(unit) || !(size > 0)) return [1, unit];
+  if (unit.startsWith("rad") || unit === "s") {
+    const found = PREFIXES.find(([factor]) => size >= factor && factor <= 1) ?? [1, ""];
+    return [found[0], found[1] + unit];
+  }
+  const [factor, sign] = PREFIXES.find(([f]) => size >= 0.9 * f) ?? [1e-12, "p"];
+  return [factor, sign + unit];
+}
+function human(x, unit) {
+  const [factor, text] = prefix(Math.abs(x), unit);
+  return `${show(x / factor, 3)} ${text}`;
+}
+const peak = (...lists) => {
+  let most = 0;
+  for (const list of lists) for (const x of list ?? []) if (Math.abs(x) > most) most = Math.abs(x);
+  return most;
+};
+
+const models = new Map();
+const model = (name) => {
+  if (!models.has(name)) {
+    for (const each of Bokeh.documents) {
+      const found = each.get_model_by_name(name);
+      if (found) models.set(name, found);
+    }
+  }
+  return models.get(name);
+};
+
+async function panels() {
+  for (const [id, item] of Object.entries(data.figures)) await Bokeh.embed.embed_item(item, id);
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  dark.addEventListener("change", colours);
+  colours();
+  if (matchMedia("(pointer: coarse)").matches) {
+    for (const figure of figures()) figure.toolbar.active_drag = null; // a finger scrolls the page
+  }
+}
+const figures = () => Object.keys(data.panels).map(model);
+
+function colours() {
+  const style = getComputedStyle(document.documentElement), ink = style.getPropertyValue("--ink").trim();
+  const soft = style.getPropertyValue("--soft").trim(), line = style.getPropertyValue("--line").trim();
+  const paper = style.getPropertyValue("--paper").trim();
+  for (const figure of figures()) {
+    figure.setv({ background_fill_color: paper, border_fill_color: paper, outline_line_color: line });
+    for (const axis of [...figure.below, ...figure.left]) {
+      if (axis.axis_label_text_color === undefined && !("axis_label" in axis)) continue;
+      axis.setv({ axis_label_text_color: ink, major_label_text_color: soft, axis_line_color: line, major_tick_line_color: line, minor_tick_line_color: null });
+    }
+    for (const grid of figure.center) {
+      if ("grid_line_color" in grid) grid.grid_line_color = line;
+      if ("label_text_color" in grid) grid.setv({ label_text_color: ink, background_fill_color: paper, background_fill_alpha: 0.75, border_line_color: null });
+    }
+  }
+}
+
+// The columns of one panel, divided by the unit's factor; the unit is chosen by what is shown now.
+function fill(name, result, ghost) {
+  const panel = data.panels[name], figure = model(name);
+  const [x, units] = [panel.x, {}];
+  const pick = (from, column) => column === "speed" ? from.curve.v : column === "steady" ? from.curve.F : from.columns[column];
+  const scale = (columns, unit) => prefix(peak(...columns.map((c) => pick(result, c))), unit);
+  const [xf, xu] = panel.log ? [1, panel.xUnit] : panel.x === "t" ? [1, "s"] : scale([x], panel.xUnit);
+  const [yf, yu] = scale(panel.y.map((s) => s.column), panel.yUnit);
+  const rows = (from) => {
+    const found = { along: divide(pick(from, x), xf) };
+    for (const series of panel.y) found[series.column] = divide(pick(from, series.column) ?? new Float64Array(found.along.length).fill(NaN), yf);
+    return found;
+  };
+  const cut = (found, n) => Object.fromEntries(Object.entries(found).map(([key, list]) => [key, list.subarray ? list.subarray(0, n) : list.slice(0, n)]));
+  const now = rows(result), curve = x === "speed";
+  model(`${name}-now`).data = curve ? cut(now, now.along.length - 1) : now;
+  model(`${name}-ghost`).data = ghost ? (curve ? cut(rows(ghost), now.along.length - 1) : rows(ghost)) : { along: [], ...Object.fromEntries(panel.y.map((s) => [s.column, []])) };
+  figure.below[0].axis_label = `${panel.xLabel}${xu ? ` (${xu})` : ""}`;
+  figure.left[0].axis_label = `${panel.yLabel}${yu ? ` (${yu})` : ""}`;
+  const hover = model(`${name}-hover`);
+  if (hover) hover.tooltips = [[panel.x === "t" ? "t" : panel.xName, `@along{0.0000} ${xu}`], ...panel.y.map((s) => [s.name, `@{${s.column}}{0.0000} ${yu}`])];
+  return [xf, yf];
+}
+const divide = (list, factor) => factor === 1 ? Float64Array.from(list) : Float64Array.from(list, (x) => x / factor);
+
+function draw(result) {
+  const ghost = state.ghost;
+  const scales = {};
+  for (const name of Object.keys(data.panels)) if (name !== "energy") scales[name] = fill(name, result, ghost);
+  energy(result);
+  if (ghost && ghost.columns && model("energy-ghost")) energy(ghost, true);
+  fill("energy", result, ghost);
+  for (const [kind, bit] of [["slip", 0], ["stick", 1]]) {
+    const times = result.events.filter(([, what]) => (what & 1) === bit).map(([t]) => t);
+    for (const [panel, column] of [["position", "y"], ["velocity", "v"]]) {
+      const source = model(`${panel}-${kind}`);
+      if (source) source.data = { x: times, y: times.map((t) => at(result, column, t) / scales[panel][1]) };
+    }
+  }
+  const { v, F } = result.curve, last = v.length - 1;
+  model("curve-point").data = { x: [v[last]], y: [F[last] / scales.curve[1]] };
+}
+
+function at(result, column, t) { // between two rows
+  const list = result.columns[column], step = value("output.step"), i = Math.min(Math.floor(t / step), list.length - 2);
+  if (i < 0) return list[0];
+  return list[i] + (t / step - i) * (list[i + 1] - list[i]);
+}
+
+function energy(result) {
+  const { columns } = result;
+  if (columns.E_dissipated) return;
+  const stored = columns.E_stored ?? new Float64Array(columns.t.length);
+  columns.E_dissipated = columns.E_in.map((x, i) => x - (stored[i] - stored[0]));
+}
+
+function keep() { // the present setting stays behind as the ghost
+  state.ghost = state.latest;
+  $("keep").textContent = "move the ghost here";
+  if (state.latest) draw(state.latest);
+}

@@ -1,0 +1,156 @@
+// Runs the compiled solver (WebAssembly) for one setting at a time; the newest setting wins.
+"use strict";
+const DONE = 0, MORE = 1, EVENTS_FULL = 2;
+const FIRST_SLICE = 4000, SLICE = 20000; // attempted steps between two looks at what is asked for meanwhile
+const REST = 8; // ms at least between two looks
+const modules = new Map(); // law -> WebAssembly.Instance
+let layout, newest = 0;
+
+class Memory { // what a run needs, laid out behind the module's own data
+  constructor(instance) {
+    this.api = instance.exports;
+    this.top = this.api.__heap_base.value;
+  }
+  room(bytes) {
+    const at = Math.ceil(this.top / 16) * 16;
+    this.top = at + bytes;
+    const missing = this.top - this.api.memory.buffer.byteLength;
+    if (missing > 0) this.api.memory.grow(Math.ceil(missing / 65536));
+    return at;
+  }
+  doubles(values) {
+    const at = this.room(8 * Math.max(values.length, 1));
+    new Float64Array(this.api.memory.buffer, at, values.length).set(values);
+    return at;
+  }
+  empty(count) { return this.room(8 * Math.max(count, 1)); }
+  view(at, count) { return new Float64Array(this.api.memory.buffer, at, count); }
+}
+
+class Struct { // the C struct Run, by the layout that comes with the page
+  constructor(memory) {
+    this.memory = memory;
+    this.at = memory.room(layout._size[0]);
+    new Uint8Array(memory.api.memory.buffer, this.at, layout._size[0]).fill(0);
+  }
+  get data() { return new DataView(this.memory.api.memory.buffer); }
+  set(name, value) {
+    const [offset, kind] = layout[name], at = this.at + offset;
+    if (kind === "pointer") this.data.setUint32(at, value, true);
+    else if (kind === "double") this.data.setFloat64(at, value, true);
+    else this.data.setBigInt64(at, BigInt(value), true);
+  }
+  get(name) {
+    const [offset, kind] = layout[name], at = this.at + offset;
+    return kind === "double" ? this.data.getFloat64(at, true) : Number(this.data.getBigInt64(at, true));
+  }
+}
+
+function reason(status, t, most) {
+  if (status === -1) return `at t = ${t.toPrecision(9)} s the step needed for solve.rtol fell below what floating point resolves`;
+  if (status === -2) return `after t = ${t.toPrecision(9)} s the equations are no longer finite`;
+  return `gave up at t = ${t.toPrecision(9)} s after solve.max_steps = ${most} attempted steps`;
+}
+
+// The numbers that follow from the setting: tolerances, claims, the steady curve.
+function about(memory, law, p, setting) {
+  const { api } = memory, n = law.states.length;
+  const setup = memory.empty(n + 2), claims = memory.empty(5), held = memory.empty(8);
+  api.stribeck_setup(p, setting.rtol, setup);
+  api.stribeck_claims(p, claims);
+  api.stribeck_relations(p, held);
+  const values = Array.from(memory.view(setup, n + 2));
+  law.states.forEach((name, i) => { if (name in setting.atol) values[i] = setting.atol[name] * values[n]; });
+  return {
+    atol: values.slice(0, n), share: values[n], longest: values[n + 1], claims: Array.from(memory.view(claims, 5)),
+    holds: Array.from(memory.view(held, law.relations.length)),
+  };
+}
+
+function steady(memory, p, speeds) {
+  const v = memory.doubles(speeds), F = memory.empty(speeds.length);
+  memory.api.stribeck_steady(p, BigInt(speeds.length), v, F);
+  return memory.view(F, speeds.length).slice();
+}
+
+const rest = () => new Promise((go) => { // let a newer setting arrive
+  const channel = new MessageChannel();
+  channel.port1.onmessage = () => { channel.port1.close(); go(); };
+  channel.port2.postMessage(0);
+});
+
+async function solve(instance, law, setting, tell, current) {
+  const memory = new Memory(instance), { api } = memory, started = performance.now();
+  const p = memory.doubles(setting.p), n = law.states.length, { pieces, rows } = setting;
+  const found = about(memory, law, p, setting);
+  const wrong = law.relations.filter((_, i) => found.holds[i] !== 1);
+  if (wrong.length) return { wrong, claims: found.claims };
+  const run = new Struct(memory), eventRoom = Math.max(setting.eventRoom, Number(api.stribeck_event_room()));
+  const out = memory.empty(rows * n), times = memory.empty(eventRoom), what = memory.empty(eventRoom);
+  const starts = memory.doubles(pieces.start), table = memory.doubles(pieces.rows);
+  const restart = memory.room(pieces.restart.length + 1);
+  new Int8Array(api.memory.buffer, restart, pieces.restart.length).set(pieces.restart);
+  const x = memory.doubles(setting.x);
+  const place = {
+    parameters: p, atol: memory.doubles(found.atol), x, piece_start: starts, piece_rows: table, out, event_time: times,
+    levels: memory.doubles([setting.level, 0]), held: memory.empty(1), memory: memory.empty(1), queue: memory.empty(1),
+    noise: memory.empty(1), piece_restart: restart, event_what: what, sampled: memory.empty(1), acted: memory.empty(1),
+    rtol: found.share * setting.rtol, step: setting.step, h: Infinity, h_smallest: Infinity, h_limit: found.longest,
+    queue_room: 1, pieces: pieces.start.length, rows, event_room: eventRoom, t_end: setting.end, restart: 1,
+  };
+  for (const [name, value] of Object.entries(place)) run.set(name, value);
+  const events = [];
+  let status = MORE, left = setting.maxSteps, slice = FIRST_SLICE, looked = performance.now(), said = started;
+  while ((status === MORE || status === EVENTS_FULL) && left > 0) {
+    const attempts = Math.min(slice, left);
+    slice = SLICE;
+    run.set("attempts_left", attempts);
+    status = api.stribeck_advance(run.at);
+    left -= attempts - Math.max(run.get("attempts_left"), 0);
+    const count = run.get("events"), kinds = new Int32Array(api.memory.buffer, what, count);
+    memory.view(times, count).forEach((t, i) => events.push([t, kinds[i]]));
+    run.set("events", 0);
+    const now = performance.now();
+    if (now - looked > REST) {
+      if (now - said > 60) { tell(run.get("t") / setting.end); said = now; }
+      await rest();
+      looked = performance.now();
+      if (!current()) return null;
+    }
+  }
+  const done = run.get("row"), columns = law.columns.length, values = memory.empty(done * columns);
+  api.stribeck_table(p, BigInt(done), setting.step, BigInt(pieces.start.length), starts, table, out, values);
+  const cells = memory.view(values, done * columns), found_columns = {};
+  law.columns.forEach((column, j) => {
+    const own = new Float64Array(done);
+    for (let i = 0; i < done; i++) own[i] = cells[i * columns + j];
+    found_columns[column.name] = own;
+  });
+  let mean = 0; // speed over the second half: the working point
+  for (let i = done >> 1; i < done; i++) mean += Math.abs(found_columns.v[i]) / (done - (done >> 1));
+  const speeds = [...setting.speeds, mean];
+  return {
+    columns: found_columns, rows: done, events, claims: found.claims, mean, curve: { v: speeds, F: steady(memory, p, speeds) },
+    reason: status === DONE ? null : reason(status, run.get("t"), setting.maxSteps),
+    stats: { accepted: run.get("accepted"), rejected: run.get("rejected"), milliseconds: performance.now() - started },
+  };
+}
+
+async function instance(name, module) {
+  if (!modules.has(name)) modules.set(name, await WebAssembly.instantiate(await WebAssembly.compile(module), {}));
+  return modules.get(name);
+}
+
+onmessage = async ({ data }) => {
+  if (data.layout) { layout = data.layout; return; }
+  newest = data.id;
+  try {
+    const made = await instance(data.law.name, data.module);
+    if (newest !== data.id) return;
+    const tell = (share) => postMessage({ id: data.id, share });
+    const result = await solve(made, data.law, data.setting, tell, () => newest === data.id);
+    if (result) postMessage({ id: data.id, result });
+  } catch (error) {
+    postMessage({ id: data.id, error: String(error) });
+  }
+};

@@ -1,0 +1,131 @@
+"""The page's charts, declared with Bokeh; the page fills their sources as results arrive."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from stribeck.constants import rotary_unit
+from stribeck.errors import needed
+from stribeck.scenario import Scenario
+from stribeck.system import System
+
+# Okabe and Ito's colours, which colour-blind readers tell apart.
+_COLOURS = ("#0072B2", "#D55E00", "#009E73")
+_GHOST = "#8c8c8c"
+_NAMES = {"y": "position", "v": "velocity", "F": "friction", "z": "deflection", "u": "drive", "x": "spring's end", "r": "setpoint"}
+
+
+@dataclass(frozen=True)
+class Series:
+    """A line of a panel: its column and its name in the legend."""
+
+    column: str
+    name: str
+
+
+@dataclass(frozen=True)
+class Panel:
+    """A chart: what stands along x, and its lines; units before the page chooses a prefix."""
+
+    x: str
+    x_label: str
+    x_unit: str
+    y: tuple[Series, ...]
+    y_label: str
+    y_unit: str
+    log: bool = False
+    height: int = 190
+    marks: bool = False
+
+    def as_data(self) -> dict[str, Any]:
+        """For the page."""
+        lines = [{"column": s.column, "name": s.name} for s in self.y]
+        return {
+            "x": self.x, "xLabel": self.x_label, "xName": self.x_label.split()[0], "xUnit": self.x_unit, "y": lines,
+            "yLabel": self.y_label, "yUnit": self.y_unit, "log": self.log,
+        }  # fmt: skip
+
+
+def panels(scenario: Scenario) -> dict[str, Panel]:
+    """The page's charts by name."""
+    system = scenario.system
+    assert isinstance(system, System)
+    names = {column.name for column in system.columns}
+
+    def unit(linear: str) -> str:
+        return rotary_unit(linear) if scenario.rotary else linear
+
+    def lines(*columns: str) -> tuple[Series, ...]:
+        return tuple(Series(c, f"{c} {_NAMES.get(c, '')}".strip()) for c in columns if c in names)
+
+    position, force = ("angle", "torque") if scenario.rotary else ("position", "force")
+    energies = tuple(Series(f"E_{n}", f"{n.replace('in', 'put in')}") for n in ("in", "dissipated", "stored"))
+    m, speed, newton = unit("m"), unit("m/s"), unit("N")
+    return {
+        "position": Panel("t", "t", "s", lines("y", "x", "r"), position, m, height=210, marks=True),
+        "velocity": Panel("t", "t", "s", lines("v"), "velocity", speed, marks=True),
+        "force": Panel("t", "t", "s", lines("F", "u"), force, newton),
+        "deflection": Panel("t", "t", "s", lines("z"), "bristles", m, height=150),
+        "loop-v": Panel("v", "v, velocity", speed, lines("F"), "friction F", newton, height=280),
+        "loop-y": Panel("y", f"y, {position}", m, lines("F"), "friction F", newton, height=280),
+        "curve": Panel(
+            "speed", "v held", speed, (Series("steady", "F held for long"),), "steady friction F", newton, True, 280
+        ),
+        "energy": Panel("t", "t", "s", energies, "energy", "J", height=280),
+    }
+
+
+TOGETHER = ("position", "velocity", "force", "deflection")  # one above the other, with one time axis
+
+
+def figures(found: dict[str, Panel]) -> dict[str, Any]:
+    """The charts as Bokeh's JSON, by the id of the element that shows each."""
+    with needed("an explorer", "explore"):
+        from bokeh.embed import json_item
+        from bokeh.layouts import column
+        from bokeh.models import DataRange1d
+
+    time = DataRange1d()
+    made = {name: _figure(name, panel, time if name in TOGETHER else None) for name, panel in found.items()}
+    whole = column(*(made[name] for name in TOGETHER), sizing_mode="stretch_width")
+    return {"trajectories": json_item(whole), **{n: json_item(x) for n, x in made.items() if n not in TOGETHER}}
+
+
+def _figure(name: str, panel: Panel, x_range: Any) -> Any:
+    from bokeh.models import ColumnDataSource, HoverTool
+    from bokeh.plotting import figure
+
+    tools = "xpan,xbox_zoom,xwheel_zoom,reset" if panel.x == "t" else "pan,box_zoom,wheel_zoom,reset"
+    more = {} if x_range is None else {"x_range": x_range}
+    drawn = figure(
+        name=name, height=panel.height, sizing_mode="stretch_width", tools=tools, toolbar_location="above" if name not in TOGETHER[1:] else None,
+        x_axis_type="log" if panel.log else "linear", min_border_left=70, **more,
+    )  # fmt: skip
+    drawn.toolbar.logo = None
+    empty: dict[str, list[float]] = {"along": [0.1, 1.0], **{s.column: [0.1, 1.0] for s in panel.y}}  # until the first run
+    ghost = ColumnDataSource(name=f"{name}-ghost", data=empty)
+    now = ColumnDataSource(name=f"{name}-now", data=empty)
+    for series in panel.y:
+        drawn.line("along", series.column, source=ghost, color=_GHOST, line_width=1.4, line_alpha=0.75)
+    shown = []
+    for series, colour in zip(panel.y, _COLOURS, strict=False):
+        legend = {"legend_label": series.name} if len(panel.y) > 1 else {}
+        shown.append(drawn.line("along", series.column, source=now, color=colour, line_width=1.7, **legend))
+    if panel.marks:
+        for kind, marker, colour in (("slip", "triangle", "#D55E00"), ("stick", "circle", "#009E73")):
+            source = ColumnDataSource(name=f"{name}-{kind}", data={"x": [0.1], "y": [0.1]})
+            legend = {"legend_label": kind}
+            drawn.scatter("x", "y", source=source, marker=marker, size=6, color=colour, line_color=None, **legend)
+    if panel.log:
+        point = ColumnDataSource(name="curve-point", data={"x": [0.1], "y": [0.1]})
+        drawn.scatter(
+            "x", "y", source=point, size=11, color="#D55E00", line_color="white", legend_label="mean speed of the run"
+        )
+    drawn.add_tools(HoverTool(name=f"{name}-hover", renderers=shown[:1], mode="vline" if panel.x == "t" or panel.log else "mouse"))
+    for legend in drawn.legend:
+        legend.update(
+            location="top_left", orientation="horizontal", padding=2, margin=4, spacing=10, label_text_font_size="11px",
+            glyph_height=12, glyph_width=16, label_height=12, click_policy="hide",
+        )  # fmt: skip
+    return drawn

@@ -1,0 +1,131 @@
+"""Every number of a scenario as the page needs it: where it stands, what it means, between which ends its slider goes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from stribeck.constants import Constant
+from stribeck.drives import Drive
+from stribeck.laws.base import PARAMETERS
+from stribeck.plants.mass import Mass
+from stribeck.scenario import Scenario
+from stribeck.scenario.tables import Initial, InitialAtVelocity, Output, Solve
+from stribeck.signals import File, Points
+
+_MOST_POINTS = 12  # a signal of more points is a curve, not a set of numbers to turn
+
+_REACH, _STEEP = 10.0, 1e3  # how many times more and less a slider reaches; that of a steepness
+
+
+@dataclass(frozen=True)
+class Number:
+    """One number: its path in the file, and its slider."""
+
+    path: str
+    name: str
+    group: str
+    value: float
+    unit: str
+    meaning: str
+    low: float
+    high: float
+    log: bool
+    above: float | None  # must be greater than
+    at_least: float | None
+    target: str = ""  # the system's constant that it sets: ``group.name``
+    whole: bool = False
+
+    def as_data(self) -> dict[str, Any]:
+        """For the page."""
+        return asdict(self)
+
+
+def numbers(scenario: Scenario) -> list[Number]:
+    """The numbers of the scenario with its present law, in the order of the file."""
+    return [*of_law(scenario), *_others(scenario)]
+
+
+def of_law(scenario: Scenario) -> list[Number]:
+    """The numbers of its law: the law's own, then the machine's."""
+    law, rotary = scenario.law, scenario.rotary
+    values = {**law.values, **law.machine}
+    declared = {**law.own_constants(), **PARAMETERS}
+    found = []
+    for name, constant in declared.items():
+        value = values.get(name)
+        if value is not None and not constant.choices:
+            group = "law.parameters" if name in PARAMETERS else "law"
+            target = f"law.{name}" if name in law.numbers(law.structure) else ""
+            reach = _STEEP if name == "k_v" else _REACH
+            found.append(_number(group, name, value, constant.of_motion(rotary), 0.0, target, reach))
+    return found
+
+
+def _others(scenario: Scenario) -> Iterator[Number]:
+    rotary, scales = scenario.rotary, scenario.law.scales(scenario.law.p)
+    assert issubclass(scenario.drive, Drive)
+    if scenario.mass is not None and not scenario.drive.sets_velocity:
+        constant = Mass.constants["mass"].of_motion(rotary)
+        yield _number("plant", "mass", scenario.mass, constant, 0.0, "plant.mass")
+    table = InitialAtVelocity if scenario.drive.sets_velocity else Initial
+    sizes = {"y": 10 * scales.length, "v": 10 * scales.speed, "z": scales.length}
+    for name, field in table.model_fields.items():
+        if name == "z" and not scenario.law.has_z:
+            continue
+        words, _, unit = str(field.description).partition(", ")
+        constant = Constant(unit, f"{words} at t = 0").of_motion(rotary)
+        yield _number("plant.initial", name, scenario.initial.get(name, 0.0), constant, sizes[name], "")
+    for name, constant in scenario.drive.constants.items():
+        value = scenario.drive_values[name]
+        yield _number("drive", name, value, constant.of_motion(rotary), 1.0, f"drive.{name}")
+    yield from _of_signal(scenario)
+    end, step = Solve.model_fields["t_end"], Output.model_fields["step"]
+    time = Constant("s", str(end.description).removesuffix(", s"), above=0)
+    yield _number("solve", "t_end", scenario.solve.t_end, time, 0.0, "", 10)
+    yield _number("solve", "rtol", scenario.solve.rtol, Constant("", "relative tolerance", above=0), 0.0, "", 1e4)
+    for name, value in scenario.solve.atol.items():
+        yield _number("solve.atol", name, value, Constant("", f"absolute tolerance of {name}", above=0), 0.0, "", 1e4)
+    steps = Constant("", str(Solve.model_fields["max_steps"].description), at_least=1)
+    number = _number("solve", "max_steps", scenario.solve.max_steps, steps, 0.0, "", 1e4)
+    yield Number(**{**number.as_data(), "whole": True})
+    every = Constant("s", str(step.description).partition(",")[0], above=0)
+    yield _number("output", "step", scenario.output.step, every, 0.0, "", 10)
+
+
+def _of_signal(scenario: Scenario) -> Iterator[Number]:
+    signal, group = scenario.signal, "drive.signal"
+    drive = scenario.drive
+    assert issubclass(drive, Drive)
+    unit = drive.signal.of_motion(scenario.rotary).unit
+    table = scenario.data["drive"]["signal"]
+    for name, constant in signal.constants.items():
+        value = float(table.get(name, constant.default if constant.default is not None else 0.0))
+        own = Constant(
+            constant.unit.replace("signal", unit), constant.meaning, constant.above, constant.at_least
+        )  # fmt: skip
+        yield _number(group, name, value, own, 1.0, f"signal.{name}" if signal.smooth else "")
+    if isinstance(signal, Points) and not isinstance(signal, File) and len(signal.t) <= _MOST_POINTS:
+        for i, (t, value) in enumerate(zip(signal.t, signal.value, strict=True)):
+            size = float(max(abs(signal.value))) or 1.0
+            yield _number(group, f"t[{i}]", float(t), Constant("s", f"time of point {i + 1}"), scenario.solve.t_end, "")
+            yield _number(group, f"value[{i}]", float(value), Constant(unit, f"the signal at point {i + 1}"), size, "")
+
+
+def _number(
+    group: str, name: str, value: float, constant: Constant, size: float, target: str, reach: float = _REACH
+) -> Number:
+    """A slider over ``reach`` times more and less where the number is positive; else as far as ``size`` or twice it."""
+    positive = constant.above is not None or constant.at_least is not None or value > 0
+    log = positive and value > 0
+    if log:
+        low, high = value / reach, value * reach
+    else:
+        far = 2 * abs(value) or size or 1.0
+        low, high = (0.0 if positive else -far), far
+    return Number(
+        f"{group}.{name}", name, group, float(value), constant.unit, constant.meaning, low, high, log,
+        constant.above, constant.at_least, target,
+    )  # fmt: skip
+

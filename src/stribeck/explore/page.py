@@ -1,0 +1,172 @@
+"""The page: a scenario's numbers, laws as WebAssembly, charts and the script, in one file that fetches nothing."""
+
+from __future__ import annotations
+
+import gzip
+import json
+from base64 import b64encode
+from collections.abc import Callable, Iterable, Mapping
+from html import escape
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+from stribeck.codegen import source
+from stribeck.errors import needed
+from stribeck.explore import wasm
+from stribeck.explore.appendix import CLAIMS, appendix, columns, relations
+from stribeck.explore.figures import figures, panels
+from stribeck.explore.numbers import numbers, of_law
+from stribeck.explore.variants import variants
+from stribeck.expressions.pretty import name as symbol_name
+from stribeck.files import write_text
+from stribeck.laws import table
+from stribeck.laws.render import Equation, condition, equations
+from stribeck.scenario import Scenario
+from stribeck.signals import Points
+from stribeck.simulation.native import EVENT_ROOM
+from stribeck.system import System
+from stribeck.version import __version__
+
+
+def explore(
+    scenario: Scenario, out: Path, laws: Iterable[str] | None = None, command: str = "",
+    progress: Callable[[float], None] | None = None, fitted: Mapping[str, Any] | None = None,
+) -> Path:  # fmt: skip
+    """Write the page of a scenario; see :func:`page`."""
+    write_text(out, page(scenario, laws, command, progress, fitted))
+    return out
+
+
+def page(
+    scenario: Scenario, laws: Iterable[str] | None = None, command: str = "",
+    progress: Callable[[float], None] | None = None, fitted: Mapping[str, Any] | None = None,
+) -> str:  # fmt: skip
+    """One HTML file that simulates the scenario in the browser while its numbers are turned.
+
+    Args:
+        scenario: what to explore.
+        laws: the laws to offer beside its own; all of the package unless given.
+        command: the command that makes the page, for its foot.
+        progress: told the share of laws compiled, 0 to 1.
+        fitted: of a fit, the 95 % interval of each number by its path.
+
+    Raises:
+        MissingExtra: ziglang or bokeh is not installed.
+        BuildError: the compiler failed.
+        InputError: a law that is not known, or cannot take the scenario's numbers.
+    """
+    library = _library()
+    found = variants(scenario, laws)
+    codes = [f"{source(each.system)}\n\n{appendix(each)}" for each in found.values()]
+    modules = wasm.modules(codes, progress)
+    own = {number.path for number in of_law(scenario)}
+    shown = panels(scenario)
+    intervals = fitted or {}
+    data = {
+        "name": scenario.name,
+        "version": __version__,
+        "command": command,
+        "scenario": _plain({k: v for k, v in scenario.data.items() if k != "law"}),
+        "law": scenario.law.name,
+        "laws": {
+            name: _law(each, module, intervals) for (name, each), module in zip(found.items(), modules, strict=True)
+        },
+        "numbers": [_number(n.as_data(), intervals) for n in numbers(scenario) if n.path not in own],
+        "claims": CLAIMS,
+        "signal": _signal(scenario),
+        "layout": wasm.layout(),
+        "eventRoom": EVENT_ROOM,
+        "panels": {name: panel.as_data() for name, panel in shown.items()},
+        "figures": figures(shown),
+    }
+    text = _asset("page.html")
+    parts = {
+        "title": escape(scenario.name),
+        "style": _asset("page.css"),
+        "data": json.dumps(data, allow_nan=False).replace("</", "<\\/"),
+        "solver": _asset("solver.js"),
+        "script": f"{_asset('panels.js')}\n{_asset('explore.js')}",
+        "charts": library,
+        "foot": escape(command),
+        "version": __version__,
+    }
+    for name, part in parts.items():
+        text = text.replace("{{ " + name + " }}", part)
+    return text
+
+
+def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, Any]) -> dict[str, Any]:
+    law, system = scenario.law, scenario.system
+    assert isinstance(system, System)
+    kind, form = type(law), law.structure
+    conditions = {}
+    for name in CLAIMS:
+        claim = getattr(kind.claims, name)
+        told = condition(claim, kind, form) if callable(claim) else None
+        if isinstance(told, Equation):
+            conditions[name] = told.text
+    needs = [
+        {"key": each.key, "allowed": each.allowed, "path": _path(scenario, each.key)} for each in relations(kind)
+    ]
+    return {
+        "name": law.name,
+        "about": f"{' '.join((kind.__doc__ or '').split())} {kind.source}",
+        "table": _plain(table(law)),
+        "numbers": [
+            {**_number(n.as_data(), intervals), "symbol": symbol_name(n.name, latex=False)} for n in of_law(scenario)
+        ],
+        "parameters": [".".join(each) for each in system.parameters],
+        "states": [state.name for state in system.states],
+        "columns": [
+            {"name": c.name, "unit": c.of_motion(scenario.rotary).unit, "meaning": c.meaning} for c in columns(system)
+        ],
+        "relations": needs,
+        "conditions": conditions,
+        "equations": [each.text for each in equations(kind, form)],
+        "speed": float(law.scales(law.p).speed),
+        "wasm": _packed(module),
+    }
+
+
+def _number(number: dict[str, Any], intervals: Mapping[str, Any]) -> dict[str, Any]:
+    return {**number, "interval": intervals.get(number["path"])}
+
+
+def _path(scenario: Scenario, name: str) -> str:
+    return next((n.path for n in of_law(scenario) if n.name == name), f"law.{name}")
+
+
+def _signal(scenario: Scenario) -> dict[str, Any]:
+    signal = scenario.signal
+    found: dict[str, Any] = {"kind": signal.kind, "smooth": signal.smooth}
+    if isinstance(signal, Points):
+        scale = float(scenario.data["drive"]["signal"].get("scale", 1.0))
+        found |= {"t": signal.t.tolist(), "value": signal.value.tolist(), "scale": scale}
+    return found
+
+
+def _plain(value: Any) -> Any:
+    """Tables as JSON has them: whatever else a program has put there as text."""
+    if isinstance(value, Mapping):
+        return {str(k): _plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(v) for v in value]
+    return value if isinstance(value, bool | int | float | str) else str(value)
+
+
+def _library() -> str:
+    """The charts' library as its package ships it."""
+    with needed("an explorer", "explore"):
+        import bokeh
+
+    script = Path(str(bokeh.__file__)).parent / "server" / "static" / "js" / "bokeh.min.js"
+    return _packed(script.read_bytes())
+
+
+def _packed(content: bytes) -> str:
+    return b64encode(gzip.compress(content, 9, mtime=0)).decode("ascii")
+
+
+def _asset(name: str) -> str:
+    return resources.files("stribeck.explore").joinpath("assets", name).read_text(encoding="utf-8")

@@ -1,0 +1,102 @@
+"""A scenario under every law that its numbers can feed, for the choice of laws in the page."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from stribeck import examples, laws, parameter_sets
+from stribeck.errors import InputError, StribeckNote
+from stribeck.laws.base import PARAMETERS, Law
+from stribeck.scenario import Scenario
+from stribeck.scenario.servo import Servo
+from stribeck.signals import Curve
+
+_SET = "canudas1995"  # what a law takes whose parameters the scenario does not hold
+# What a law's own constant begins with where the scenario's law has no such constant, from the machine's parameters.
+_GUESSES: dict[str, Callable[[Mapping[str, float]], float]] = {
+    "k_v": lambda p: 1e4 / p["v_s"],
+    "z_ba": lambda p: 0.7 * p["F_c"] / p["sigma_0"],
+    "g1": lambda p: p["F_s"] - p["F_c"],
+    "g2": lambda p: 100 / p["v_s"],
+    "g3": lambda p: 1 / p["v_s"],
+    "g4": lambda p: p["F_c"],
+    "g5": lambda p: 100 / p["v_s"],
+    "g6": lambda p: p["sigma_2"],
+}
+
+
+def subject(given: str | None, changes: Mapping[str, Any], trust: bool) -> Scenario:
+    """The scenario to explore: a file's, or the built-in stick-slip run under a law.
+
+    Raises:
+        InputError: there is no such file or law, or the page cannot show it.
+    """
+    if given is not None and (given.endswith(".toml") or Path(given).is_file()):
+        scenario = Scenario.load(given, changes, trust=trust)
+    else:
+        scenario = Scenario.load(Path(str(examples.path("stick_slip"))), {}, trust=True)
+        if given is not None:
+            scenario = under(scenario, laws.find(given))
+        scenario = scenario.with_changes(changes) if changes else scenario
+    if text := unfit(scenario):
+        raise InputError(f"{scenario.name}: {text}")
+    return scenario
+
+
+def unfit(scenario: Scenario) -> str | None:
+    """Why the page cannot show a scenario, or None."""
+    if scenario.rig is not None:
+        return "schema = 2: must be 1: a page of a machine is not made yet; 'stribeck run' draws its curves"
+    if isinstance(scenario.servo, Servo):
+        return "drive.kind: 'cascade': must be force, spring, pid or velocity; 'stribeck run' draws a servo's curves"
+    if isinstance(scenario.signal, Curve):
+        kind = scenario.signal.kind
+        return f"drive.signal.kind: {kind!r}: must be points, ramp, sine, step or file for a page that can be turned"
+    return None
+
+
+def variants(scenario: Scenario, wanted: Iterable[str] | None = None) -> dict[str, Scenario]:
+    """The scenario under its own law, then under each other one that is offered, by the law's name.
+
+    Args:
+        scenario: what to explore.
+        wanted: names of the laws to offer beside the scenario's own; all of the package unless given.
+
+    Raises:
+        InputError: an unknown law, or one that cannot take the scenario's numbers.
+    """
+    own = type(scenario.law)
+    found = {scenario.law.name: scenario}
+    for name in laws.builtin() if wanted is None else wanted:
+        kind = laws.find(name, scenario.folder)
+        if kind is own or kind.name in found:
+            continue
+        try:
+            found[kind.name] = under(scenario, kind)
+        except InputError:
+            if wanted is not None:
+                raise
+    return found
+
+
+def under(scenario: Scenario, kind: type[Law]) -> Scenario:
+    """The scenario under another law, which takes its numbers where it has constants of these names."""
+    law = scenario.law
+    given = {**law.machine, **{n: x for n, x in law.values.items() if x is not None}}
+    machine = {**parameter_sets.load(_SET).values, **{n: x for n, x in given.items() if n in PARAMETERS}}
+    own: dict[str, Any] = {n: word for n, word in law.choices.items() if n in kind.constants()}
+    for name, constant in kind.own_constants().items():
+        if constant.choices:
+            continue
+        if name in given:
+            own[name] = given[name]
+        elif constant.required or name == "k_v":
+            own[name] = _GUESSES[name](machine) if name in _GUESSES else constant.example or 1.0
+    used = {n: x for n, x in machine.items() if n in PARAMETERS and (n in kind.uses or n in law.machine)}
+    table = {"name": laws.table(kind({**used, **own}))["name"], **own, **({"parameters": used} if used else {})}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StribeckNote)
+        return Scenario({**scenario.data, "law": table}, folder=scenario.folder, trust=True)

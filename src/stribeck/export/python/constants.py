@@ -1,0 +1,21 @@
+"""Constants of a law that are given by name in a call."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from stribeck.constants import show
+from stribeck.errors import InputError, nearest
+from stribeck.laws.base import Law
+
+
+def checked(law: Law, given: dict[str, Any]) -> dict[str, Any]:
+    """The constants given, each of which the law has.
+
+    Raises:
+        InputError: it has no such constant.
+    """
+    known = [name for name, value in law.values.items() if value is not None]
+    if odd := [name for name in given if name not in known]:
+        raise InputError([f"{n} = {show(given[n])}: law '{law.name}' has no such constant{nearest(n, known)}" for n in odd])
+    return given

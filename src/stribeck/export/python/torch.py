@@ -1,0 +1,133 @@
+"""PyTorch: a law's equations on tensors, and an implicit step of thousands of joints, with gradients."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+from stribeck.export.optional import package
+from stribeck.export.python import stepping
+from stribeck.export.python.constants import checked
+from stribeck.export.python.written import FUNCTIONS, equations
+from stribeck.expressions import ops
+from stribeck.laws.base import Law
+
+_NAMES = {"both": "logical_and", "either": "logical_or"}
+
+
+class _Backend:
+    """The operations of :mod:`stribeck.expressions.ops` on tensors."""
+
+    def __getattr__(self, op: str) -> Any:
+        return getattr(package("torch", "learn"), _NAMES.get(op, op))
+
+
+ops.register("torch", _Backend())
+
+
+def loop(body: Any, state: Any) -> Any:
+    """Repeat body while any entry of state[0] is unfinished."""
+    while bool(state[0].any()):
+        state = body(state)
+    return state
+
+
+class TorchLaw:
+    """A law on PyTorch tensors. The law's constants hold unless they are given by name, one number or one for each
+    world: ``law.step(z, v, effort, inertia, dt, F_s=1.5 + torch.rand(4096))``.
+
+    The type of the tensors is that of ``v`` (or of ``z``): single precision serves, double holds some 1e-9 of it.
+    """
+
+    def __init__(self, law: Law) -> None:
+        torch: Any = package("torch", "learn")
+        self.law = law
+        self._torch = torch
+        scope = {name: getattr(torch, _NAMES.get(name, name)) for name in FUNCTIONS}
+        self._equations = equations(law, {**scope, "like": torch.full_like})
+
+    def rate(self, v: Any, z: Any, **constants: Any) -> Any:
+        """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""
+        p, (v, z) = self._prepared(constants, v, z)
+        return self._equations.slopes(p, v, z)[0] + 0 * v
+
+    def force(self, v: Any, z: Any = 0.0, **constants: Any) -> Any:
+        """Friction force in N for velocities v (m/s) and deflections z (m)."""
+        p, (v, z) = self._prepared(constants, v, z)
+        return self.law.friction(p, v, z, self.law.dz_dt(p, v, z))
+
+    def step(self, state: Any, v: Any, effort: Any, inertia: Any, dt: Any, **constants: Any) -> tuple[Any, Any]:
+        """One implicit step of joints and their bristles: the state after it, and the friction during it.
+
+        An engine that then takes ``v + dt (effort - friction)/inertia`` for the velocity is as stable as the law at
+        any step, and holds what the law holds. Gradients, of the first order, reach every argument and constant.
+
+        Args:
+            state: z of every joint, m (rad); zeros at first. All arguments broadcast.
+            v: the velocities at the start of the step, m/s (rad/s).
+            effort: what else acts on the joints during the step, N (N m): drives, gravity, the rest of the machine.
+            inertia: what the joints feel, kg (kg m^2); a smaller number than the true one is on the safe side.
+            dt: the step, s.
+            **constants: constants of the law in the place of its own.
+
+        Returns:
+            z and the friction, N (N m), positive against positive velocity; nan where a number was not finite.
+        """
+        p, given = self._prepared(constants, v, state, effort, inertia, dt)
+        v, state, *rest = self._torch.broadcast_tensors(*given, *vars(p).values())[:5]
+        names = [name for name, value in vars(p).items() if value.requires_grad]
+        arguments = (state, v, *rest)
+        if self._torch.is_grad_enabled() and (names or any(x.requires_grad for x in arguments)):
+            return _differentiable(self._torch)(self._equations, p, names, *arguments, *(getattr(p, n) for n in names))
+        return stepping.solved(self._torch, loop, self._equations, p, arguments)[:2]
+
+    def settle(self, state: Any, v: Any, dt: Any, **constants: Any) -> Any:
+        """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
+        p, (v, state, dt) = self._prepared(constants, v, state, dt)
+        return stepping.settled(self._torch, loop, self._equations, p, v, state + 0 * v, dt)
+
+    def _prepared(self, constants: dict[str, Any], *values: Any) -> tuple[SimpleNamespace, list[Any]]:
+        """The constants and the values as tensors of one type, on one device."""
+        given = checked(self.law, constants)
+        tensors = [x for x in values if self._torch.is_tensor(x)]
+        like = next((x for x in tensors if x.is_floating_point()), self._torch.zeros((), dtype=self._torch.float64))
+
+        def made(x: Any) -> Any:
+            return self._torch.as_tensor(x, dtype=like.dtype, device=like.device)
+
+        numbers = {n: made(x) for n, x in {**self.law.values, **given}.items() if x is not None}
+        return SimpleNamespace(**numbers), [made(x) for x in values]
+
+
+_function: list[Any] = []
+
+
+def _differentiable(torch: Any) -> Any:
+    """The step as a function with a gradient of its own, made when torch is there."""
+    if not _function:
+        from torch.autograd.function import once_differentiable
+
+        class Step(torch.autograd.Function):  # type: ignore[misc]
+            @staticmethod
+            def forward(ctx: Any, law: Any, p: Any, names: Any, *values: Any) -> Any:
+                given = tuple(x.detach() for x in values[:5])
+                bare = SimpleNamespace(**{n: x.detach() for n, x in vars(p).items()})
+                x, force, w, jump = stepping.solved(torch, loop, law, bare, given)
+                ctx.law, ctx.p, ctx.names, ctx.solution, ctx.given = law, bare, names, (x, w, jump), given
+                ctx.shapes = [value.shape for value in values]
+                return x, force
+
+            @staticmethod
+            @once_differentiable
+            def backward(ctx: Any, by_z: Any, by_force: Any) -> Any:
+                first, each = stepping.adjoint(torch, ctx.law, ctx.p, ctx.solution, ctx.given, by_z, by_force)
+                found = [*first, *(each[name] for name in ctx.names)]
+                return None, None, None, *(g.sum_to_size(s) for g, s in zip(found, ctx.shapes, strict=True))
+
+        _function.append(Step.apply)
+    return _function[0]
+
+
+def to_torch(law: Law) -> TorchLaw:
+    """See :meth:`stribeck.laws.Law.to_torch`."""
+    return TorchLaw(law)

@@ -1,0 +1,128 @@
+"""What a fit is asked for, as one thing that the library and the command hand on whole."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from stribeck import laws
+from stribeck.constants import show
+from stribeck.errors import InputError, arg, nearest
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.statistics.crossvalidate import FOLDS
+
+METHODS = ("static", "presliding", "dynamic")
+
+
+@dataclass(frozen=True)
+class FitOptions:
+    """How to fit; the meaning of each is that of the argument of :func:`stribeck.fit` with its name.
+
+    Raises:
+        InputError: there is no such method.
+    """
+
+    mass: float | None = None
+    method: str | None = None
+    constants: Mapping[str, float | str] = field(default_factory=dict)
+    free: tuple[str, ...] = ()
+    terms: tuple[str, ...] = ()
+    select: bool | None = None
+    decimate: int | None = None
+    robust: bool = False
+    folds: int = FOLDS
+    starts: int = 20
+    seed: int = 0
+    output: str = "force"
+    drive: Mapping[str, Any] | None = None
+
+    def __post_init__(self) -> None:
+        if self.method is not None and self.method not in METHODS:
+            guess = nearest(self.method, METHODS)
+            raise InputError(f"{arg('method')}: {self.method!r}: must be {', '.join(METHODS)}{guess}")
+
+    def of_law(self, law: str, known: Collection[str]) -> FitOptions:
+        """The options without the constants, of those ``known``, that only other laws have."""
+        foreign = set(known) - set(laws.find(law).constants())
+        constants = {n: v for n, v in self.constants.items() if n not in foreign}
+        return replace(self, constants=constants, free=tuple(n for n in self.free if n not in foreign))
+
+    def method_for(self, law: type[laws.Law]) -> str:
+        """The method asked for, or what suits the law."""
+        return self.method or ("dynamic" if law.has_z else "static")
+
+    def free_of(self, law: str) -> list[str] | None:
+        """The machine's constants and what is freed beside them; None for the machine's alone."""
+        found = laws.find(law)
+        usual = list(found.uses or found.own_constants())
+        return list(dict.fromkeys([*usual, *self.free])) if self.free else None
+
+    def body(self, *usual: str) -> tuple[str, ...]:
+        """The terms beside mass: those that every such fit has, and those asked for."""
+        return tuple(dict.fromkeys((*usual, *self.terms)))
+
+    def check(self, law: str) -> None:
+        """Refuse what this law cannot be asked for.
+
+        Raises:
+            InputError: constants, the mass or options that the method has not; a line for each problem.
+        """
+        if problems := [*self._wrong_constants(law), *self.wrong_mass()]:
+            raise InputError(problems)
+        method = self.method_for(laws.find(law))
+        if method != "static" and (wrong := self._only_static()):
+            raise InputError([f"{arg(name)}: belongs to {arg('method')} static, not {method}" for name in wrong])
+        if method != "dynamic" and (self.output != "force" or self.drive):
+            raise InputError(f"{arg('output')}, {arg('drive')}: belong to {arg('method')} dynamic, not {method}")
+        if self.drive and self.output == "force":
+            raise InputError(f"{arg('drive')}: needs {arg('output')} velocity or position")
+
+    def check_without_law(self) -> None:
+        """Refuse what cannot be asked where the law is looked for.
+
+        Raises:
+            InputError: options that need a law; the mass.
+        """
+        if self.method not in (None, "static") or self.free:
+            option = "free" if self.free else "method"
+            raise InputError(f"{arg(option)}: needs {arg('law')}: without one, static laws are compared")
+        if wrong := self.wrong_mass():
+            raise InputError(wrong)
+
+    def wrong_mass(self) -> list[str]:
+        """What is wrong with the mass."""
+        if self.mass is None or (np.isfinite(self.mass) and self.mass >= 0):
+            return []
+        return [f"{arg('mass')}: {show(self.mass)}: must be a finite number >= 0"]
+
+    def _wrong_constants(self, law: str) -> list[str]:
+        found = laws.find(law).constants()
+        problems = [
+            f"{arg(argument)}: {name}: law '{law}' has no such constant{nearest(name, found)}"
+            for argument, names in (("constants", self.constants), ("free", self.free))
+            for name in names
+            if name not in found and not (argument == "constants" and name in TERMS)
+        ]
+        problems += [
+            f"{arg(f'constants.{name}')}: {show(value)}: {text}"
+            for name, value in self.constants.items()
+            if name in found and (text := found[name].problem(value))
+        ]
+        problems += [
+            f"{arg(f'constants.{name}')}: {show(value)}: must be a finite number"
+            for name, value in self.constants.items()
+            if name in TERMS and (isinstance(value, str) or not np.isfinite(value))
+        ]
+        problems += [
+            f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"
+            for name in self.free
+            if name in found and found[name].choices
+        ]
+        return problems
+
+    def _only_static(self) -> list[str]:
+        given = {"select": bool(self.select), "decimate": self.decimate, "robust": self.robust}
+        return [name for name, value in given.items() if value]

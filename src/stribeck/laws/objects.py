@@ -1,0 +1,63 @@
+"""A law as a Python object: shown, compared, changed, and turned into the table of a file."""
+
+from __future__ import annotations
+
+import importlib
+from html import escape
+from typing import Any, ClassVar, Self
+
+
+class AsObject:
+    """What makes a law an object of its own rather than a table of numbers."""
+
+    name: ClassVar[str]
+    values: dict[str, float | None]
+    choices: dict[str, str]
+    machine: dict[str, float]
+    rotary: bool
+    constants: Any
+    structure: Any
+
+    @property
+    def _numbers(self) -> dict[str, Any]:
+        """Every constant that is on; the machine's parameters, also those that the law does not use, first."""
+        on = {name: x for name, x in self.values.items() if x is not None}
+        return {**self.machine, **on, **self.choices}
+
+    def __repr__(self) -> str:
+        inside = "".join(f", {name}={x!r}" for name, x in self._numbers.items())
+        return f"law({self.name!r}{inside})"
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, AsObject):
+            return NotImplemented
+        return type(self) is type(other) and (self._numbers, self.rotary) == (other._numbers, other.rotary)
+
+    def __hash__(self) -> int:
+        return hash((type(self), *self.values.items(), *self.choices.items()))
+
+    def replace(self, **constants: float | str | None) -> Self:
+        """The same law with other values of some constants: ``law.replace(F_s=2.0)``; None turns an optional one off.
+
+        Raises:
+            InputError: an unknown constant or a bad value; one line for each problem.
+        """
+        return type(self)({**self._numbers, **constants}, self.rotary)  # type: ignore[call-arg]
+
+    def to_dict(self) -> dict[str, Any]:
+        """The table ``[law]`` of a scenario (``[contacts.NAME.law]`` of a machine) that describes this law."""
+        table: dict[str, Any] = importlib.import_module("stribeck.laws").table(self)
+        return table
+
+    def _repr_html_(self) -> str:
+        """For notebooks: the equations and the constants."""
+        rows = importlib.import_module("stribeck.laws.render").equations(type(self), self.structure)
+        lines = "".join(f"<div style='margin-left:1.5em'><i>{escape(row.text)}</i></div>" for row in rows)
+        declared = {name: c.of_motion(self.rotary) for name, c in self.constants().items()}
+        cells = "".join(
+            f"<tr><td>{escape(name)}</td><td>{x if isinstance(x, str) else f'{x:g}'}</td>"
+            f"<td>{escape(declared[name].unit)}</td><td style='text-align:left'>{escape(declared[name].meaning)}</td></tr>"
+            for name, x in self._numbers.items()
+            if name in declared
+        )
+        return f"<b>{escape(self.name)}</b>{lines}<table>{cells}</table>"

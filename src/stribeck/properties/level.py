@@ -1,0 +1,347 @@
+"""What a law guarantees while its constants vary in any way within ranges: its level above all, F_c and F_s.
+
+docs/theory.md ("A level that varies") proves what is used here: that one law, the worst of all that occur, decides.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import islice
+from time import process_time
+from typing import Any
+
+from stribeck import laws
+from stribeck.constants import show
+from stribeck.errors import InputError, needed
+from stribeck.laws.base import Law
+from stribeck.laws.terms import m_0
+from stribeck.properties import bounded, endless, passive, replay, swings
+from stribeck.properties.certificate import Certificate
+from stribeck.properties.checked import SHARES, Checked
+from stribeck.properties.claims import NULL, Claims
+from stribeck.properties.model import SIGNS, Model, Unreadable
+from stribeck.properties.prover.search import Work
+from stribeck.properties.storage import own_speeds
+from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, proved, undecided
+from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
+
+_PROVED = (
+    "the power lost, F v - S' dz/dt, is nowhere negative at the worst of all levels (signs of polynomials), with the elastic "
+    "energy as storage S; it is least there (theory.md)"
+)
+_DAMPED = "sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 F_c at the lowest level: the power lost is nowhere negative, for every z"
+_BOUNDED = (
+    "wherever |z| >= Z, Z the highest level over sigma_0, dz/dt points inward or is 0, for every v and every level"
+)
+_SWING = (
+    "a cycle of held speeds and levels that returns z to its start and draws energy (enclosed by interval arithmetic)"
+)
+_DROPPED = (
+    "wound up at the highest level and unwound at the lowest: F v <= -c v^2 and |dz/dt| <= C |v| for z from z_start to z_end "
+    "and |v| >= u (signs over the whole range): the energy drawn grows like |v|, without limit"
+)
+_HELD = "at a level that is held: "
+_SAME = "at the lowest level and, by the same steps, at every level (theory.md): "
+_UNKNOWN = (
+    "which of its levels is the worst is known for the laws of this package only; no run that draws energy was found"
+)
+_ENDLESS = Fraction(3)  # where a level has no upper end: how far beyond the threshold it is swung
+_TRIED = 4  # cycles, of those found
+_DROPS = (1e-2, 1e-4, 1e-6, 1e-9, 1e-12)
+
+
+@dataclass
+class LevelVerdicts(Verdicts):
+    """The verdicts on a law whose constants vary: each holds for every history within the ranges.
+
+    Attributes:
+        varied: the law and the ranges.
+        proofs: for each proof, the law that it was made for, which stands for all.
+    """
+
+    varied: Varied = field(kw_only=True)
+    proofs: dict[str, Law] = field(default_factory=dict, kw_only=True)
+
+    @property
+    def level(self) -> dict[str, list[float | None]]:
+        """The constants that vary, and between which ends."""
+        return self.varied.to_json()
+
+    def verify(self) -> bool:
+        """Check every proof by the independent checker, and replay every counterexample; True where all agree."""
+        from stribeck.properties.verify_certificate import verify
+
+        for name, verdict in self.properties.items():
+            if not verdict.holds:
+                verdict.verify(self.law, name, self.v_max)
+                continue
+            stated = verdict.certificate or {}
+            covers = stated.get("level") == self.varied.exactly()
+            if stated.get("theorem") == "damped":
+                verdict.verified = covers and damped(self.varied)
+            else:
+                verdict.verified = covers and not verify(stated, self.proofs[name], name, self.v_max)
+        return all(verdict.verified is not False for verdict in self.properties.values())
+
+    def to_json(self) -> dict[str, Any]:
+        """As for a law, with the ranges under ``level``."""
+        return {**super().to_json(), "level": self.level}
+
+
+def check_level(law: Law, low: float, high: float, v_max: float | None, work: float) -> Verdicts:
+    """The verdicts on a law whose level, F_c and F_s together, varies in any way between ``low`` and ``high`` times.
+
+    Raises:
+        InputError: the bounds are no level, or the law has none.
+    """
+    if not (0 < low <= high < float("inf")):
+        raise InputError(f"level: {show([low, high])}: must be two numbers, 0 < LOW <= HIGH")
+    if "F_c" not in law.values:
+        raise InputError(f"level: {show([low, high])}: law '{law.name}' has no F_c, and so no level that could vary")
+    varied = Varied.by_level(law, low, high)
+    try:
+        varied.extreme(-1), varied.extreme(1)
+    except InputError as error:
+        raise InputError([f"level: {show([low, high])}: law '{law.name}': {text}" for text in error.problems]) from None
+    return check_varied(varied, v_max, work)
+
+
+def check_varied(varied: Varied, v_max: float | None, work: float) -> LevelVerdicts:
+    """The verdicts that hold for every history within the ranges."""
+    started = process_time()
+    found = LevelVerdicts(varied.law, {}, v_max, varied=varied)
+    if not varied.law.has_z:
+        reason = f"law '{varied.law.name}' has no internal state z, which the properties are about"
+        found.properties = {name: undecided(reason) for name in NAMES}
+        return found
+    with needed("a proof"):
+        importlib.import_module("flint")
+    of = _Decided(varied, v_max, work, found.proofs)
+    for name in NAMES:
+        try:
+            found.properties[name] = of.decided(name)
+        except (InputError, Unreadable, ArithmeticError) as error:
+            found.properties[name] = undecided(f"the law cannot be treated at every level: {error}")
+    found.seconds = process_time() - started
+    return found
+
+
+class _Decided:
+    """Decides each property once."""
+
+    def __init__(self, varied: Varied, v_max: float | None, work: float, proofs: dict[str, Law]) -> None:
+        self.varied, self.v_max, self.work, self.proofs = varied, v_max, work, proofs
+        kind = type(varied.law)
+        self.known = kind.name in BRISTLES and laws.builtin().get(kind.name) is kind
+        self._held: dict[tuple[int, str], Verdict] = {}
+
+    def decided(self, name: str) -> Verdict:
+        """The verdict on one property."""
+        own = {"bounded": self.bounded, "passive": self.passive}
+        return own[name]() if name in own else self.same(name)
+
+    def held(self, side: int, name: str) -> Verdict:
+        """The verdict at one end of the level, held for ever."""
+        if (side, name) not in self._held:
+            self._held[side, name] = getattr(
+                Checked(self.varied.extreme(side, _ENDLESS), self.v_max, self.work), name
+            )()
+        return self._held[side, name]
+
+    def _with_level(self, name: str, verdict: Verdict, law: Law) -> Verdict:
+        assert verdict.certificate is not None
+        verdict.certificate = {**verdict.certificate, "level": self.varied.exactly()}
+        self.proofs[name] = law
+        return verdict
+
+    def same(self, name: str) -> Verdict:
+        """Unique, smooth, drift_free: what holds at the lowest level holds at all, for the laws of this package."""
+        found = self.held(-1, name)
+        if found.holds:
+            if not self.known:
+                return undecided(f"it holds at the lowest level; {_UNKNOWN.partition(';')[0]}")
+            found.method = _SAME + found.method
+            return self._with_level(name, found, self.varied.extreme(-1))
+        found.method = found.method if found.holds is None else _HELD + found.method
+        return found
+
+    def bounded(self) -> Verdict:
+        """|z| <= the highest level over sigma_0."""
+        law = self.varied.highest() if self.known else None
+        if law is None:
+            held = self.held(-1, "bounded")
+            if held.holds is False:
+                held.method = _HELD + held.method
+                return held
+            return undecided(
+                "the level has no upper end, and z no bound that holds at all of them" if self.known else _UNKNOWN
+            )
+        model = Model(law)
+        certificate = bounded.prove(model, Claims(model, Work(SHARES["bounded"] * self.work)))
+        if certificate is None:
+            return undecided("no proof was found at the highest level")
+        return self._with_level("bounded", proved(model, certificate, _BOUNDED, {"Z": float(model.bound[1])}), law)
+
+    # -- passive -----------------------------------------------------------------------------------------------------
+
+    def passive(self) -> Verdict:
+        """No history of speed and level draws energy."""
+        found = self._passive()
+        if self.known and "sigma_1" in self.varied.law.values:
+            found.evidence |= thresholds(self.varied)
+        found.evidence["v_max"] = self.v_max
+        return found
+
+    def _passive(self) -> Verdict:
+        for any_z in (False, True):
+            law = self.varied.worst(any_z)
+            if law is not None and (found := self._proved(law, any_z)) is not None:
+                return self._with_level("passive", found, law)
+        if self.known and self.v_max is None and damped(self.varied):
+            certificate = {"format": 1, "law": self.varied.law.name, "property": "passive", "theorem": "damped"}
+            found = Verdict(True, _DAMPED, self._theorem(True), certificate=certificate)
+            return self._with_level("passive", found, self.varied.law)
+        return self._refuted() or undecided(
+            _UNKNOWN if not self.known else "neither a proof nor a run that draws energy was found"
+        )
+
+    def _proved(self, law: Law, any_z: bool) -> Verdict | None:
+        model = Model(law, self.v_max)
+        claims = Claims(model, Work(0.5 * SHARES["passive"] * self.work))
+        within = None if any_z else bounded.prove(model, claims)
+        if within is None and not any_z:
+            return None
+        reach = model.bound[1] if within is not None else None
+        slope = next(passive.elastic_forces(model))
+        shown = claims.power(slope, (NULL, model.v_max), (NULL, reach), (*SIGNS, 0))
+        rising = claims.rising(slope, (NULL, reach))
+        if shown is None or rising is None:
+            return None
+        hypotheses = {"bounded": within} if within is not None else {}
+        certificate = Certificate("passive", "storage", [*shown, *rising], {"slope": slope}, hypotheses)
+        evidence = {"z_within": None if reach is None else float(reach), **self._theorem(any_z)}
+        return proved(model, certificate, _PROVED, evidence)
+
+    def _theorem(self, any_z: bool) -> dict[str, Any]:
+        """The theorem of proofs/Level.v that says the same for every set of constants."""
+        law, varying = self.varied.law, {n for n, (a, b) in self.varied.ranges.items() if a != b}
+        proved_there = ("lugre", "elastoplastic", *MAJORANT)
+        if law.name not in proved_there or law.values.get("delta") is not None or varying - {"F_c", "F_s"}:
+            return {}
+        if self.v_max is not None or any_z != (law.values.get("v_d") is not None):
+            return {}
+        form = law.choices.get("smooth_abs", "atan")
+        word = "" if form == "atan" else f"_{form}"
+        return {"coq": f"{law.name}{word}_level_passive{'_damped' if any_z else ''}"}
+
+    def _refuted(self) -> Verdict | None:
+        low, high = self.varied.extreme(-1), self.varied.extreme(1, self._most())
+        if self.varied.varies and (found := self._by_swing(low, high)) is not None:
+            return found
+        for side in (-1, 1):
+            held = self.held(side, "passive")
+            if held.holds is False:
+                held.method = _HELD + held.method
+                return held
+        return self._dropped(low, high) if self.known and self.v_max is None else None
+
+    def _by_swing(self, low: Law, high: Law) -> Verdict | None:
+        """A cycle that is certain to draw energy; one that a run confirms, where there is such a one among the best."""
+        found: list[Verdict] = []
+        for swing in islice(swings.find(low, high, self.v_max), _TRIED):
+            if (drawn := swing.drawn()) is not None:
+                found.append(_swung(self.varied.law, swing, drawn))
+                if found[-1].scenario is not None:
+                    return found[-1]
+        return found[0] if found else None
+
+    def _most(self) -> Fraction:
+        """How high a level without end is swung: beyond what the constants bear."""
+        p = {n: self.varied.range(n) for n in ("sigma_1", "sigma_2") if n in self.varied.law.values}
+        if not p or not p["sigma_1"][1]:
+            return _ENDLESS
+        return _ENDLESS * (1 + p["sigma_2"][0] / p["sigma_1"][1])
+
+    def _dropped(self, low: Law, high: Law) -> Verdict | None:
+        """At the lowest level, from the highest deflection, unwinding gives back the more energy the faster it is."""
+        model, top = Model(low), float(high.z_bound(high.p)) * (1 - 2**-52)
+        claims = Claims(model, Work(self.work))
+        for share in _DROPS:
+            found = endless.unwinding(model, claims, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
+            if found is not None:
+                found.method = _DROPPED
+                found.evidence["levels"] = [
+                    {n: x.p.__dict__[n] for n in ("F_c", "F_s") if n in x.values} for x in (high, low)
+                ]
+                return found
+        return None
+
+
+def _swung(nominal: Law, swing: swings.Swing, drawn: tuple[float, float]) -> Verdict:
+    evidence = {**swing.evidence(), "enclosed": {"energy_drawn_per_cycle": list(drawn)}}
+    found = Verdict(False, _SWING, evidence)
+    tables = swing.machine(nominal)
+    solution = replay.run(tables)
+    if solution is not None and solution.final["E_in"] < 0:
+        stated = {"E_in": solution.final["E_in"], "contact.z": solution.final["contact.z"]}
+        evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
+        found.scenario, found.stated = tables, stated
+    return found
+
+
+def damped(varied: Varied) -> bool:
+    """Whether sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 F_c at the worst that these may be, by arithmetic that encloses."""
+    from flint import arb, ctx
+
+    law = varied.law
+    if law.values.get("v_d") is None or law.name not in BRISTLES or law.name.endswith("sobczyk"):
+        return False
+    low, _ = varied.newtons
+    ends = {n: varied.range(n) for n in ("sigma_1", "v_d")}
+    if any(high is None for _, high in ends.values()):
+        return False
+    ctx.prec = max(ctx.prec, 128)
+
+    def ball(x: Fraction) -> Any:
+        return arb(x.numerator) / arb(x.denominator)
+
+    sigma_1, v_d = (ball(high) for _, high in ends.values() if high is not None)
+    above = arb(0)
+    if law.name in MAJORANT:
+        k_v = ball(varied.range("k_v")[0])
+        above = {"sqrt": 1 / k_v, "compact": 3 / (8 * k_v), "atan": 2 / (arb.pi() * k_v)}[law.choices["smooth_abs"]]
+    return bool(sigma_1 * (v_d / (2 * arb(1).exp()).sqrt() + above) <= 4 * ball(low))
+
+
+def thresholds(varied: Varied) -> dict[str, float | None]:
+    """What would make the contact passive at every level: the sigma_2 that this takes, or else the largest v_d; and how
+    far the level may rise above its lowest with the constants as they are."""
+    low, high = varied.newtons
+    sigma_1, sigma_2 = varied.range("sigma_1")[1], varied.range("sigma_2")[0]
+    found: dict[str, float | None] = {"largest_v_d": largest_v_d(varied)}
+    if sigma_1 is None or not sigma_1:
+        return {**found, "sigma_2_needed": 0.0 if sigma_1 == 0 else None}
+    found["sigma_2_needed"] = None if high is None else float(sigma_1 * (high - low) / low)
+    found["largest_F_s"] = float(low * (1 + sigma_2 / sigma_1))
+    return found
+
+
+def largest_v_d(varied: Varied) -> float | None:
+    """The largest v_d with which the contact is passive whatever its level does, by the formula of theory.md, m/s; None
+    where there is none: sigma_1 m(0) is too large (a larger k_v helps), or sigma_1 is 0."""
+    from math import e
+
+    law, (low, _), sigma_1 = varied.law, varied.newtons, varied.range("sigma_1")[1]
+    if not sigma_1 or law.name not in BRISTLES or law.name.endswith("sobczyk"):
+        return None
+    excess = float(m_0(law.p)) if law.name in MAJORANT else 0.0
+    found = (2 * e) ** 0.5 * (4 * float(low) / float(sigma_1) - excess)
+    return found * (1 - 1e-15) if found > 0 else None
+
+
+def exactly(ranges: Mapping[str, tuple[float, float | None]]) -> dict[str, tuple[Fraction, Fraction | None]]:
+    """Ranges of floats as they are."""
+    return {n: (Fraction(a), None if b is None or b == float("inf") else Fraction(b)) for n, (a, b) in ranges.items()}

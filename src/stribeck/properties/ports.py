@@ -1,0 +1,213 @@
+"""What the contacts of a machine guarantee, and what follows for the machine: the storage of the whole is the sum."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from time import process_time
+from typing import Any
+
+from stribeck.constants import Constant, show
+from stribeck.drives import KINDS as DRIVES
+from stribeck.errors import InputError, nearest
+from stribeck.expressions.graph import wrap
+from stribeck.laws.base import Law
+from stribeck.machine.links import Link
+from stribeck.machine.loads import Pendulum
+from stribeck.properties import WORK, check
+from stribeck.properties.claims import NULL
+from stribeck.properties.level import check_varied
+from stribeck.properties.model import SIGNS, Model
+from stribeck.properties.prover.search import Work
+from stribeck.properties.ranges import of_contact
+from stribeck.properties.verdicts import Verdict, Verdicts, undecided
+from stribeck.properties.worst import Varied
+from stribeck.scenario import Scenario
+
+ONLY = "contact"  # the name of the contact of a single body
+_WORK = 400
+_STATIC = "F v >= 0 for every v, at the ends of its constants' ranges and so within them (F is affine in F_c and F_s)"
+_SUM = (
+    "the sum of the kinetic energies and of what contacts, links and pendulums store rises by no more than what loads, "
+    "motors, controllers and driven ends supply (theory.md; Coq: machine_passive)"
+)
+
+
+@dataclass
+class MachineVerdicts:
+    """What a check of a machine found.
+
+    Attributes:
+        name: the machine's.
+        contacts: the verdicts on each contact's law, for all that the file lets its constants do.
+        ranges: of each contact, the constants that vary and the ends between which they do (None: without end).
+        passive: whether the machine is proved passive from its ports to the velocities there (True), refuted (False), or
+            neither (None).
+        why: in words.
+        spoiled_by: the contacts that are not passive. undecided: contacts and elements of which it is not known.
+        ports: where energy is supplied: loads, motors, controllers, bodies and ends that are moved.
+        seconds: CPU time.
+    """
+
+    name: str
+    contacts: dict[str, Verdicts]
+    ranges: dict[str, dict[str, list[float | None]]]
+    passive: bool | None = None
+    why: str = ""
+    spoiled_by: list[str] = field(default_factory=list)
+    undecided: list[str] = field(default_factory=list)
+    ports: dict[str, str] = field(default_factory=dict)
+    seconds: float = 0.0
+
+    def __getitem__(self, name: str) -> Verdicts:
+        return self.contacts[name]
+
+    def verify(self) -> bool:
+        """Check every proof and replay every counterexample; True where all agree."""
+        found = [verdicts.verify() for verdicts in self.contacts.values()]  # every one, also after one that fails
+        return all(found)
+
+    def certificates(self) -> dict[str, Any]:
+        """The certificates of all contacts, as plain data."""
+        return {"contacts": {name: verdicts.certificates() for name, verdicts in self.contacts.items()}}
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data."""
+        machine = {
+            "passive": self.passive, "why": self.why, "spoiled_by": self.spoiled_by, "undecided": self.undecided,
+            "ports": self.ports,
+        }  # fmt: skip
+        contacts = {
+            name: {**verdicts.to_json(), "ranges": self.ranges[name]} for name, verdicts in self.contacts.items()
+        }
+        return {"scenario": self.name, "contacts": contacts, "machine": machine}
+
+
+def check_machine(
+    scenario: Scenario | str | Any,
+    v_max: float | None = None,
+    forces: Mapping[str, float] | None = None,
+    work: float = WORK,
+) -> MachineVerdicts:
+    """Each contact of a machine, for every history of its constants that the file allows, and what follows for the whole.
+
+    The constants' ranges are bounds over the whole run of the factors' signals, over all positions of the factors' waves,
+    and over whatever the loads do; the force of a link or of a motor has no bound unless ``forces`` states one.
+
+    Args:
+        scenario: a :class:`Scenario`, its file or its tables; a law on a single body is a machine of one contact.
+        v_max: passivity is asked for \\|w\\| <= v_max at the contacts.
+        forces: by name of a link, load or motor: its force stays within +- so much, N or N m. The caller vouches for it.
+        work: as for :func:`stribeck.check`, for each contact.
+
+    Raises:
+        InputError: no valid scenario, or no such force.
+    """
+    started = process_time()
+    scenario = Scenario.of(scenario)
+    stated = dict(forces or {})
+    _refuse(scenario, stated)
+    if scenario.rig is None:
+        found = _single(scenario, v_max, work)
+    else:
+        found = MachineVerdicts(scenario.name, {}, {})
+        for contact in scenario.rig.machine.contacts:
+            varied = of_contact(scenario.rig, contact, scenario.end, stated)
+            found.ranges[contact.name] = varied.to_json()
+            found.contacts[contact.name] = _of_law(varied, v_max, work)
+        _whole(scenario, found)
+    found.seconds = process_time() - started
+    return found
+
+
+def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
+    machine = scenario.rig.machine if scenario.rig is not None else None
+    known: list[str] = []
+    if machine is not None:
+        known = [name for parts in (machine.links, machine.loads, machine.motors) for name in _names(parts)]
+    problems = []
+    for name, size in stated.items():
+        if name not in known:
+            has = nearest(name, known) or f" (it has {', '.join(known) or 'none'})"
+            problems.append(f"forces: {name!r}: {scenario.name} has no such link, load or motor{has}")
+        elif text := Constant("N", "", at_least=0).problem(size):
+            problems.append(f"forces.{name}: {show(size)}: {text}")
+    if problems:
+        raise InputError(problems)
+
+
+def _names(parts: Any) -> list[str]:
+    return [part.name for part in parts]
+
+
+def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
+    law = varied.law
+    if not law.has_z:
+        found = check_varied(varied, v_max, work)
+        found.properties["passive"] = static_passive(varied)
+        return found
+    return check_varied(varied, v_max, work) if varied.varies else check(law, v_max, work)
+
+
+def static_passive(varied: Varied) -> Verdict:
+    """A law without z is passive where F v >= 0: shown at the ends of the ranges, by the signs of polynomials."""
+    law, reason = varied.law, "no proof that F v >= 0 was found"
+    ends = {n: r for n, r in varied.ranges.items() if r[0] != r[1]}
+    if set(ends) - {"F_c", "F_s"} or any(high is None for _, high in ends.values()):
+        return undecided("the law has no z, and its constants vary beyond what is treated")
+    sides: list[dict[str, int]] = [{}]
+    for name in ends:
+        sides = [{**done, name: side} for done in sides for side in (-1, 1)]
+    for each in sides:
+        made = varied.at(each) if each else law
+        cls = type(f"_{law.name}", (type(made),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
+        model = Model(cls({**made.machine, **made.values, **made.choices}, made.rotary))
+        work = Work(_WORK)
+        for s in SIGNS:
+            power = model.form_of(model.power_force, s, 1) * s
+            if model.prover.show(power, ">=0", {"u": (NULL, None)}, work) is None:
+                return undecided(reason)
+    return Verdict(True, _STATIC, {})
+
+
+def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerdicts:
+    """A law on a single body, or on the piston of a servo."""
+    law: Law = scenario.law
+    drive = f"{scenario.drive.kind}: {scenario.drive.meaning}"
+    found = MachineVerdicts(scenario.name, {ONLY: _of_law(Varied(law, {}), v_max, work)}, {ONLY: {}})
+    found.ports = {"drive": drive}
+    _judge(found, alone=scenario.servo is None and scenario.drive.kind in DRIVES)
+    return found
+
+
+def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
+    rig = scenario.rig
+    assert rig is not None
+    machine = rig.machine
+    found.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.driven is not None}
+    found.ports |= {x.path: "its far end is moved" for x in machine.links if not isinstance(x.span.start, str)}
+    found.ports |= {x.path: f"a force on {x.on} ({x.kind.kind})" for x in machine.loads if x.kind is not Pendulum}
+    found.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}
+    found.ports |= {x.path: f"a controller on {x.on}: active" for x in machine.controllers}
+    found.undecided += [x.path for x in machine.links if x.kind is not Link]
+    bodies = {(c.span.start, c.span.end) for c in machine.contacts}
+    alone = len(machine.bodies) == 1 and len(machine.contacts) == 1 == len(bodies) and not machine.links
+    _judge(found, alone and not found.ranges[machine.contacts[0].name])
+
+
+def _judge(found: MachineVerdicts, alone: bool) -> None:
+    """What follows for the whole; a machine of nothing but one contact at a constant level is what the contact is."""
+    passive = {name: verdicts["passive"].holds for name, verdicts in found.contacts.items()}
+    found.spoiled_by = [name for name, holds in passive.items() if holds is False]
+    found.undecided = [*(name for name, holds in passive.items() if holds is None), *found.undecided]
+    if not found.spoiled_by and not found.undecided:
+        limits = [v.v_max for v in found.contacts.values() if v.v_max is not None]
+        within = f", while |w| <= {min(limits):g} at every contact" if limits else ""
+        found.passive, found.why = True, _SUM + within
+    elif found.spoiled_by:
+        names = ", ".join(found.spoiled_by)
+        found.passive = False if alone else None
+        found.why = f"{names}: not passive: energy can be drawn from it"
+        found.why += "" if alone else "; whether other elements of this machine lose more than that is not known"
+    else:
+        found.why = f"not known of {', '.join(found.undecided)}"

@@ -1,0 +1,87 @@
+"""Regions of u = |v| and w = |z|, in these or in polar coordinates."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from math import nextafter
+
+from stribeck.expressions.ranges import INF, Range
+
+_FAR = Fraction(10) ** 300
+End = Fraction | None  # None: no end
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A coordinate and its range."""
+
+    name: str
+    low: Fraction
+    high: End
+
+
+@dataclass(frozen=True)
+class Region:
+    """A part of the domain. ``axes`` are some of u and w, or (w, p) with u = p w, or (u, q) with w = q u.
+
+    Attributes:
+        limits: the ranges of u and w that the claim is about.
+        closed: u = 0 and w = 0 belong to it, where a range begins with 0.
+    """
+
+    axes: tuple[Axis, ...]
+    limits: tuple[Axis, ...]
+    closed: bool = False
+
+    def axis(self, name: str) -> Axis | None:
+        """The axis of that name."""
+        return next((a for a in self.axes if a.name == name), None)
+
+    def split(self, name: str, at: Fraction) -> tuple[Region, Region]:
+        """Below and above ``at``."""
+        parts = []
+        for low in (True, False):
+            cut = [a if a.name != name else Axis(name, a.low, at) if low else Axis(name, at, a.high) for a in self.axes]
+            parts.append(Region(tuple(cut), self.limits, self.closed))
+        return parts[0], parts[1]
+
+    def with_axes(self, *axes: Axis) -> Region:
+        """The same claim in other coordinates."""
+        return Region(axes, self.limits, self.closed)
+
+    def bounds(self) -> dict[str, Range]:
+        """The ranges of u and w, as floats rounded outward."""
+        found: dict[str, Range] = {}
+        for axis in self.axes:
+            found[axis.name] = floats(axis)
+        for share, of, by in (("p", "u", "w"), ("q", "w", "u")):
+            if share in found:
+                a, b = found.pop(share), found[by]
+                low, high = down(Fraction(a[0]) * Fraction(b[0])), INF
+                if a[1] < INF and b[1] < INF:
+                    high = up(Fraction(a[1]) * Fraction(b[1]))
+                found[of] = (low, high)
+        for axis in self.limits:
+            least, most = floats(axis)
+            if axis.name in found:
+                a = found[axis.name]
+                found[axis.name] = (max(a[0], least), max(min(a[1], most), max(a[0], least)))
+        return found
+
+
+def down(x: Fraction) -> float:
+    """A float that is not above x."""
+    f = float(x) if abs(x) < _FAR else (1e300 if x > 0 else -INF)
+    return f if Fraction(f) <= x else nextafter(f, -INF)
+
+
+def up(x: Fraction) -> float:
+    """A float that is not below x."""
+    f = float(x) if abs(x) < _FAR else (INF if x > 0 else -1e300)
+    return f if f == INF or Fraction(f) >= x else nextafter(f, INF)
+
+
+def floats(axis: Axis) -> Range:
+    """The axis' range as floats, rounded outward."""
+    return down(axis.low), INF if axis.high is None else up(axis.high)

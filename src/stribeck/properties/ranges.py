@@ -1,0 +1,167 @@
+"""What a machine file allows a contact's constants to be: signals over the whole run, positions and speeds without limit."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from math import comb
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.machine.links import Link
+from stribeck.machine.loads import Follower, Pendulum, Ripple
+from stribeck.machine.parts import ContactPart, Factor, Level, MotorPart
+from stribeck.properties.worst import Range, Varied
+from stribeck.scenario.machine import Rig
+from stribeck.signals import Curve, Points, Signal, Sine
+
+Ends = tuple[Fraction | None, Fraction | None]  # None: without end
+_SLACK = Fraction(1, 2**49)  # of a piece's size: more than its rounding
+_ONE: Range = (Fraction(1), Fraction(1))
+OPEN: Ends = (None, None)
+
+
+def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
+    """Bounds of a signal on [0, t_end]: exact for straight pieces and sines (a whole wave), Bernstein's for curves."""
+    if isinstance(signal, Sine):
+        middle, size = (Fraction(signal.values[n]) for n in ("offset", "amplitude"))
+        return middle - abs(size), middle + abs(size)
+    if isinstance(signal, Curve):
+        found = [_of_curve(piece, end) for piece, end in _curve_pieces(signal, t_end)]
+        return min(low for low, _ in found), max(high for _, high in found)
+    if isinstance(signal, Points):
+        return _of_points(np.asarray(signal.t, float), np.asarray(signal.value, float), t_end)
+    s = signal.segments
+    first = max(int(np.searchsorted(s.start, 0.0, side="right")) - 1, 0)
+    last = max(int(np.searchsorted(s.start, t_end, side="right")), first + 1)
+    start, value, slope = (x[first:last] for x in (s.start, s.value, s.slope))
+    begin, end = np.maximum(start, 0.0), np.append(start[1:], max(t_end, float(start[-1])))
+    ends = np.concatenate([value + slope * (begin - start), value + slope * (end - start)])
+    slack = _SLACK * Fraction(float(np.max(abs(value)) + np.max(abs(slope * (end - start)))))
+    if not slope.any():
+        slack = Fraction(0)
+    return Fraction(float(ends.min())) - slack, Fraction(float(ends.max())) + slack
+
+
+def _of_points(t: NDArray[np.float64], value: NDArray[np.float64], t_end: float) -> tuple[Fraction, Fraction]:
+    """The least and the largest of the points within the run, and of those lines that its ends cut."""
+    inside = value[(t >= 0) & (t <= t_end)]
+    found = [Fraction(float(x)) for x in (inside.min(), inside.max())] if inside.size else []
+    for cut in (0.0, t_end):
+        i = int(np.searchsorted(t, cut, side="right"))
+        if 0 < i < len(t):
+            a, b = (Fraction(float(x)) for x in (value[i - 1], value[i]))
+            share = (Fraction(cut) - Fraction(float(t[i - 1]))) / (Fraction(float(t[i])) - Fraction(float(t[i - 1])))
+            found.append(a + share * (b - a))
+        else:
+            found.append(Fraction(float(value[min(max(i - 1, 0), len(t) - 1)])))
+    return min(found), max(found)
+
+
+def _curve_pieces(signal: Curve, t_end: float) -> list[tuple[Mapping[str, float], float]]:
+    pieces = [(values, start) for start, values in signal.pieces if start <= t_end]
+    ends = [*(start for _, start in pieces[1:]), t_end]
+    return [(values, end) for (values, _), end in zip(pieces, ends, strict=True)]
+
+
+def _of_curve(values: Mapping[str, float], end: float) -> tuple[Fraction, Fraction]:
+    """The hull of the Bernstein coefficients of one polynomial of order seven from its start to ``end``."""
+    length = max(Fraction(end) - Fraction(values["start"]), Fraction(0))
+    power = [Fraction(values[f"c{n}"]) * length**n for n in range(8)]
+    found = [sum((Fraction(comb(i, n), comb(7, n)) * power[n] for n in range(i + 1)), Fraction(0)) for i in range(8)]
+    return min(found), max(found)
+
+
+def of_force(rig: Rig, name: str, t_end: float, stated: Mapping[str, float]) -> Ends:
+    """Bounds of the force of a link, load or motor, whatever the motion; ``stated`` holds what the user vouches for."""
+    if name in stated:
+        return -Fraction(stated[name]), Fraction(stated[name])
+    machine, values = rig.machine, rig.values
+    for load in machine.loads:
+        if load.name == name:
+            if load.kind is Follower and load.signal is not None:
+                return of_signal(rig.signals[load.signal], t_end)
+            if load.kind not in (Pendulum, Ripple):
+                return OPEN
+            given = [x for (path, n), x in values.items() if path == load.path and n.startswith("amplitude")]
+            size = sum((abs(Fraction(x)) for x in given), Fraction(0))
+            return -size, size
+    for link in machine.links:
+        if link.name == name:
+            still = link.kind is Link and not values[link.path, "stiffness"] and not values.get((link.path, "damping"))
+            return (Fraction(0), Fraction(0)) if still else OPEN
+    for motor in machine.motors:
+        if motor.name == name:
+            return _of_motor(rig, motor)
+    return OPEN
+
+
+def _of_motor(rig: Rig, motor: MotorPart) -> Ends:
+    """A motor whose current follows, with no limit of the voltage: its torque is within the controller's limit."""
+    for each in rig.machine.controllers:
+        if each.on == motor.name and "limit" in each.form and "voltage" not in motor.form:
+            limit = Fraction(rig.values[each.path, "limit"])
+            return -limit, limit
+    return OPEN
+
+
+def _size(ends: Ends) -> Range:
+    """Bounds of |f|."""
+    low, high = ends
+    least = Fraction(0)
+    if low is not None and low > 0:
+        least = low
+    elif high is not None and high < 0:
+        least = -high
+    return least, None if low is None or high is None else max(abs(low), abs(high))
+
+
+def _weighted(rig: Rig, level: Level, t_end: float, stated: Mapping[str, float]) -> Ends:
+    low: Fraction | None = Fraction(0)
+    high: Fraction | None = Fraction(0)
+    for source in level.sources:
+        weight = Fraction(rig.values[level.path, f"weight_{source}"]) if level.weighted else Fraction(1)
+        a, b = of_force(rig, source, t_end, stated) if weight else (Fraction(0), Fraction(0))
+        a, b = (a, b) if weight > 0 else (b, a)
+        low = None if low is None or a is None else low + weight * a
+        high = None if high is None or b is None else high + weight * b
+    return low, high
+
+
+def _factor(rig: Rig, factor: Factor, t_end: float) -> tuple[Fraction, Fraction]:
+    if factor.signal is not None:
+        return of_signal(rig.signals[factor.signal], t_end)
+    size = sum((abs(Fraction(rig.values[factor.path, f"amplitude_{i}"])) for i in range(factor.waves)), Fraction(0))
+    return 1 - size, 1 + size
+
+
+def _times(a: Range, b: Range) -> Range:
+    return a[0] * b[0], None if a[1] is None or b[1] is None else a[1] * b[1]
+
+
+def of_contact(rig: Rig, contact: ContactPart, t_end: float, stated: Mapping[str, float]) -> Varied:
+    """The contact's law with the ranges that factors and loads give its constants."""
+    law = rig.laws[contact.law_path]
+    factors = {factor.of: _factor(rig, factor, t_end) for factor in contact.factors}
+    found: dict[str, Range] = {}
+    for name, value in law.values.items():
+        if value is None:
+            continue
+        now = _times((Fraction(value), Fraction(value)), factors.get(name, _ONE))
+        if name in ("F_c", "F_s"):
+            now = _times(_raised(rig, contact.levels, name, now, t_end, stated), factors.get("level", _ONE))
+        if name in factors or now[0] != value or now[1] != value:
+            found[name] = now
+    return Varied(law, found)
+
+
+def _raised(
+    rig: Rig, levels: Sequence[Level], name: str, now: Range, t_end: float, stated: Mapping[str, float]
+) -> Range:
+    for level in levels:
+        gain = Fraction(rig.values[level.path, name]) if name in level.gains else Fraction(0)
+        if gain:
+            least, most = _size(_weighted(rig, level, t_end, stated))
+            now = now[0] + gain * least, None if now[1] is None or most is None else now[1] + gain * most
+    return now

@@ -1,0 +1,137 @@
+"""Energy drawn while the level swings: cycles of held speeds and levels, as machines that ``run`` replays."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.laws.base import Law
+from stribeck.properties import cycles, enclosed, replay
+from stribeck.properties.model import Model
+from stribeck.properties.storage import Storage, own_speeds
+
+Array = NDArray[np.float64]
+
+_REPEATS = 100  # cycles in a run, at most: so many until more is drawn than winding up cost
+_SPEEDS = 70
+_NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: how far below it a cycle may turn
+
+
+@dataclass(frozen=True)
+class Swing:
+    """z rises under one law, at a held speed, from ``low`` to ``high`` and falls under another back to ``low``.
+
+    Attributes:
+        rising, falling: the laws: the same with other constants.
+        v_up, v_down: the held speeds, m/s.
+        low, high: where z turns, m.
+    """
+
+    rising: Law
+    falling: Law
+    v_up: float
+    v_down: float
+    low: float
+    high: float
+
+    def pieces(self) -> list[tuple[Law, float, float, float]]:
+        """(law, speed, from, to): the winding up from z = 0, and one cycle."""
+        start = [(self.rising, self.v_up, 0.0, self.low)] if self.low > 0 else []
+        return [*start, (self.rising, self.v_up, self.low, self.high), (self.falling, self.v_down, self.high, self.low)]
+
+    def drawn(self) -> tuple[float, float] | None:
+        """Bounds of the energy that one cycle draws, J, by interval arithmetic; None where these do not confirm it."""
+        models = [(Model(law), v, a, b) for law, v, a, b in self.pieces()[-2:]]
+        for panels in (64, 1024, 16384):
+            parts = [x for model, v, a, b in models if (x := enclosed.energy(model, v, a, b, panels)) is not None]
+            if len(parts) < len(models):
+                continue
+            low, high = (sum(part[i] for part in parts) for i in (0, 1))
+            slack = 1e-12 * sum(abs(x) for part in parts for x in part)
+            if high + slack < 0:
+                return -(high + slack), -(low - slack)
+        return None
+
+    def evidence(self) -> dict[str, Any]:
+        """Numbers for people."""
+        rows = []
+        for law, v, a, b in self.pieces():
+            time, energy = cycles.integrate(law, v, a, b)
+            level: dict[str, float] = {n: law.p.__dict__[n] for n in ("F_c", "F_s") if n in law.values}
+            rows.append({"v": v, **level, "duration": time, "z_end": b, "energy_in": energy})
+        up, down = rows[-2:]
+        drawn = -(up["energy_in"] + down["energy_in"])
+        return {"energy_drawn_per_cycle": drawn, "time_per_cycle": up["duration"] + down["duration"], "programme": rows}
+
+    def machine(self, nominal: Law) -> dict[str, Any] | None:
+        """A machine file: a belt whose velocity is given, and a contact whose level is. E_in falls with every cycle, and
+        is below 0 at the end; None for a law that no file holds."""
+        table = replay.law_table(nominal)
+        if table is None:
+            return None
+        rows = self.evidence()["programme"]
+        start, (up, down) = rows[:-2], rows[-2:]
+        cost, drawn = sum(row["energy_in"] for row in start), -(up["energy_in"] + down["energy_in"])
+        repeats = min(max(1, math.ceil(1.2 * cost / drawn + 1)), _REPEATS)
+        laws = [law for law, *_ in self.pieces()]
+        order = [*range(len(start)), *list(range(len(start), len(rows))) * repeats]
+        held = [(laws[i], rows[i]["v"], rows[i]["duration"]) for i in order]
+        if not all(duration > 0 for *_, duration in held):
+            return None
+        ends = np.cumsum([duration for *_, duration in held]).tolist()
+        factors = {
+            name: {"signal": _steps(ends, [law.p.__dict__[name] / nominal.p.__dict__[name] for law, *_ in held])}
+            for name in nominal.values
+            if nominal.values[name] and any(law.p.__dict__[name] != nominal.p.__dict__[name] for law, *_ in held)
+        }
+        contact = {"from": "belt", "law": table, "factors": factors}
+        return {
+            "schema": 2, "name": "energy_drawn",
+            "bodies": {"belt": {"velocity": {"signal": _steps(ends, [v for _, v, _ in held])}}},
+            "contacts": {"contact": contact},
+            "solve": {"t_end": ends[-1], "rtol": 1e-11, "max_steps": 1_000_000},
+            "output": {"step": ends[-1] / replay.ROWS, "energy": True},
+        }  # fmt: skip
+
+
+def _steps(ends: list[float], values: list[float]) -> dict[str, Any]:
+    """Points of a signal that holds each value until its end."""
+    t: list[float] = []
+    value: list[float] = []
+    now = 0.0
+    for end, x in zip(ends, values, strict=True):
+        t += [now, end]
+        value += [x, x]
+        now = end
+    return {"kind": "points", "t": t, "value": value}
+
+
+def find(low: Law, high: Law, v_max: float | None = None) -> Iterator[Swing]:
+    """Cycles between two levels that draw energy, the most convincing first."""
+    stores = [Storage(law, v_max, float(law.z_bound(law.p))) for law in (high, low)]
+    top = max(store.largest for store in stores)
+    found = []
+    for rising in stores:
+        for falling in stores:
+            reach = min(rising.largest, top) * (1 - 1e-9)
+            speeds = _speeds(rising.law, falling.law, v_max)
+            for share in _NEAR:
+                z = np.linspace(reach * (1 - share), reach, 81)
+                best = cycles.best(rising, falling, speeds, speeds, z)
+                if best is not None:
+                    found.append((best[0], Swing(rising.law, falling.law, *best[1:])))
+    for _, swing in sorted(found, key=lambda x: x[0]):
+        yield swing
+
+
+def _speeds(a: Law, b: Law, v_max: float | None) -> Array:
+    own = sorted(own_speeds(a) + own_speeds(b))
+    top = v_max if v_max is not None else own[-1] * 1e10
+    u = np.geomspace(min(own[0] * 1e-3, top * 1e-3), top, _SPEEDS)
+    u[-1] = top
+    return np.concatenate([-u[::-1], u])

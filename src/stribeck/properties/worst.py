@@ -1,0 +1,174 @@
+"""Laws that stand for a contact whose constants vary: at the worst of what they may be, so that a proof about them holds
+for every history (docs/theory.md, "A level that varies")."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from stribeck import laws
+from stribeck.errors import InputError
+from stribeck.expressions.ops import Value
+from stribeck.laws.base import BristleLaw, Claims, Law
+from stribeck.laws.terms import K_V, SMOOTH_ABS, m
+
+Range = tuple[Fraction, Fraction | None]  # None: without end
+EXACT, MAJORANT = ("lugre", "elastoplastic", "lugre_arctan"), ("lugre_majorant", "elastoplastic_majorant")
+DAHL = "dahl"
+BRISTLES = (*EXACT, *MAJORANT, DAHL, "lugre_sobczyk", "elastoplastic_sobczyk")
+_SMALLEST = ("sigma_2", "k_v", "F_c")  # the worst of these is the smallest, of the others the largest
+
+
+class WorstLevel(BristleLaw):
+    """g is F_c/sigma_0, the smallest that it may be, at every speed; z is within F_s/sigma_0, the largest."""
+
+    name = "worst_level"
+    source = "Stribeck, docs/theory.md, A level that varies"
+    claims = Claims(unique=True, bounded=True)
+    delta = None
+
+    @staticmethod
+    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        """With the smallest g."""
+        return v - abs(v) * p.sigma_0 / p.F_c * z
+
+
+class WorstLevelMajorant(BristleLaw):
+    """The same with a smooth majorant of |v|."""
+
+    name = "worst_level_majorant"
+    source = WorstLevel.source
+    claims = WorstLevel.claims
+    delta = None
+    k_v = K_V
+    smooth_abs = SMOOTH_ABS
+
+    @staticmethod
+    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        """With the smallest g."""
+        return v - m(p, v) * p.sigma_0 / p.F_c * z
+
+
+@dataclass(frozen=True)
+class Varied:
+    """A law whose constants vary in any way within ranges; what has no range stays as it is.
+
+    Attributes:
+        law: with its nominal constants.
+        ranges: of constants, by name, exactly.
+    """
+
+    law: Law
+    ranges: Mapping[str, Range]
+
+    @classmethod
+    def by_level(cls, law: Law, low: float, high: float) -> Varied:
+        """F_c and F_s together, between ``low`` and ``high`` times their values."""
+        ends = Fraction(low), Fraction(high)
+        names = [n for n in ("F_c", "F_s") if law.values.get(n) is not None]
+        return cls(
+            law, {n: (ends[0] * Fraction(law.p.__dict__[n]), ends[1] * Fraction(law.p.__dict__[n])) for n in names}
+        )
+
+    @property
+    def varies(self) -> bool:
+        """Whether anything does."""
+        return any(low != high for low, high in self.ranges.values())
+
+    def range(self, name: str) -> Range:
+        """Where a constant is at all times."""
+        if name in self.ranges:
+            return self.ranges[name]
+        value = Fraction(self.law.p.__dict__[name])
+        return value, value
+
+    @property
+    def newtons(self) -> Range:
+        """Where sigma_0 g is, for every speed and at all times: between the smallest and the largest of F_c and F_s."""
+        names = [n for n in ("F_c", "F_s") if self.law.values.get(n) is not None]
+        lows, highs = zip(*(self.range(n) for n in names), strict=True)
+        return min(lows), None if None in highs else max(highs)
+
+    def at(self, ends: Mapping[str, int], most: Fraction | None = None) -> Law:
+        """The law with some constants at the low (-1) or the high (1) end of their ranges; an end that is open is
+        ``most`` times the nominal value.
+
+        Raises:
+            InputError: the law does not allow these constants.
+        """
+        moved = {}
+        for name, side in ends.items():
+            low, high = self.range(name)
+            end = low if side < 0 else high
+            if end is None:
+                end = (most or 1) * Fraction(self.law.p.__dict__[name])
+            moved[name] = float(end) if low == high else up(end) if side < 0 else down(end)
+        return type(self.law)({**self.law.machine, **self.law.values, **self.law.choices, **moved}, self.law.rotary)
+
+    def extreme(self, side: int, most: Fraction | None = None) -> Law:
+        """The law at the low (-1) or high (1) end of its level, with the other constants as energy is drawn most easily."""
+        ends = {n: side if n in ("F_c", "F_s") else -1 if n in _SMALLEST else 1 for n in self.ranges}
+        return self.at(ends, most)
+
+    def worst(self, any_z: bool = False) -> Law | None:
+        """The law that stands for the worst of all levels, its constants rounded to the safe side; with ``any_z`` z is
+        not restricted. None for a law of which it is not known what is worst, or where there is no bound."""
+        name, known = type(self.law).name, laws.builtin()
+        if name == DAHL and known[name] is type(self.law):  # F v - W' f = sigma_0^2 |v| z^2/F_c: one F_c tells of all
+            return self.extreme(-1) if any_z else self.highest()
+        low, high = self.newtons if name in (*EXACT, *MAJORANT) else (Fraction(0), None)
+        if known.get(name) is not type(self.law) or low <= 0 or (high is None and not any_z):
+            return None
+        if name == "lugre_arctan" and not any_z:
+            return None
+        values: dict[str, Any] = {n: self._worst(n) for n in ("sigma_0", "sigma_1", "sigma_2", "v_s")}
+        values |= {"F_c": down(low), "F_s": down(low) if any_z or high is None else max(up(high), down(low))}
+        if self.law.values.get("v_d") is not None:
+            values["v_d"] = self._worst("v_d")
+        if name in MAJORANT:
+            values |= {"k_v": self._worst("k_v"), "smooth_abs": self.law.choices["smooth_abs"]}
+        made = WorstLevelMajorant if name in MAJORANT else WorstLevel
+        try:
+            return made(values, self.law.rotary)
+        except InputError:
+            return None  # a constant that is too small or too large for a number
+
+    def _worst(self, name: str) -> float:
+        low, high = self.range(name)
+        return down(low) if name in _SMALLEST else up(high) if high is not None else math.inf
+
+    def highest(self) -> Law | None:
+        """The law that stands for all levels as far as the bound of z goes: g is the largest that it may be."""
+        name, (_, high) = type(self.law).name, self.newtons
+        if high is None or laws.builtin().get(name) is not type(self.law) or name == "lugre_arctan":
+            return None
+        base = {"elastoplastic": "lugre", "elastoplastic_majorant": "lugre_majorant"}.get(name, name)
+        cls = laws.builtin()[base]
+        values = {n: x for n, x in {**self.law.values, **self.law.choices}.items() if n in cls.constants()}
+        values |= {n: up(high) for n in ("F_c", "F_s") if n in cls.constants()}
+        values |= {n: self._worst(n) for n in ("k_v",) if n in self.ranges and n in cls.constants()}
+        return cls(values, self.law.rotary)
+
+    def to_json(self) -> dict[str, list[float | None]]:
+        """The ranges for people: the lower end and the upper, None without end."""
+        return {n: [float(low), None if high is None else float(high)] for n, (low, high) in self.ranges.items()}
+
+    def exactly(self) -> dict[str, list[str]]:
+        """The ranges of all that a proof takes, as text of rational numbers."""
+        names = [n for n, x in self.law.values.items() if x is not None]
+        return {n: [str(x) if x is not None else "inf" for x in self.range(n)] for n in names}
+
+
+def down(x: Fraction) -> float:
+    """The number, or the next below it."""
+    f = float(x)
+    return f if Fraction(f) <= x else math.nextafter(f, -math.inf)
+
+
+def up(x: Fraction) -> float:
+    """The number, or the next above it."""
+    f = float(x)
+    return f if Fraction(f) >= x else math.nextafter(f, math.inf)

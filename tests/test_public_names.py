@@ -1,0 +1,141 @@
+"""The Python side: public names with documentation, laws and scenarios as objects, what notebooks show."""
+
+import inspect
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import stribeck as st
+from stribeck import examples
+from tests.simulation.rig import needs_compiler
+
+SMALL = {"law": {"name": "lugre_majorant", "parameters": "canudas1995", "k_v": 1e6}, "plant": {"mass": 1.0},
+         "drive": {"kind": "force", "signal": {"kind": "sine", "amplitude": 2.0, "frequency": 1.0}},
+         "solve": {"t_end": 0.2}, "output": {"step": 1e-2}}  # fmt: skip
+
+
+@pytest.fixture
+def law():
+    return st.law("lugre_majorant", parameters="canudas1995", k_v=1e6)
+
+
+@pytest.mark.parametrize("name", st.__all__)
+def test_every_name_is_documented(name):
+    value = getattr(st, name)
+    assert inspect.getdoc(value), name
+    if inspect.isfunction(value):
+        text = inspect.getdoc(value)
+        for argument in inspect.signature(value).parameters.values():
+            assert argument.name in text, f"{name}: {argument.name}"
+
+
+def test_import_costs_nothing():
+    code = "import sys, stribeck; print(len([m for m in sys.modules if m.startswith(('numpy', 'pydantic', 'scipy'))]))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "0\n"
+
+
+def test_a_law_is_an_object(law):
+    assert law == st.law("lugre_majorant", parameters="canudas1995", k_v=1e6)
+    assert eval(repr(law), {"law": st.law}) == law
+    other = law.replace(F_s=2.0)
+    assert (other.p.F_s, law.p.F_s) == (2.0, 1.5)
+    assert other != law
+    assert other.replace(F_s=1.5) == law
+    assert hash(other.replace(F_s=1.5)) == hash(law)
+    assert law.replace(v_d=0.1).replace(v_d=None) == law
+    assert law != st.law("lugre_sobczyk", parameters="canudas1995", k_v=1e6)
+    assert law != "lugre_majorant"
+    with pytest.raises(st.InputError, match=r"F_s: 0\.5: must be at least F_c"):
+        law.replace(F_s=0.5)
+    with pytest.raises(st.InputError, match="no such constant"):
+        law.replace(F_z=0.5)
+
+
+def test_a_law_as_a_table(law):
+    table = law.to_dict()
+    assert table["name"] == "lugre_majorant"
+    assert table["parameters"]["v_s"] == 1e-3
+    assert st.Scenario(**{**SMALL, "law": table}).law == st.Scenario(**{**SMALL, "law": law}).law == law
+    own = {n: x for n, x in table.items() if n not in ("name", "parameters")}
+    assert st.law(table["name"], table["parameters"], **own) == law
+
+
+def test_a_scenario_does_not_change(law):
+    scenario = st.Scenario(**{**SMALL, "law": law})
+    for name in ("law", "data", "solve", "rig", "mine"):
+        with pytest.raises(AttributeError, match="does not change"):
+            setattr(scenario, name, None)
+    other = scenario.replace({"law.parameters.F_s": 2.0})
+    assert (other.law.p.F_s, scenario.law.p.F_s) == (2.0, 1.5)
+    assert other.replace({"law.parameters.F_s": 1.5}) == scenario != other
+    assert repr(scenario) == "<Scenario scenario: law lugre_majorant, t_end 0.2 s>"
+    assert scenario.replace({"law": law.replace(F_c=0.9)}).law.p.F_c == 0.9
+    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law))
+    with pytest.raises(AttributeError, match="does not change"):
+        machine.name = "other"
+    assert machine.replace({"contacts.c.law": law.replace(F_c=0.9)}).scenario(1.0).law.p.F_c == 0.9
+
+
+@needs_compiler
+def test_compare(law):
+    found = st.compare(SMALL, {"first": law, "slower": law.replace(sigma_2=2.0), "plain": "lugre_sobczyk"})
+    assert found.status == "done"
+    assert list(found.deviations) == ["slower", "plain"]
+    assert found.deviations["slower"]["y"]["max"] == pytest.approx(
+        np.max(np.abs(found.solutions["slower"]["y"] - found.solutions["first"]["y"])), rel=1e-12
+    )
+    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Contact("d", "a", law))
+    with pytest.raises(st.InputError, match="contact: missing: must be given"):
+        st.compare(machine, [law], t_end=0.1)
+    assert st.compare(machine, [law], contact="d", t_end=0.01).status == "done"
+    for laws, text in (([], "empty"), ([law, law], "given twice"), (law, "must be a list")):
+        with pytest.raises(st.InputError, match=text):
+            st.compare(SMALL, laws)
+
+
+@needs_compiler
+def test_sweep(tmp_path, law):
+    found = st.sweep(SMALL, {"law.parameters.F_s": [1.5, 2.0]}, tmp_path / "one", summary=True, as_csv=True)
+    assert found.parts == 1
+    assert found.path(0).read_text().count("\n") == 3
+    machine = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", law), st.Load.signal("p", "a", st.Sine(2.0, 1.0)))
+    varied = machine.vary({"bodies.a.mass": [0.5, 1.0, 2.0]})
+    assert len(st.sweep(varied, out=tmp_path / "two", t_end=0.1, step=0.01, as_csv=True).lanes) == 3
+
+
+@needs_compiler
+def test_gains():
+    found = st.gains(st.Scenario.load(examples.path("servo"), {"solve.t_end": 0.2}), v_max=0.2)
+    assert found.verdict.v_max == 0.2
+    assert found.proof.proven in (True, False)
+    assert found.summary()["simulation"]["status"] == "done"
+    with pytest.raises(st.InputError, match="v_max: -1: must be a finite speed"):
+        st.gains(examples.path("servo"), v_max=-1)
+    with pytest.raises(st.InputError, match="needs a servo"):
+        st.gains(SMALL)
+
+
+@needs_compiler
+def test_what_a_notebook_shows(law):
+    text = law._repr_html_()
+    for words in ("<b>lugre_majorant</b>", "dz/dt = v - (m(v)/g(v)) z", "<td>F_s</td><td>1.5</td><td>N</td>"):
+        assert words in text, words
+    assert "<svg" in st.simulate(SMALL)._repr_svg_()
+    machine = st.Machine(st.Body("slider", mass=1.0), st.Contact("c", "slider", law))
+    assert ">slider<" in machine._repr_svg_()
+
+
+def test_a_fit_as_a_table(law):
+    v = np.concatenate([np.linspace(0.002, 0.05, 60), -np.linspace(0.002, 0.05, 60)]).repeat(10)
+    random = np.random.default_rng(1)
+    F = law.steady_force(v) + 0.01 * random.standard_normal(len(v))
+    t = 1e-3 * np.arange(len(v))
+    fit = st.fit({"t": t, "v": v, "F": F}, "coulomb_viscous", time="t", velocity="v", force="F", mass=0.0)
+    assert isinstance(fit, st.Fit)
+    html = fit._repr_html_()
+    assert "<td>F_c</td>" in html
+    assert "coulomb_viscous, static fit" in html
+    assert repr(fit).startswith("<Fit coulomb_viscous, static, error ")
+    assert "array" not in repr(fit)
