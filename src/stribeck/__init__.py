@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from stribeck.identify.result import Fit
     from stribeck.laws import law
     from stribeck.laws.base import BristleLaw, Claims, Law
+    from stribeck.loops import design
     from stribeck.parameter_sets import allow_undetermined, parameters
     from stribeck.properties import Verdict, Verdicts, check, storage_interval
     from stribeck.properties.margins import margins
@@ -47,7 +48,7 @@ __all__ = [
     "Advice", "Body", "BristleLaw", "BuildError", "Claims", "Constant", "Contact", "Controller", "Ensemble",
     "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "Motor", "NotDifferentiable", "PointToPoint",
     "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step", "StribeckError", "StribeckNote",
-    "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "compare", "export", "fit",
+    "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "compare", "design", "export", "fit",
     "gains", "hunting", "law", "margins", "parameters", "read_log", "simulate", "simulate_ensemble",
     "storage_interval", "sweep",
 ]  # fmt: skip
@@ -69,6 +70,7 @@ _HOME = {
     **dict.fromkeys(("BristleLaw", "Claims", "Law"), "stribeck.laws.base"),
     **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),
     "check_all": "stribeck.properties.matrix",
+    "design": "stribeck.loops",
     "law": "stribeck.laws",
     "margins": "stribeck.properties.margins",
     **dict.fromkeys(("allow_undetermined", "parameters"), "stribeck.parameter_sets"),

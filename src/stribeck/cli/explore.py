@@ -20,7 +20,9 @@ def explore(
     """Write the page, say where it is."""
     changes = dict(parse_assignment(text) for text in assignments)
     if report is not None and what is not None:
-        raise InputError(f"--report: {str(report)!r}: must stand alone: the folder holds the scenario ({what} is given too)")
+        raise InputError(
+            f"--report: {str(report)!r}: must stand alone: the folder holds the scenario ({what} is given too)"
+        )
     made = of_folder(report, changes, trust) if report is not None else Report(subject(what, changes, trust))
     scenario = made.scenario
     if out is None:

@@ -162,9 +162,7 @@ def _value(name: str, arguments: str, value: Expr, inputs: dict[str, str]) -> st
     return _write(name, arguments, [("const double value", value)], inputs, "static double", "    return value;\n")
 
 
-def _function(
-    name: str, arguments: str, outputs: dict[str, Expr], inputs: dict[str, str], public: bool = False
-) -> str:
+def _function(name: str, arguments: str, outputs: dict[str, Expr], inputs: dict[str, str], public: bool = False) -> str:
     kind = "EXPORT void" if public else "static void"
     return _write(f"stribeck_{name}" if public else name, arguments, list(outputs.items()), inputs, kind, "")
 

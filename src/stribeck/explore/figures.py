@@ -13,7 +13,15 @@ from stribeck.system import System
 # Okabe and Ito's colours, which colour-blind readers tell apart.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73")
 _GHOST = "#8c8c8c"
-_NAMES = {"y": "position", "v": "velocity", "F": "friction", "z": "deflection", "u": "drive", "x": "spring's end", "r": "setpoint"}
+_NAMES = {
+    "y": "position",
+    "v": "velocity",
+    "F": "friction",
+    "z": "deflection",
+    "u": "drive",
+    "x": "spring's end",
+    "r": "setpoint",
+}
 
 
 @dataclass(frozen=True)
@@ -103,7 +111,10 @@ def _figure(name: str, panel: Panel, x_range: Any) -> Any:
         x_axis_type="log" if panel.log else "linear", min_border_left=70, **more,
     )  # fmt: skip
     drawn.toolbar.logo = None
-    empty: dict[str, list[float]] = {"along": [0.1, 1.0], **{s.column: [0.1, 1.0] for s in panel.y}}  # until the first run
+    empty: dict[str, list[float]] = {
+        "along": [0.1, 1.0],
+        **{s.column: [0.1, 1.0] for s in panel.y},
+    }  # until the first run
     ghost = ColumnDataSource(name=f"{name}-ghost", data=empty)
     now = ColumnDataSource(name=f"{name}-now", data=empty)
     for series in panel.y:
@@ -122,7 +133,9 @@ def _figure(name: str, panel: Panel, x_range: Any) -> Any:
         drawn.scatter(
             "x", "y", source=point, size=11, color="#D55E00", line_color="white", legend_label="mean speed of the run"
         )
-    drawn.add_tools(HoverTool(name=f"{name}-hover", renderers=shown[:1], mode="vline" if panel.x == "t" or panel.log else "mouse"))
+    drawn.add_tools(
+        HoverTool(name=f"{name}-hover", renderers=shown[:1], mode="vline" if panel.x == "t" or panel.log else "mouse")
+    )
     for legend in drawn.legend:
         legend.update(
             location="top_left", orientation="horizontal", padding=2, margin=4, spacing=10, label_text_font_size="11px",

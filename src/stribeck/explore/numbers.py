@@ -128,4 +128,3 @@ def _number(
         f"{group}.{name}", name, group, float(value), constant.unit, constant.meaning, low, high, log,
         constant.above, constant.at_least, target,
     )  # fmt: skip
-

@@ -106,9 +106,7 @@ def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, Any]) -> dic
         told = condition(claim, kind, form) if callable(claim) else None
         if isinstance(told, Equation):
             conditions[name] = told.text
-    needs = [
-        {"key": each.key, "allowed": each.allowed, "path": _path(scenario, each.key)} for each in relations(kind)
-    ]
+    needs = [{"key": each.key, "allowed": each.allowed, "path": _path(scenario, each.key)} for each in relations(kind)]
     return {
         "name": law.name,
         "about": f"{' '.join((kind.__doc__ or '').split())} {kind.source}",

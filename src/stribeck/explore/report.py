@@ -28,7 +28,9 @@ def of_folder(folder: Path, changes: Mapping[str, Any], trust: bool) -> Report:
     """
     path = folder / "scenario.toml"
     if not path.is_file():
-        raise InputError(f"--report: {str(folder)!r}: must be a folder that 'stribeck run --out' wrote (it has no scenario.toml)")
+        raise InputError(
+            f"--report: {str(folder)!r}: must be a folder that 'stribeck run --out' wrote (it has no scenario.toml)"
+        )
     scenario = Scenario.load(path, changes, trust=trust)
     if text := unfit(scenario):
         raise InputError(f"{scenario.name}: {text}")

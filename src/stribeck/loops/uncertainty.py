@@ -9,8 +9,8 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import show
-from stribeck.design.loop import Loop
 from stribeck.errors import InputError, nearest
+from stribeck.loops.loop import Loop
 from stribeck.parameter_sets import read_toml
 
 SHARE = 0.1  # of each parameter, both ways, where no intervals are given

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.design.judge import judge
-from stribeck.design.loop import Loop
-from stribeck.design.moves import reversal_errors
 from stribeck.errors import InputError
+from stribeck.loops.judge import judge
+from stribeck.loops.loop import Loop
+from stribeck.loops.moves import reversal_errors
 from stribeck.scenario import Scenario
 
 KINDS = ("none", "reference", "measured", "dither")
@@ -84,7 +84,11 @@ def with_compensation(scenario: Scenario, controller: str, contact: str, kind: s
         table["compensation"] = {"speed": kind, "law": deepcopy(law), "share": share}
     elif kind == "dither":
         loads = data.setdefault("loads", {})
-        loads["dither"] = {"on": table.get("measures", table["on"]), "kind": "signal", "signal": _dither(scenario, contact, share)}
+        loads["dither"] = {
+            "on": table.get("measures", table["on"]),
+            "kind": "signal",
+            "signal": _dither(scenario, contact, share),
+        }
     return Scenario(data, folder=scenario.folder, trust=True)
 
 

@@ -9,9 +9,9 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import show
-from stribeck.design.judge import Judgement, judge
-from stribeck.design.loop import Loop, time_constant
 from stribeck.errors import InputError, nearest
+from stribeck.loops.judge import Judgement, judge
+from stribeck.loops.loop import Loop, time_constant
 
 POINTS = 13  # of the first grid
 _ROUNDS = 3  # each divides what encloses a boundary by _PARTS

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.arrays import Array
-from stribeck.design.loop import Loop, a_number
+from stribeck.loops.loop import Loop, a_number
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 
 STAYS = 100  # slowest time constants that a body has to stay at rest

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
-from stribeck.design.loop import Loop, a_number, replaced, rests_at
+from stribeck.loops.loop import Loop, a_number, replaced, rests_at
 from stribeck.scenario import Scenario
 from stribeck.simulation.ensemble import simulate_ensemble
 from stribeck.simulation.single import simulate
@@ -104,7 +104,7 @@ def errors(loop: Loop, controller: str) -> dict[str, dict[str, float | None]]:
 
 
 def _of_file(loop: Loop, controller: str) -> dict[str, float | None]:
-    from stribeck.design.judge import STAYS
+    from stribeck.loops.judge import STAYS
 
     end = loop.rest + STAYS * loop.slowest
     scenario = loop.scenario.with_changes({"solve.t_end": end, "output.step": end / _ROWS})
