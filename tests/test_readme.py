@@ -36,13 +36,46 @@ def test_commands(tmp_path, monkeypatch, capsys):
 
 def test_python(capsys):
     pytest.importorskip("pandas")
-    (code,) = blocks("python")
+    code = blocks("python")[0]
     scope = {}
     exec(compile(code, "README.md", "exec"), scope)
     assert scope["solution"].status == "done"
     assert len(scope["solution"].to_pandas()) == 4001
     assert scope["lanes"]["y"].shape == (16, 4001)
     assert "done" in capsys.readouterr().out
+
+
+def test_machine(tmp_path, monkeypatch, capsys):
+    """The commands of the section on machines, and the numbers that it gives."""
+    from stribeck.export.fmu import binaries
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(binaries, "_ACROSS", ())
+    monkeypatch.setattr(binaries, "_FLAGS", ("-std=c99", "-O0", "-shared", "-fvisibility=hidden"))
+    for command in blocks("sh")[2].splitlines():
+        words = shlex.split(command, comments=True)[1:]
+        if words[0] in ("compare", "sweep", "export") or "--set" in words:  # the numbers are those of the first run
+            words += ["--set", "solve.t_end=0.05"]
+        assert _status(words) == 0, command
+    for file in ("arm.svg", "arm/report.html", "seals/compare.svg", "seal_sweep/part-000000.parquet", "arm.fmu"):
+        assert (tmp_path / file).exists(), file
+    found = json.loads((tmp_path / "arm/summary.json").read_text())
+    end, seal = found["final"], found["events"]["seal"]
+    text = " ".join(README.split())
+    assert abs(end["rotor.y"] - 50) < 2 * 1.5339807878856412e-3
+    for words in (
+        f"The motor's encoder comes to {end['rotor.y']:.3f} rad",
+        f"stands at {end['arm.y']:.5f} rad",
+        f"wind the gear up by {1e3 * end['gear.f'] / 4e3:.2f} mrad",
+        f"begins to slip at {seal['slip'][0]:.3f} s and sticks at {seal['stick'][0]:.3f} s",
+    ):
+        assert words in text, words
+    capsys.readouterr()
+    scope = {}
+    exec(compile(blocks("python")[1].replace("t_end=1.5", "t_end=0.15"), "README.md", "exec"), scope)
+    assert scope["lanes"].status == ["done"] * 3
+    assert scope["tight"].to_dict()["contacts"]["seal"]["law"]["parameters"]["F_c"] == 0.4
+    assert "flank_up" in capsys.readouterr().out
 
 
 def test_commands_of_the_page_on_sweeps(tmp_path, monkeypatch, capsys):

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from stribeck.properties import Verdict, Verdicts, check, storage_interval
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
+    from stribeck.properties.ports import MachineVerdicts, check_machine
     from stribeck.report.sweep import sweep
     from stribeck.scenario import Scenario
     from stribeck.scenario.objects import (
@@ -46,11 +47,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Advice", "Body", "BristleLaw", "BuildError", "Claims", "Constant", "Contact", "Controller", "Ensemble",
-    "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "Motor", "NotDifferentiable", "PointToPoint",
-    "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step", "StribeckError", "StribeckNote",
-    "Verdict", "Verdicts", "advise", "allow_undetermined", "check", "check_all", "compare", "design", "export", "fit",
-    "gains", "hunting", "law", "margins", "parameters", "read_log", "simulate", "simulate_ensemble",
-    "storage_interval", "sweep",
+    "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "MachineVerdicts", "Motor",
+    "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
+    "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
+    "check_all", "check_machine", "compare", "design", "export", "fit", "gains", "hunting", "law", "margins",
+    "parameters", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -71,6 +72,7 @@ _HOME = {
     **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),
     "check_all": "stribeck.properties.matrix",
     "design": "stribeck.loops",
+    **dict.fromkeys(("MachineVerdicts", "check_machine"), "stribeck.properties.ports"),
     "law": "stribeck.laws",
     "margins": "stribeck.properties.margins",
     **dict.fromkeys(("allow_undetermined", "parameters"), "stribeck.parameter_sets"),

@@ -71,10 +71,13 @@ def test_the_commands_of_the_guide(stribeck, tmp_path, monkeypatch):
     guide = (Path(__file__).parents[2] / "docs" / "advise.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"```sh\n(.*?)```", guide, re.S)
     commands = [shlex.split(line, comments=True)[1:] for line in block.splitlines()]
-    assert len(commands) == 5
+    assert len(commands) == 6
     outputs = [stribeck(*words) for words in commands]
-    assert [result.status for result in outputs] == [0] * 5
+    assert [result.status for result in outputs] == [0] * 6
     for number in ("1.271e+07", "1.472e+06"):
         assert number in outputs[0].out
+        assert number in guide
+    for number in ("0.0294917", "1106.8", "99.9 %", ": 0 %", "1.06e+04 %"):
+        assert number in outputs[5].out
         assert number in guide
     assert (tmp_path / "advice" / "advise.svg").exists()

@@ -5,9 +5,11 @@ import re
 from pathlib import Path
 
 import pytest
+from tomli_w import dumps
 
 from stribeck.properties import NAMES
 from stribeck.properties.verify_certificate import verify
+from tests.properties.test_ports import machine
 
 ROOT = Path(__file__).parents[2]
 CONFIRMED = "all proofs confirmed by the independent checker, all counterexamples replayed"
@@ -95,12 +97,13 @@ def test_the_commands_of_the_page(stribeck, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mylaw.py").write_text(MY_LAW)
     Path("my_set.toml").write_text("[parameters]\n" + "\n".join(f"{n} = {x}" for n, x in MY_SET.items()))
+    Path("robot_joint.toml").write_text(dumps(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.1}])))
     page = (ROOT / "docs" / "check.md").read_text()
     lines = [line.partition("#")[0].split()[1:] for line in page.split("```sh\n")[1].split("```")[0].splitlines()]
-    assert len(lines) == 9
+    assert len(lines) == 11
     results = [stribeck(*words) for words in lines]
-    assert [r.status for r in results] == [0] * 9
-    found, run, slow, margins, proved, written, own, every, sets = (r.out for r in results)
+    assert [r.status for r in results] == [0] * 11
+    found, run, slow, margins, proved, written, own, swung, joint, every, sets = (r.out for r in results)
     assert re.search(r"passive +no +a cycle", found)
     assert "E_in" in run
     assert re.search(r"passive +yes .*fitted", " ".join(slow.split()))
@@ -119,6 +122,9 @@ def test_the_commands_of_the_page(stribeck, tmp_path, monkeypatch):
     assert rows["lugre_sobczyk"] == ["yes", "yes", "yes", "no", "no"]
     assert rows["lugre_arctan"][1] == "no"
     assert "passive with dahl" in sets
+    assert "for every history of F_c from 1 to 2, F_s from 1.5 to 3" in swung
+    assert re.search(r"passive +no +a cycle of held speeds and levels", swung)
+    assert "passive at its ports: yes" in joint
 
 
 def test_the_sets_are_listed_with_what_is_passive(stribeck):

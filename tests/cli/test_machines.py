@@ -71,6 +71,9 @@ def test_sweep(stribeck, tmp_path):
     table = parquet.read_table(tmp_path / "s/part-000000.parquet")
     assert table["links.spring.stiffness"].to_pylist() == [300.0, 400.0, 500.0]
     assert "peak_sole.F" in table.column_names
+    several = ("sweep", str(examples.path("arm")), "--vary", "contacts.seal.law.parameters.F_c=0.2:0.3:2", "--set",
+               "solve.t_end=0.02", "--out", str(tmp_path / "u"))  # fmt: skip
+    assert stribeck(*several).status == 0  # with two contacts, of which neither is the law
     assert stribeck(*words, "--out", str(tmp_path / "t")).status == 0
     assert len(parquet.read_table(tmp_path / "t/part-000000.parquet")) == 3 * 51
 

@@ -34,6 +34,7 @@ def problems(data):
 
 ARM_MISTAKES = {
     "an unknown body": ({"links.gear.from": "rotr"}, "links.gear.from: 'rotr': there is no such body (did you mean 'rotor'?)"),
+    "a link from nowhere": ({"links.gear": {"to": "arm", "stiffness": 1.0}}, "links.gear.from: missing: must be given"),
     "an unknown key": ({"links.gear.stifness": 1.0}, "links.gear.stifness: 1.0: unknown key (did you mean 'stiffness'?)"),
     "a ratio of 0": ({"links.gear.ratio": 0}, "links.gear.ratio: 0: must be a finite number other than 0"),
     "to itself": ({"links.gear.to": "rotor"}, "links.gear.to: 'rotor': must be another body than from, or 'ground'"),
@@ -112,6 +113,12 @@ ARM_MISTAKES = {
         {"solve.atol": {"arm.x": 1e-9}}, "solve.atol.arm.x: 1e-09: there is no such state (did you mean 'arm.y'?)",
     ),
     "a wrong version": ({"schema": 3}, "schema: 3: must be 2 (a machine)"),
+    "an end that is no name": ({"links.gear.from": 3}, "links.gear.from: 3: must be a body's name, or a table with the signal"),
+    "no end": ({"links.gear.from": GONE}, "links.gear.from: missing: must be given (a body, or { signal = ... }"),
+    "a list in the place of a name": ({"motors.drive.on": [1, 2]}, "motors.drive.on: [1, 2]: must be text, not a list"),
+    "a move too steep for numbers": (
+        {"controllers.axis.signal.value": [0.0, 1e308]}, "controllers.axis.signal.value[1]: 1e+308: too far from",
+    ),
     "a body's table that is none": ({"bodies.arm": 3}, "bodies.arm: 3: must be a table, not a number"),
 }  # fmt: skip
 GEAR_MISTAKES = {

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import random
 from fractions import Fraction
 from types import SimpleNamespace
 
 import pytest
 
-from stribeck import law
+from stribeck import check, law
 from stribeck.errors import InputError
 from stribeck.expressions import coq, ops
 from stribeck.expressions.graph import constant, substitute, symbol
 from stribeck.laws import builtin
+from stribeck.properties.coq_goals import goals, main
 from tests.proofs.coq import compiles, needs_coq
 
 TENTH, FIFTH = (f"({Fraction(a).numerator} / {Fraction(a).denominator})" for a in (0.1, 0.2))
@@ -88,6 +90,31 @@ def test_a_certificate_of_a_law_is_checked_by_coq(tmp_path):
     ]
     answer = compiles(coq.GOAL_HEADER + "\n".join(goals), tmp_path)
     assert answer.returncode == 0, answer.stderr
+
+
+@pytest.fixture(scope="module")
+def certificates():
+    return check(law("lugre_majorant", "canudas1995", sigma_2=200.0, k_v=1e6)).certificates()
+
+
+@needs_coq
+def test_the_certificate_that_check_writes_is_checked_by_coq(certificates, tmp_path):
+    """The power inequality from 20 to 100 mm/s for all |z| <= Z, from the equations and the slope in the certificate."""
+    text = goals(certificates["certificates"]["passive"], Fraction(1, 50), Fraction(1, 10))
+    assert text.count("Lemma power_") == 4
+    answer = compiles(text, tmp_path)
+    assert answer.returncode == 0, answer.stderr
+
+
+def test_goals_of_a_file(certificates, tmp_path, capsys):
+    file = tmp_path / "proofs.json"
+    file.write_text(json.dumps(certificates))
+    assert main([str(file), "1/50", "0.1"]) == 0
+    assert "(1 / 50) <= u <= (1 / 10)" in capsys.readouterr().out
+    assert main([str(file), "1/50"]) == 2
+    file.write_text(json.dumps({"certificates": {}}))
+    assert main([str(file), "1/50", "0.1"]) == 2
+    assert "no goals" in capsys.readouterr().err
 
 
 @needs_coq

@@ -40,7 +40,9 @@ def value(x: Node, at: dict[str, Any]) -> Any:
 def expression(rng: random.Random, depth: int) -> Any:
     if depth == 0 or rng.random() < 0.1:
         return rng.choice(["u", "w", "u", "w", "1", "-2", "1/3", "pi"])
-    kind = rng.choice(["add", "sub", "mul", "div", "one", "function", "where"])
+    kind = rng.choice(["add", "sub", "mul", "div", "one", "function", "where", "pow"])
+    if kind == "pow":
+        return ["pow", ["abs", expression(rng, depth - 1)], rng.choice(["1/2", "3/2", "2/5", "7/5", "-1/2", "2"])]
     if kind in ("add", "sub", "mul", "div"):
         return [kind, expression(rng, depth - 1), expression(rng, depth - 1)]
     if kind == "one":
@@ -112,7 +114,10 @@ def atoms_for(rng: random.Random, x: Node) -> list[Any]:
         if y.op in (*FUNCTIONS, "pow") and y not in seen:
             rules = [["range", rng.choice(["0", "-1", "1/2"]), rng.choice(["1", "2", "10"])], ["range", "-1", "1"],
                      ["pi range", rng.choice(["0", "-1", "1/2"]), "1"], ["far"], ["slope", rng.choice(["0", "1/2"]), "1"],
-                     ["root", rng.choice(["u", "w", "0"]), rng.choice(["1", "2"])]]  # fmt: skip
+                     ["root", rng.choice(["u", "w", "0"]), rng.choice(["1", "2"])], ["tangent"],
+                     ["above", rng.choice(["0", "1", "-1"])], ["below", rng.choice(["0", "1"])],
+                     ["chord", rng.choice(["0", "1/2", "2/5"]), rng.choice(["1", "1", "1/2"])]]  # fmt: skip
+            rules += rules[-4:] * (y.op in ("pow", "sqrt", "exp"))
             made.append([written, *rng.choice(rules)])
         elif y.op in ("where", "abs", "sign") and y not in seen:
             made.append([written, "either"])
@@ -172,6 +177,34 @@ def test_equal_keys_are_equal_functions(seed):
                         continue
                     assert abs(y - other) <= 1e-25 * (1 + abs(y))
     assert found > 30
+
+
+ROOT, POWER, EXP = ["sqrt", "u"], ["pow", "u", "2/5"], ["exp", ["sub", "u", "1"]]
+
+
+@pytest.mark.parametrize(
+    ("statement", "ends", "atom", "holds"),
+    [
+        (["sub", POWER, "1"], (1, None), [POWER, "chord", "0", "2/5"], True),  # u^0.4 >= 1 for u >= 1
+        (["sub", ["add", "1", ["mul", "2/5", ["sub", "u", "1"]]], POWER], (0, 1), [POWER, "chord", "2/5", "1"], True),
+        (["sub", ["add", "1", ["mul", "2/5", ["sub", "u", "1"]]], POWER], (1, None), [POWER, "chord", "0", "2/5"], True),
+        (["sub", ["add", "1", ["mul", "2/5", ["sub", "u", "1"]]], POWER], (1, None), [POWER, "chord", "0", "1/5"], False),
+        (["sub", ["add", "1", ["mul", "1/3", ["sub", "u", "1"]]], ROOT], (1, None), [ROOT, "chord", "0", "1/3"], False),
+        (["sub", POWER, "1"], (1, None), [POWER, "above", "1"], True),
+        (["sub", POWER, "2"], (1, None), [POWER, "above", "2"], False),
+        (["neg", ["log", "u"]], (0, 1), [["log", "u"], "below", "0"], False),  # no value at 0
+        (["neg", ["log", "u"]], (1, 2), [["log", "u"], "below", "0"], False),
+        (["sub", EXP, "u"], (0, None), [EXP, "tangent"], True),  # exp(y) >= 1 + y
+        (["sub", "u", EXP], (0, None), [EXP, "tangent"], False),
+    ],
+)  # fmt: skip
+def test_rules_of_functions_without_bounds(statement, ends, atom, holds):
+    axes = {"u": (fmpq(ends[0]), None if ends[1] is None else fmpq(ends[1]))}
+    try:
+        found = Leaf(Region(axes, axes, False), [atom]).holds(read(statement, NAMES), ">=0")
+    except Refused:
+        found = False
+    assert found is holds
 
 
 def test_derivatives_are_those_of_differences():

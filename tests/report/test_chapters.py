@@ -6,7 +6,7 @@ from math import pi
 
 import pytest
 
-from stribeck.paper import evidence, guarantees, which_k_v
+from stribeck.paper import evidence, guarantees, joint, which_k_v
 from tests.simulation.rig import needs_compiler
 
 pytestmark = needs_compiler
@@ -66,3 +66,16 @@ def test_which_k_v():
     assert by_name["error of steady friction at 0.0001 m/s"] == pytest.approx(
         (2 / (3 * pi * 0.01)) ** (1 / 3) / 1e-4, rel=0.1
     )
+
+
+def test_the_joint():
+    """The majorant mesh stays displaced; the load's friction makes the loop hunt; the proof needs v_d."""
+    chapter = joint.chapter({})
+    found = chapter.numbers
+    left, moves = found["left_behind"], found["hunting"]
+    assert abs(left["lugre_majorant"]) > 10 * abs(left["elastoplastic_majorant"])
+    assert moves["friction with its load"] > 0.01 > 0.001 > moves["without"]
+    assert found["passive"] == {"bearing": True, "mesh": True}
+    assert found["swung"]["energy_drawn_per_cycle"] > 0
+    assert chapter.tables[0].rows[2][-1].startswith("no")
+    assert [figure.name for figure in chapter.figures] == ["joint"]

@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.cli import show
+from stribeck.cli.check import level_of
 from stribeck.cli.text import say
 from stribeck.errors import InputError
 from stribeck.scenario import Scenario, parse_assignment
-from stribeck.steepness import Advice
+from stribeck.steepness import Advice, LevelAdvice
 from stribeck.steepness import advise as find
 
 
@@ -24,6 +25,7 @@ def advise(
     trust: bool,
 ) -> int:
     """Print the smallest k_v that meets what is tolerated; with ``out``, write the curves."""
+    tolerated["level"] = level_of(tolerated["level"])
     constants = dict(parse_assignment(text) for text in assignments)
     if taken := [name for name in constants if name in tolerated or name in ("law", "parameters")]:
         raise InputError([f"--set: '{name}': must be a constant of the law" for name in taken])
@@ -54,13 +56,22 @@ def up(x: float) -> str:
     return f"{ceil(x / unit * (1 - 1e-12)) * unit:.4g}"
 
 
+def below(x: float) -> str:
+    """Six digits, rounded down: a larger v_d is not proved."""
+    unit = 10.0 ** (floor(log10(x)) - 5)
+    return f"{floor(x / unit) * unit:.6g}"
+
+
 def k_v_in_words(k_v: float | None) -> str:
     """A required k_v: a number, any, or none."""
     return "none will do" if k_v is None else f"{up(k_v)} s/m" if k_v else "any will do"
 
 
 def _print(advice: Advice) -> None:
-    print(f"{advice.law}: k_v = {k_v_in_words(advice.k_v)}")
+    if advice.requirements:
+        print(f"{advice.law}: k_v = {k_v_in_words(advice.k_v)}")
+    else:
+        print(f"{advice.law}:")
     for each in advice.requirements:
         tolerated = f"{100 * each.tolerance:.4g} %" if not each.unit else f"{each.tolerance:.4g} {each.unit}"
         say(f"{each.name}, {tolerated}: {k_v_in_words(each.k_v)}", 6, "  ")
@@ -76,3 +87,22 @@ def _print(advice: Advice) -> None:
             print(f"  with the body: eigenvalues up to {c.body_stiffness:.4g} 1/s")
         bent = f"dF/dv changes by up to {c.force_bend:.4g} N s/m per m/s there"
         say(f"|v| is bent within {c.bend:.4g} m/s; {bent}", 4, "  ")
+    if advice.level is not None:
+        _print_level(advice.level)
+
+
+def _print_level(found: LevelAdvice) -> None:
+    say(
+        f"level {found.low:g} to {found.high:g}: {'passive' if found.passive_now else 'not shown passive'} as it is",
+        4,
+        "  ",
+    )
+    if found.v_d is None:
+        say(f"no v_d makes it passive: k_v must be above {up(found.k_v_above)} s/m", 6, "    ")
+    else:
+        left = f"{100 * (found.damping_at_v_s or 0.0):.3g} % of sigma_1 is left at v_s"
+        say(f"v_d = {below(found.v_d)} m/s or less keeps it passive whatever the load does ({left})", 6, "    ")
+        say(f"cost in the steady curve up to {found.v_max:.4g} m/s: {100 * found.steady_change:.3g} %", 6, "    ")
+    if found.steady_change_by_sigma_2 is not None:
+        cost = f"{100 * found.steady_change_by_sigma_2:.3g} %"
+        say(f"without v_d: sigma_2 = {found.sigma_2:.6g} N s/m or more; cost in the steady curve: {cost}", 6, "    ")

@@ -137,6 +137,10 @@ def advise(
     ] = None,
     v_max: Annotated[float | None, typer.Option(help="Largest speed that matters, m/s; 100 v_s unless given.")] = None,
     mass: Annotated[float | None, typer.Option(help="Mass of the body, kg.")] = None,
+    level: Annotated[
+        str | None,
+        typer.Option(metavar="LOW:HIGH", help="The largest v_d that keeps it passive while F_c and F_s vary so."),
+    ] = None,
     trust: Trust = False,
     out: Out = None,
     json: Json = False,
@@ -148,7 +152,7 @@ def advise(
     tolerated = {
         "creep": creep, "share": share, "steady_error": steady_error, "speed": speed, "presliding_error": presliding_error,
         "force_rate": force_rate, "position_error": position_error, "scenario": scenario, "sample_time": sample_time,
-        "v_max": v_max, "mass": mass,
+        "v_max": v_max, "mass": mass, "level": level,
     }  # fmt: skip
     return command.advise(law, parameters, set_ or [], tolerated, out, json, trust)
 
@@ -251,7 +255,7 @@ def export(
         str | None,
         typer.Argument(
             metavar="LAW",
-            help="The law, the scenario's unless given; 'stribeck laws' lists them. FILE.py:NAME is one too.",
+            help="The law, the scenario's unless given; FILE.py:NAME is one too. Or a scenario: MACHINE.toml.",
         ),
     ] = None,
     parameters: Annotated[
@@ -261,10 +265,18 @@ def export(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="A constant, such as k_v=1e7 (cascade: drive.K_D=80)."),
     ] = None,
-    part: Annotated[str, typer.Option("--part", metavar="PART", help="law, body, observer or cascade.")] = "law",
+    part: Annotated[
+        str | None,
+        typer.Option(
+            "--part", metavar="PART", help="law, body, observer, cascade or machine (of a machine unless given)."
+        ),
+    ] = None,
     scenario: Annotated[
         Path | None,
         typer.Option("--scenario", metavar="FILE", help="A scenario: mass, controller, and law unless given."),
+    ] = None,
+    contact: Annotated[
+        str | None, typer.Option("--contact", metavar="NAME", help="The contact of a machine whose law it is.")
     ] = None,
     step: Annotated[
         float | None,
@@ -279,7 +291,9 @@ def export(
     """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
     from stribeck.cli import export as command
 
-    return command.export(law, target, out, parameters, set_ or [], part, scenario, step, self_test, fmi, json, trust)
+    return command.export(
+        law, target, out, parameters, set_ or [], part, scenario, contact, step, self_test, fmi, json, trust
+    )
 
 
 @app.command(epilog="Example: stribeck gains servo.toml --out gains")
@@ -375,4 +389,5 @@ def doctor(json: Json = False) -> int:
     return command.doctor(json)
 
 
+from stribeck.cli import exchange as exchange  # noqa: E402
 from stribeck.cli import measured as measured  # noqa: E402  (its commands stand behind these)

@@ -30,7 +30,7 @@ def check(
     certificate: Path | None = None, level: str | None = None,
 ) -> int:  # fmt: skip
     """Check the law named, or every law, and print the verdicts; 0 whatever they are."""
-    bounds = _level(level)
+    bounds = level_of(level)
     if bounds is not None and (every or margins):
         raise InputError("--level: must stand without --all and --margins, which are for constants that do not vary")
     if every == (name is not None):
@@ -87,7 +87,7 @@ def refuse_force(force: list[str]) -> None:
     )
 
 
-def _level(text: str | None) -> tuple[float, float] | None:
+def level_of(text: str | None) -> tuple[float, float] | None:
     """LOW:HIGH as numbers."""
     if text is None:
         return None

@@ -7,6 +7,7 @@ from typing import Any
 
 import stribeck.export as exports
 from stribeck import laws, parameter_sets
+from stribeck.analysis.comparison import law_path
 from stribeck.cli.show import print_json
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
@@ -19,8 +20,9 @@ def export(
     out: Path,
     parameters: str | None,
     assignments: list[str],
-    part: str,
+    part: str | None,
     scenario: Path | None,
+    contact: str | None,
     step: float | None,
     self_test: bool,
     fmi: int,
@@ -28,12 +30,21 @@ def export(
     trust: bool,
 ) -> int:
     """Write the files, and say which."""
+    if law is not None and law.endswith(".toml"):
+        if scenario is not None:
+            raise InputError(f"LAW: {law!r}: must be left out, or a law: --scenario names a scenario already")
+        scenario, law = Path(law), None
     rig = Scenario.load(scenario, trust=trust) if scenario is not None else None
+    if part is None:
+        whole = rig is not None and rig.rig is not None and law is None and contact is None
+        part = "machine" if whole else "law"
     chosen: Law | None
     if part == "cascade":
         chosen, rig = None, _controlled(law, parameters, assignments, rig)
+    elif part == "machine":
+        chosen, rig = None, _whole(law, parameters, contact, assignments, rig)
     else:
-        chosen = _law(law, parameters, assignments, rig)
+        chosen = _law(law, parameters, assignments, rig, contact)
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
@@ -53,12 +64,24 @@ def _summary(law: Law | None, rig: Scenario | None) -> dict[str, Any]:
     if law is not None:
         return {"law": law.name, "parameters": law.values, "guarantees": law.guarantees()}
     assert rig is not None
+    if rig.rig is not None:
+        return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.values().items()}}
     assert rig.servo is not None
     values = {key: x for key, x in rig.values().items() if key[0] not in ("law", "plant")}
     return {
         "law": rig.servo.observer.name if rig.servo.observer else None,
         "parameters": {group: {n: x for (g, n), x in values.items() if g == group} for group, _ in values},
     }
+
+
+def _whole(
+    law: str | None, parameters: str | None, contact: str | None, assignments: list[str], rig: Scenario | None
+) -> Scenario | None:
+    """A machine with the changes of --set; everything is taken from it."""
+    given = {"LAW": law, "--parameters": parameters, "--contact": contact}
+    if wrong := [f"{n}: {x!r}: must be left out: part 'machine' is the whole file" for n, x in given.items() if x]:
+        raise InputError(wrong)
+    return rig.with_changes(dict(parse_assignment(text) for text in assignments)) if rig is not None else None
 
 
 def _controlled(
@@ -76,24 +99,36 @@ def _controlled(
     return rig
 
 
-def _law(name: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None) -> Law:
-    """The law with the constants of the set, else of the scenario's law, and what --set adds."""
+def _law(
+    name: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None, contact: str | None
+) -> Law:
+    """The law with the constants of the set, else of the scenario's law (of a machine that of a contact), and what --set
+    adds."""
+    own_law, rotary_body = _of(rig, contact) if rig is not None else (None, False)
     if name is None:
-        if rig is None:
+        if own_law is None:
             raise InputError("LAW: missing: must be given, unless --scenario names it")
-        name = rig.law.name
+        name = own_law.name
     found = laws.find(name)
     given = dict(parse_assignment(text) for text in assignments)
     values, rotary = {}, False
     if parameters is not None:
         values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters).rotary
-    elif rig is not None:
+    elif own_law is not None:
         own = found.own_constants()
-        values = rig.law.machine | {n: x for n, x in vars(rig.law.p).items() if n in own and x is not None}
-        rotary = rig.rotary
+        values = own_law.machine | {n: x for n, x in vars(own_law.p).items() if n in own and x is not None}
+        rotary = rotary_body
     if problems := found.problems({**values, **given}):
         raise InputError([f"{key}: {text}" for key, text in problems])
     law = found({**values, **given}, rotary)
     if ".py:" in name and (trouble := laws.trouble(law)):
         raise InputError(f"{name!r}: {trouble}")
     return law
+
+
+def _of(rig: Scenario, contact: str | None) -> tuple[Law, bool]:
+    """The law of a scenario, of a machine that of a contact, and whether it turns there."""
+    path = law_path(rig, contact)
+    if rig.rig is None:
+        return rig.law, rig.rotary
+    return rig.rig.laws[path], rig.rig.laws[path].rotary

@@ -77,10 +77,26 @@ def fit(
         str | None,
         typer.Option("--drive", metavar="KIND[:KEY=VALUE,...]", help="What moves the body then: force, pid, spring."),
     ] = None,
+    logs: Annotated[
+        Path | None,
+        typer.Option("--logs", metavar="LOGS.toml", help="DATA is a machine, and these are its recordings."),
+    ] = None,
+    transfer: Annotated[
+        Path | None, typer.Option("--transfer", metavar="LOGS.toml", help="Recordings of another unit or day (--logs).")
+    ] = None,
     out: Out = None,
     json: Json = False,
 ) -> int:
-    """Parameters of a law from a measured log, with intervals and a verdict on what the data cannot tell."""
+    """Parameters of a law from a measured log, or of a machine from its recordings (--logs), with intervals and a verdict
+    on what the data cannot tell."""
+    if logs is not None:
+        from stribeck.cli import actuator
+
+        return actuator.fit(data, logs, law or [], set_ or [], transfer, starts, seed, out, json)
+    if transfer is not None:
+        from stribeck.errors import InputError
+
+        raise InputError(f"--transfer: {str(transfer)!r}: needs --logs")
     from stribeck.cli import fit as work
     from stribeck.identify.api import is_simulated
     from stribeck.identify.data.prepare import Preparation

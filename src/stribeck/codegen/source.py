@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from importlib.resources import files
 
@@ -48,12 +48,30 @@ def source(system: Equations, lanes: bool = False) -> str:
         return _Source(system, lanes).text()
 
 
+def with_columns(system: Equations, columns: Callable[[], dict[str, Expr]]) -> str:
+    """The C file of the system for a program of its own: nothing is visible from outside, and a further function
+    ``columns`` computes what the output shows."""
+    with _one_at_a_time:
+        made = _Source(system, False)
+        text = made.text()
+        for node in ordered(columns().values()):
+            node.label = None
+        outputs = [(f"out[{i}]", node) for i, node in enumerate(columns().values())]
+        arguments = "const Parameters *p, const Segment *piece, real t, const real *x, real *out"
+        return f"{text}\n\n{made.function('Every column of the output.', 'columns', arguments, outputs)}\n"
+
+
+def parameter_names(system: Equations) -> list[str]:
+    """What the run-time constants are called in the generated code, in their order."""
+    return _unique([system.field(owner, name) for owner, name in system.parameters])
+
+
 class _Source:
     def __init__(self, system: Equations, lanes: bool) -> None:
         self.system, self.lanes = system, lanes
         self.names = [state.name for state in system.states]
         self.c_names = _unique(self.names)
-        self.fields = _unique([system.field(owner, name) for owner, name in system.parameters])
+        self.fields = parameter_names(system)
         self.parameter_text = {
             f"{group}.{name}": f"p->{field}"
             for (group, name), field in zip(system.parameters, self.fields, strict=True)
@@ -88,26 +106,26 @@ class _Source:
             + self._struct("Segment", [*self.system.piece_fields, *self.system.held], None),
             self._struct("Jacobian", list(self.jacobian), None),
             self._struct("Factors", list(self.factors), None),
-            self._function(
+            self.function(
                 "Constants of a run.", "prepare", "const Parameters *p, Coefficients *c",
                 [(f"c->{name}", node) for name, node in self.coefficients.items()],
             ),
-            self._function(
+            self.function(
                 "Time derivatives of the states.", "rates",
                 f"{_COMMON}, {_NOW}, real *dx",
                 [(f"dx[{i}]", rate) for i, rate in enumerate(self.rates)],
             ),
-            self._function(
+            self.function(
                 "Their derivatives: by the states (the entries that vary) and by time.", "jacobian",
                 f"{_COMMON}, {_NOW}, Jacobian *jac, real *df_dt",
                 [*((f"jac->{name}", node) for name, node in self.jacobian.items()),
                  *((f"df_dt[{i}]", node) for i, node in enumerate(self.by_time))],
             ),
-            self._function(
+            self.function(
                 "Factors of shift I - J.", "factorise", f"{_COMMON}, const Jacobian *jac, real shift, Factors *fac",
                 [(f"fac->{name}", node) for name, node in self.factors.items()],
             ),
-            self._function(
+            self.function(
                 "Solve (shift I - J) k = r.", "solve",
                 f"{_COMMON}, const Jacobian *jac, real shift, const Factors *fac, const real *right, real *k",
                 [(f"k[{i}]", node) for i, node in enumerate(solution)],
@@ -131,18 +149,18 @@ class _Source:
                     total = total + entry * symbol(f"change.{i}")
                 changes.append((f"dw[{j}]", ZERO if self.curved[j] else total))
             parts = [
-                self._function(
+                self.function(
                     "What events are told by.", "watch", f"{_COMMON}, {_NOW}, real *w",
                     [(f"w[{j}]", node) for j, node in enumerate(self.watched)],
                 ),
-                self._function(
+                self.function(
                     "How it changes with the states, where it does so in proportion.", "watch_dense",
                     f"{_COMMON}, const real *dx, real *dw", changes,
                 ),
             ]  # fmt: skip
         if self.moved:
             parts.append(
-                self._function(
+                self.function(
                     "The energy that changes where a signal jumps.", "moved_energy", f"{_COMMON}, {_NOW}",
                     [("const real moved", self.moved[0])], "return moved;", "real",
                 )
@@ -161,7 +179,7 @@ class _Source:
             at += len(nodes)
             outputs = [("*u", nodes[0]), *((f"m->{n}", node) for n, node in zip(memory, nodes[1:], strict=True))]
             parts.append(
-                self._function(
+                self.function(
                     f"Controller {name} at one of its instants: its output, and what it remembers then.",
                     f"sample_{name}", f"{_COMMON}, {_NOW}, real noise, Memory *m, real *u", outputs, late=True,
                 )
@@ -261,11 +279,12 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
         constant = self.system.constant(owner, name)
         return _comment(f"{constant.unit or '1'}, {constant.meaning} ({owner}.{name})")
 
-    def _function(
+    def function(
         self, what: str, name: str, arguments: str, outputs: list[tuple[str, Expr]], end: str = "", result: str = "void",
         late: bool = False,
     ) -> str:  # fmt: skip
-        """``late``: outputs go to places that inputs come from, so they are written when all is known."""
+        """A function in C that computes the outputs; ``late``: these go to places that inputs come from, so they are
+        written when all is known."""
         inputs = {
             **self.parameter_text,
             **{f"coefficient.{n}": f"c->{n}" for n in self.coefficients},

@@ -118,6 +118,7 @@ def _setup(scenario: Scenario, q: Groups) -> dict[str, Expr]:
     share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
     draft = object.__new__(Scenario)
     draft.__dict__.update({**scenario.__dict__, "solve": SimpleNamespace(rtol=rtol, atol=scenario.solve.atol)})
+    atol: dict[str, Any]
     try:
         atol = draft.atol(q)
     except TypeError:  # a law of the user's whose scales are no equations: they stay those of the file

@@ -10,8 +10,8 @@ from stribeck.errors import needed
 from stribeck.scenario import Scenario
 from stribeck.system import System
 
-# Okabe and Ito's colours, which colour-blind readers tell apart.
-_COLOURS = ("#0072B2", "#D55E00", "#009E73")
+# After Okabe and Ito's colours, which colour-blind readers tell apart; legible on white and on black.
+_COLOURS = ("#1b87c9", "#e06a10", "#0a9f78")
 _GHOST = "#8c8c8c"
 _NAMES = {
     "y": "position",
@@ -102,43 +102,42 @@ def figures(found: dict[str, Panel]) -> dict[str, Any]:
 
 def _figure(name: str, panel: Panel, x_range: Any) -> Any:
     from bokeh.models import ColumnDataSource, HoverTool
+    from bokeh.models.annotations.legends import Legend
     from bokeh.plotting import figure
 
-    tools = "xpan,xbox_zoom,xwheel_zoom,reset" if panel.x == "t" else "pan,box_zoom,wheel_zoom,reset"
-    more = {} if x_range is None else {"x_range": x_range}
-    drawn = figure(
-        name=name, height=panel.height, sizing_mode="stretch_width", tools=tools, toolbar_location="above" if name not in TOGETHER[1:] else None,
-        x_axis_type="log" if panel.log else "linear", min_border_left=70, **more,
+    over_time = panel.x == "t"
+    tools = "xpan,xbox_zoom,xwheel_zoom,reset" if over_time else "pan,box_zoom,wheel_zoom,reset"
+    more: dict[str, Any] = {} if x_range is None else {"x_range": x_range}
+    drawn: Any = figure(
+        name=name, height=panel.height, sizing_mode="stretch_width", tools=tools, min_border_left=70,
+        toolbar_location=None if name in TOGETHER[1:] else "above", x_axis_type="log" if panel.log else "linear", **more,
     )  # fmt: skip
     drawn.toolbar.logo = None
-    empty: dict[str, list[float]] = {
-        "along": [0.1, 1.0],
-        **{s.column: [0.1, 1.0] for s in panel.y},
-    }  # until the first run
-    ghost = ColumnDataSource(name=f"{name}-ghost", data=empty)
-    now = ColumnDataSource(name=f"{name}-now", data=empty)
+    drawn.add_layout(Legend(**_LEGEND), "above")
+    empty = {"along": [0.1, 1.0], **{s.column: [0.1, 1.0] for s in panel.y}}  # until the first run
+    ghost, now = (ColumnDataSource(name=f"{name}-{which}", data=dict(empty)) for which in ("ghost", "now"))
     for series in panel.y:
         drawn.line("along", series.column, source=ghost, color=_GHOST, line_width=1.4, line_alpha=0.75)
     shown = []
     for series, colour in zip(panel.y, _COLOURS, strict=False):
-        legend = {"legend_label": series.name} if len(panel.y) > 1 else {}
-        shown.append(drawn.line("along", series.column, source=now, color=colour, line_width=1.7, **legend))
+        named: dict[str, Any] = {"legend_label": series.name} if len(panel.y) > 1 or panel.log else {}
+        shown.append(drawn.line("along", series.column, source=now, color=colour, line_width=1.7, **named))
     if panel.marks:
-        for kind, marker, colour in (("slip", "triangle", "#D55E00"), ("stick", "circle", "#009E73")):
+        for kind, marker, colour in (("slip", "triangle", _COLOURS[1]), ("stick", "circle", _COLOURS[2])):
             source = ColumnDataSource(name=f"{name}-{kind}", data={"x": [0.1], "y": [0.1]})
-            legend = {"legend_label": kind}
-            drawn.scatter("x", "y", source=source, marker=marker, size=6, color=colour, line_color=None, **legend)
+            drawn.scatter(
+                "x", "y", source=source, marker=marker, size=7, color=colour, line_color=None, legend_label=kind
+            )
     if panel.log:
         point = ColumnDataSource(name="curve-point", data={"x": [0.1], "y": [0.1]})
-        drawn.scatter(
-            "x", "y", source=point, size=11, color="#D55E00", line_color="white", legend_label="mean speed of the run"
-        )
-    drawn.add_tools(
-        HoverTool(name=f"{name}-hover", renderers=shown[:1], mode="vline" if panel.x == "t" or panel.log else "mouse")
-    )
-    for legend in drawn.legend:
-        legend.update(
-            location="top_left", orientation="horizontal", padding=2, margin=4, spacing=10, label_text_font_size="11px",
-            glyph_height=12, glyph_width=16, label_height=12, click_policy="hide",
-        )  # fmt: skip
+        named = {"legend_label": "at the run's mean speed"}
+        drawn.scatter("x", "y", source=point, size=11, color=_COLOURS[1], line_color="white", **named)
+    mode: Any = "vline" if over_time or panel.log else "mouse"
+    drawn.add_tools(HoverTool(name=f"{name}-hover", renderers=shown[:1], mode=mode))
     return drawn
+
+
+_LEGEND: dict[str, Any] = {
+    "orientation": "horizontal", "padding": 0, "margin": 2, "spacing": 12, "label_text_font_size": "11px", "glyph_height": 12,
+    "glyph_width": 16, "label_height": 12, "click_policy": "hide", "border_line_color": None,
+}  # fmt: skip

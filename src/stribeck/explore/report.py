@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from stribeck.errors import InputError
+from stribeck.constants import show
+from stribeck.errors import InputError, arg
 from stribeck.explore.variants import unfit
+from stribeck.files import read_file
 from stribeck.scenario import Scenario
 
 
@@ -26,12 +29,14 @@ def of_folder(folder: Path, changes: Mapping[str, Any], trust: bool) -> Report:
     Raises:
         InputError: the folder is no result of ``stribeck run`` or ``stribeck fit``, or the page cannot show it.
     """
-    path = folder / "scenario.toml"
-    if not path.is_file():
-        raise InputError(
-            f"--report: {str(folder)!r}: must be a folder that 'stribeck run --out' wrote (it has no scenario.toml)"
-        )
-    scenario = Scenario.load(path, changes, trust=trust)
+    try:
+        found = json.loads(read_file(folder / "summary.json"))
+        tables, beside = found["tables"], folder / found["folder"]
+    except (OSError, ValueError, KeyError, TypeError):
+        must = "must be a folder that 'stribeck run --out' wrote (its summary.json holds no scenario)"
+        raise InputError(f"{arg('report')}: {show(str(folder))}: {must}") from None
+    scenario = Scenario(tables, folder=beside, trust=trust)
+    scenario = scenario.with_changes(changes) if changes else scenario
     if text := unfit(scenario):
         raise InputError(f"{scenario.name}: {text}")
     return Report(scenario)

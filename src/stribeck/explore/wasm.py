@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import importlib.util
 import os
 import subprocess
 import sys
@@ -72,12 +73,11 @@ def _word(kind: Any) -> tuple[str, int]:
 
 
 def _compiler() -> str:
-    from importlib.metadata import PackageNotFoundError, version
+    from importlib.metadata import version
 
-    try:
-        return f"ziglang {version('ziglang')}"
-    except PackageNotFoundError:
-        raise MissingExtra("an explorer", "ziglang", "explore") from None
+    if importlib.util.find_spec("ziglang") is None:
+        raise MissingExtra("an explorer", "ziglang", "explore")
+    return f"ziglang {version('ziglang')}"
 
 
 def _module(source: str, compiler: str) -> bytes:

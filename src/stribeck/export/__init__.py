@@ -22,6 +22,7 @@ PARTS = {
     "body": "a body with this friction",
     "observer": "the friction observer",
     "cascade": "the cascade controller of a pneumatic servo",
+    "machine": "a whole machine (schema = 2) with its controllers and its solver",
 }
 
 
@@ -38,8 +39,10 @@ class Target:
 
 
 TARGETS: dict[str, Target] = {
-    "c": Target("c.c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade"), self_test=True),
-    "fmu": Target("fmu.archive", "an FMU for FMI 2.0 and 3.0", ("law", "body", "cascade"), folder=False),
+    "c": Target(
+        "c.c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade", "machine"), self_test=True
+    ),
+    "fmu": Target("fmu.archive", "an FMU for FMI 2.0 and 3.0", ("law", "body", "cascade", "machine"), folder=False),
     "isaaclab": Target("learning.isaaclab", "an actuator for IsaacLab", folder=False),
     "mjwarp": Target("learning.mjwarp", "joint friction for MuJoCo Warp", folder=False),
     "modelica": Target("text.modelica", "a Modelica package", folder=False),
@@ -51,11 +54,11 @@ TARGETS: dict[str, Target] = {
 
 
 def export(
-    law: Law | None,
+    law: Law | Scenario | None,
     target: str,
     out: str | Path,
     *,
-    part: str = "law",
+    part: str | None = None,
     scenario: Scenario | None = None,
     step: float | None = None,
     self_test: bool = False,
@@ -68,12 +71,12 @@ def export(
     :class:`stribeck.StribeckNote`, before anything is written.
 
     Args:
-        law: the law with its constants; None for the scenario's own. Part ``cascade`` has the law of the scenario's
-            observer, and takes no other.
+        law: the law with its constants; None for the scenario's own, or the scenario of a machine. Part ``cascade`` has
+            the law of the scenario's observer, and takes no other.
         target: one of :data:`TARGETS`.
         out: the folder of the files (``c``, ``mujoco``), or the file itself.
-        part: one of :data:`PARTS`; not every target has every part.
-        scenario: where the body's mass, the controller and what else is not the law's is taken from.
+        part: one of :data:`PARTS`; not every target has every part. Unless given "machine" of a machine, else "law".
+        scenario: the machine, or where the body's mass, the controller and what else is not the law's is taken from.
         step: the time step in s that the tool will take.
         self_test: also write a program that checks the rest (target ``c``).
         fmi: 2 or 3, the version of FMI (target ``fmu``).
@@ -86,16 +89,22 @@ def export(
         InputError: no such target or part, or one that this law or target cannot have; nothing is written.
     """
     out = Path(out)
+    if isinstance(law, Scenario):
+        law, scenario = None, law
+    if part is None:
+        part = "machine" if law is None and scenario is not None and scenario.rig is not None else "law"
     problems = _problems(target, part, self_test, step, fmi)
     if problems:
         raise InputError(problems)
     chosen = TARGETS[target]
     if text := trouble(out, chosen.folder):
         raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
-    module = importlib.import_module(f"stribeck.export.{chosen.module}")
-    request = Request(_law(law, part, scenario), part, scenario, step, self_test, origin, fmi)
-    content: dict[str, str | bytes] = module.files(request)
-    for text in module.notes(request) if hasattr(module, "notes") else ():
+    content, notes = (
+        _machine(law, target, scenario, step, self_test, origin, fmi)
+        if part == "machine"
+        else _content(chosen, Request(_law(law, part, scenario), part, scenario, step, self_test, origin, fmi))
+    )
+    for text in notes:
         note(text)
     if not chosen.folder:
         out.parent.mkdir(parents=True, exist_ok=True)
@@ -103,6 +112,27 @@ def export(
         write_with(out, lambda beside: beside.write_bytes(_encode(data)))
         return [out]
     return _write_folder(out, content)
+
+
+def _content(chosen: Target, request: Request) -> tuple[dict[str, str | bytes], list[str]]:
+    """The files of a law, and what it loses there."""
+    module = importlib.import_module(f"stribeck.export.{chosen.module}")
+    content: dict[str, str | bytes] = module.files(request)
+    return content, module.notes(request) if hasattr(module, "notes") else []
+
+
+def _machine(
+    law: Law | None, target: str, scenario: Scenario | None, step: float | None, self_test: bool, origin: str, fmi: int
+) -> tuple[dict[str, str | bytes], list[str]]:
+    """The files of a machine."""
+    from stribeck.export.machine.model import MachineModel
+
+    given = {"law": law.name if law is not None else None, "step": step, "self_test": self_test or None}
+    if wrong := [f"{arg(n)}: {show(x)}: must be left out" for n, x in given.items() if x is not None]:
+        raise InputError([f"{text}: part 'machine' takes all from the scenario" for text in wrong])
+    model = MachineModel(scenario, origin)
+    content = importlib.import_module(f"stribeck.export.machine.{target}")
+    return (content.files(model, fmi) if target == "fmu" else content.files(model)), model.notes()
 
 
 def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
@@ -117,6 +147,8 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
             )
         return law
     servo = scenario.servo if part == "cascade" else None
+    if servo is None and law is not None:
+        return law
     own = servo.observer if servo is not None and servo.observer is not None else scenario.law
     if servo is not None and law is not None and not law.same_as(own):
         text = "must be left out: part 'cascade' has the law of the scenario's [drive.observer]"

@@ -31,7 +31,7 @@ class AsObject:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, AsObject):
             return NotImplemented
-        return type(self) is type(other) and (self._numbers, self.rotary) == (other._numbers, other.rotary)
+        return type(self) is type(other) and self._numbers == other._numbers
 
     def __hash__(self) -> int:
         return hash((type(self), *self.values.items(), *self.choices.items()))

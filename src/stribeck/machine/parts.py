@@ -6,7 +6,8 @@ the file and the run-time constants name it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, is_dataclass, replace
+from dataclasses import fields as fields_of
 from functools import cached_property
 from types import SimpleNamespace
 from typing import Any
@@ -22,6 +23,8 @@ from stribeck.signals import Signal
 from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
 
 RATIO = Constant("", "how far `from` counts", default=1.0)
+INPUT = "input"  # what an exported machine adds to a signal
+_INPUT = Constant("", "added to the signal", default=0.0)
 Named = dict[str, Constant]
 
 
@@ -32,13 +35,14 @@ def made(path: str) -> Any:
 
 @dataclass(frozen=True)
 class SignalUse:
-    """A signal of the machine: a name for its numbers in the code, its table, its kind (None: straight pieces), and
-    whether it is cut where it turns."""
+    """A signal of the machine: a name for its numbers in the code, its table, its kind (None: straight pieces), whether
+    it is cut where it turns, and whether something is added to it from outside (an export's input)."""
 
     name: str
     path: str
     kind: type[Signal] | None
     turns: bool = False
+    open: bool = False
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -47,13 +51,15 @@ class SignalUse:
 
     def constants(self) -> Named:
         """The constants of a run."""
-        return {n: self.kind.constants[n] for n in constants(self.kind)} if self.kind else {}
+        own = {n: self.kind.constants[n] for n in constants(self.kind)} if self.kind else {}
+        return {**own, INPUT: _INPUT} if self.open else own
 
     def reference(self, t: Expr) -> Reference:
         """The signal and its derivatives at the time t."""
         values = {n: symbol(f"segment.{self.name}_{n}") for n in self.fields}
         values |= {n: symbol(f"{self.path}.{n}") for n in self.constants()}
-        return reference(self.kind, SimpleNamespace(**values), t, values.get(DIRECTION, 0.0))
+        found = reference(self.kind, SimpleNamespace(**values), t, values.get(DIRECTION, 0.0))
+        return replace(found, value=found.value + values[INPUT]) if self.open else found
 
 
 @dataclass(frozen=True)
@@ -271,3 +277,15 @@ class ControllerPart:
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
         return self.kind.symbolic(made(self.path), self.form)
+
+
+def opened(part: Any) -> Any:
+    """A machine, or a part of one, to whose signals something can be added from outside; not to those that multiply
+    parameters, which must stay positive."""
+    if isinstance(part, SignalUse):
+        return part if ".factors." in part.path else replace(part, open=True)
+    if isinstance(part, tuple):
+        return tuple(map(opened, part))
+    if is_dataclass(part) and not isinstance(part, type):
+        return replace(part, **{field.name: opened(getattr(part, field.name)) for field in fields_of(part)})
+    return part

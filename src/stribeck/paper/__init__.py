@@ -18,7 +18,7 @@ from stribeck.version import __version__
 # In the order of the report; a new chapter is a module here and a name in this list.
 CHAPTERS = (
     "steady", "smoothing", "presliding", "stick_slip", "sine_force", "limit_cycle", "break_away", "servo", "statements",
-    "beyond", "guarantees", "evidence", "which_k_v",
+    "beyond", "guarantees", "evidence", "which_k_v", "joint",
 )  # fmt: skip
 _READS_OTHERS = ("statements",)  # chapters made of what the others computed
 _SLOWEST_FIRST = ("guarantees", "servo", "evidence", "which_k_v", "beyond", "stick_slip", "limit_cycle", "break_away")

@@ -129,6 +129,11 @@ def check_varied(varied: Varied, v_max: float | None, work: float) -> LevelVerdi
     return found
 
 
+def passive_always(varied: Varied, v_max: float | None, work: float) -> Verdict:
+    """Passivity alone, for every history within the ranges."""
+    return _Decided(varied, v_max, work, {}).passive()
+
+
 class _Decided:
     """Decides each property once."""
 

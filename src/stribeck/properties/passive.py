@@ -11,11 +11,12 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, wrap
+from stribeck.expressions.ops import where
 from stribeck.properties import cycles, enclosed, fitted, replay
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import NULL, Claims
 from stribeck.properties.endless import steady_gain, without_limit
-from stribeck.properties.model import RATE, SIGNS, Model, V, Z, depends
+from stribeck.properties.model import RATE, SIGNS, Model, U, V, W, Z, depends, divided
 from stribeck.properties.storage import Storage, largest_speed
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
@@ -26,6 +27,8 @@ _FITTED = (
     "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with S' the elastic force near z = 0 and "
     "fitted to [L, U] beyond"
 )
+_STORED = "the elastic energy, sigma_0 z^2/2 for a linear spring"
+_GIVEN_BACK = "what the bristles give back when they are unwound slowly: S' = F v/(dz/dt) as v -> 0"
 _NEITHER = "no storage function exists as far as sampled, but no run that draws energy was confirmed"
 _CYCLE = "a cycle of held speeds that returns z to its start and draws energy (enclosed by interval arithmetic)"
 
@@ -59,7 +62,7 @@ def decide(model: Model, claims: Claims, bounded: Certificate | None, refuted: b
 
 
 def elastic_forces(model: Model) -> Iterator[Expr]:
-    """Candidates for S': that of the law's stored energy, and F at rest."""
+    """Candidates for S': that of the law's stored energy, F at rest, and what slow unwinding gives back."""
     slope = derivative(model.stored, Z) if model.stored is not None else ZERO
     if not is_zero(slope):
         yield slope
@@ -71,6 +74,23 @@ def elastic_forces(model: Model) -> Iterator[Expr]:
         yield at_rest
     if is_zero(at_rest):
         yield ZERO
+    elif (slow := _slowly_unwound(model, at_rest)) is not None:
+        yield slow
+
+
+def _slowly_unwound(model: Model, at_rest: Expr) -> Expr | None:
+    """F v/f where v is small and unwinds z: what a storage function must at least hold."""
+    sides = []
+    for t in SIGNS:  # f/|v| at v -> 0, from the side that unwinds
+        ratio = divided(model.form(-t, t), U)
+        if ratio is None:
+            return None
+        sign = -t
+        while ratio.op == "neg":
+            ratio, sign = ratio.args[0], -sign
+        top, bottom = ratio.args if ratio.op == "div" else (ratio, wrap(1.0))
+        sides.append(substitute([at_rest * bottom / (top * sign)], {U: wrap(0.0), W: Z * t})[0])
+    return wrap(where(Z >= 0.0, *sides))
 
 
 def _numeric(model: Model, slope: Expr) -> fitted.Slope:
@@ -105,7 +125,7 @@ def _proved(model: Model, claims: Claims, storage: Storage, bounded: Certificate
             shown = claims.power(slope, u, (NULL, reach), (*SIGNS, 0))
             if shown is not None:
                 certificate = Certificate("passive", "storage", [*shown, *rising], {"slope": slope}, hypotheses)
-                evidence = {"storage": "the elastic energy, sigma_0 z^2/2 for a linear spring", **bounds}
+                evidence = {"storage": _STORED if slope.op != "where" else _GIVEN_BACK, **bounds}
                 return proved(model, certificate, _OWN, evidence)
             reasons.append("with the elastic energy as storage no proof was found")
         elif reach is not None and served[0]:

@@ -23,6 +23,7 @@ from stribeck.properties.ranges import of_contact
 from stribeck.properties.verdicts import Verdict, Verdicts, undecided
 from stribeck.properties.worst import Varied
 from stribeck.scenario import Scenario
+from stribeck.scenario.objects import scenario_of
 
 ONLY = "contact"  # the name of the contact of a single body
 _WORK = 400
@@ -84,27 +85,27 @@ class MachineVerdicts:
 
 
 def check_machine(
-    scenario: Scenario | str | Any,
-    v_max: float | None = None,
-    forces: Mapping[str, float] | None = None,
+    scenario: Any, v_max: float | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
     work: float = WORK,
-) -> MachineVerdicts:
+) -> MachineVerdicts:  # fmt: skip
     """Each contact of a machine, for every history of its constants that the file allows, and what follows for the whole.
 
     The constants' ranges are bounds over the whole run of the factors' signals, over all positions of the factors' waves,
     and over whatever the loads do; the force of a link or of a motor has no bound unless ``forces`` states one.
 
     Args:
-        scenario: a :class:`Scenario`, its file or its tables; a law on a single body is a machine of one contact.
+        scenario: a :class:`Scenario`, its file or its tables, or a :class:`Machine` (with ``t_end``); a law on a single
+            body is a machine of one contact.
         v_max: passivity is asked for \\|w\\| <= v_max at the contacts.
         forces: by name of a link, load or motor: its force stays within +- so much, N or N m. The caller vouches for it.
+        t_end: the end of the run, s, over which signals are bounded; the scenario's unless given.
         work: as for :func:`stribeck.check`, for each contact.
 
     Raises:
         InputError: no valid scenario, or no such force.
     """
     started = process_time()
-    scenario = Scenario.of(scenario)
+    scenario = scenario_of(scenario, t_end, None)
     stated = dict(forces or {})
     _refuse(scenario, stated)
     if scenario.rig is None:

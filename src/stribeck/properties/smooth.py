@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 
 from stribeck.expressions.graph import Expr, derivative, ordered
-from stribeck.expressions.ranges import Box, Range
+from stribeck.expressions.ranges import EVERYTHING, Box, Range
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import Claims
-from stribeck.properties.model import SIGNS, Model, U, W, depends
+from stribeck.properties.model import SIGNS, Model, U, W, depends, divided
 from stribeck.properties.seams import EVERYWHERE, Joints, Seam, seams
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
@@ -113,6 +113,13 @@ def _at_axis(model: Model, name: str, expr: Expr, axis: str, side: int, other: f
     sides = [(t, side) if axis == "v" else (side, t) for t in SIGNS]
     box = {**model.inputs, str(here.value): (0.0, own * _TINY), str(there.value): (other, other)}
     forms = [model.form_of(expr, *each) for each in sides]
+    if Box(box)(model.form_of(expr, 0, side) if axis == "v" else model.form_of(expr, side, 0)) == (0.0, 0.0):
+        # 0 at v = 0: the quotients (f(v) - 0)/v for all small v of either sign, where derivatives have no finite range
+        quotients = [divided(f, here) for f in forms]
+        above, below = (_range(q, box) if q is not None else EVERYTHING for q in quotients)
+        if _apart(above, (-below[1], -below[0])):
+            at = (0.0, other * side) if axis == "v" else (other * side, 0.0)
+            yield _verdict(name, f"{axis} = 0", at, here, above, (-below[1], -below[0]))
     for by in (here, there, None):
         above, below = (_range(derivative(f, by) if by is not None else f, box) for f in forms)
         if by is here:

@@ -116,15 +116,13 @@ def find(low: Law, high: Law, v_max: float | None = None) -> Iterator[Swing]:
     stores = [Storage(law, v_max, float(law.z_bound(law.p))) for law in (high, low)]
     top = max(store.largest for store in stores)
     found = []
-    for rising in stores:
-        for falling in stores:
-            reach = min(rising.largest, top) * (1 - 1e-9)
-            speeds = _speeds(rising.law, falling.law, v_max)
-            for share in _NEAR:
-                z = np.linspace(reach * (1 - share), reach, 81)
-                best = cycles.best(rising, falling, speeds, speeds, z)
-                if best is not None:
-                    found.append((best[0], Swing(rising.law, falling.law, *best[1:])))
+    for rising, falling in (stores, stores[::-1]):
+        reach = min(rising.largest, top) * (1 - 1e-9)
+        speeds = _speeds(rising.law, falling.law, v_max)
+        for share in _NEAR:
+            best = cycles.best(rising, falling, speeds, speeds, np.linspace(reach * (1 - share), reach, 61))
+            if best is not None:
+                found.append((best[0], Swing(rising.law, falling.law, *best[1:])))
     for _, swing in sorted(found, key=lambda x: x[0]):
         yield swing
 

@@ -22,7 +22,8 @@ class Verdict:
         evidence: numbers that belong to it, SI units.
         scenario: of a counterexample, the tables of a scenario that shows it; else None.
         certificate: of a proof, plain data that ``stribeck check --verify`` and others can check; else None.
-        verified: whether the independent checker, or a second run of the scenario, agreed; None where neither was asked.
+        verified: whether the independent checker, and for a counterexample a second run of its scenario, agreed; None
+            where neither was asked or could tell.
         stated: what the scenario ends with.
     """
 
@@ -47,8 +48,13 @@ class Verdict:
             from stribeck.properties.verify_certificate import verify
 
             self.verified = self.certificate is not None and not verify(self.certificate, law, name, v_max)
-        elif self.scenario is not None and self.stated:
-            self.verified = replay.repeats(self.scenario, self.stated)
+        elif self.holds is False:
+            from stribeck.properties.verify_certificate.counterexamples import confirmed
+
+            agreed = confirmed(law, name, self.evidence)
+            if self.scenario is not None and self.stated:
+                agreed = agreed is not False and replay.repeats(self.scenario, self.stated)
+            self.verified = agreed
         return self.verified
 
 

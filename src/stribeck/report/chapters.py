@@ -25,7 +25,7 @@ def write_page(
     """Write report.html, which stands alone; its path."""
     about = f"Stribeck {__version__}" + (f", {command}" if command else "")
     path = folder / "report.html"
-    write_text(path, html(title, about, introduction, chapters))
+    write_text(path, html(title, about, introduction, chapters, command))
     return path
 
 
@@ -94,7 +94,13 @@ def of_law(law: Law, key: str = "law", of: str = "") -> Chapter:
     about = " ".join((type(law).__doc__ or "").split())
     lines = "\n".join(each.text for each in equations(type(law), law.structure))
     table = Table(["constant", "value", "unit", "meaning"], rows, prose=True)
-    return Chapter(key, f"The law {law.name}", [about, f"Source: {law.source}."], [table], code=lines)
+    return Chapter(
+        key,
+        f"The law{of}: {law.name}" if of else f"The law {law.name}",
+        [about, f"Source: {law.source}."],
+        [table],
+        code=lines,
+    )
 
 
 def of_scenario(scenario: Scenario) -> Chapter:

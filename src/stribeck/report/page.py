@@ -70,8 +70,8 @@ def _whole(text: str) -> str:
     return Markup(re.sub(r"--[\w-]+", r'<span class="whole">\g<0></span>', str(escape(text))))
 
 
-def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence[Chapter]) -> str:
-    """The page: nothing in it is fetched from elsewhere."""
+def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence[Chapter], command: str = "") -> str:
+    """The page: nothing in it is fetched from elsewhere. ``command`` is what a button copies."""
     with needed("a page"):
         import jinja2
 
@@ -79,5 +79,5 @@ def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
     environment.filters["whole"] = _whole
     return environment.from_string(template).render(
-        title=title, about=about, introduction=introduction, chapters=chapters
+        title=title, about=about, introduction=introduction, chapters=chapters, command=command
     )

@@ -52,6 +52,12 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
     return factor, name + unit
 
 
+def human(x: float, unit: str) -> str:
+    """A number of three digits in a unit that keeps it short: ``0.0642`` m is ``64.2 mm``."""
+    factor, name = prefixed(unit, abs(x))
+    return f"{x / factor:.3g} {name}"
+
+
 def scale(shown: Iterable[Quantity], plain: bool = False) -> Scale:
     """The scale on which these quantities of one unit stand; the first gives the label. ``plain``: in SI, for powers."""
     shown = list(shown)

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from stribeck.errors import left_out
-from stribeck.files import together, write_json
+from stribeck.files import finite, together, write_json
 from stribeck.report import chapters
 from stribeck.report.files import write_figure, write_table
 from stribeck.report.overview import overview
 from stribeck.report.page import FigureSvg
+from stribeck.report.quantities import human
 from stribeck.simulation import Solution
 
 
@@ -24,8 +28,33 @@ def write(solution: Solution, folder: Path, summary: dict[str, Any], command: st
             paths.append(_page(solution, figure, place, command))
         paths.append(place / "summary.json")
         files = [str(folder / path.name) for path in paths]
-        write_json(paths[-1], {**summary, "files": [*summary["files"], *files]})
+        tables = {"tables": finite(solution.scenario.data), "folder": _folder(solution, folder)}
+        write_json(paths[-1], {**summary, "files": [*summary["files"], *files], **tables})
     return files
+
+
+def _folder(solution: Solution, folder: Path) -> str:
+    """Where the scenario's relative paths begin, seen from the result, so that both can be moved together."""
+    try:
+        return os.path.relpath(solution.scenario.folder.absolute(), folder.absolute())
+    except ValueError:  # another drive
+        return str(solution.scenario.folder.absolute())
+
+
+def _in_short(solution: Solution) -> str:
+    """What happened, in one line and in units that a person would use."""
+    if solution.scenario.rig is not None:
+        told = ", ".join(f"{c.name} up to {human(solution.peaks[c.name], c.unit)}" for c in solution.columns[:4])
+        return f"Largest magnitudes: {told}."
+    slips = solution.events["slip"]
+    moves = f"{'Turns' if solution.scenario.rotary else 'Moves'} up to {human(solution.peaks['y'], solution.columns[0].unit)}"
+    if len(slips) > 3:
+        last = np.diff(slips[-21:])
+        return f"Sticks and slips {len(slips)} times, lately every {human(float(np.mean(last)), 's')}. {moves}."
+    if len(slips):
+        times = "once, at" if len(slips) == 1 else f"{len(slips)} times, first at"
+        return f"Slips {times} t = {human(float(slips[0]), 's')}. {moves}."
+    return f"{moves}; |v| never passes v_s."
 
 
 def _page(solution: Solution, figure: FigureSvg, folder: Path, command: str) -> Path:
@@ -35,5 +64,9 @@ def _page(solution: Solution, figure: FigureSvg, folder: Path, command: str) -> 
         chapters.result(solution), *chapters.plots([figure]), *chapters.of_laws(scenario), chapters.of_scenario(scenario),
     ]  # fmt: skip
     return chapters.write_page(
-        folder, scenario.name, [f"{about[0].upper()}{about[1:]}: {solution.status}."], found, command
+        folder,
+        scenario.name,
+        [_in_short(solution), f"{about[0].upper()}{about[1:]}: {solution.status}."],
+        found,
+        command,
     )

@@ -308,7 +308,8 @@ def _top(page: _Page, layout: _Layout, body: str, y_control: float, y_above: flo
         target = (places[entry.start], y_above) if entry.start in places else (layout.x[body], y_box)
         page.arrow([(x, y_control + 28), (x, y_above - 14), (target[0], y_above - 14), target])
         measured = layout.x[str(entry.end)] - _BOX / 2 + 10
-        side = x - 64
+        left = min(layout.slots(body, max(1, len(above))))  # of all that stands above: the line passes none of it
+        side = min(x - 64, left - 16) - 6 * layout.control[body].index(entry)
         page.arrow([(measured, y_box), (measured, y_box - 12), (side, y_box - 12), (side, y_control + 14),
                     (x - 40, y_control + 14)], "d")  # fmt: skip
 

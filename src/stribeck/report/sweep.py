@@ -164,7 +164,13 @@ class Sweep:
         table = s.pieces()
         pieces = [table.start, table.rows, table.restart]
         about = s.data["drive"] if s.rig is None else sorted(s.rig.seeds.items())
-        numbers = [sorted((*key, x) for key, x in s.values().items()), s.initial, s.atol(), s.threshold, s.end]
+        numbers = [
+            sorted((*key, x) for key, x in s.values().items()),
+            s.initial,
+            s.atol(),
+            s.levels() if s.rig else s.threshold,
+            s.end,
+        ]
         settings = [
             s.solve.rtol, step_share(s), s.solve.max_steps, s.output.step, s.rows, list(lanes.values), about,
         ]  # fmt: skip

@@ -225,7 +225,7 @@ EXPORT int stribeck_advance(Run *run)
     find_timing(p, &timing);
 #endif
     double k[STAGES][N], x_new[N], f0[N], df_dt[N];
-    Jacobian jac;
+    Jacobian jac = {0};
     int fresh = 0;        /* f0 and the Jacobian belong to the present state */
     int after_output = 0; /* the present step is the first after an output */
     if (run->row == 0 && run->rows > 0) { /* the first call: the first row is kept whatever comes after */

@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario import servo, tables
 from stribeck.scenario.changes import changed, parse_assignment, plain, unfolds
-from stribeck.scenario.machine import Rig
 from stribeck.scenario.memory import ROWS_LARGEST
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.servo import Servo
@@ -30,6 +29,9 @@ from stribeck.scenario.trust import named
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, pieces
 from stribeck.system import Groups, System
+
+if TYPE_CHECKING:
+    from stribeck.scenario.machine import Rig
 
 __all__ = ["Scenario", "parse_assignment"]
 

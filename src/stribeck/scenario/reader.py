@@ -10,7 +10,7 @@ from stribeck.control.cascade import Cascade
 from stribeck.control.observer import SCALES
 from stribeck.equations import Equations
 from stribeck.errors import nearest
-from stribeck.scenario import machine, memory, servo, tables, trust
+from stribeck.scenario import memory, servo, tables, trust
 from stribeck.scenario.law import LawReader, no_table, unknown
 from stribeck.scenario.signal import read_signal
 from stribeck.system import System
@@ -66,6 +66,8 @@ class Reader:
 
     def _machine(self) -> list[tables.Problem]:
         """A machine: bodies, and elements between them."""
+        from stribeck.scenario import machine  # costs a fifth of a start, which other files need not pay
+
         s = self.scenario
         self._unknown(self.data, "", machine.TOP)
         self._schema(2)

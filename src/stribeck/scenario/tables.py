@@ -216,7 +216,8 @@ def _problem(details: Any, model: type[Table], path: str) -> Problem:
         return full, f"{show(value)}: unknown key{guess}"
     declared = _declared(model, where)
     if kind == "missing":
-        return full, f"missing: must be given ({declared['description']})"
+        meaning = declared.get("description")  # ends of a link have none
+        return full, f"missing: must be given{f' ({meaning})' if meaning else ''}"
     text = f"{show(value)}: must be {_allowed(declared)}"
     is_number = kind_of(value) == "a number" and declared.get("type") in ("number", "integer")
     return full, f"{text}, not {kind_of(value)}" if kind.endswith("_type") and not is_number else text
@@ -228,7 +229,8 @@ def _declared(model: type[Table], where: tuple[Any, ...]) -> dict[str, Any]:
     for part in where:
         inner = "items" if isinstance(part, int) else "additionalProperties"
         node = node.get("properties", {}).get(part) or node[inner]
-        node = node.get("anyOf", [node])[0]  # the other one is the None of what may be left out
+        if "anyOf" in node:  # the other one is the None of what may be left out
+            node = {**node["anyOf"][0], **({"description": node["description"]} if "description" in node else {})}
         if "$ref" in node:
             node = schema["$defs"][node["$ref"].rpartition("/")[2]]
     return node

@@ -53,6 +53,9 @@ class Curve(Signal):
             found.append(
                 (f"t[{i}]", f"{t[i]}: times must increase, a jump has no derivatives (the one before is {t[i - 1]})")
             )
+        if not found and (steep := np.flatnonzero(~np.isfinite(_seventh(t, value)))).size:
+            i = int(steep[0]) + 1
+            found.append((f"value[{i}]", f"{value[i]}: too far from the one before for the time between them"))
         return found
 
     @staticmethod
@@ -98,6 +101,12 @@ class Curve(Signal):
         return sorted(found)
 
 
+def _seventh(t: Array, value: Array) -> Array:
+    """The size of the highest coefficients between points."""
+    with np.errstate(all="ignore"):
+        return np.asarray(1e3 * np.diff(value) / np.diff(t) ** 7)
+
+
 class PointToPoint(Curve):
     """Moves from point to point that begin and end without speed, acceleration and jerk."""
 
@@ -110,8 +119,9 @@ class PointToPoint(Curve):
         rows = np.zeros((len(t) - 1, 8))
         rows[:, 0] = value[:-1]
         length = np.diff(t)
-        for n, factor in enumerate(_MOVE, start=4):
-            rows[:, n] = factor * np.diff(value) / length**n
+        with np.errstate(over="ignore"):  # of a time without end
+            for n, factor in enumerate(_MOVE, start=4):
+                rows[:, n] = factor * np.diff(value) / length**n
         return rows
 
 

@@ -76,7 +76,7 @@ def _wanted_share(scenario: Scenario) -> float:
     """A contact that is hardly damped swings many times, and the errors of all swings add up."""
     if scenario.system.held:
         return _SAMPLED_SHARE
-    return share_of(damping_ratio(scenario))
+    return float(share_of(damping_ratio(scenario)))
 
 
 def share_of(damping: Value) -> Value:

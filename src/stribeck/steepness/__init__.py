@@ -8,7 +8,7 @@ simulations, by bisection.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,14 +18,16 @@ from stribeck.errors import InputError, nearest
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.steepness.cost import Cost, SampleTime, cost
-from stribeck.steepness.search import Requirement, Tolerance, counterpart, family
+from stribeck.steepness.level import LEVELLED, LevelAdvice, level_advice
+from stribeck.steepness.search import Requirement, Tolerance, counterpart, family, with_k_v
 from stribeck.steepness.simulated import PositionError, PreslidingError
 from stribeck.steepness.steady import Creep, SteadyError
 
-__all__ = ["Advice", "Cost", "Requirement", "advise"]
+__all__ = ["Advice", "Cost", "LevelAdvice", "Requirement", "advise"]
 
 _POSITIVE = Constant("", "", above=0)
 MAJORANTS = {"lugre": "lugre_majorant", "elastoplastic": "elastoplastic_majorant"}
+_TOLERANCES = ("creep", "steady_error", "presliding_error", "position_error", "sample_time")
 _FASTEST = 100.0  # v_max as a multiple of v_s, unless given
 
 
@@ -38,12 +40,14 @@ class Advice:
         k_v: in s/m; 0 where any will do, None where none will.
         requirements: each by itself, and the k_v that it needs.
         cost: the price at this k_v.
+        level: what keeps a contact with this law passive while its level varies; None where that was not asked.
     """
 
     law: str
     k_v: float | None
     requirements: tuple[Requirement, ...]
     cost: Cost | None
+    level: LevelAdvice | None = None
 
     def summary(self) -> dict[str, Any]:
         """As plain data."""
@@ -65,6 +69,7 @@ def advise(
     sample_time: float | None = None,
     v_max: float | None = None,
     mass: float | None = None,
+    level: tuple[float, float] | None = None,
     **constants: float | str,
 ) -> dict[str, Advice]:
     """The smallest k_v that meets what is tolerated, for a law and for the majorant law of its family.
@@ -84,6 +89,8 @@ def advise(
         sample_time: the step of the target in s, at which explicit Euler of the bristle is to be stable up to ``v_max``.
         v_max: the largest speed that matters, m/s; 100 v_s unless given.
         mass: of the body in kg, for the presliding cycle (so light that it plays no part unless given) and the cost.
+        level: (LOW, HIGH): the contact's F_c and F_s vary between LOW and HIGH times their values. The answer is the largest
+            v_d that keeps it passive whatever they do, at the k_v found; alone, for the k_v given, or the smallest that will do.
         **constants: the law's other constants (``z_ba=7e-6``), or single parameters.
 
     Returns:
@@ -99,7 +106,12 @@ def advise(
         "creep": creep, "share": share, "steady_error": steady_error, "speed": speed, "presliding_error": presliding_error,
         "force_rate": force_rate, "position_error": position_error, "sample_time": sample_time, "v_max": v_max, "mass": mass,
     }  # fmt: skip
-    problems = _problems(given, scenario)
+    only_level = level is not None and all(given[name] is None for name in _TOLERANCES)
+    problems = _problems(given, scenario, only_level)
+    if level is not None and not 0 < level[0] <= level[1] < float("inf"):
+        problems.append(f"level: {show(list(level))}: must be two finite numbers, 0 < LOW <= HIGH")
+    if only_level and not problems:
+        return advise_level(law, parameters, scenario, level, constants)
     if "k_v" in constants:
         problems.append(f"k_v: {show(constants['k_v'])}: is what is asked for; must be left out")
     if problems:
@@ -118,7 +130,26 @@ def advise(
             wanted.append(PositionError(tolerance=position_error, given=scenario))
         wanted += [SampleTime(sample_time, fastest)] if sample_time is not None else []
         advices[each] = _advice(one, [tolerance.need(one) for tolerance in wanted], fastest, mass)
+        if level is not None and advices[each].k_v and each in LEVELLED:
+            there = with_k_v(one, advices[each].k_v or 1.0)
+            advices[each] = replace(advices[each], level=level_advice(there, *level, fastest))
     return advices
+
+
+def advise_level(
+    law: str,
+    parameters: Any,
+    scenario: Scenario | None,
+    level: tuple[float, float] | None,
+    constants: Mapping[str, Any],
+) -> dict[str, Advice]:
+    """The answer about the level alone, for one law and any k_v."""
+    assert level is not None
+    if parameters is None and scenario is not None:
+        parameters = dict(scenario.law.machine)
+    found = laws.law(law, parameters, **constants)
+    answer = level_advice(found, *level, _FASTEST * found.scales(found.p).speed)
+    return {found.name: Advice(found.name, found.values.get("k_v"), (), None, answer)}
 
 
 def _advice(law: Law, found: Iterable[Requirement], v_max: float, mass: float | None) -> Advice:
@@ -128,7 +159,7 @@ def _advice(law: Law, found: Iterable[Requirement], v_max: float, mass: float | 
     return Advice(law.name, k_v, found, cost(law, k_v, v_max, mass) if k_v else None)
 
 
-def _problems(given: Mapping[str, float | None], scenario: Scenario | None) -> list[str]:
+def _problems(given: Mapping[str, float | None], scenario: Scenario | None, only_level: bool) -> list[str]:
     found = []
     for name, value in given.items():
         if value is not None and (text := _POSITIVE.problem(value)):
@@ -139,9 +170,8 @@ def _problems(given: Mapping[str, float | None], scenario: Scenario | None) -> l
         missing = scenario is None if other == "scenario" else given[other] is None
         if given[one] is not None and missing:
             found.append(f"{other}: missing: must be given with {one}")
-    tolerances = ("creep", "steady_error", "presliding_error", "position_error", "sample_time")
-    if all(given[name] is None for name in tolerances):
-        found.append(f"missing: what is tolerated: at least one of {', '.join(tolerances)}")
+    if not only_level and all(given[name] is None for name in _TOLERANCES):
+        found.append(f"missing: what is tolerated: at least one of {', '.join(_TOLERANCES)}, level")
     if given["position_error"] is not None and scenario is not None and scenario.drive.sets_velocity:
         found.append("scenario: its drive sets the velocity, so the position does not depend on the law: use another")
     return found

@@ -50,12 +50,12 @@ function colours() {
   for (const figure of figures()) {
     figure.setv({ background_fill_color: paper, border_fill_color: paper, outline_line_color: line });
     for (const axis of [...figure.below, ...figure.left]) {
-      if (axis.axis_label_text_color === undefined && !("axis_label" in axis)) continue;
+      if (!("axis_label" in axis)) continue;
       axis.setv({ axis_label_text_color: ink, major_label_text_color: soft, axis_line_color: line, major_tick_line_color: line, minor_tick_line_color: null });
     }
-    for (const grid of figure.center) {
-      if ("grid_line_color" in grid) grid.grid_line_color = line;
-      if ("label_text_color" in grid) grid.setv({ label_text_color: ink, background_fill_color: paper, background_fill_alpha: 0.75, border_line_color: null });
+    for (const each of [...figure.center, ...figure.above]) {
+      if ("grid_line_color" in each) each.grid_line_color = line;
+      if ("label_text_color" in each) each.setv({ label_text_color: ink, background_fill_color: paper });
     }
   }
 }

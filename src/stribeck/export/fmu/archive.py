@@ -30,6 +30,12 @@ def files(request: Request) -> dict[str, str | bytes]:
         f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
         "fmu.c": render(f"{model}.c", **values) + render(f"fmi{fmi}.c", **values),
     }
+    return packed(sources, values)
+
+
+def packed(sources: dict[str, str], values: dict[str, Any]) -> dict[str, str | bytes]:
+    """The archive of these sources, of which ``fmu.c`` includes the others, with what the description needs."""
+    fmi = values["fmi"]
     content: dict[str, str | bytes] = {"modelDescription.xml": model_description(values)}
     content |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:

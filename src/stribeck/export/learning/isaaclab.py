@@ -7,14 +7,13 @@ import inspect
 from stribeck.export.c.ccode import render
 from stribeck.export.learning.common import header
 from stribeck.export.python import stepping
-from stribeck.export.python.torch import loop
 from stribeck.export.python.written import Written
 from stribeck.export.request import Request
 
 
 def files(request: Request) -> dict[str, str]:
     """The Python file; its step is the text of :mod:`stribeck.export.python.stepping`."""
-    parts = (loop, stepping.settled, stepping.balance, stepping.solved)
+    parts = (stepping.loop, stepping.settled, stepping.balance, stepping.solved)
     text = "\n\n".join(inspect.getsource(part) for part in parts).rstrip()
     content = render("isaaclab.txt", about=header(request), eq=Written(request.law), stepping=text)
     return {f"{request.name}_isaaclab.py": content}

@@ -2,14 +2,20 @@
 
 w, the velocity at the end of the step, solves inertia/dt (w - v) + F(w, z(w)) = effort, with z(w) the root x of
 x = z + dt dz/dt(w, x): backward Euler, as the exported C's ``body_step`` does it and by the same iteration. ``xp`` is
-the library (``torch``, ``jax.numpy``, ``numpy``), ``loop(body, state)`` repeats body while any entry of state[0] is
-unfinished, and ``law`` has the equations: see :func:`stribeck.export.python.written.equations`.
+the library (``torch``, ``jax.numpy``, ``numpy``), ``loop(body, state)`` is :func:`loop` or JAX's, and ``law`` has the equations: see :func:`stribeck.export.python.written.equations`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any
+
+
+def loop(body: Any, state: Any) -> Any:
+    """Repeat body while any entry of state[0] is unfinished."""
+    while bool(state[0].any()):
+        state = body(state)
+    return state
 
 
 def settled(xp: Any, loop: Callable[..., Any], law: Any, p: Any, v: Any, z: Any, dt: Any) -> Any:

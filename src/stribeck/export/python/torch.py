@@ -25,13 +25,6 @@ class _Backend:
 ops.register("torch", _Backend())
 
 
-def loop(body: Any, state: Any) -> Any:
-    """Repeat body while any entry of state[0] is unfinished."""
-    while bool(state[0].any()):
-        state = body(state)
-    return state
-
-
 class TorchLaw:
     """A law on PyTorch tensors. The law's constants hold unless they are given by name, one number or one for each
     world: ``law.step(z, v, effort, inertia, dt, F_s=1.5 + torch.rand(4096))``.
@@ -79,12 +72,12 @@ class TorchLaw:
         arguments = (state, v, *rest)
         if self._torch.is_grad_enabled() and (names or any(x.requires_grad for x in arguments)):
             return _differentiable(self._torch)(self._equations, p, names, *arguments, *(getattr(p, n) for n in names))
-        return stepping.solved(self._torch, loop, self._equations, p, arguments)[:2]
+        return stepping.solved(self._torch, stepping.loop, self._equations, p, arguments)[:2]
 
     def settle(self, state: Any, v: Any, dt: Any, **constants: Any) -> Any:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
         p, (v, state, dt) = self._prepared(constants, v, state, dt)
-        return stepping.settled(self._torch, loop, self._equations, p, v, state + 0 * v, dt)
+        return stepping.settled(self._torch, stepping.loop, self._equations, p, v, state + 0 * v, dt)
 
     def _prepared(self, constants: dict[str, Any], *values: Any) -> tuple[SimpleNamespace, list[Any]]:
         """The constants and the values as tensors of one type, on one device."""
@@ -112,7 +105,7 @@ def _differentiable(torch: Any) -> Any:
             def forward(ctx: Any, law: Any, p: Any, names: Any, *values: Any) -> Any:
                 given = tuple(x.detach() for x in values[:5])
                 bare = SimpleNamespace(**{n: x.detach() for n, x in vars(p).items()})
-                x, force, w, jump = stepping.solved(torch, loop, law, bare, given)
+                x, force, w, jump = stepping.solved(torch, stepping.loop, law, bare, given)
                 ctx.law, ctx.p, ctx.names, ctx.solution, ctx.given = law, bare, names, (x, w, jump), given
                 ctx.shapes = [value.shape for value in values]
                 return x, force

@@ -14,7 +14,7 @@ from stribeck.expressions.graph import Expr, derivative, rewrite, symbol
 from stribeck.laws.base import Law
 
 FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign", "floor", "where", "both", "either")
-_TAKEN = frozenset({*FUNCTIONS, *["abs", "pow", "like", "real", "p", "v", "z", "i", "wp", "torch", "law", "sign_of", "gradient", "by_rate", "by_force"]})
+_TAKEN = frozenset({*FUNCTIONS, *"abs pow like real p v z i wp torch law sign_of gradient by_rate by_force".split()})
 ARRAYS = replace(PYTHON, value="like(v, {0})")
 WARP = Dialect(
     declare="",
@@ -117,3 +117,4 @@ def equations(law: Law, scope: dict[str, Any]) -> Any:
     """The class of :meth:`Written.equations`, made with the functions of an array library in ``scope``."""
     exec(compile(Written(law).equations(), f"<equations of {law.name}>", "exec"), scope)
     return scope["law"]
+

@@ -21,6 +21,7 @@ _GROWS = 4
 _MANY = 24  # windows from which the first look is taken
 _MOST = 64  # windows of the last one
 _FOLLOWS = 1.15  # times the noise: the residual of a model that follows the measurement
+_GROWN = 1.02  # times the residual of shorter windows: more is a drift, or a model, that longer ones do not bear
 _SLOW = 3e-3  # of the largest speed, where friction may fall with it
 _TURNS = 0.05  # of the largest speed: what a reversal must pass
 
@@ -57,7 +58,7 @@ def follow(
         length = min(_GROWS * length, rows) if _GROWS * length < 0.7 * rows else rows
         values = found.problem.values(found.optimum.point)
         longer = _best(inverse, output, [values], noise, force_noise, length, work, _MOST)
-        if longer.ratio > max(_FOLLOWS, found.ratio):
+        if longer.ratio > max(_GROWN, found.ratio) and longer.ratio > _GROWN * found.ratio:
             break
         found = longer
     if work.stopped:

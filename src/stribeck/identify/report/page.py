@@ -45,7 +45,7 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
         if unknown
         else "The data determine every parameter of the law.",
     ]
-    return html(f"{fit.law} fitted to {data}", about, introduction, chapters)
+    return html(f"{fit.law} fitted to {data}", about, introduction, chapters, command)
 
 
 def _result(fit: Fit) -> Chapter:

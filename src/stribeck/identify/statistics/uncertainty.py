@@ -7,7 +7,9 @@ minimum it agrees with it (Chandler and Bate, Biometrika 94(1):167-183, 2007).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -48,6 +50,7 @@ _MORE = 1.15  # times the measurement's noise: the residual of a model that foll
 _MODEL = 1.5  # times the force's noise: the model's own error is seen
 _BEYOND = 3.0  # times what noise explains: a residual that is the model's
 _FEWEST_WINDOWS = 8  # beyond the number of constants
+_BLOCKS = 40  # stretches of a record as clusters
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _LONGEST_MEMORY = 50  # samples, of the noise model
 _FRESH_STARTS = 4
@@ -143,6 +146,8 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             f"the residual is {np.sqrt(variance) / expected.measured:.3g} times the noise of the {problem.output}: the "
             f"intervals are from how the {len(problem.windows)} windows of the record differ"
         )
+    elif isinstance(problem, MotionProblem):
+        inner = at_least_by_blocks(problem, slopes, misfit, inner)
     support = supporting_samples(slopes)
     alike = indistinct(plain, slopes, variance)
     sizes, values = scales(log), problem.values(u)
@@ -255,17 +260,36 @@ def covariance(slopes: Array, variance: float, memory: Array) -> Array:
 
 
 def by_windows(problem: MotionProblem, slopes: Array, misfit: Array, otherwise: Array) -> Array:
-    """The covariance of least squares whose errors are alike within a window in a way that nobody knows (the sandwich
-    estimate by clusters), with Student's quantile for their number; ``otherwise`` where there are too few."""
-    count, shared = len(problem.windows), problem.shared
-    if count < shared + _FEWEST_WINDOWS:
+    """The covariance with windows as clusters; ``otherwise`` where there are too few."""
+    if len(problem.windows) < problem.shared + _FEWEST_WINDOWS:
         return otherwise
+    return sandwich(problem, slopes, misfit, problem.parts)
+
+
+def at_least_by_blocks(problem: MotionProblem, slopes: Array, misfit: Array, inner: Array) -> Array:
+    """The covariance, raised for the constants whose variance is larger with stretches of the record as clusters: a model
+    of the residuals' memory does not see a sensor that drifts."""
+    count = max(problem.shared + _FEWEST_WINDOWS, _BLOCKS)
+    rows = len(misfit)
+    if rows < 10 * count:
+        return inner
+    edges = np.linspace(0, rows, count + 1).astype(int).tolist()
+    by_blocks = sandwich(problem, slopes, misfit, [slice(a, b) for a, b in pairwise(edges)])
+    more = np.sqrt(np.maximum(np.diag(by_blocks) / np.maximum(np.diag(inner), 1e-300), 1.0))
+    more[problem.shared :] = 1.0
+    return np.asarray(inner * np.outer(more, more))
+
+
+def sandwich(problem: MotionProblem, slopes: Array, misfit: Array, clusters: Sequence[slice]) -> Array:
+    """The covariance of least squares whose errors are alike within a cluster in a way that nobody knows, with Student's
+    quantile for their number."""
+    count = len(clusters)
     size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
     scaled = slopes / size
     normal = scaled.T @ scaled
     inverse = np.linalg.inv(normal + 1e-14 * np.trace(normal) * np.eye(len(normal)))
-    scores = np.array([scaled[part].T @ misfit[part] for part in problem.parts])
-    left = count - shared
+    scores = np.array([scaled[part].T @ misfit[part] for part in clusters])
+    left = count - problem.shared
     wider = count / left * (student.ppf(0.975, left) / np.sqrt(THRESHOLD)) ** 2
     return np.asarray(wider * inverse @ (scores.T @ scores) @ inverse / np.outer(size, size))
 

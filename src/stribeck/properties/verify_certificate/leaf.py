@@ -72,6 +72,7 @@ class Leaf:
         shares = [Variable(unit=atom.rule not in ENDLESS_RULES, strict=False) for atom in self.atoms]
         self.ring = Ring([*variables, *shares])
         self.values: dict[Node, Quotient] = {}
+        self._open: set[Node] = set()
         self._resolved: dict[int, list[Any]] = {}
         made: dict[str, Quotient] = {}
         for i, (name, (lo, hi)) in enumerate(axes):
@@ -113,7 +114,13 @@ class Leaf:
     def __call__(self, x: Node) -> Quotient:
         """The expression as a quotient."""
         if x not in self.values:
-            self.values[x] = self._convert(x)
+            if x in self._open:  # an atom that is compared with what it is a part of
+                raise Refused("an expression within itself")
+            self._open.add(x)
+            try:
+                self.values[x] = self._convert(x)
+            finally:
+                self._open.discard(x)
         return self.values[x]
 
     def _convert(self, x: Node) -> Quotient:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from stribeck.constants import show
+from stribeck.constants import kind_of, show
 from stribeck.laws.base import Law
 from stribeck.machine import controllers, loads
 from stribeck.machine.links import Link
@@ -54,6 +54,9 @@ class MachineReader(Reading):
         if not self.problems:
             parts = (bodies, links, contacts, loads_, motors, controllers_)
             machine = Machine(*parts, tuple(self.signals), self.energy)
+            for contact in contacts:
+                start = contact.span.start if isinstance(contact.span.start, str) else None
+                self.laws[contact.law_path].rotary = machine.rotary(contact.span.end, start)
             self.rig = Rig(machine, self.values, self.signals, self.laws, self.initial, self.seeds)
         return self.problems
 
@@ -109,6 +112,10 @@ class MachineReader(Reading):
                 return None
             found = self._signal(start["signal"], f"{path}.from.signal", name)
             start, ok = found, found is not None
+        elif not isinstance(start, str):
+            text = f"must be a body's name, or a table with the signal of a far end, not {kind_of(start)}"
+            self.problems.append((f"{path}.from", f"{show(start)}: {text}"))
+            return None
         else:
             ok = self.refer(f"{path}.from", start, ["bodies"])
         if end != tables.GROUND and not self.refer(f"{path}.to", end, ["bodies"], [tables.GROUND]):

@@ -106,12 +106,15 @@ def level_table(weighted: bool) -> type[Table]:
     return create_model("Level", __base__=Table, **fields)
 
 
+_TEXT_OR_TABLE: dict[str, Any] = {"anyOf": [{"type": "string"}, {"type": "object"}]}
+
+
 def _ends(signal: bool) -> dict[str, Any]:
-    start: Any = str | dict[str, Any] if signal else str
+    start: Any = Any if signal else str  # a union would tell of each of its kinds
     what = "a body, or { signal = ... }, the position of a far end" if signal else "a body"
     to = Field(description="a body, or 'ground'") if signal else Field(GROUND, description="a body, or 'ground'")
     return {
-        "from_": (start, Field(alias="from", description=what)),
+        "from_": (start, Field(alias="from", description=what, json_schema_extra=_TEXT_OR_TABLE if signal else None)),
         "to": (str, to),
         "ratio": (float | None, Field(None, description=RATIO)),
     }

@@ -143,7 +143,7 @@ def carrier(on: str, named: dict[str, dict[str, Any]]) -> str | None:
         return on
     motor = named["motors"].get(on)
     body = motor.get("on") if isinstance(motor, dict) else None
-    return body if body in named["bodies"] else None
+    return body if isinstance(body, str) and body in named["bodies"] else None
 
 
 def level_problems(table: dict[str, Any], where: str, contact: str, law: Law | None) -> list[Problem]:

@@ -1,0 +1,195 @@
+"""Joint friction in learning simulators: what each engine does with the same numbers, and steps a second."""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import json
+import tempfile
+from importlib import metadata
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import mujoco
+import mujoco_warp
+import numpy as np
+import torch
+import warp as wp
+from measure import RESULTS, machine
+
+import stribeck
+from stribeck.export import export
+
+# A joint of 1 kg m^2 alone: 1.5 N m static, 1 N m kinetic friction; elastic up to 0.95 N m.
+CONSTANTS = {
+    "sigma_0": 1e5, "sigma_1": 316.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3, "k_v": 1e7, "z_ba": 9.5e-6,
+}  # fmt: skip
+LAW = stribeck.law("elastoplastic_majorant", CONSTANTS)
+MODEL = """<mujoco><option timestep="{step}" gravity="0 0 0" integrator="implicitfast"/><worldbody><body>
+<joint name="j" type="slide" axis="1 0 0" frictionloss="{loss}" damping="{damping}"/>
+<geom type="box" size=".05 .05 .05" mass="1" contype="0" conaffinity="0"/></body></worldbody></mujoco>"""
+WORLDS = 4096
+
+
+def drive(kind: str, t: float) -> float:
+    """The load: held at 0.9 N m; a ramp to break-away; a sine of 3 N m at 0.5 Hz."""
+    if kind == "hold":
+        return 0.9 * min(t, 1.0)
+    return 2.0 * t if kind == "ramp" else 3.0 * np.sin(np.pi * t)
+
+
+class MuJoCo:
+    """MuJoCo's frictionloss on the CPU; loss 0 and a friction of ours by the exported callback of MuJoCo Warp."""
+
+    def __init__(self, step: float, loss: float = 1.0) -> None:
+        self.model = mujoco.MjModel.from_xml_string(MODEL.format(step=step, loss=loss, damping=0.4 if loss else 0.0))
+        self.data = mujoco.MjData(self.model)
+
+    def __call__(self, load: float) -> tuple[float, float]:
+        self.data.qfrc_applied[0] = load
+        mujoco.mj_step(self.model, self.data)
+        return float(self.data.qpos[0]), float(self.data.qvel[0])
+
+
+class MuJoCoWarp:
+    """MuJoCo Warp on the CPU, one world or many."""
+
+    def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
+        loss = 0.0 if own else 1.0
+        model = mujoco.MjModel.from_xml_string(MODEL.format(step=step, loss=loss, damping=0.0 if own else 0.4))
+        self.m = mujoco_warp.put_model(model)
+        self.d = mujoco_warp.put_data(model, mujoco.MjData(model), nworld=worlds)
+        if own:
+            self.friction = exported("mjwarp").JointFriction(model, self.m, self.d, ["j"])
+
+    def __call__(self, load: float) -> tuple[float, float]:
+        self.d.qfrc_applied.fill_(load)
+        mujoco_warp.step(self.m, self.d)
+        return float(self.d.qpos.numpy()[0, 0]), float(self.d.qvel.numpy()[0, 0])
+
+
+class Newton:
+    """Newton with its MuJoCo solver on the CPU."""
+
+    def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
+        import newton
+
+        builder = newton.ModelBuilder(gravity=0.0)
+        for _ in range(worlds):
+            link = builder.add_link(mass=1.0, inertia=wp.mat33(1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
+            joint = builder.add_joint_prismatic(-1, link, axis=(1, 0, 0), armature=0.0, friction=0.0 if own else 1.0)
+            builder.add_articulation([joint])
+        model = builder.finalize(device="cpu")
+        self.solver = newton.solvers.SolverMuJoCo(model)
+        self.state, self.other, self.control, self.step = model.state(), model.state(), model.control(), step
+        newton.eval_fk(model, model.joint_q, model.joint_qd, self.state)
+        self.friction = exported("newton").JointFriction(model, range(worlds)) if own else None
+
+    def __call__(self, load: float) -> tuple[float, float]:
+        self.control.joint_f.fill_(load)
+        if self.friction:
+            self.friction.step(self.state, self.control, self.step)
+        self.solver.step(self.state, self.other, self.control, None, self.step)
+        self.state, self.other = self.other, self.state
+        return float(self.state.joint_q.numpy()[0]), float(self.state.joint_qd.numpy()[0])
+
+
+class Torch:
+    """A joint in PyTorch (double precision): the tanh friction of most hand-written tasks, or the law's step."""
+
+    def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
+        self.dt, self.law = step, LAW.to_torch() if own else None
+        self.q, self.v, self.z = (torch.zeros(worlds, dtype=torch.float64) for _ in range(3))
+
+    def __call__(self, load: float) -> tuple[float, float]:
+        if self.law:
+            self.z, friction = self.law.step(self.z, self.v, load, 1.0, self.dt)
+        else:
+            friction = torch.tanh(self.v / 0.01) + 0.4 * self.v  # steeper is unstable at 20 ms
+        self.v = self.v + self.dt * (load - friction)
+        self.q = self.q + self.dt * self.v
+        return float(self.q[0]), float(self.v[0])
+
+
+def exported(target: str) -> Any:
+    """The exported file as a module."""
+    path = Path(tempfile.mkdtemp()) / f"friction_{target}.py"
+    export(LAW, target, path)
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+ENGINES: dict[str, Any] = {
+    "MuJoCo, frictionloss": lambda step, worlds=1: MuJoCo(step),
+    "MuJoCo Warp, frictionloss": lambda step, worlds=1: MuJoCoWarp(step, False, worlds),
+    "MuJoCo Warp, this law": lambda step, worlds=1: MuJoCoWarp(step, True, worlds),
+    "Newton, joint friction": lambda step, worlds=1: Newton(step, False, worlds),
+    "Newton, this law": lambda step, worlds=1: Newton(step, True, worlds),
+    "PyTorch, tanh(v/0.01)": lambda step, worlds=1: Torch(step, False, worlds),
+    "PyTorch, this law": lambda step, worlds=1: Torch(step, True, worlds),
+}
+
+
+def behaviour(make: Any, step: float, seconds: float) -> dict[str, float]:
+    """Creep under 0.9 N m, m/s; the load at which it moves by 0.1 mm on a ramp, N; energy drawn in 4 s of the sine, J."""
+    rig = make(step)
+    q = [rig(drive("hold", k * step))[0] for k in range(round((2 + seconds) / step))]
+    creep = (q[-1] - q[round(2 / step)]) / seconds
+    rig, load, k = make(step), 0.0, 0
+    while load < 4.0:
+        load = drive("ramp", k * step)
+        k += 1
+        if rig(load)[0] > 1e-4:
+            break
+    rig, energy, before = make(step), 0.0, 0.0
+    for k in range(round(4.0 / step)):
+        push = drive("sine", k * step)
+        now, _ = rig(push)
+        energy, before = energy + push * (now - before), now
+    return {"creep": creep, "break_away": load, "energy": energy}
+
+
+def speed(make: Any, count: int) -> float:
+    """Steps a second of all worlds together."""
+    rig = make(2e-3, WORLDS)
+    rig(0.9)
+    started = perf_counter()
+    for _ in range(count):
+        rig(0.9)
+    return WORLDS * count / (perf_counter() - started)
+
+
+def main() -> None:
+    """Print a table, and write the results."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=RESULTS / "learning.json")
+    parser.add_argument("--seconds", type=float, default=100.0, help="how long the load is held")
+    parser.add_argument("--only", help="engines whose name has this in it")
+    parser.add_argument("--repetitions", type=int, help="of no use here: the behaviour does not vary")
+    options = parser.parse_args()
+    wp.config.quiet = True
+    rows = []
+    for name, make in ENGINES.items():
+        if options.only and options.only not in name:
+            continue
+        row: dict[str, Any] = {"engine": name}
+        for step in (2e-3, 2e-2):
+            seconds = options.seconds if step == 2e-2 else options.seconds / 10
+            row[f"{step:g}"] = {**behaviour(make, step, seconds), "held": seconds}
+        if name != "MuJoCo, frictionloss":
+            row["steps_a_second"] = speed(make, 20)
+        rows.append(row)
+        print(json.dumps(row), flush=True)
+    versions = {n: metadata.version(n) for n in ("mujoco", "mujoco-warp", "newton", "warp-lang", "torch")}
+    result = {"machine": machine(), "versions": versions, "worlds": WORLDS, "constants": CONSTANTS, "rows": rows}
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    options.out.write_text(json.dumps(result, indent=2) + "\n")
+
+
+if __name__ == "__main__":
+    main()

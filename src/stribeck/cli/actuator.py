@@ -1,0 +1,82 @@
+"""``stribeck fit MACHINE.toml --logs LOGS.toml``."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from stribeck.cli import show
+from stribeck.cli.text import say
+from stribeck.errors import InputError
+from stribeck.identify.actuator import MachineFit, fit_machine
+from stribeck.identify.actuator.page import digits, write
+from stribeck.scenario import Scenario, parse_assignment
+
+
+def fit(
+    machine: Sequence[Path], logs: Path, laws: Sequence[str], assignments: Sequence[str], transfer: Path | None,
+    starts: int, seed: int, out: Path | None, json: bool,
+) -> int:  # fmt: skip
+    """Read, fit, print, write."""
+    if len(machine) != 1:
+        raise InputError(f"DATA: {len(machine)} files: with --logs there must be one, the machine's")
+    if out is not None:
+        show.check_folder(out)
+    scenario = Scenario.load(machine[0], dict(parse_assignment(text) for text in assignments))
+    with show.progress("fit") as tell:
+        found = fit_machine(
+            scenario, logs, laws=_laws(laws), transfer_to=transfer, starts=starts, seed=seed, progress=tell, folder=out
+        )
+    summary: dict[str, Any] = {**found.to_json(), "files": []}
+    if out is not None:
+        summary["files"] = write(found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}")
+    if json:
+        show.print_json(summary)
+    else:
+        _print(found, summary["files"])
+    return {"done": 0, "stopped": 130}.get(found.status, 1)
+
+
+def _laws(texts: Sequence[str]) -> dict[str, list[str]]:
+    """``CONTACT=NAME,NAME`` as a mapping."""
+    found = {}
+    for text in texts:
+        contact, equals, names = text.partition("=")
+        if not equals or not contact or not names:
+            raise InputError(f"--law: {text!r}: must be CONTACT=NAME,NAME with --logs")
+        found[contact.strip()] = [name.strip() for name in names.split(",")]
+    return found
+
+
+def _print(fit: MachineFit, files: Sequence[str]) -> None:
+    print(f"{fit.status}{': ' + fit.reason if fit.reason else ''}")
+    width = max(map(len, fit.parameters), default=4)
+    print(f"  {'':{width}}  {'value':>12}  {'95 % interval':>27}  {'unit':<10}  verdict")
+    for name, p in fit.parameters.items():
+        interval = "-" if p.verdict == "not judged" else f"{digits(p.low)} ... {digits(p.high)}"
+        print(f"  {name:{width}}  {digits(p.value):>12}  {interval:>27}  {p.unit:<10}  {p.verdict}")
+    for name, p in fit.parameters.items():
+        if p.why and p.verdict != "not judged":
+            say(f"{name}: {p.verdict}: {p.why}", 6, "  ")
+        if p.experiment:
+            say(f"to tell it: {p.experiment}", 6, "      ")
+    for group in fit.correlated:
+        say(f"go together: {', '.join(group['names'])}", 6, "  ")
+    for log in fit.logs:
+        for x in log.traces:
+            used = " (held out)" if log.held_out else ""
+            print(f"  {log.file}{used}: {x.column} error {x.rms:.4g} {x.unit}, {100 * x.relative:.3g} % of its changes")
+    for name, b in fit.baselines.items():
+        held = "" if b.get("held_out") is None else f", held out {100 * b['held_out']:.3g} %"
+        said = b["why"] if "why" in b else f"fitted {100 * b['fitted']:.3g} %{held}"
+        print(f"  {name}: {said}")
+    if fit.laws:
+        say(f"law picked: {fit.laws['picked']}", 6, "  ")
+    if fit.transfer is not None:
+        moved = ", ".join(m["name"] for m in fit.transfer["moved"]) or "nothing"
+        say(f"other recordings: beyond both intervals moved {moved}", 6, "  ")
+    for text in fit.notes:
+        say(text, 6, "  note: ")
+    for file in files:
+        print(f"  wrote {file}")

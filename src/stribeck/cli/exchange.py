@@ -1,0 +1,48 @@
+"""``stribeck import``."""
+
+from __future__ import annotations
+
+import json as json_
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stribeck.cli.shared import app
+from stribeck.constants import show
+from stribeck.errors import InputError
+
+
+@app.command("import", epilog="Example: stribeck import bam m4.json --out servo.toml")
+def import_(
+    kind: Annotated[str, typer.Argument(metavar="KIND", help="bam (m1 to m6, a JSON file) or mujoco (an XML model).")],
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="The file; a machine (.toml) is turned back into the other's.")
+    ],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Where to write it; else it is printed.")
+    ] = None,
+) -> int:
+    """A machine from another program's file, and back."""
+    import tomli_w
+
+    from stribeck import exchange
+    from stribeck.files import write_text
+    from stribeck.parameter_sets import read_toml
+    from stribeck.scenario import Scenario
+
+    if kind not in ("bam", "mujoco"):
+        raise InputError(f"KIND: {show(kind)}: must be bam or mujoco")
+    if file.suffix.lower() == ".toml":
+        data = read_toml(file)
+        text = json_.dumps(exchange.to_bam(data), indent=2) + "\n" if kind == "bam" else exchange.to_mujoco(data)
+    else:
+        made = exchange.from_bam(file) if kind == "bam" else exchange.from_mujoco_file(file)
+        Scenario(made)  # what is written is valid
+        text = f"# From {file.name}, by stribeck import {kind}\n" + tomli_w.dumps(made)
+    if out is None:
+        print(text, end="")
+    else:
+        write_text(out, text)
+        print(f"wrote {out}")
+    return 0

@@ -1,0 +1,151 @@
+"""Servo actuators in the JSON files of BAM (Rhoban; models m1 to m6) as machines, and back.
+
+friction = base + viscous |v| + load terms + exp(-|v/v_s|^alpha) (stribeck + load terms), with the motor's torque and that
+from outside as loads (Duclusaud, Passault, Padois, Daniel, Rouxel, "Extended friction models for the physics simulation of
+servo actuators", 2024).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from stribeck.constants import show
+from stribeck.errors import InputError, note
+from stribeck.files import read_file
+
+STEEPNESS = 200.0  # s/rad: BAM's sign is exact, a machine's is smooth: complete within some 0.01 rad/s
+_NEEDED = ("armature", "friction_base", "friction_viscous")
+_NUMBERS = (
+    "kt", "R", "q_offset", "friction_stribeck", "dtheta_stribeck", "alpha", "load_friction_base", "load_friction_stribeck",
+    "load_friction_motor", "load_friction_external", "load_friction_motor_stribeck", "load_friction_external_stribeck",
+    "load_friction_motor_quad", "load_friction_external_quad",
+)  # fmt: skip
+_LEAST = 1e-9  # N m: a level of 0 is none
+
+
+def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a machine: body ``joint``, motor ``drive``, load ``gravity`` and contact ``friction``.
+
+    The quadratic terms of m6, which contacts have not, are left out with a note that says how large they are.
+
+    Raises:
+        InputError: it cannot be read, or a number is missing or none; a line for each problem.
+    """
+    data = dict(source) if isinstance(source, Mapping) else _read(Path(source))
+    problems = [f"{n}: missing: must be given" for n in _NEEDED if n not in data]
+    known = {*_NEEDED, *_NUMBERS}
+    problems += [
+        f"{n}: {show(x)}: must be a finite number" for n, x in data.items()
+        if n in known and (isinstance(x, bool) or not isinstance(x, int | float) or not math.isfinite(x))
+    ]  # fmt: skip
+    strange = [n for n in data if n not in known and n not in ("model", "actuator")]
+    problems += [f"{n}: unknown key: a machine has no such thing" for n in strange if "friction" in n]
+    if "friction_stribeck" in data:
+        problems += [
+            f"{n}: missing: must be given with friction_stribeck" for n in ("dtheta_stribeck", "alpha") if n not in data
+        ]
+    if problems:
+        raise InputError(problems)
+    n = {name: float(data[name]) for name in known if name in data}
+    for name in ("load_friction_motor_quad", "load_friction_external_quad"):
+        if n.get(name):
+            note(f"{name}: {n[name]:.3g} per N m: left out: a contact's level grows with loads, not with their squares")
+    machine: dict[str, Any] = {
+        "schema": 2, "name": str(data.get("actuator", "servo")), "bodies": {"joint": {"inertia": n["armature"]}},
+        "contacts": {"friction": {"from": "joint", "law": _law(n)}},
+        "loads": {"gravity": {"on": "joint", "kind": "pendulum", "amplitude": 0.0, "phase": 0.0}},
+        "solve": {"t_end": 1.0}, "output": {"step": 0.005},
+    }  # fmt: skip
+    still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
+    if "kt" in n and "R" in n:
+        machine["motors"] = {"drive": {"on": "joint", "K": n["kt"], "R": n["R"], "signal": still}}
+    else:  # driven by current: its torque is a load
+        machine["loads"]["drive"] = {"on": "joint", "kind": "signal", "signal": still}
+    if levels := _levels(n):
+        machine["contacts"]["friction"]["loads"] = levels
+    return machine
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        found = json.loads(read_file(path))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: is not JSON: {error}") from None
+    if not isinstance(found, dict):
+        raise InputError(f"{path}: must be a table of numbers, as BAM writes it")
+    return found
+
+
+def _law(n: Mapping[str, float]) -> dict[str, Any]:
+    base = max(n["friction_base"], _LEAST)
+    if "friction_stribeck" not in n:
+        parameters = {"F_c": base, "sigma_2": n["friction_viscous"]}
+        if not any(name.startswith("load_") for name in n):
+            return {"name": "coulomb_viscous", "k_v": STEEPNESS, "parameters": parameters}
+        return {"name": "stribeck", "k_v": STEEPNESS, "parameters": {**parameters, "F_s": base, "v_s": 1.0}}
+    parameters = {
+        "F_c": base, "F_s": base + n["friction_stribeck"], "v_s": n["dtheta_stribeck"], "sigma_2": n["friction_viscous"]
+    }  # fmt: skip
+    return {"name": "stribeck", "k_v": STEEPNESS, "delta": n["alpha"], "parameters": parameters}
+
+
+def _levels(n: Mapping[str, float]) -> list[dict[str, Any]]:
+    """What raises the level: F_s rises by both shares, so that the Stribeck part is their difference."""
+    found: list[dict[str, Any]] = []
+    if "load_friction_base" in n:
+        base, more = n["load_friction_base"], n.get("load_friction_stribeck", 0.0)
+        found.append({"force": {"gravity": 1.0, "drive": -1.0}, "F_c": base, "F_s": base + more})
+    for suffix, gains in (("", ("F_c", "F_s")), ("_stribeck", ("F_s",))):
+        if f"load_friction_motor{suffix}" in n:
+            weights = {"gravity": n[f"load_friction_external{suffix}"], "drive": -n[f"load_friction_motor{suffix}"]}
+            found.append({"force": weights, **dict.fromkeys(gains, 1.0)})
+    return found
+
+
+def to_bam(machine: Mapping[str, Any]) -> dict[str, Any]:
+    """BAM's table of a machine of the form that :func:`from_bam` gives (m1 to m5).
+
+    Raises:
+        InputError: the machine has another form, which BAM's models have not.
+    """
+    try:
+        contact = machine["contacts"]["friction"]
+        law = contact["law"]
+        p, levels = law["parameters"], contact.get("loads", [])
+        found: dict[str, Any] = {"armature": machine["bodies"]["joint"]["inertia"]}
+        if "motors" in machine:
+            found |= {"kt": machine["motors"]["drive"]["K"], "R": machine["motors"]["drive"]["R"]}
+        found |= {"friction_base": p["F_c"], "friction_viscous": p["sigma_2"]}
+        if law["name"] not in ("coulomb_viscous", "stribeck"):
+            raise InputError(
+                f"contacts.friction.law.name: {show(law['name'])}: BAM has coulomb_viscous and stribeck only"
+            )
+        stribeck = law["name"] == "stribeck" and p["F_s"] > p["F_c"]
+        if stribeck:
+            found |= {
+                "friction_stribeck": p["F_s"] - p["F_c"],
+                "dtheta_stribeck": p["v_s"],
+                "alpha": law.get("delta", 2.0),
+            }
+        for level in levels:
+            g, d = level["force"]["gravity"], level["force"]["drive"]
+            if (g, d) == (1.0, -1.0):
+                found["load_friction_base"] = level["F_c"]
+                found |= {"load_friction_stribeck": level["F_s"] - level["F_c"]} if level["F_s"] != level["F_c"] else {}
+            else:
+                suffix = "" if "F_c" in level else "_stribeck"
+                found |= {f"load_friction_external{suffix}": g, f"load_friction_motor{suffix}": -d}
+    except (KeyError, TypeError) as error:
+        raise InputError(
+            f"{error.args[0]}: missing: BAM's models have a body 'joint' with a contact 'friction'"
+        ) from None
+    each = any("load_friction_motor" in name for name in found)
+    load = each or "load_friction_base" in found
+    model = {(False, False): "m1", (True, False): "m2", (False, True): "m3", (True, True): "m4"}[stribeck, load]
+    return {**found, "model": "m5" if each else model, "actuator": str(machine.get("name", "servo"))}

@@ -1,0 +1,1 @@
+"""A whole machine for other tools: its C with its sampled controllers and the solver, and that as an FMU."""

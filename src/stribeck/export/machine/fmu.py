@@ -1,0 +1,69 @@
+"""``--part machine --target fmu``: the machine as an FMU for co-simulation, which brings its solver with it."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from stribeck.export.c.ccode import render
+from stribeck.export.fmu.archive import packed
+from stribeck.export.fmu.description import Variable, token
+from stribeck.export.machine.model import MachineModel
+
+
+def files(model: MachineModel, fmi: int) -> dict[str, str | bytes]:
+    """The archive, under the name of the model."""
+    values, variables = model.context(), variables_of(model)
+    values |= {
+        "fmi": fmi, "variables": variables, "derivatives": [], "exchange": False, "states": [],
+        "token": token(model.name, fmi, values["about"], variables),
+    }  # fmt: skip
+    sources = {
+        f"{model.name}.h": render("machine.h", **values),
+        f"{model.name}.c": render("machine.c", **values),
+        f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
+        "fmu.c": render("fmu_machine.c", **values) + render(f"fmi{fmi}.c", **values),
+    }
+    return packed(sources, values)
+
+
+def variables_of(model: MachineModel) -> list[Variable]:
+    """Time, an input for each signal, the columns of the output, and every constant."""
+    found = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
+
+    def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Any) -> None:
+        variability = "tunable" if causality == "parameter" else "continuous"
+        found.append(Variable(len(found), _structured(name), _unit(unit), meaning, causality, variability, c, **rest))
+
+    for each in model.inputs:
+        meaning = "added to the signal of the file, held over a step"
+        add(each.path, each.unit, meaning, "input", f"m->s.constants[{each.parameter}]", start=0.0)
+    known = tuple(range(1, len(found))) or (0,)
+    place = {name: i for i, name in enumerate(model.start)}
+    for i, column in enumerate(model.columns):
+        if column.name in place:
+            at = place[column.name]
+            more: dict[str, Any] = {"start": model.start[column.name], "calculated_from": known}
+            add(column.name, column.unit, column.meaning, "output", f"m->s.x[{at}]", **more)
+        else:
+            more = {"settable": False, "calculated_from": known}
+            add(column.name, column.unit, column.meaning, "output", f"m->o[{i}]", **more)
+    inputs = {each.parameter for each in model.inputs}
+    for i, constant in enumerate(model.parameters):
+        if i not in inputs:
+            c = constant.constant
+            least = c.above if c.above is not None else c.at_least
+            meaning = f"{c.meaning}, {c.allowed}"
+            add(
+                constant.path, c.unit, meaning, "parameter", f"m->s.constants[{i}]", start=constant.value, minimum=least
+            )
+    return found
+
+
+def _structured(name: str) -> str:
+    """A path as FMI's structured names want it: an entry of a list is an index, counted from 1."""
+    return re.sub(r"\.(\d+)(?=\.|$)", lambda found: f"[{int(found[1]) + 1}]", name)
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else unit

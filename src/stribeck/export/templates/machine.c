@@ -1,0 +1,146 @@
+/* {{ about[0] }}
+ * {{ about[-1] }} See {{ P }}.h. */
+{{ code }}
+
+/* ---- The machine: its values, and what is made of the functions above. ------------------------------------------------ */
+#include <string.h>
+#include "{{ P }}.h"
+
+static const double DEFAULTS[] = {
+    {{ values }}};
+static const double STARTS[] = {
+    {{ starts }}};
+static const double TOLERANCES[] = { /* absolute, of each state */
+    {{ atol }}};
+static const double PIECE_START[] = { /* when the signals' pieces begin */
+    {{ piece_start }}};
+static const double PIECE_ROWS[] = { /* their numbers */
+    {{ piece_rows }}};
+static const int8_t PIECE_RESTART[] = {{ "{" }}{{ piece_restart }}};
+{% if noise_room %}
+static const double NOISE[] = { /* standard normal numbers, one a sample */
+    {{ noise }}};
+{% else %}
+#define NOISE NULL
+{% endif %}
+#define PARAMETERS (sizeof(Parameters) / sizeof(double))
+#define ROOM {{ room }} /* outputs that wait at most, of each controller */
+#define MEMORY {{ memory }} /* numbers that sampled controllers remember */
+
+struct {{ P }} {
+    Run run;
+    double constants[PARAMETERS], acting[PARAMETERS];
+    double x[N], atol[N], row[N + HELD], held[HELD + 1], memory[MEMORY + 1], queue[(HELD + 1) * ROOM];
+    double none[WATCHES + 1];
+    int64_t sampled[HELD + 1], acted[HELD + 1];
+    int begun;
+};
+
+const char *const {{ P }}_column_names[{{ P | upper }}_COLUMNS] = {
+{% for column in m.columns %}
+    "{{ column.name }}",
+{% endfor %}
+};
+
+size_t {{ P }}_size(void) { return sizeof({{ P }}); }
+
+void {{ P }}_start({{ P }} *m)
+{
+    memset(m, 0, sizeof *m);
+    memcpy(m->constants, DEFAULTS, sizeof m->constants);
+    memcpy(m->x, STARTS, sizeof m->x);
+    {{ P }}_tolerance(m, {{ wanted }});
+    m->run.h = m->run.h_smallest = INFINITY;
+    m->run.h_limit = {{ limit }};
+    m->run.step = 1;
+    m->run.pieces = {{ pieces }};
+    m->run.rows = 1;
+    m->run.queue_room = ROOM;
+    m->run.noise_room = {{ noise_room }};
+    m->run.event_room = stribeck_event_room();
+}
+
+void {{ P }}_tolerance({{ P }} *m, double rtol)
+{
+    const double least = {{ rtol }} / {{ wanted }} * rtol < 1e-13 ? 1e-13 * {{ wanted }} / {{ rtol }} : rtol;
+    m->run.rtol = {{ rtol }} / {{ wanted }} * least;
+    for (int i = 0; i < N; i++) m->atol[i] = TOLERANCES[i] / {{ wanted }} * least;
+}
+
+/* The pointers of a machine that may have been copied. */
+static void bind({{ P }} *m)
+{
+    m->run.parameters = m->acting;
+    m->run.atol = m->atol;
+    m->run.x = m->x;
+    m->run.piece_start = PIECE_START;
+    m->run.piece_rows = PIECE_ROWS;
+    m->run.piece_restart = PIECE_RESTART;
+    m->run.out = m->row;
+    m->run.levels = m->none; /* all 0: no events are noted */
+    m->run.held = m->held;
+    m->run.memory = m->memory;
+    m->run.queue = m->queue;
+    m->run.noise = NOISE;
+    m->run.sampled = m->sampled;
+    m->run.acted = m->acted;
+}
+
+const char *{{ P }}_wrong(const {{ P }} *m)
+{
+    const Parameters *p = (const Parameters *)m->constants;
+    (void)p;
+{% for each, allowed, test in m.conditions %}
+    if (!({{ test }})) return "{{ each.path }} must be {{ allowed }}";
+{% endfor %}
+{% for each in m.inputs %}
+    if (!isfinite(m->constants[{{ each.parameter }}])) return "{{ each.path }} must be a finite number";
+{% endfor %}
+    return NULL;
+}
+
+static Segment piece_of(const {{ P }} *m)
+{
+    {{ P }} copy = *m;
+    bind(&copy);
+    return present(&copy.run);
+}
+
+/* Constants that were changed, inputs among them, act from now on. */
+static void take_constants({{ P }} *m)
+{
+    if (!memcmp(m->acting, m->constants, sizeof m->acting)) return;
+#if MOVED >= 0
+    if (m->begun) {
+        const Segment piece = present(&m->run);
+        Coefficients before, after;
+        prepare((const Parameters *)m->acting, &before);
+        prepare((const Parameters *)m->constants, &after);
+        m->x[MOVED] += moved_energy((const Parameters *)m->constants, &after, &piece, m->run.t, m->x)
+                       - moved_energy((const Parameters *)m->acting, &before, &piece, m->run.t, m->x);
+    }
+#endif
+    memcpy(m->acting, m->constants, sizeof m->acting);
+    m->run.restart = JUMP;
+}
+
+int {{ P }}_advance({{ P }} *m, double t)
+{
+    bind(m);
+    if ({{ P }}_wrong(m)) return {{ P | upper }}_BAD_CONSTANT;
+    take_constants(m);
+    m->begun = 1;
+    m->run.t_end = t;
+    m->run.attempts_left = {{ max_steps }};
+    return stribeck_advance(&m->run);
+}
+
+double {{ P }}_time(const {{ P }} *m) { return m->run.t; }
+double *{{ P }}_states({{ P }} *m) { return m->x; }
+double *{{ P }}_constants({{ P }} *m) { return m->constants; }
+
+void {{ P }}_columns(const {{ P }} *m, double out[{{ P | upper }}_COLUMNS])
+{
+    const Segment piece = piece_of(m);
+    columns((const Parameters *)m->constants, &piece, m->run.t, m->x, out);
+}

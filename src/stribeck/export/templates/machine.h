@@ -1,0 +1,66 @@
+/*
+{% for line in about %}
+ *{{ " " + line if line else "" }}
+{% endfor %}
+ *
+ * Fill in a machine with {{ P }}_start (at t = 0), change its constants, inputs and states, and call {{ P }}_advance
+ * for each time that is wanted: the signals are those of the file, and each input is added to one of them, held until it
+ * is changed. Sampled controllers take their samples and put out their outputs on their own.
+{% if noise_end %}
+ * The noise of the readings is that of the file until t = {{ noise_end }} s; there is none after it.
+{% endif %}
+ * There is no allocation, no input or output, no global state: a machine can be copied with memcpy.
+ */
+#ifndef {{ P | upper }}_H
+#define {{ P | upper }}_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef struct {{ P }} {{ P }};
+
+enum { {{ P | upper }}_DONE = 0, {{ P | upper }}_MORE = 1 /* too many steps were needed: call it again */,
+       {{ P | upper }}_STEP_TOO_SMALL = -1, {{ P | upper }}_NOT_FINITE = -2, {{ P | upper }}_BAD_CONSTANT = -3 };
+
+/* What {{ P }}_columns fills in, by place. */
+enum {
+{% for column in m.columns %}
+    {{ P | upper }}_{{ m.column_names[column.name] }} = {{ loop.index0 }}, /* {{ column.unit or "1" }}: {{ column.meaning }} */
+{% endfor %}
+    {{ P | upper }}_COLUMNS = {{ m.columns | length }}
+};
+
+/* States, which {{ P }}_states gives by place. */
+enum {
+{% for state in m.machine.states %}
+    {{ P | upper }}_X_{{ state.name | replace(".", "_") }} = {{ loop.index0 }}, /* {{ state.unit or "1" }}: {{ state.meaning }} */
+{% endfor %}
+    {{ P | upper }}_STATES = {{ m.machine.states | length }}
+};
+
+/* Constants, and inputs (which are 0), that {{ P }}_constants gives by place; a change holds from the next step on. */
+enum {
+{% for each in m.parameters %}
+    {{ P | upper }}_P_{{ each.name }} = {{ loop.index0 }}, /* {{ each.constant.unit or "1" }}: {{ each.constant.meaning }} ({{ each.path }}) */
+{% endfor %}
+    {{ P | upper }}_CONSTANTS = {{ m.parameters | length }}
+};
+
+size_t {{ P }}_size(void); /* of a machine, in bytes; its place must be aligned as for a double */
+void {{ P }}_start({{ P }} *m);
+int {{ P }}_advance({{ P }} *m, double t); /* {{ P | upper }}_DONE, or why it ended at an earlier time */
+double {{ P }}_time(const {{ P }} *m);
+void {{ P }}_columns(const {{ P }} *m, double out[{{ P | upper }}_COLUMNS]);
+double *{{ P }}_states({{ P }} *m);
+double *{{ P }}_constants({{ P }} *m);
+void {{ P }}_tolerance({{ P }} *m, double rtol); /* the file's is {{ wanted }} */
+const char *{{ P }}_wrong(const {{ P }} *m); /* which constant is not allowed, and what is; or NULL */
+extern const char *const {{ P }}_column_names[{{ P | upper }}_COLUMNS];
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,9 @@
+"""A machine's unknown numbers from recordings of it: what is simulated is compared with everything that was measured."""
+
+from __future__ import annotations
+
+from stribeck.identify.actuator.api import fit_machine
+from stribeck.identify.actuator.recordings import Logs, read_logs
+from stribeck.identify.actuator.result import MachineFit
+
+__all__ = ["Logs", "MachineFit", "fit_machine", "read_logs"]

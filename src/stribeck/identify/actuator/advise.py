@@ -1,0 +1,172 @@
+"""Which further recording would tell what these do not: each that could be made is simulated, and its slopes counted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.errors import InputError
+from stribeck.identify.actuator.estimate import Estimate
+from stribeck.identify.actuator.intervals import Spread
+from stribeck.identify.actuator.problem import Problem
+from stribeck.identify.actuator.runs import Run, Target
+from stribeck.identify.actuator.solve import STEP
+from stribeck.simulation.machines import machine_places
+
+Array = NDArray[np.float64]
+_BETTER = 1.3  # times narrower than by repeating a recording: worth the trouble
+_MOST = 28  # recordings that are tried on paper
+_NOISE = 0.01  # of a column's changes: a sensor's that is not there yet
+_LOADS = ("mass", "inertia", "amplitude")
+
+
+def experiments(best: Estimate, s: Spread, open_: list[int]) -> dict[int, str]:
+    """For each of these coordinates what would tell it, in words."""
+    if not open_:
+        return {}
+    problem = best.problem
+    shared = [i for i, c in enumerate(problem.sought) if c.log is None and not c.nuisance]
+    base = s.J.T @ s.J
+    run = max(problem.runs, key=lambda each: each.scenario.end)
+    tried: list[tuple[str, Array]] = []
+    for words, other in [("", run), *candidates(best, run)]:
+        found = _information(best, other, shared)
+        if found is not None:
+            tried.append((words, found))
+    if not tried or tried[0][0]:
+        return {}
+    told: dict[int, str] = {}
+    before = _deviations(base)
+    again = _deviations(_added(base, tried[0][1], shared))
+    for k in open_:
+        if k not in shared:
+            continue
+        gains = [(before[k] / _deviations(_added(base, A, shared))[k], words) for words, A in tried[1:]]
+        repeated = before[k] / again[k]
+        good = sorted((g, w) for g, w in gains if g > _BETTER * repeated)[::-1][:2]
+        if good:
+            text = "; or ".join(f"{w} (its deviation would fall {g:.3g} times)" for g, w in good)
+            told[k] = f"record {run.name} again {text}; the same recording once more would make it {repeated:.2g} times"
+        else:
+            told[k] = (
+                "none of the recordings that were tried on paper (other loads, drives, speeds, sensors) would tell it"
+            )
+    return told
+
+
+def _deviations(A: Array) -> Array:
+    size = np.sqrt(np.maximum(np.diag(A), 1e-30))
+    values, vectors = np.linalg.eigh(A / np.outer(size, size))
+    return np.asarray(np.sqrt(np.sum(vectors**2 / np.maximum(values, 1e-12), axis=1)) / size)
+
+
+def _added(base: Array, more: Array, at: list[int]) -> Array:
+    found = base.copy()
+    found[np.ix_(at, at)] += more
+    return found
+
+
+def _information(best: Estimate, run: Run, shared: list[int]) -> Array | None:
+    """J^T J of one recording for the shared coordinates, or None where it cannot be simulated."""
+    problem = best.problem
+    sought = [problem.sought[i] for i in shared]
+    u = best.u[shared]
+    noise = dict(problem.noise)
+    for target in run.targets:
+        if target.column not in noise:
+            noise[target.column] = 1.0
+    own = Problem([run], sought, noise, threads=problem.threads)
+    try:
+        r, J = own.slopes(u[None], np.full(len(u), 10 * STEP))
+    except InputError:
+        return None
+    if not np.isfinite(r).all() or not np.isfinite(J).all():
+        return None
+    found, at = np.zeros((len(u), len(u))), 0
+    for target in run.targets:
+        rows = J[0, at : at + len(target.t)]
+        if target.column not in problem.noise:  # a sensor that is not there: of so much noise
+            size = float(np.std(r[0, at : at + len(target.t)]))
+            rows = rows / (_NOISE * size) if size > 0 else 0 * rows
+        found += rows.T @ rows
+        at += len(target.t)
+    return found
+
+
+def candidates(best: Estimate, run: Run) -> Iterator[tuple[str, Run]]:
+    """Recordings that could be made: this one with another load, a larger, smaller, slower or faster drive, or another
+    column measured."""
+    count = 0
+    for words, changes in [*_loads(best, run), *_drives(run)]:
+        if count >= _MOST:
+            return
+        try:
+            yield words, replace(run, scenario=run.scenario.with_changes(changes))
+            count += 1
+        except InputError:
+            continue
+    assert run.scenario.rig is not None
+    there = {t.column for t in run.targets}
+    for column in run.scenario.rig.machine.columns:
+        if column.name not in there and column.name.endswith((".y", ".i", ".torque", ".f")) and run.targets:
+            t = run.targets[0].t
+            extra = Target(column.name, t, np.zeros(len(t)))
+            yield f"with {column.name} measured too", replace(run, targets=[*run.targets, extra])
+
+
+def _loads(best: Estimate, run: Run) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Numbers that can be other in a further recording: those that the recordings differ in, and masses and loads."""
+    sought = {path for c in best.problem.sought for path in c.targets}
+    places = machine_places(run.scenario)
+    for path in places:
+        last = path.split(".")
+        if path in sought or last[0] not in ("bodies", "loads") or not any(word in _LOADS for word in last[2:3]):
+            continue
+        now = _value(run.scenario.data, path)
+        if now is None or not now:
+            continue
+        for factor in (2.0, 0.5):
+            yield f"with {path} = {factor * now:.3g} (it is {now:.3g})", {path: factor * now}
+
+
+def _drives(run: Run) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Its drives otherwise."""
+    assert run.scenario.rig is not None
+    for use, signal in run.scenario.rig.signals.items():
+        table = _table(run.scenario.data, use.path)
+        if table is None:
+            continue
+        name = use.path.removesuffix(".signal")
+        for factor, words in ((2.0, "twice"), (0.5, "half")):
+            for key in ("value", "amplitude"):
+                if key in table:
+                    x = table[key]
+                    new = [factor * each for each in x] if isinstance(x, list) else factor * x
+                    yield f"with {words} the drive of {name}", {f"{use.path}.{key}": new}
+        for factor, words in ((2.0, "half as fast"), (0.5, "twice as fast")):
+            if "t" in table:
+                yield f"with the drive of {name} {words}", {f"{use.path}.t": [factor * each for each in table["t"]]}
+            elif signal.kind == "sine":
+                new = table["frequency"] / factor
+                yield f"with the drive of {name} {words}", {f"{use.path}.frequency": new}
+
+
+def _table(data: Any, path: str) -> Any:
+    for word in path.split("."):
+        data = data.get(word) if isinstance(data, dict) else None
+    return data
+
+
+def _value(data: Any, path: str) -> float | None:
+    for word in path.split("."):
+        if isinstance(data, dict):
+            data = data.get(word)
+        elif isinstance(data, list) and word.isdigit() and int(word) < len(data):
+            data = data[int(word)]
+        else:
+            return None
+    return float(data) if isinstance(data, int | float) else None

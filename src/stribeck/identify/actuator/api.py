@@ -1,0 +1,209 @@
+"""``stribeck fit MACHINE.toml --logs LOGS.toml``: a machine and its recordings in, numbers that one can trust out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import threadpool_limits
+
+from stribeck.constants import show
+from stribeck.errors import InputError, arg
+from stribeck.identify.actuator import checks, choice, judge, transfer
+from stribeck.identify.actuator.coordinates import Coordinate, coordinates
+from stribeck.identify.actuator.estimate import Estimate, estimate, traces
+from stribeck.identify.actuator.kept import Kept
+from stribeck.identify.actuator.recordings import Logs, Recording, read_logs
+from stribeck.identify.actuator.result import LogResult, MachineFit
+from stribeck.identify.actuator.runs import made
+from stribeck.identify.work import Stopped, Work
+from stribeck.scenario import Scenario
+from stribeck.scenario.changes import changed
+
+Array = NDArray[np.float64]
+
+
+def fit_machine(
+    machine: Scenario | str | Path | Mapping[str, Any],
+    logs: Logs | str | Path,
+    *,
+    laws: Mapping[str, Sequence[str]] | None = None,
+    transfer_to: Logs | str | Path | None = None,
+    starts: int = 20,
+    seed: int = 0,
+    baselines: bool = True,
+    progress: Callable[[float], None] | None = None,
+    folder: Path | None = None,
+) -> MachineFit:
+    """The unknown numbers of a machine from recordings of it, each with an interval and a verdict.
+
+    Args:
+        machine: the machine (``schema = 2``) that holds the structure and every number that is not sought.
+        logs: LOGS.toml, or what :func:`read_logs` made of it (docs/fit-actuators.md).
+        laws: laws to try, by contact; the one that predicts held-out recordings best is taken.
+        transfer_to: recordings of another unit, or another day, which the fit predicts and is then compared with.
+        starts: how many starts the search has; ``seed`` makes them the same each time.
+        baselines: fit no friction, Coulomb and viscous, and Coulomb, Stribeck and viscous friction beside.
+        progress: called with the share done, 0 to 1.
+        folder: where to keep how far it has come, so that a fit that was stopped goes on.
+
+    Returns:
+        The fit; with ``status`` "stopped" what Ctrl-C left, "missed" where the machine does not follow its recordings.
+
+    Raises:
+        InputError: the machine, the logs or a path are not what they must be; a line for each problem.
+    """
+    scenario = Scenario.of(machine)
+    logs = logs if isinstance(logs, Logs) else read_logs(logs)
+    other = transfer_to if transfer_to is None or isinstance(transfer_to, Logs) else read_logs(transfer_to, False)
+    sought = checked(scenario, logs)
+    tried = {name: list(names) for name, names in {**logs.laws, **(laws or {})}.items()}
+    choice.check(scenario, tried)
+    if starts < 1:
+        raise InputError(f"{arg('starts')}: {show(starts)}: must be a whole number >= 1")
+    work = Work(progress)
+    with threadpool_limits(1):
+        return _Fit(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)
+
+
+def checked(scenario: Scenario, logs: Logs) -> list[Coordinate]:
+    """What is sought, after a look at everything that the recordings say of the machine.
+
+    Raises:
+        InputError: a line for each mistake.
+    """
+    problems: list[str] = []
+    sought: list[Coordinate] = []
+    for i, recording in enumerate(logs.recordings):
+        try:
+            made(scenario, recording, i)
+        except InputError as error:
+            problems += error.problems
+    if scenario.rig is not None:
+        try:
+            sought = coordinates(scenario, logs)
+        except InputError as error:
+            problems += error.problems
+    for i, r in enumerate(logs.recordings):
+        problems += [
+            f"unknown.{c.name}: is known of log.{i} ({r.file}): must be one or the other"
+            for c in sought for path in c.targets if path in r.known and c.log in (None, i)
+        ]  # fmt: skip
+    if problems:
+        raise InputError(list(dict.fromkeys(problems)))
+    return sought
+
+
+class _Fit:
+    """One run of the command."""
+
+    def __init__(
+        self, scenario: Scenario, logs: Logs, sought: list[Coordinate], starts: int, seed: int, work: Work,
+        folder: Path | None,
+    ) -> None:  # fmt: skip
+        self.scenario, self.logs, self.sought = scenario, logs, sought
+        self.starts, self.seed, self.work = starts, seed, work
+        self.kept = Kept(folder, scenario, logs)
+        self.numbered = list(enumerate(logs.recordings))
+        self.fitted = [(i, r) for i, r in self.numbered if not r.hold_out]
+        self.held = [(i, r) for i, r in self.numbered if r.hold_out]
+
+    def run(self, laws: Mapping[str, Sequence[str]], other: Logs | None, baselines: bool) -> MachineFit:
+        """Everything, in order."""
+        self.work.section(0.6)
+        picked: dict[str, Any] = {}
+        if laws:
+            chosen = choice.among_laws(self, laws)
+            self.scenario, self.sought, picked = chosen.scenario, chosen.sought, chosen.told
+            best: Estimate | None = chosen.estimate
+        else:
+            best = None
+        if best is None:
+            first, starts = self.kept.load("fit"), self.starts
+            keep = self.kept.saver("fit")
+            best = estimate(
+                self.scenario, self.fitted, self.sought, starts if first is None else max(1, starts // 4), self.seed,
+                self.work, first, keep,
+            )  # fmt: skip
+        notes = [*checks.before(self.logs, self.scenario), *picked.pop("notes", [])]
+        left_out = {} if best.stopped else choice.earned(self, best, notes)
+        if left_out:
+            self.scenario, self.sought, best = left_out["scenario"], left_out["sought"], left_out["estimate"]
+        assert isinstance(best, Estimate)
+        result = self.told(best, notes)
+        result.laws = picked
+        self.work.section(0.95)
+        try:
+            if result.status == "done" and baselines:
+                result.baselines = choice.baselines(self, result)
+            if other is not None and result.status != "stopped":
+                result.transfer = transfer.transferred(self, other, result)
+        except (KeyboardInterrupt, Stopped):
+            result.status, result.reason = "stopped", "Ctrl-C: what follows the fit is missing"
+        if result.status != "stopped":
+            self.kept.done()
+        self.work.section(1.0)
+        return result
+
+    def told(self, best: Estimate, notes: list[str]) -> MachineFit:
+        """The estimate judged: intervals, verdicts, errors."""
+        self.work.section(0.8)
+        status, reason, relation = "stopped" if best.stopped else "done", "", None
+        values = best.values()
+        missed = [] if best.stopped else best.missed()
+        if best.stopped:
+            reason = "Ctrl-C: the best numbers so far, without intervals; the same command goes on from here"
+        elif missed:
+            status, reason = "missed", f"the machine does not follow its recordings ({'; '.join(missed)}): no intervals"
+            notes += checks.hypotheses(best)
+        correlated: list[dict[str, Any]] = []
+        try:
+            judged = judge.judged(best, self.scenario, status == "done")
+        except (KeyboardInterrupt, Stopped):
+            self.work.stop()
+            status, reason = "stopped", "Ctrl-C: the best numbers, without intervals"
+            judged = judge.judged(best, self.scenario, False)
+        notes += judged.notes + best.notes
+        correlated, relation, values = judged.correlated, judged.relation, judged.best.values()
+        best = judged.best
+        result = MachineFit(
+            status, reason, judged.parameters, correlated, self.errors(best, values), notes, dict(best.problem.noise),
+            filled(self.scenario, self.sought, values), relation=relation, agreeing=best.found.agreeing,
+        )  # fmt: skip
+        result.nuisance = {c.name: values[c.name] for c in best.problem.sought if c.nuisance}
+        if not self.held:
+            result.notes.append("no recording is held out (hold_out = true): the errors are those of the fit itself")
+        return result
+
+    def errors(self, best: Estimate, values: dict[str, float]) -> list[LogResult]:
+        """Each recording against what the numbers make of it."""
+        window = _window(best)
+        return [
+            LogResult(r.file, r.hold_out, traces(self.scenario, r, i, best.problem.sought, values, window))
+            for i, r in self.numbered
+        ]
+
+
+def _window(best: Estimate) -> float | None:
+    """The length of the stretches of a fit in stretches."""
+    if not best.windowed:
+        return None
+    return float(np.median([run.scenario.end for run in best.problem.runs]))
+
+
+def filled(scenario: Scenario, sought: Sequence[Coordinate], values: Mapping[str, float]) -> dict[str, Any]:
+    """The machine's tables with what was found in them."""
+    changes = {
+        path: scale * values[c.name]
+        for c in sought if c.log is None and c.name in values
+        for path, scale in c.targets.items()
+    }  # fmt: skip
+    return changed(scenario.data, changes, scenario.folder)
+
+
+def recordings_of(logs: Logs) -> list[tuple[int, Recording]]:
+    """The recordings with their numbers."""
+    return list(enumerate(logs.recordings))

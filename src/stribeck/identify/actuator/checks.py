@@ -1,0 +1,217 @@
+"""What is wrong with a recording: gaps, an early end, units, signs, clocks."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import chain
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.actuator.coordinates import Coordinate
+from stribeck.identify.actuator.estimate import POOR, Estimate, leftovers
+from stribeck.identify.actuator.intervals import Spread, _meat, _memory, inverse
+from stribeck.identify.actuator.problem import Problem
+from stribeck.identify.actuator.recordings import Channel, Logs, Recording
+from stribeck.identify.actuator.runs import Run
+from stribeck.identify.actuator.solve import search
+from stribeck.scenario import Scenario
+
+Array = NDArray[np.float64]
+_GAP = 1.6  # sample times: a longer one lacks a sample
+_SHORT = 0.7  # of the others' length
+_TAIL = 0.02
+_FACTORS = {
+    -1.0: "the other sign", np.pi / 180: "degrees", 180 / np.pi: "radians, not degrees", 1e-3: "thousandths",
+    1e3: "thousands", np.pi / 30: "revolutions per minute", 2 * np.pi: "revolutions",
+}  # fmt: skip
+_LIKE = 0.1  # of a factor: how near a measured one is taken for it
+_SURE = 4.5  # deviations
+_MATTERS = 0.02  # of a column's remaining error
+_CLOCK = 0.05
+
+
+def before(logs: Logs, scenario: Scenario) -> list[str]:
+    """What the recordings show by themselves."""
+    found: list[str] = []
+    lengths = [float(r.t[-1]) for r in logs.recordings]
+    for r, length in zip(logs.recordings, lengths, strict=True):
+        found += [*r.notes, *_gaps(r), *_tails(r), *_rates(r)]
+        typical = float(np.median(lengths))
+        if len(lengths) > 1 and length < _SHORT * typical:
+            found.append(f"{r.file}: ends at {length:.4g} s, the others at about {typical:.4g} s: was it cut short?")
+        elif length < _SHORT * scenario.solve.t_end and len(lengths) == 1:
+            found.append(
+                f"{r.file}: ends at {length:.4g} s, and the machine's t_end is {scenario.solve.t_end:g} s: cut short?"
+            )
+    return found
+
+
+def _gaps(r: Recording) -> list[str]:
+    gaps = np.diff(r.t)
+    step = float(np.median(gaps))
+    long = gaps > _GAP * step
+    if not long.any():
+        return []
+    missing = int(np.sum(np.rint(gaps[long] / step) - 1))
+    at = float(r.t[:-1][long][0])
+    return [
+        f"{r.file}: {missing} samples are missing in {int(long.sum())} gaps (first after {at:.4g} s, longest "
+        f"{gaps.max():.3g} s); inputs go straight across them, and nothing is compared there"
+    ]
+
+
+def _tails(r: Recording) -> list[str]:
+    """Columns with empty cells, and those that end before the others."""
+    found = []
+    for name, c in chain(r.outputs.items(), r.inputs.items()):
+        good = np.isfinite(c.x) & np.isfinite(c.t)
+        last, empty = float(c.t[good][-1]), int((~good).sum())
+        if last < (1 - _TAIL) * r.t[-1]:
+            found.append(
+                f"{r.file}: {name}: column {c.column!r} ends at {last:.4g} s, the recording at {r.t[-1]:.4g} s: cut short?"
+            )
+        elif empty:
+            found.append(f"{r.file}: {name}: column {c.column!r} has {empty} empty cells, which are left out")
+        if len(np.unique(c.x[good])) == 1 and name in r.outputs:
+            found.append(f"{r.file}: {name}: column {c.column!r} never changes")
+    return found
+
+
+def _rates(r: Recording) -> list[str]:
+    """Whether a measured speed is the rate of the measured position."""
+    found = []
+    for name, c in r.outputs.items():
+        body, _, what = name.rpartition(".")
+        position = r.outputs.get(f"{body}.y")
+        if what != "v" or position is None:
+            continue
+        factor = _factor_between(position, c)
+        if factor is not None:
+            found.append(
+                f"{r.file}: {name}: column {c.column!r} is {factor[0]:.4g} times the rate of {position.column!r}"
+                + (f": is one of them in {factor[1]}?" if factor[1] != _FACTORS[-1.0] else ": is the sign wrong?")
+            )
+    return found
+
+
+def _factor_between(y: Channel, v: Channel) -> tuple[float, str] | None:
+    good, also = np.isfinite(y.x), np.isfinite(v.x)
+    if good.sum() < 30 or also.sum() < 30:
+        return None
+    t = np.linspace(max(y.t[good][0], v.t[also][0]), min(y.t[good][-1], v.t[also][-1]), 60)
+    moved = np.diff(np.interp(t, y.t[good], y.x[good]))
+    area = np.concatenate([[0.0], np.cumsum(np.diff(v.t[also]) * 0.5 * (v.x[also][1:] + v.x[also][:-1]))])
+    sum_ = np.diff(np.interp(t, v.t[also], area))
+    if not (moved @ moved) > 0 or abs(np.corrcoef(moved, sum_)[0, 1]) < 0.9:
+        return None
+    ratio = float(moved @ sum_ / (moved @ moved))
+    for factor, words in _FACTORS.items():
+        for known in (factor, 1 / factor):
+            if known != 1 and abs(ratio / known - 1) < _LIKE:
+                return ratio, words
+    return None
+
+
+def hypotheses(best: Estimate) -> list[str]:
+    """What would let the machine follow its recordings: a column in other units, of the other sign, of another clock."""
+    whole = best.problem
+    k = int(np.argmin([run.scenario.end for run in whole.runs]))
+    run, log = whole.runs[k], whole.runs[k].log
+    sought = [c for c in whole.sought if c.log in (None, log) and (not c.nuisance or c.piece == run.piece)]
+    now = _worst(Problem([run], sought, whole.noise), None)
+    found: list[tuple[float, str]] = []
+    for target in run.targets:
+        for factor, words in _FACTORS.items():
+            left = _tried(_scaled(run, target.column, factor), sought, whole, factor, target.column)
+            found.append((left, f"{target.column}: with its column times {factor:.4g} ({words})"))
+        clock = Coordinate(f"outputs.{target.column}.clock", -_CLOCK, _CLOCK, 0.0, None, {}, (target.column, "clock"))
+        left = _worst(Problem([run], [*sought, clock], whole.noise), 6)
+        found.append((left, f"{target.column}: with a clock of its own (outputs.{target.column}.clock sought)"))
+    left, words = min(found)
+    if left < 0.5 * now and left < POOR:
+        return [
+            f"{words}, {run.name} would be followed to {100 * left:.2g} % of its changes: look at that column and its unit"
+        ]
+    return []
+
+
+def _scaled(run: Run, column: str, factor: float) -> Run:
+    targets = [replace(t, x=t.x * factor) if t.column == column else t for t in run.targets]
+    body = column.removesuffix(".y")
+    start = {p: x * factor if p.startswith(f"bodies.{body}.") else x for p, x in run.start.items()}
+    return replace(run, targets=targets, start=start)
+
+
+def _tried(run: Run, sought: list[Coordinate], whole: Problem, factor: float, column: str) -> float:
+    """How much of the columns' changes is left with one of them scaled."""
+    own = []
+    for c in sought:
+        if c.nuisance and column.removesuffix(".y") in c.name:
+            ends = sorted((c.low * factor, c.high * factor))
+            c = replace(c, low=ends[0], high=ends[1], start=None if c.start is None else c.start * factor)
+        own.append(c)
+    noise = {n: x * abs(factor) if n == column else x for n, x in whole.noise.items()}
+    return _worst(Problem([run], own, noise), 6)
+
+
+def _worst(problem: Problem, starts: int | None) -> float:
+    """The largest share that is left of a column's changes."""
+    found = search(problem, starts or 4, 0)
+    return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values())
+
+
+def after(best: Estimate, s: Spread) -> list[str]:
+    """Sensors' delays, clocks, gains and offsets that are not sought, but that the residuals show."""
+    problem, u = best.problem, best.u
+    r = problem.residuals(u[None])[0]
+    sought = {c.output for c in problem.sought}
+    lags, _, _ = _memory(problem, r)
+    told = []
+    for column in problem.noise:
+        extra = _sensor(problem, u, column)
+        for what, slopes in extra.items():
+            if (column, what) in sought:
+                continue
+            J = np.column_stack([s.J, slopes])
+            size = float(slopes @ slopes)
+            if size <= 0:
+                continue
+            covariance = inverse(J)
+            value = float(-(covariance @ (J.T @ r))[-1])
+            wide = float(
+                np.sqrt(max((covariance @ _meat(problem, r, J, lags) @ covariance)[-1, -1], covariance[-1, -1]))
+            )
+            fall = value**2 / covariance[-1, -1] / float(r @ r)
+            if abs(value) > _SURE * wide and fall > _MATTERS:
+                told.append(
+                    (fall, f"{column}: {_words(what, value, wide)}; seek outputs.{column}.{what} if that can be")
+                )
+    told.sort(reverse=True)
+    return [text for _, text in told[:2]]
+
+
+def _words(what: str, value: float, wide: float) -> str:
+    said = f"{abs(value):.3g} +- {2 * wide:.2g}"
+    if what == "clock":
+        return f"its clock drifts from that of the drive, by {said} s in a second"
+    if what == "delay":
+        return f"it comes {said} s {'late' if value > 0 else 'early'}"
+    return f"its {what} seems to be {value:+.3g} +- {2 * wide:.2g} off"
+
+
+def _sensor(problem: Problem, u: Array, column: str) -> dict[str, Array]:
+    """The slopes of the residuals by a column's delay, clock, gain and offset."""
+    found = {what: np.zeros(problem.size) for what in ("clock", "delay", "gain", "offset")}
+    for k, run in enumerate(problem.runs):
+        at, begin = int(problem.first[k]), float(run.piece) if run.piece else 0.0
+        for target, x in zip(run.targets, problem.predicted(run, k, u[None]), strict=True):
+            if target.column == column and len(target.t) > 2:
+                rows, noise = slice(at, at + len(target.t)), problem.noise[column]
+                rate = np.gradient(x[0], target.t)
+                found["delay"][rows] = -rate / noise
+                found["clock"][rows] = -rate * (target.t + begin) / noise
+                found["gain"][rows] = x[0] / noise
+                found["offset"][rows] = 1 / noise
+            at += len(target.t)
+    return found

@@ -1,0 +1,266 @@
+"""Which law, which terms, and what simpler friction would have done: all judged by recordings that are held out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from stribeck import laws as known_laws
+from stribeck.errors import InputError, StribeckError, nearest
+from stribeck.identify.actuator.coordinates import Coordinate
+from stribeck.identify.actuator.estimate import Estimate, estimate, traces
+from stribeck.identify.actuator.recordings import Recording
+from stribeck.identify.actuator.result import MachineFit
+from stribeck.laws.base import PARAMETERS
+from stribeck.scenario import Scenario
+
+if TYPE_CHECKING:
+    from stribeck.identify.actuator.api import _Fit
+
+_EARNS = 0.01  # of the held-out error: what a further number must lower it by
+_STEEP = 50.0  # the smooth sign is complete at this share of the speeds
+_FEWER = 6  # starts of the fits that are only compared
+BASELINES = {"coulomb and viscous": "coulomb_viscous", "coulomb, stribeck and viscous": "stribeck"}
+
+
+@dataclass
+class Chosen:
+    """The law that was taken."""
+
+    scenario: Scenario
+    sought: list[Coordinate]
+    estimate: Estimate | None
+    told: dict[str, Any]
+
+
+def check(scenario: Scenario, laws: Mapping[str, Sequence[str]]) -> None:
+    """Refuse contacts and laws that do not exist.
+
+    Raises:
+        InputError: a line for each.
+    """
+    contacts = scenario.data.get("contacts", {})
+    problems = [f"law.{c}: no such contact{nearest(c, contacts)}" for c in laws if c not in contacts]
+    for contact, names in laws.items():
+        for name in names:
+            try:
+                known_laws.find(name, scenario.folder)
+            except InputError as error:
+                problems += [f"law.{contact}: {line}" for line in error.problems]
+    if problems:
+        raise InputError(problems)
+
+
+def held_out_error(fit: _Fit, scenario: Scenario, best: Estimate, held: Sequence[tuple[int, Recording]]) -> float:
+    """The relative error over recordings that the estimate has not seen (columns' root mean square)."""
+    window = float(np.median([run.scenario.end for run in best.problem.runs])) if best.windowed else None
+    parts = [
+        x.relative for i, r in held for x in traces(scenario, r, i, best.problem.sought, best.values(), window)
+    ]  # fmt: skip
+    return float(np.sqrt(np.mean(np.square(parts)))) if parts else float("nan")
+
+
+def with_laws(
+    scenario: Scenario, sought: Sequence[Coordinate], laws: Mapping[str, str], speeds: Mapping[str, float]
+) -> tuple[Scenario, list[Coordinate]]:
+    """The machine with other laws in some contacts; constants that it did not have are sought too, within wide bounds."""
+    import warnings
+
+    from stribeck.errors import StribeckNote
+
+    coordinates = list(sought)
+    for contact, name in laws.items():
+        path = f"contacts.{contact}.law"
+        old = scenario.data["contacts"][contact]["law"]
+        law = known_laws.find(name, scenario.folder)
+        if old.get("name") == name:
+            continue
+        changes, fresh = _constants(path, old, law, coordinates, speeds[contact])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", StribeckNote)
+            scenario = scenario.with_changes({f"{path}.name": name, **changes})
+        has = {f"{path}.parameters.{n}" for n in law.constants()} | {f"{path}.{n}" for n in law.constants()}
+        coordinates = [c for c in coordinates if not any(p.startswith(f"{path}.") and p not in has for p in c.targets)]
+        coordinates += fresh
+    return scenario, coordinates
+
+
+def _constants(
+    path: str, old: Mapping[str, Any], law: Any, sought: Sequence[Coordinate], speed: float
+) -> tuple[dict[str, Any], list[Coordinate]]:
+    """Values for the constants that a law has beside the old one's, and coordinates for those that matter."""
+    from stribeck.scenario import Scenario as _  # noqa: F401
+
+    parameters = old.get("parameters", {})
+    have = {
+        **(parameters if isinstance(parameters, dict) else {}),
+        **{n: x for n, x in old.items() if n not in ("name", "parameters")},
+    }
+    level = float(have.get("F_c", 1.0))
+    guess = {
+        "F_c": level, "F_s": 1.2 * level, "v_s": 0.1 * speed, "sigma_2": 0.1 * level / speed, "k_v": _STEEP / speed,
+        "sigma_0": 300 * level / speed, "sigma_1": 0.3 * level / speed, "z_ba": 2e-3 * speed,
+    }  # fmt: skip
+    changes: dict[str, Any] = {}
+    fresh: list[Coordinate] = []
+    paths = {p for c in sought for p in c.targets}
+    for name, constant in law.constants().items():
+        if name in have or constant.choices or (constant.optional and name != "k_v"):
+            continue
+        place = f"{path}.parameters.{name}" if name in PARAMETERS else f"{path}.{name}"
+        x = guess.get(name, constant.example if constant.example is not None else constant.default)
+        if x is None:
+            continue
+        changes[place] = x
+        if name in PARAMETERS and place not in paths:
+            fresh.append(Coordinate(place, x / 100, x * 100, x, None, {place: 1.0}))
+    return changes, fresh
+
+
+def _speeds(fit: _Fit) -> dict[str, float]:
+    """A typical speed in each contact, from the simulated machine as it stands."""
+    found = {}
+    for contact in fit.scenario.data.get("contacts", {}):
+        try:
+            from stribeck.identify.actuator.runs import made
+            from stribeck.simulation.single import simulate
+
+            i, recording = fit.fitted[0]
+            solution = simulate(made(fit.scenario, recording, i).scenario)
+            w = solution[f"{contact}.w"]
+            found[contact] = max(float(np.sqrt(np.nanmean(w**2))), 1e-6)
+        except (StribeckError, KeyError):
+            found[contact] = 1.0
+    return found
+
+
+def among_laws(fit: _Fit, laws: Mapping[str, Sequence[str]]) -> Chosen:
+    """Fit every combination of the laws named, and take the one that predicts held-out recordings best; of nearly equal
+    ones the simplest."""
+    fitted, held, note = _split(fit)
+    speeds = _speeds(fit)
+    rows: list[tuple[float, int, str, Chosen]] = []
+    failed: dict[str, str] = {}
+    combinations = list(product(*laws.values()))
+    for names in combinations:
+        label = ", ".join(f"{c} = {n}" for c, n in zip(laws, names, strict=True))
+        try:
+            scenario, sought = with_laws(fit.scenario, fit.sought, dict(zip(laws, names, strict=True)), speeds)
+            best = estimate(
+                scenario, fitted, sought, fit.starts, fit.seed, fit.work, fit.kept.load(label), fit.kept.saver(label)
+            )
+            error = held_out_error(fit, scenario, best, held)
+        except StribeckError as error_:
+            failed[label] = str(error_).splitlines()[0]
+            continue
+        rows.append((error, len(sought), label, Chosen(scenario, sought, best, {})))
+        if best.stopped:
+            break
+    if not rows:
+        raise InputError([f"law: {label}: {why}" for label, why in failed.items()])
+    finite = [row for row in rows if np.isfinite(row[0])] or rows
+    least = min(row[0] for row in finite)
+    picked = min((row for row in finite if not row[0] > (1 + _EARNS) * least), key=lambda row: (row[1], row[0]))
+    told: dict[str, Any] = {
+        "picked": picked[2], "errors": {row[2]: row[0] for row in rows}, "numbers": {row[2]: row[1] for row in rows},
+        "failed": failed, "notes": [note] if note else [],
+    }  # fmt: skip
+    chosen = picked[3]
+    again = chosen.estimate if len(fitted) == len(fit.fitted) else None
+    if again is None and chosen.estimate is not None and not chosen.estimate.stopped:
+        again = estimate(chosen.scenario, fit.fitted, chosen.sought, 1, fit.seed, fit.work, chosen.estimate.values())
+    return Chosen(chosen.scenario, chosen.sought, again or chosen.estimate, told)
+
+
+def _split(fit: _Fit) -> tuple[list[tuple[int, Recording]], list[tuple[int, Recording]], str]:
+    """What is fitted and what is predicted when laws are compared."""
+    if fit.held:
+        return fit.fitted, fit.held, ""
+    if len(fit.fitted) > 1:
+        return (
+            fit.fitted[:-1],
+            fit.fitted[-1:],
+            f"{fit.fitted[-1][1].file} was held out to compare laws, and fitted afterwards",
+        )
+    return fit.fitted, fit.fitted, "one recording only: laws are compared by the error of the fit itself"
+
+
+def earned(fit: _Fit, best: Estimate, notes: list[str]) -> dict[str, Any]:
+    """Leave out terms that do not lower the held-out error: numbers sought that may be 0."""
+    scenario, sought = fit.scenario, fit.sought
+    zero = [c for c in sought if c.low == 0.0 and c.log is None and c.targets]
+    if not fit.held or not zero or best.missed():
+        return {}
+    error = held_out_error(fit, scenario, best, fit.held)
+    result: dict[str, Any] = {}
+    for c in zero:
+        if best.values().get(c.name, 0.0) > 0.5 * (c.low + c.high):
+            continue
+        try:
+            fixed = scenario.with_changes(dict.fromkeys(c.targets, 0.0))
+        except InputError:
+            continue
+        fewer = [x for x in sought if x is not c]
+        if not fewer:
+            continue
+        other = estimate(fixed, fit.fitted, fewer, 1, fit.seed, fit.work, best.values())
+        without = held_out_error(fit, fixed, other, fit.held)
+        if without < (1 + _EARNS) * error and _no_worse(best, other):
+            notes.append(
+                f"{c.name}: left out (0): without it the held-out error is {100 * without:.3g} %, with it {100 * error:.3g} %"
+            )
+            scenario, sought, best, error = fixed, fewer, other, min(error, without)
+            result = {"scenario": scenario, "sought": sought, "estimate": best}
+    return result
+
+
+def _no_worse(best: Estimate, other: Estimate) -> bool:
+    """Whether the recordings that are fitted are followed as well."""
+    from stribeck.identify.actuator.estimate import leftovers
+
+    with_, without = leftovers(best.problem, best.u), leftovers(other.problem, other.u)
+    return all(without[c][0] < (1 + _EARNS) * with_[c][0] for c in with_ if c in without)
+
+
+def baselines(fit: _Fit, result: MachineFit) -> dict[str, Any]:
+    """What simpler friction leaves: none, Coulomb and viscous, Coulomb, Stribeck and viscous, beside the law fitted."""
+    contacts = [
+        name for name in fit.scenario.data.get("contacts", {})
+        if any(p.startswith(f"contacts.{name}.") for c in fit.sought for p in c.targets)
+    ]  # fmt: skip
+    own = {"fitted": result.error(False), "held_out": result.error(True), "numbers": len(fit.sought)}
+    found: dict[str, Any] = {"the law fitted": own}
+    if not contacts:
+        return found
+    speeds = _speeds(fit)
+    values = {name: p.value for name, p in result.parameters.items()}
+    kinds: list[tuple[str, str | None]] = [("no friction", None), *BASELINES.items()]
+    for label, law in kinds:
+        try:
+            if law is None:
+                scenario, sought = without_contacts(fit, contacts)
+            else:
+                base = Scenario(result.data, folder=fit.scenario.folder)
+                scenario, sought = with_laws(base, fit.sought, dict.fromkeys(contacts, law), speeds)
+            best = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values)
+            errors = [held_out_error(fit, scenario, best, part) for part in (fit.fitted, fit.held)]
+            found[label] = {"fitted": errors[0], "held_out": errors[1] if fit.held else None, "numbers": len(sought)}
+        except StribeckError as error:
+            found[label] = {"why": str(error).splitlines()[0]}
+    return found
+
+
+def without_contacts(fit: _Fit, contacts: Sequence[str]) -> tuple[Scenario, list[Coordinate]]:
+    """The machine without the friction that is sought."""
+    data = {
+        **fit.scenario.data,
+        "contacts": {n: t for n, t in fit.scenario.data["contacts"].items() if n not in contacts},
+    }
+    sought = [
+        c for c in fit.sought if not any(p.startswith(tuple(f"contacts.{n}." for n in contacts)) for p in c.targets)
+    ]  # fmt: skip
+    return Scenario(data, folder=fit.scenario.folder), [replace(c) for c in sought]

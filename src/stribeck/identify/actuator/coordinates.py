@@ -1,0 +1,139 @@
+"""What is sought as coordinates that an optimiser moves: where each number goes, its bounds, its scale."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.errors import InputError, nearest
+from stribeck.identify.actuator.recordings import Logs, Sought
+from stribeck.scenario import Scenario
+from stribeck.simulation.machines import machine_places
+
+Array = NDArray[np.float64]
+_LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
+_START = re.compile(r"initial\.(\w+)\.([yv])")
+_OUTPUT = re.compile(r"outputs\.(.+)\.(offset|gain|delay|clock)")
+_DECADES = 2.5  # bounds farther apart by this factor, and positive, are searched in the logarithm
+NEUTRAL = {"offset": 0.0, "gain": 1.0, "delay": 0.0, "clock": 0.0}
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """A number that is sought.
+
+    Attributes:
+        name: its path as the user wrote it (with the log's number).
+        targets: the machine's paths that it sets, each with a factor; empty for a sensor's number.
+        output: the column and what of its sensor: offset, gain, delay (s), or clock (s of delay gained in a second).
+        log: the recording that it belongs to, or None: all.
+        nuisance: not asked for: the state in which a recording begins.
+    """
+
+    name: str
+    low: float
+    high: float
+    start: float | None = None
+    prior: tuple[float, float] | None = None
+    targets: Mapping[str, float] = field(default_factory=dict)
+    output: tuple[str, str] | None = None
+    log: int | None = None
+    nuisance: bool = False
+    piece: str | None = None  # the stretch of a recording that it belongs to
+
+    @property
+    def logarithmic(self) -> bool:
+        """Whether it is searched in the logarithm."""
+        return self.low > 0 and self.high / self.low > _DECADES
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The bounds of the coordinate."""
+        return (np.log(self.low), np.log(self.high)) if self.logarithmic else (0.0, 1.0)
+
+    def outer(self, u: float) -> float:
+        """The number itself."""
+        return float(np.exp(u)) if self.logarithmic else self.low + u * (self.high - self.low)
+
+    def inner(self, x: float) -> float:
+        """The coordinate of a number."""
+        x = min(max(x, self.low), self.high)
+        return float(np.log(x)) if self.logarithmic else (x - self.low) / (self.high - self.low)
+
+    def slope(self, u: float) -> float:
+        """d number / d coordinate."""
+        return self.outer(u) if self.logarithmic else self.high - self.low
+
+
+def coordinates(scenario: Scenario, logs: Logs) -> list[Coordinate]:
+    """What is sought, each path looked up in the machine.
+
+    Raises:
+        InputError: a path is none of the machine's; a line for each.
+    """
+    found: list[Coordinate] = []
+    problems: list[str] = []
+    for sought in logs.sought:
+        whole = _LOG.fullmatch(sought.path)
+        which: list[int | None] = [None]
+        rest = sought.path
+        if whole:
+            rest = whole[2]
+            which = list(range(len(logs.recordings))) if whole[1] == "*" else [int(whole[1])]
+            if which[-1] is not None and which[-1] >= len(logs.recordings):
+                problems.append(
+                    f"unknown.{sought.path}: log.{whole[1]}: there are {len(logs.recordings)} recordings, from 0"
+                )
+                continue
+        for log in which:
+            name = sought.path if log is None else f"log.{log}.{rest}"
+            made = _one(scenario, logs, sought, rest, name, log)
+            if isinstance(made, str):
+                problems.append(made)
+                break
+            found.append(made)
+    if problems:
+        raise InputError(problems)
+    return found
+
+
+def _one(scenario: Scenario, logs: Logs, s: Sought, rest: str, name: str, log: int | None) -> Coordinate | str:
+    """One coordinate, or what is wrong with its path."""
+    if output := _OUTPUT.fullmatch(rest):
+        measured = {column for r in logs.recordings for column in r.outputs}
+        if output[1] not in measured:
+            return f"unknown.{s.path}: {output[1]}: is not measured{nearest(output[1], measured)}"
+        return Coordinate(name, s.low, s.high, s.start, s.prior, {}, (output[1], output[2]), log)
+    start = _START.fullmatch(rest)
+    path = f"bodies.{start[1]}.initial.{start[2]}" if start else rest
+    if start and log is None:
+        return f"unknown.{s.path}: must begin with log.*. or log.0.: a start belongs to a recording"
+    if text := impossible(scenario, path, s.low, s.high):
+        return f"unknown.{s.path}: {text}"
+    return Coordinate(name, s.low, s.high, s.start, s.prior, {path: 1.0}, None, log)
+
+
+def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
+    """Why a path cannot take these values, or None."""
+    places = machine_places(scenario)
+    if path not in places:
+        try:  # a constant that is off, such as a play that is not given
+            places = machine_places(scenario.with_changes({path: values[-1]}))
+        except InputError:
+            places = machine_places(scenario)
+    if path not in places:
+        return "no such number of the machine" + (
+            nearest(path, places) or f" (it has {', '.join(list(places)[:12])}, ...)"
+        )
+    for x in values:
+        try:
+            scenario.with_changes({path: x})
+        except InputError as error:
+            mine = [line for line in error.problems if line.startswith(f"{path}:")]
+            if mine and "F_c" not in mine[0].partition(": ")[2]:  # relations to others hold by themselves
+                return f"{x:g}: {mine[0].partition(': ')[2]}"
+    return None

@@ -1,0 +1,246 @@
+"""From recordings to the best numbers: which stretches are simulated, how columns are weighted, where to search."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.actuator.coordinates import Coordinate
+from stribeck.identify.actuator.problem import Problem
+from stribeck.identify.actuator.recordings import Recording
+from stribeck.identify.actuator.result import Trace
+from stribeck.identify.actuator.runs import Run, made
+from stribeck.identify.actuator.solve import Found, cost, scanned, search
+from stribeck.identify.actuator.starts import begun, stretches
+from stribeck.identify.work import Work
+from stribeck.scenario import Scenario
+
+Array = NDArray[np.float64]
+POOR = 0.25  # of a column's changes: a fit that leaves more misses
+_FIRST = 0.05  # of a column's changes: the noise to begin with
+_WEIGHTINGS = 2
+_SETTLED = 0.05
+_STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
+_SHORTEST = 0.2  # s
+_ROUGH = 12  # steps of the search in stretches
+_MUCH = 3.0  # a whole recording that is worse than its stretches by this factor is fitted in stretches
+Keep = Callable[[dict[str, float], float], None]
+
+
+@dataclass
+class Estimate:
+    """The best point of a problem, and how it was come by."""
+
+    problem: Problem
+    u: Array
+    found: Found
+    notes: list[str]
+    windowed: bool
+
+    @property
+    def stopped(self) -> bool:
+        """Whether Ctrl-C ended it."""
+        return self.found.stopped
+
+    def values(self) -> dict[str, float]:
+        """The numbers by name."""
+        return self.problem.values(self.u)
+
+    def missed(self) -> list[str]:
+        """The columns of which the fit leaves too much, in words."""
+        told = []
+        for column, (left, size) in leftovers(self.problem, self.u).items():
+            if not left <= POOR * size and left > 3 * floor_of(self.problem, column):
+                told.append(f"{column}: {100 * left / size if size else np.inf:.0f} % of its changes are left")
+        return told
+
+
+def leftovers(problem: Problem, u: Array) -> dict[str, tuple[float, float]]:
+    """By column: the root mean square of what is left, and that of the column's changes within a recording."""
+    r = problem.residuals(u[None])[0]
+    left: dict[str, list[Array]] = {}
+    size: dict[str, list[Array]] = {}
+    for k, run in enumerate(problem.runs):
+        at = int(problem.first[k])
+        for target in run.targets:
+            left.setdefault(target.column, []).append(r[at : at + len(target.t)] * problem.noise[target.column])
+            size.setdefault(target.column, []).append(target.x - target.x.mean())
+            at += len(target.t)
+    rms: Callable[[list[Array]], float] = lambda parts: float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))  # noqa: E731
+    return {name: (rms(parts), rms(size[name])) for name, parts in left.items()}
+
+
+def floor_of(problem: Problem, column: str) -> float:
+    """The least noise that a column can have: that of its steps."""
+    steps = [
+        np.diff(np.unique(t.x)).min(initial=np.inf) for run in problem.runs for t in run.targets if t.column == column
+    ]
+    least = min(steps, default=np.inf)
+    return float(least / np.sqrt(12)) if np.isfinite(least) else 0.0
+
+
+def first_noise(recordings: Sequence[Recording]) -> tuple[dict[str, float], set[str]]:
+    """The noise of each column to begin with, and the columns whose noise was given."""
+    found: dict[str, float] = {}
+    given: set[str] = set()
+    for column in dict.fromkeys(c for r in recordings for c in r.outputs):
+        channels = [r.outputs[column] for r in recordings if column in r.outputs]
+        told = [c.noise for c in channels if c.noise is not None]
+        if told:
+            found[column] = float(np.sqrt(np.mean(np.square(told))))
+            given.add(column)
+        else:
+            size = float(np.sqrt(np.mean([np.nanvar(c.x) for c in channels])))
+            found[column] = _FIRST * size if size > 0 else 1.0
+    return found, given
+
+
+def prepared(
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], named: set[str], window: float | None = None,
+    free: bool = True,
+) -> tuple[list[Run], list[Coordinate]]:  # fmt: skip
+    """The runs, whole or in stretches, and what of their starts is sought (``free``; else the estimates hold)."""
+    runs: list[Run] = []
+    starts: list[Coordinate] = []
+    for log, recording in recordings:
+        length = recording.window or window
+        spans: list[tuple[float, float] | None] = [None]
+        if length is not None and length < 0.9 * recording.t[-1]:
+            spans = list(stretches(recording, length))
+        for span in spans:
+            run, own = begun(scenario, recording, log, named, span)
+            if run.size:
+                runs.append(run)
+                starts += own
+    return runs, starts if free else []
+
+
+def remembers(scenario: Scenario) -> bool:
+    """Whether the machine holds what no stretch can begin with: a controller's integral, or its samples."""
+    assert scenario.rig is not None
+    return bool(scenario.rig.machine.controllers)
+
+
+def estimate(
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[Coordinate], starts: int, seed: int,
+    work: Work, first: dict[str, float] | None = None, keep: Keep | None = None,
+) -> Estimate:  # fmt: skip
+    """The best numbers for these recordings."""
+    fitted = {i for i, _ in recordings}
+    sought = [c for c in sought if c.log is None or c.log in fitted]
+    named = {c.name for c in sought} | {path for c in sought for path in c.targets}
+    noise, given = first_noise([r for _, r in recordings])
+    asked = any(r.window for _, r in recordings)
+    notes: list[str] = []
+    begin, many = dict(first or {}), starts > 1
+    if not asked and not remembers(scenario) and starts > 1:
+        window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
+        runs, _ = prepared(scenario, recordings, named, window, free=False)
+        rough = Problem(runs, list(sought), dict(noise), work=work)
+        found = search(
+            rough, starts, seed, _point(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH
+        )
+        begin = rough.values(found.u)
+        others = [rough.values(u) for u in found.others]
+        if found.stopped:
+            return Estimate(rough, found.u, found, notes, True)
+        agreeing, starts = found.agreeing, 1
+    else:
+        agreeing, others = 0, []
+    runs, own = prepared(scenario, recordings, named)
+    problem = Problem(runs, [*sought, *own], dict(noise), work=work)
+    saved, more = _kept(problem, keep), [_point(problem, x) for x in others]
+    found = search(problem, starts, seed, _point(problem, begin) if begin else None, saved, more)
+    if many and not found.stopped:
+        found = search(problem, 1, seed, found.u, saved, scanned(problem, found))
+    whole = Estimate(problem, found.u, replace(found, agreeing=max(agreeing, found.agreeing)), notes, asked)
+    if not found.stopped and not asked and not remembers(scenario) and whole.missed():
+        whole = _in_stretches(scenario, recordings, sought, named, whole, begin, work, keep)
+    return _weighted(whole, given, keep)
+
+
+def _in_stretches(
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[Coordinate], named: set[str],
+    whole: Estimate, begin: dict[str, float], work: Work, keep: Keep | None,
+) -> Estimate:  # fmt: skip
+    """Multiple shooting: each stretch begins in a state of its own, so that no error grows from one end to the other."""
+    window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH * 2)
+    runs, own = prepared(scenario, recordings, named, window)
+    problem = Problem(runs, [*sought, *own], dict(whole.problem.noise), work=work)
+    found = search(problem, 1, 0, _point(problem, begin), _kept(problem, keep))
+    parts = Estimate(problem, found.u, found, whole.notes, True)
+    left, right = leftovers(whole.problem, whole.u), leftovers(problem, found.u)
+    if all(not left[c][0] > _MUCH * right[c][0] for c in left):
+        return whole
+    parts.notes.append(
+        f"whole recordings cannot be followed from their start: they are fitted in {len(runs)} stretches of about "
+        f"{window:.2g} s, each with a start of its own; errors are those within stretches"
+    )
+    return parts
+
+
+def _weighted(estimate: Estimate, given: set[str], keep: Keep | None) -> Estimate:
+    """The fit with each column weighted by the noise that it turned out to have."""
+    problem = estimate.problem
+    for _ in range(_WEIGHTINGS):
+        if estimate.stopped or cost(problem.residuals(estimate.u[None]))[0] > 1e200:
+            return estimate
+        old, share = dict(problem.noise), problem.size / max(problem.size - len(problem.sought), 1)
+        for column, (left, _) in leftovers(problem, estimate.u).items():
+            told = left * np.sqrt(min(share, 2.0))
+            least = max(floor_of(problem, column), 1e-12)
+            if column in given and told < 1.5 * old[column]:
+                continue
+            problem.noise[column] = max(float(told), least)
+        if all(abs(np.log(problem.noise[c] / old[c])) < _SETTLED for c in old):
+            break
+        found = search(problem, 1, 0, estimate.u, _kept(problem, keep))
+        estimate.u, estimate.found = found.u, replace(found, agreeing=estimate.found.agreeing)
+    return estimate
+
+
+def _point(problem: Problem, values: dict[str, float]) -> Array:
+    """A point from numbers by name, the rest from the machine."""
+    u = problem.start()
+    for i, c in enumerate(problem.sought):
+        if c.name in values:
+            u[i] = c.inner(values[c.name])
+    return np.asarray(problem.repaired(u[None])[0])
+
+
+def _kept(problem: Problem, keep: Keep | None) -> Callable[[Array, float], None] | None:
+    return None if keep is None else lambda u, value: keep(problem.values(u), value)
+
+
+def traces(
+    scenario: Scenario, recording: Recording, log: int, sought: Sequence[Coordinate], values: dict[str, float],
+    window: float | None = None,
+) -> list[Trace]:  # fmt: skip
+    """What was measured in a recording and what the numbers make of it, from its start (or in stretches)."""
+    named = {c.name for c in sought} | {path for c in sought for path in c.targets}
+    runs, own = prepared(scenario, [(log, recording)], named, window)
+    chosen = [c for c in sought if c.log in (None, log)]
+    problem = Problem(runs, [*chosen, *own], dict.fromkeys(recording.outputs, 1.0))
+    u = _point(problem, values)
+    parts: dict[str, list[tuple[Array, Array, Array]]] = {}
+    for k, run in enumerate(problem.runs):
+        at = float(run.piece) if run.piece is not None else 0.0
+        for target, x in zip(run.targets, problem.predicted(run, k, u[None]), strict=True):
+            parts.setdefault(target.column, []).append((target.t + at, target.x, x[0]))
+    found = []
+    for column, pieces in parts.items():
+        t, x, p = (np.concatenate([piece[i] for piece in pieces]) for i in range(3))
+        found.append(Trace(column, unit_of(scenario, column), t, x, p))
+    return found
+
+
+def unit_of(scenario: Scenario, column: str) -> str:
+    """The unit of a machine's column."""
+    assert scenario.rig is not None
+    return next((c.unit for c in scenario.rig.machine.columns if c.name == column), "")
+
+
+__all__ = ["Estimate", "estimate", "made", "traces"]

@@ -1,0 +1,230 @@
+"""How well each number is told: the residuals' memory, profiles of the likelihood, groups that go together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import chi2, f
+
+from stribeck.identify.actuator.problem import Problem
+from stribeck.identify.actuator.solve import STEP, cost, relaxed
+
+Array = NDArray[np.float64]
+THRESHOLD = float(chi2.ppf(0.95, 1))
+_CLOSE = 0.01  # of the threshold's root
+_TRIES = 9
+_RELATED = 0.95
+
+
+@dataclass(frozen=True)
+class Spread:
+    """The slopes at the optimum, the covariance there, and by how much each variance is greater than for white residuals."""
+
+    J: Array
+    covariance: Array
+    inflation: Array
+    memory: dict[str, float]  # by column: samples in which the residuals forget
+    freedom: float
+
+    @property
+    def deviations(self) -> Array:
+        """The standard deviation of each coordinate, with the inflation."""
+        return np.sqrt(np.maximum(np.diag(self.covariance) * self.inflation, 0.0))
+
+
+def spread(problem: Problem, u: Array) -> Spread:
+    """The covariance at the optimum, and its inflation by what the residuals remember."""
+    r = problem.residuals(u[None])[0]
+    J = problem.slopes(u[None], np.full(len(u), STEP))[1][0]
+    rough = inverse(J)
+    step = np.clip(0.3 * np.sqrt(np.diag(rough)), 1e-5, 2e-2)
+    J = problem.central(u, step)
+    covariance = inverse(J)
+    lags, memory, independent = _memory(problem, r)
+    inflation = np.ones(len(u))
+    meat = _meat(problem, r, J, lags)
+    sandwich = covariance @ meat @ covariance
+    plain = np.diag(covariance)
+    with np.errstate(all="ignore"):
+        inflation = np.where(plain > 0, np.maximum(np.diag(sandwich) / np.where(plain > 0, plain, 1.0), 1.0), 1.0)
+    free = max(independent - len(u), 1.0)
+    return Spread(J, covariance, inflation, memory, free)
+
+
+def inverse(J: Array) -> Array:
+    """(J^T J)^-1, large where the slopes tell nothing."""
+    A = J.T @ J
+    size = np.sqrt(np.maximum(np.diag(A), 1e-30))
+    values, vectors = np.linalg.eigh(A / np.outer(size, size))
+    values = np.maximum(values, 1e-12)
+    return np.asarray((vectors / values) @ vectors.T / np.outer(size, size))
+
+
+def _memory(problem: Problem, r: Array) -> tuple[dict[int, int], dict[str, float], float]:
+    """For each target, by its first number, the lags over which its residuals are correlated; the time (in samples) in
+    which each column forgets, its integrated autocorrelation; and how many independent residuals there are."""
+    lags: dict[int, int] = {}
+    times: dict[str, list[float]] = {}
+    independent = 0.0
+    for at, size, column in _places(problem):
+        x = r[at : at + size]
+        x = x - x.mean()
+        n = len(x)
+        power = np.abs(np.fft.rfft(x, 2 * n)) ** 2
+        rho = np.fft.irfft(power)[:n]
+        rho = rho / rho[0] if rho[0] > 0 else np.eye(1, n)[0]
+        limit = 2.0 / np.sqrt(n)
+        last = int(np.argmax(rho[1:] < limit)) + 1 if (rho[1:] < limit).any() else n - 1
+        whole = max(1.0 + 2.0 * float(np.sum(rho[1:last])), 1.0)
+        lags[at] = min(int(3 * last), n - 1) if last > 1 else 0
+        times.setdefault(column, []).append(whole)
+        independent += n / whole
+    return lags, {name: float(np.mean(x)) for name, x in times.items()}, independent
+
+
+def _places(problem: Problem) -> list[tuple[int, int, str]]:
+    """Where the residuals of each target stand: their first, how many, and the column."""
+    found = []
+    for k, run in enumerate(problem.runs):
+        at = int(problem.first[k])
+        for target in run.targets:
+            found.append((at, len(target.t), target.column))
+            at += len(target.t)
+    return found
+
+
+def _meat(problem: Problem, r: Array, J: Array, lags: dict[int, int]) -> Array:
+    """The covariance of the slopes times the residuals: Newey and West's, with Bartlett's window over each memory."""
+    total = np.zeros((J.shape[1], J.shape[1]))
+    for at, size, _ in _places(problem):
+        g = J[at : at + size] * r[at : at + size, None]
+        own = g.T @ g
+        reach = lags[at]
+        if reach:
+            n = 2 * size
+            window = np.zeros(n)
+            weights = 1 - np.arange(reach + 1) / (reach + 1)
+            window[: reach + 1] = weights
+            window[-reach:] = weights[1:][::-1]
+            spectrum = np.fft.rfft(g, n, axis=0)
+            smooth = np.fft.irfft(spectrum * np.fft.rfft(window).real[:, None], n, axis=0)[:size]
+            own = g.T @ smooth
+        total += 0.5 * (own + own.T)
+    rest = J[problem.first[-1] :]
+    return np.asarray(total + rest.T @ rest)
+
+
+def threshold(freedom: float) -> float:
+    """How far twice the log-likelihood falls at the ends of a 95 % interval, with the noise estimated from so many."""
+    return THRESHOLD if freedom > 1000 else float(f.ppf(0.95, 1, max(freedom, 1.0)))
+
+
+@dataclass(frozen=True)
+class Ends:
+    """The ends of an interval (coordinates; None: open), the profile and, where one came out lower, that point."""
+
+    low: float | None
+    high: float | None
+    curve: list[tuple[float, float]]
+    lower: Array | None = None
+
+
+def profiles(problem: Problem, u: Array, s: Spread, wanted: list[int]) -> dict[int, Ends]:
+    """The 95 % profile intervals of the coordinates ``wanted``; all sides of all of them advance together in lanes."""
+    base = float(cost(problem.residuals(u[None]))[0])
+    root = np.sqrt(threshold(s.freedom))
+    sides = [_Side(problem, u, s, k, sign, root) for k in wanted for sign in (-1, 1)]
+    for _ in range(_TRIES):
+        open_ = [x for x in sides if not x.done]
+        if not open_:
+            break
+        points = np.array([x.point() for x in open_])
+        points, costs = relaxed(problem, points, [x.k for x in open_])
+        for side, point, value in zip(open_, points, costs, strict=True):
+            side.take(point, 2 * (float(value) - base))
+    found = {}
+    for k in wanted:
+        pair = [x for x in sides if x.k == k]
+        curve = sorted([*pair[0].curve, (float(u[k]), 0.0), *pair[1].curve])
+        lower = next((x.lower for x in pair if x.lower is not None), None)
+        found[k] = Ends(pair[0].end, pair[1].end, curve, lower)
+    return found
+
+
+class _Side:
+    """One side of a profile on its way to where the cost has risen by the threshold."""
+
+    def __init__(self, problem: Problem, u: Array, s: Spread, k: int, sign: int, root: float) -> None:
+        self.k, self.sign, self.u, self.root, self.problem = k, sign, u, root, problem
+        self.unit = float(s.inflation[k])
+        self.edge = float(abs((problem.high if sign > 0 else problem.low)[k] - u[k]))
+        c = s.covariance
+        self.along = c[:, k] / c[k, k] if c[k, k] > 0 else np.eye(len(u))[k]
+        self.distance = min(max(root * float(s.deviations[k]), 1e-7), self.edge)
+        self.near, self.far = (0.0, 0.0), None  # type: tuple[float, float], tuple[float, float] | None
+        self.best = u
+        self.done, self.end, self.curve = self.edge <= 1e-9, None, []  # type: bool, float | None, list[tuple[float, float]]
+        self.lower: Array | None = None
+
+    def point(self) -> Array:
+        """Where to look next."""
+        found = self.u + self.along * self.sign * self.distance
+        found[self.k] = self.u[self.k] + self.sign * self.distance
+        return np.asarray(np.clip(found, self.problem.low, self.problem.high))
+
+    def take(self, point: Array, rise: float) -> None:
+        """What was found there."""
+        if rise < -0.05 * self.unit:
+            self.lower, self.done = point, True
+            return
+        height = float(np.sqrt(max(rise, 0.0) / self.unit))
+        self.curve.append((float(point[self.k]), height**2))
+        here = (self.distance, height)
+        if abs(height - self.root) < _CLOSE * self.root:
+            self._stop_at(self.distance)
+            return
+        if height < self.root:
+            self.near = here
+            if self.distance >= self.edge * (1 - 1e-9):
+                self.done = True
+                return
+        else:
+            self.far = here
+        if self.far is None:
+            self.distance = min(self.distance * min(max(self.root / max(height, 1e-3), 1.05), 3.0), self.edge)
+        else:
+            share = (self.root - self.near[1]) / max(self.far[1] - self.near[1], 1e-12)
+            self.distance = self.near[0] + min(max(share, 0.05), 0.95) * (self.far[0] - self.near[0])
+            if self.far[0] - self.near[0] < 1e-3 * self.far[0]:
+                self._stop_at(self.far[0])
+            else:
+                self.end = float(self.u[self.k] + self.sign * self.far[0])  # if the tries run out
+
+    def _stop_at(self, distance: float) -> None:
+        self.end, self.done = float(self.u[self.k] + self.sign * distance), True
+
+
+def groups(s: Spread, names: list[str], told: list[int]) -> list[dict[str, Any]]:
+    """Groups of coordinates that can stand for each other, with the direction that the recordings tell least."""
+    c = s.covariance[np.ix_(told, told)]
+    size = np.sqrt(np.maximum(np.diag(c), 1e-300))
+    relation = c / np.outer(size, size)
+    left = set(range(len(told)))
+    found: list[dict[str, Any]] = []
+    while left:
+        group, todo = set(), [left.pop()]
+        while todo:
+            i = todo.pop()
+            group.add(i)
+            near = {j for j in left if abs(relation[i, j]) > _RELATED}
+            left -= near
+            todo += list(near)
+        if len(group) > 1:
+            order = sorted(group)
+            pairs = {f"{names[a]} ~ {names[b]}": float(relation[a, b]) for a in order for b in order
+                     if a < b and abs(relation[a, b]) > _RELATED}  # fmt: skip
+            found.append({"names": [names[i] for i in order], "correlation": pairs})
+    return found

@@ -1,0 +1,131 @@
+"""What of each number the recordings tell, in words, and what would tell the rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.actuator import advise, checks
+from stribeck.identify.actuator.coordinates import Coordinate
+from stribeck.identify.actuator.estimate import Estimate
+from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles, spread
+from stribeck.identify.actuator.result import Parameter
+from stribeck.identify.actuator.solve import search
+from stribeck.scenario import Scenario
+from stribeck.simulation.machines import machine_places
+
+Array = NDArray[np.float64]
+_WIDE = 10.0  # an interval over this factor tells the order of magnitude only
+_WHITE = 1.5  # samples in which residuals forget, up to which they are taken as white
+_AGAIN = 2
+
+
+@dataclass
+class Judged:
+    """The parameters with their verdicts, and the estimate itself (a profile may have found a better one)."""
+
+    best: Estimate
+    parameters: dict[str, Parameter]
+    correlated: list[dict[str, Any]] = field(default_factory=list)
+    relation: tuple[list[str], Array] | None = None
+    notes: list[str] = field(default_factory=list)
+
+
+def judged(best: Estimate, scenario: Scenario, trusted: bool) -> Judged:
+    """Each number with its interval and verdict; ``trusted``: the fit follows the recordings, and was not stopped."""
+    problem = best.problem
+    asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
+    if not trusted:
+        why = "no interval: the fit was stopped, or does not follow the recordings"
+        blank = {
+            c.name: Parameter(c.outer(best.u[i]), None, None, unit(scenario, c), "not judged", why)
+            for i, c in enumerate(problem.sought) if not c.nuisance
+        }  # fmt: skip
+        return Judged(best, blank)
+    for _ in range(_AGAIN):
+        s = spread(problem, best.u)
+        ends = profiles(problem, best.u, s, asked)
+        lower = next((e.lower for e in ends.values() if e.lower is not None), None)
+        if lower is None:
+            break
+        best.u = search(problem, 1, 0, lower).u
+    found = {problem.sought[k].name: _parameter(best, scenario, s, k, ends[k]) for k in asked}
+    names = [c.name for c in problem.sought]
+    told = groups(s, names, asked)
+    open_ = [k for k in asked if found[names[k]].verdict != "found"]
+    for k, text in advise.experiments(best, s, open_).items():
+        found[names[k]].experiment = text
+    size = np.sqrt(np.maximum(np.diag(s.covariance), 1e-300))
+    relation = (s.covariance / np.outer(size, size))[np.ix_(asked, asked)]
+    result = Judged(best, found, told, ([names[k] for k in asked], relation), _widened(s, problem.sought, asked))
+    result.notes += checks.after(best, s)
+    return result
+
+
+def _parameter(best: Estimate, scenario: Scenario, s: Spread, k: int, ends: Ends) -> Parameter:
+    c = best.problem.sought[k]
+    low, high = (None if x is None else c.outer(x) for x in (ends.low, ends.high))
+    curve = [(c.outer(u), rise) for u, rise in ends.curve]
+    value = c.outer(best.u[k])
+    verdict, why = "found", ""
+    if ends.lower is not None:
+        verdict, why, low, high = (
+            "not judged",
+            "the search did not come to rest: a better point lies nearby",
+            None,
+            None,
+        )
+    elif low is None and high is None:
+        verdict, why = "not told", f"the recordings are followed as well with any value from {c.low:g} to {c.high:g}"
+    elif low is None:
+        verdict, why = "bounded above", f"they are followed as well with any smaller value down to {c.low:g}"
+    elif high is None:
+        verdict, why = "bounded below", f"they are followed as well with any larger value up to {c.high:g}"
+    elif c.logarithmic and high > _WIDE * low:
+        verdict, why = "not told", f"its interval spans a factor of {high / low:.2g}"
+    if verdict not in ("found", "not judged") and (others := partners(best, s, k)):
+        why += f"; {others} can make up for it"
+    return Parameter(value, low, high, unit(scenario, c), verdict, why, "", curve)
+
+
+def partners(best: Estimate, s: Spread, k: int) -> str:
+    """What moves with a coordinate where it moves along its valley."""
+    size = np.sqrt(np.maximum(np.diag(s.covariance), 1e-300))
+    relation = s.covariance[k] / (size * size[k])
+    others = [i for i in np.argsort(-abs(relation)) if i != k and abs(relation[i]) > 0.9]
+    return " and ".join(best.problem.sought[i].name for i in others[:2])
+
+
+def _widened(s: Spread, sought: list[Coordinate], asked: list[int]) -> list[str]:
+    coloured = {name: x for name, x in s.memory.items() if x > _WHITE}
+    if not coloured:
+        return ["residuals are white: the intervals need no widening"]
+    how = ", ".join(f"{name} over {x:.3g} samples" for name, x in coloured.items())
+    wider = np.sqrt(s.inflation[asked])
+    return [
+        f"residuals are not white ({how}): intervals are {wider.min():.2g} to {wider.max():.2g} times as wide as for white "
+        "ones (Newey and West's covariance over that memory)"
+    ]
+
+
+def unit(scenario: Scenario, c: Coordinate) -> str:
+    """The unit of what is sought, where the machine says it."""
+    assert scenario.rig is not None
+    if c.output is not None:
+        of = next((x.unit for x in scenario.rig.machine.columns if x.name == c.output[0]), "")
+        return {"offset": of, "gain": "1", "delay": "s", "clock": "s/s"}[c.output[1]]
+    path = next(iter(c.targets))
+    owner, name = machine_places(scenario).get(path, ("", path.rpartition(".")[2]))
+    if owner == "initial":
+        body = scenario.rig.machine.body[name.rpartition(".")[0]]
+        length = "rad" if body.rotary else "m"
+        return length if name.endswith(".y") else f"{length}/s"
+    tables = scenario.rig.machine.tables
+    if owner in scenario.rig.laws or owner in tables:
+        constants = scenario.rig.laws[owner].constants() if owner in scenario.rig.laws else tables[owner][0]
+        if name in constants:
+            return constants[name].unit_for(bool(owner in tables and tables[owner][1])) or "1"
+    return ""

@@ -1,0 +1,57 @@
+"""How far a fit has come, on disk, so that one that was stopped goes on."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from stribeck.files import read_file, write_json
+from stribeck.identify.actuator.recordings import Logs
+from stribeck.scenario import Scenario
+
+NAME = "fit.partial.json"
+
+
+class Kept:
+    """The best numbers by stage, under a digest of everything that the fit starts from."""
+
+    def __init__(self, folder: Path | None, scenario: Scenario, logs: Logs) -> None:
+        self.path = None if folder is None else folder / NAME
+        made = sha256(json.dumps(scenario.data, sort_keys=True, default=str).encode())
+        for r in logs.recordings:
+            made.update(repr((r.file, r.known, r.hold_out, r.window)).encode())
+            for name, channel in {**r.outputs, **r.inputs}.items():
+                made.update(repr((name, channel.noise)).encode() + channel.t.tobytes() + channel.x.tobytes())
+        made.update(repr((logs.sought, logs.laws)).encode())
+        self.digest = made.hexdigest()
+        self.stages: dict[str, Any] = {}
+        if self.path is not None:
+            try:
+                found = json.loads(read_file(self.path))
+                self.stages = found["stages"] if found["digest"] == self.digest else {}
+            except (OSError, ValueError, KeyError, TypeError):
+                self.stages = {}  # none yet, or of another fit
+
+    def load(self, stage: str) -> dict[str, float] | None:
+        """The best numbers of a stage that was begun before."""
+        found: dict[str, float] | None = self.stages.get(stage, {}).get("values")
+        return found
+
+    def saver(self, stage: str) -> Callable[[dict[str, float], float], None]:
+        """What keeps the best numbers of a stage."""
+
+        def save(values: dict[str, float], cost: float) -> None:
+            self.stages[stage] = {"values": values, "cost": cost}
+            if self.path is not None:
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                write_json(self.path, {"digest": self.digest, "stages": self.stages})
+
+        return save
+
+    def done(self) -> None:
+        """Nothing is left to go on with."""
+        if self.path is not None:
+            self.path.unlink(missing_ok=True)

@@ -1,0 +1,212 @@
+"""All recordings together: what is left of the measured outputs at some numbers, and its slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.actuator.coordinates import NEUTRAL, Coordinate
+from stribeck.identify.actuator.runs import Run
+from stribeck.identify.work import Work
+from stribeck.simulation.lanes import threads_of_this_machine
+
+Array = NDArray[np.float64]
+_ABOVE = 1e-6  # of F_c: how far F_s stays above it
+_MOST = 4e6  # numbers held at once
+
+
+@dataclass
+class Problem:
+    """Runs, what is sought, and the noise of each column.
+
+    ``residuals(U)`` takes points (lanes, coordinates) and gives (lanes, numbers): (simulated - measured)/noise of every
+    target of every run, then priors; nan where a simulation failed.
+    """
+
+    runs: list[Run]
+    sought: list[Coordinate]
+    noise: dict[str, float]
+    threads: int = field(default_factory=threads_of_this_machine)
+    work: Work = field(default_factory=Work)
+
+    def __post_init__(self) -> None:
+        self.low, self.high = (np.array([c.bounds[i] for c in self.sought]) for i in (0, 1))
+        self.concerns = [np.array([_belongs(c, run) for c in self.sought], bool) for run in self.runs]
+        sizes = [run.size for run in self.runs]
+        self.first = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
+        self.priors = [i for i, c in enumerate(self.sought) if c.prior is not None]
+        self.size = int(self.first[-1]) + len(self.priors)
+        self._pairs = self._above()
+
+    def _above(self) -> list[tuple[int, int | float]]:
+        """Coordinates of F_s with that of F_c of the same law, which may not be above it."""
+        by_path = {path: i for i, c in enumerate(self.sought) for path in c.targets}
+        return [
+            (i, by_path[low])
+            for path, i in by_path.items()
+            if path.endswith(".F_s") and (low := f"{path.removesuffix('F_s')}F_c") in by_path and ".law." in path
+        ]
+
+    def repaired(self, U: Array) -> Array:
+        """The points within the bounds, and with F_s >= F_c."""
+        U = np.clip(U, self.low, self.high)
+        for i, j in self._pairs:
+            for row in U:
+                level = self.sought[int(j)].outer(row[int(j)]) * (1 + _ABOVE)
+                if self.sought[i].outer(row[i]) < level:
+                    row[i] = self.sought[i].inner(level)
+                    if self.sought[i].outer(row[i]) < level * (1 - 1e-12):  # its bound
+                        row[int(j)] = self.sought[int(j)].inner(self.sought[i].outer(row[i]) / (1 + 2 * _ABOVE))
+        return U
+
+    def residuals(self, U: Array, only: Sequence[int] | None = None) -> Array:
+        """What is left at the points U."""
+        U = np.atleast_2d(U)
+        found = np.full((len(U), self.size), np.nan)
+        for k, run in enumerate(self.runs):
+            if only is not None and k not in only:
+                found[:, self.first[k] : self.first[k + 1]] = 0.0
+                continue
+            distinct, back = np.unique(U[:, self.concerns[k]], axis=0, return_inverse=True)
+            first = np.array([int(np.flatnonzero(back.reshape(-1) == i)[0]) for i in range(len(distinct))])
+            most = max(8, int(_MOST / max(run.scenario.rows, 1)))
+            parts = [self._of(run, k, U[first[i : i + most]]) for i in range(0, len(first), most)]
+            found[:, self.first[k] : self.first[k + 1]] = np.concatenate(parts)[back.reshape(-1)]
+            self.work.check()
+        for n, i in enumerate(self.priors):
+            c = self.sought[i]
+            assert c.prior is not None
+            found[:, self.first[-1] + n] = [(c.outer(u) - c.prior[0]) / c.prior[1] for u in U[:, i]]
+        self.work.tick()
+        return found
+
+    def predicted(self, run: Run, k: int, U: Array) -> list[Array]:
+        """The simulated columns of a run with its sensors' gains and offsets."""
+        values: dict[str, Array] = {}
+        sensors: dict[tuple[str, str], Array] = {}
+        for i in np.flatnonzero(self.concerns[k]):
+            c = self.sought[i]
+            x = np.array([c.outer(u) for u in U[:, i]])
+            for path, scale in c.targets.items():
+                values[path] = scale * x
+            if c.output is not None:
+                sensors[c.output] = x
+        if not values:  # lanes need a number that varies: one that stays as it is
+            assert run.scenario.rig is not None
+            name = run.scenario.rig.machine.free[0].name
+            path, now = f"bodies.{name}.initial.y", run.scenario.rig.initial.get(f"{name}.y", 0.0)
+            values = {path: np.full(len(U), run.start.get(path, now))}
+        delays = {
+            column: (sensors.get((column, "delay")), sensors.get((column, "clock")))
+            for column, what in sensors if what in ("delay", "clock")
+        }  # fmt: skip
+        found = run.predict(values, delays, self.threads)
+        for target, x in zip(run.targets, found, strict=True):
+            gain, offset = (sensors.get((target.column, what)) for what in ("gain", "offset"))
+            if gain is not None:
+                x *= gain[:, None]
+            if offset is not None:
+                x += offset[:, None]
+        return found
+
+    def _of(self, run: Run, k: int, U: Array) -> Array:
+        found = self.predicted(run, k, U)
+        parts = [(x - t.x) / self.noise[t.column] for t, x in zip(run.targets, found, strict=True)]
+        return np.concatenate(parts, axis=1)
+
+    def slopes(self, U: Array, step: Array) -> tuple[Array, Array]:
+        """Residuals (points, numbers) and Jacobians (points, numbers, coordinates) by differences to the side that is
+        allowed."""
+        U = np.atleast_2d(U)
+        n = len(self.sought)
+        side = np.where(U + step <= self.high, 1.0, -1.0)
+        for _, j in self._pairs:
+            side[:, int(j)] = -1.0
+        side = np.where((side < 0) & (U - step < self.low), 1.0, side)
+        all_ = np.repeat(U, n + 1, axis=0).reshape(len(U), n + 1, n)
+        for i in range(n):
+            all_[:, i + 1, i] += side[:, i] * step[i]
+        found = self.residuals(all_.reshape(-1, n)).reshape(len(U), n + 1, -1)
+        J = np.empty((len(U), self.size, n))
+        for i in range(n):
+            J[:, :, i] = (found[:, i + 1] - found[:, 0]) / (side[:, i] * step[i])[:, None]
+        if np.isnan(J).any():
+            self._other_side(U, step, side, found, J)
+        return found[:, 0], J
+
+    def _other_side(self, U: Array, step: Array, side: Array, found: Array, J: Array) -> None:
+        """The slopes that one side could not give, from the other."""
+        for p in range(len(U)):
+            bad = [i for i in range(U.shape[1]) if np.isnan(J[p, :, i]).any()]
+            if not bad or np.isnan(found[p, 0]).any():
+                continue
+            tried = np.repeat(U[p : p + 1], len(bad), axis=0)
+            for row, i in enumerate(bad):
+                tried[row, i] -= side[p, i] * step[i]
+            r = self.residuals(tried)
+            for row, i in enumerate(bad):
+                slope = (r[row] - found[p, 0]) / (-side[p, i] * step[i])
+                J[p, :, i] = np.where(np.isfinite(slope), slope, 0.0)
+
+    def central(self, u: Array, step: Array) -> Array:
+        """The Jacobian at one point by central differences where both sides are allowed."""
+        n = len(u)
+        up, down = np.minimum(u + step, self.high), np.maximum(u - step, self.low)
+        points = np.repeat(u[None], 2 * n, axis=0)
+        points[np.arange(n), np.arange(n)] = up
+        points[n + np.arange(n), np.arange(n)] = down
+        r = self.residuals(np.concatenate([u[None], points]))
+        J = np.empty((self.size, n))
+        for i in range(n):
+            a, b = r[1 + i], r[1 + n + i]
+            if np.isfinite(a).all() and np.isfinite(b).all():
+                J[:, i] = (a - b) / max(up[i] - down[i], 1e-300)
+            elif np.isfinite(a).all():
+                J[:, i] = (a - r[0]) / max(up[i] - u[i], 1e-300)
+            elif np.isfinite(b).all():
+                J[:, i] = (r[0] - b) / max(u[i] - down[i], 1e-300)
+            else:
+                J[:, i] = 0.0
+        return J
+
+    def start(self) -> Array:
+        """The point that the user or the machine gives; the middle where the machine has no number there."""
+        found = []
+        for c in self.sought:
+            x = c.start if c.start is not None else None if c.prior is None else c.prior[0]
+            if x is None and c.output is not None:
+                x = NEUTRAL[c.output[1]]
+            if x is None:
+                x = _present(self.runs[0], c)
+            inside = x is not None and c.low <= x <= c.high
+            found.append(c.inner(x) if inside and x is not None else float(np.mean(c.bounds)))
+        return np.asarray(self.repaired(np.array([found]))[0])
+
+    def values(self, u: Array) -> dict[str, float]:
+        """The numbers at a point, by name."""
+        return {c.name: c.outer(x) for c, x in zip(self.sought, u, strict=True)}
+
+
+def _present(run: Run, c: Coordinate) -> float | None:
+    """The machine's own number at a path."""
+    value: object = run.scenario.data
+    for word in next(iter(c.targets), "").split("."):
+        if isinstance(value, dict):
+            value = value.get(word)
+        elif isinstance(value, list) and word.isdigit() and int(word) < len(value):
+            value = value[int(word)]
+        else:
+            return None
+    return float(value) if isinstance(value, int | float) else None
+
+
+def _belongs(c: Coordinate, run: Run) -> bool:
+    """Whether a coordinate concerns a run."""
+    if c.output is not None and all(t.column != c.output[0] for t in run.targets):
+        return False
+    if not c.nuisance and run.piece not in (None, "0") and any(".initial." in path for path in c.targets):
+        return False  # how the recording begins, and this is a later stretch of it
+    return c.log in (None, run.log) and (not c.nuisance or c.piece == run.piece)

@@ -1,0 +1,272 @@
+"""Reads LOGS.toml: the recordings, what is known of each, and what is sought."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.constants import show
+from stribeck.errors import InputError, nearest
+from stribeck.identify.actuator.readers import opened_log
+from stribeck.parameter_sets import read_toml
+from stribeck.recorded import listed
+from stribeck.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
+
+Array = NDArray[np.float64]
+_UNITS = LENGTH | ANGLE | SPEED | ACCELERATION | FORCE | PRESSURE | DRIVE
+_KEYS = ("file", "time", "outputs", "inputs", "known", "hold_out", "window", "name")
+_SOUGHT = ("low", "high", "start", "prior")
+_TOP = ("log", "unknown", "laws", "window", "schema")
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What was measured, or given: a column of the file in SI units, and when; nan where a sample is missing."""
+
+    column: str
+    t: Array
+    x: Array
+    unit: str = ""
+    noise: float | None = None
+
+
+@dataclass(frozen=True)
+class Recording:
+    """One run of the actuator: times from 0 s, the measured columns by those of the machine, the signals by path, the
+    numbers that differ in this run, and whether it is held out."""
+
+    file: str
+    t: Array
+    outputs: dict[str, Channel]
+    inputs: dict[str, Channel] = field(default_factory=dict)
+    known: dict[str, float] = field(default_factory=dict)
+    hold_out: bool = False
+    window: float | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Sought:
+    """What is sought, by path: its bounds, where to start, and what is known beforehand (mean and deviation)."""
+
+    path: str
+    low: float
+    high: float
+    start: float | None = None
+    prior: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class Logs:
+    """What LOGS.toml holds."""
+
+    recordings: tuple[Recording, ...]
+    sought: tuple[Sought, ...]
+    laws: dict[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
+    """The recordings that a LOGS.toml lists, in SI units.
+
+    Raises:
+        InputError: the file or a recording cannot be read; a line for each mistake.
+    """
+    path = Path(path)
+    data = read_toml(path)
+    problems = [f"{path}: {k}: unknown key{nearest(k, _TOP)} (known: {', '.join(_TOP)})" for k in data if k not in _TOP]
+    entries = data.get("log")
+    if not isinstance(entries, list) or not entries:
+        problems.append(f"{path}: log: missing: there must be at least one [[log]]")
+        entries = []
+    found = []
+    for i, entry in enumerate(entries):
+        try:
+            found.append(_recording(entry, f"log.{i}", path.parent, data.get("window")))
+        except InputError as error:
+            problems += [f"{path}: {line}" for line in error.problems]
+    sought: list[Sought] = []
+    for name, table in _table(data.get("unknown", {}), f"{path}: unknown", problems).items():
+        problems += [f"{path}: {line}" for line in _sought(name, table, sought)]
+    if not sought and needs_unknown and not problems:
+        problems.append(f"{path}: unknown: missing: at least one path with its bounds must be sought")
+    laws: dict[str, tuple[str, ...]] = {}
+    for contact, names in _table(data.get("laws", {}), f"{path}: laws", problems).items():
+        if not isinstance(names, list) or not names or not all(isinstance(n, str) for n in names):
+            problems.append(f"{path}: laws.{contact}: {show(names)}: must be a list of names of laws")
+        else:
+            laws[contact] = tuple(names)
+    if found and not problems and all(r.hold_out for r in found) and needs_unknown:
+        problems.append(f"{path}: log.0.hold_out: true: at least one recording must be for fitting")
+    if problems:
+        raise InputError(problems)
+    return Logs(tuple(found), tuple(sought), laws)
+
+
+def _table(given: Any, where: str, problems: list[str]) -> Mapping[str, Any]:
+    if isinstance(given, Mapping):
+        return given
+    problems.append(f"{where}: {show(given)}: must be a table")
+    return {}
+
+
+def _number(x: Any) -> bool:
+    return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
+
+
+def _sought(path: str, table: Any, into: list[Sought]) -> list[str]:
+    """Take one line of [unknown]; what is wrong with it."""
+    where = f"unknown.{path}"
+    if not isinstance(table, Mapping):
+        return [f"{where}: {show(table)}: must be a table with low and high"]
+    found = [
+        f"{where}.{k}: unknown key{nearest(k, _SOUGHT)} (known: {', '.join(_SOUGHT)})"
+        for k in table
+        if k not in _SOUGHT
+    ]
+    prior = table.get("prior")
+    mean = dev = math.nan
+    if prior is not None:
+        if (
+            not isinstance(prior, Mapping)
+            or set(prior) != {"mean", "deviation"}
+            or not all(map(_number, prior.values()))
+        ):
+            return [*found, f"{where}.prior: {show(prior)}: must be {{ mean = NUMBER, deviation = NUMBER }}"]
+        mean, dev = float(prior["mean"]), float(prior["deviation"])
+        if dev <= 0:
+            return [*found, f"{where}.prior.deviation: {show(dev)}: must be > 0"]
+    low, high = table.get("low", mean - 6 * dev), table.get("high", mean + 6 * dev)
+    for name, x in (("low", low), ("high", high)):
+        if not _number(x):
+            missing = name not in table
+            text = (
+                "missing: must be given, unless there is a prior" if missing else f"{show(x)}: must be a finite number"
+            )
+            found.append(f"{where}.{name}: {text}")
+    if found:
+        return found
+    if not low < high:
+        return [f"{where}.high: {show(high)}: must be > low ({show(low)})"]
+    start = table.get("start")
+    if start is not None and not (_number(start) and low <= start <= high):
+        return [f"{where}.start: {show(start)}: must be a number from low to high ({show(low)} to {show(high)})"]
+    given = None if prior is None else (mean, dev)
+    into.append(Sought(path, float(low), float(high), None if start is None else float(start), given))
+    return []
+
+
+def _recording(entry: Any, where: str, folder: Path, window: Any) -> Recording:
+    """One [[log]]."""
+    if not isinstance(entry, Mapping):
+        raise InputError(f"{where}: {show(entry)}: must be a table")
+    problems = [
+        f"{where}.{k}: unknown key{nearest(k, _KEYS)} (known: {', '.join(_KEYS)})" for k in entry if k not in _KEYS
+    ]
+    window = entry.get("window", window)
+    if window is not None and not (_number(window) and window > 0):
+        problems.append(f"{where}.window: {show(window)}: must be a number > 0 (s)")
+    known = _table(entry.get("known", {}), f"{where}.known", problems)
+    problems += [f"{where}.known.{k}: {show(x)}: must be a finite number" for k, x in known.items() if not _number(x)]
+    hold = entry.get("hold_out", False)
+    if not isinstance(hold, bool):
+        problems.append(f"{where}.hold_out: {show(hold)}: must be true or false")
+    if not isinstance(entry.get("file"), str):
+        raise InputError([*problems, f"{where}.file: missing: must be given, the recording's file"])
+    wanted: dict[tuple[str, str], tuple[str, float, float | None, str, str | None]] = {}
+    time = _column(entry.get("time", "t"), f"{where}.time", TIME, problems)
+    for group in ("outputs", "inputs"):
+        for name, given in _table(entry.get(group, {}), f"{where}.{group}", problems).items():
+            if (column := _column(given, f"{where}.{group}.{name}", _UNITS, problems)) is not None:
+                wanted[group, name] = column
+    if not any(group == "outputs" for group, _ in wanted) and not problems:
+        problems.append(f"{where}.outputs: missing: at least one measured column must be given")
+    if problems or time is None:
+        raise InputError(problems)
+    return _read(entry, where, folder, time, wanted, None if window is None else float(window))
+
+
+def _column(
+    given: Any, where: str, units: Mapping[str, float], problems: list[str]
+) -> tuple[str, float, float | None, str, str | None] | None:
+    """The column's name, its factor to SI, its noise, its unit, and its own time column if it has one."""
+    if isinstance(given, str):
+        return given, 1.0, None, "", None
+    keys = ("column", "unit", "noise", "time")
+    if not isinstance(given, Mapping) or not isinstance(given.get("column"), str):
+        problems.append(f"{where}: {show(given)}: must be a column's name, or {{ column = NAME, unit = UNIT }}")
+        return None
+    wrong = [f"{where}.{k}: unknown key{nearest(k, keys)} (known: {', '.join(keys)})" for k in given if k not in keys]
+    unit, noise, time = given.get("unit", ""), given.get("noise"), given.get("time")
+    if unit and (not isinstance(unit, str) or unit not in units):
+        wrong.append(f"{where}.unit: {show(unit)}: unknown unit{nearest(str(unit), units)}")
+    if noise is not None and not (_number(noise) and noise > 0):
+        wrong.append(f"{where}.noise: {show(noise)}: must be a number > 0, the standard deviation")
+    if time is not None and not isinstance(time, str):
+        wrong.append(f"{where}.time: {show(time)}: must be the name of a column")
+    problems += wrong
+    return None if wrong else (given["column"], units[unit] if unit else 1.0, noise, unit, time)
+
+
+def _read(
+    entry: Mapping[str, Any], where: str, folder: Path,
+    time: tuple[str, float, float | None, str, str | None],
+    wanted: dict[tuple[str, str], tuple[str, float, float | None, str, str | None]], window: float | None,
+) -> Recording:  # fmt: skip
+    """The columns of one recording, in order of time."""
+    file = folder / entry["file"]
+    try:
+        source = opened_log(file)
+    except InputError as error:
+        raise InputError([f"{where}.file: {line}" for line in error.problems]) from None
+    names = {f"{where}.time": time[0]}
+    names |= {f"{where}.{g}.{n}": c[0] for (g, n), c in wanted.items()}
+    names |= {f"{where}.{g}.{n}.time": c[4] for (g, n), c in wanted.items() if c[4]}
+    if missing := [(role, name) for role, name in names.items() if name not in source.names]:
+        raise InputError(
+            [
+                f"{role}: {show(name)}: {file} has no such column"
+                + (nearest(name, source.names) or f" (it has {listed(source.names)})")
+                for role, name in missing
+            ]
+        )
+    try:
+        columns = source.columns(names)
+    except InputError as error:
+        raise InputError([f"{where}.file: {file}: {line}" for line in error.problems]) from None
+    t, notes = columns.pop(f"{where}.time") * time[1], []
+    keep, more = _in_order(t, str(entry["file"]))
+    notes += more
+    t = t[keep]
+    if len(t) < 8:
+        raise InputError(f"{where}.file: {show(entry['file'])}: has {len(t)} rows with a time: must have at least 8")
+    origin, found = float(t[0]), {"outputs": {}, "inputs": {}}  # type: ignore[var-annotated]
+    for (group, name), (column, factor, noise, unit, own) in wanted.items():
+        x = columns[f"{where}.{group}.{name}"][keep] * factor
+        at = t - origin if not own else columns[f"{where}.{group}.{name}.time"][keep] * time[1] - origin
+        if not np.isfinite(x).any():
+            raise InputError(f"{where}.{group}.{name}: {show(column)}: holds no number")
+        found[group][name] = Channel(column, at, x, unit, noise)
+    known = {k: float(x) for k, x in entry.get("known", {}).items()}
+    return Recording(
+        str(entry.get("name", entry["file"])), t - origin, found["outputs"], found["inputs"], known,
+        bool(entry.get("hold_out", False)), window, tuple(notes),
+    )  # fmt: skip
+
+
+def _in_order(t: Array, file: str) -> tuple[NDArray[np.int64], list[str]]:
+    """The rows whose time is there and rises, and what was found wrong."""
+    notes = []
+    there = np.flatnonzero(np.isfinite(t))
+    if len(there) < len(t):
+        notes.append(f"{file}: {len(t) - len(there)} rows have no time and are left out")
+    highest = np.maximum.accumulate(t[there]) if len(there) else t[there]
+    rising = np.append(True, t[there][1:] > highest[:-1])[: len(there)]
+    if not rising.all():
+        notes.append(f"{file}: {int((~rising).sum())} rows repeat a time or go back in time and are left out")
+    return there[rising], notes

@@ -1,0 +1,123 @@
+"""What a fit of a machine tells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.files import finite
+
+Array = NDArray[np.float64]
+
+
+@dataclass
+class Parameter:
+    """A number that was sought.
+
+    Attributes:
+        value: the best one.
+        low, high: the ends of its 95 % interval; None: open on that side, or not to be given.
+        verdict: "found", "bounded above", "bounded below", "not told" or "not judged" (the model misses).
+        why: in words, unless found; ``experiment``: what would tell it.
+    """
+
+    value: float
+    low: float | None
+    high: float | None
+    unit: str
+    verdict: str
+    why: str = ""
+    experiment: str = ""
+    profile: list[tuple[float, float]] = field(default_factory=list)
+
+    @property
+    def identifiable(self) -> bool:
+        """Whether the recordings tell it."""
+        return self.verdict == "found"
+
+    def to_json(self) -> dict[str, Any]:
+        """As the command prints it."""
+        return {
+            "value": self.value, "low": self.low, "high": self.high, "unit": self.unit,
+            "identifiable": self.identifiable, "verdict": self.verdict, "why": self.why, "experiment": self.experiment,
+        }  # fmt: skip
+
+
+@dataclass
+class Trace:
+    """A measured column and what was simulated of it."""
+
+    column: str
+    unit: str
+    t: Array
+    measured: Array
+    predicted: Array
+
+    @property
+    def rms(self) -> float:
+        """The error's root mean square."""
+        return float(np.sqrt(np.mean((self.predicted - self.measured) ** 2)))
+
+    @property
+    def relative(self) -> float:
+        """The error by the changes of what was measured."""
+        size = float(np.std(self.measured))
+        return self.rms / size if size > 0 else float("inf")
+
+
+@dataclass
+class LogResult:
+    """One recording: its errors by column; ``traces`` for the page."""
+
+    file: str
+    held_out: bool
+    traces: list[Trace]
+
+    def to_json(self) -> dict[str, Any]:
+        """As the command prints it."""
+        errors = {x.column: {"rms": x.rms, "relative": x.relative, "unit": x.unit} for x in self.traces}
+        return {"file": self.file, "held_out": self.held_out, "errors": errors}
+
+
+@dataclass
+class MachineFit:
+    """The machine's numbers from its recordings.
+
+    Attributes:
+        status: "done", "missed" (the model does not follow the recordings: no intervals) or "stopped".
+        data: the machine with what was found, as tables.
+    """
+
+    status: str
+    reason: str
+    parameters: dict[str, Parameter]
+    correlated: list[dict[str, Any]]
+    logs: list[LogResult]
+    notes: list[str]
+    noise: dict[str, float]
+    data: dict[str, Any]
+    baselines: dict[str, Any] = field(default_factory=dict)
+    laws: dict[str, Any] = field(default_factory=dict)
+    transfer: dict[str, Any] | None = None
+    relation: tuple[list[str], Array] | None = None
+    nuisance: dict[str, float] = field(default_factory=dict)
+    agreeing: int = 1
+
+    def error(self, held_out: bool) -> float | None:
+        """The relative error over all recordings of that kind: root mean square over their columns."""
+        squares = [x.relative**2 for log in self.logs if log.held_out is held_out for x in log.traces]
+        return float(np.sqrt(np.mean(squares))) if squares else None
+
+    def to_json(self) -> dict[str, Any]:
+        """As ``--json`` prints it."""
+        told = {
+            "status": self.status, "reason": self.reason,
+            "parameters": {name: p.to_json() for name, p in self.parameters.items()},
+            "correlated": self.correlated, "logs": [log.to_json() for log in self.logs],
+            "noise": self.noise, "notes": self.notes, "baselines": self.baselines, "laws": self.laws,
+            "transfer": self.transfer, "error": {"fitted": self.error(False), "held_out": self.error(True)},
+        }  # fmt: skip
+        return dict(finite(told))

@@ -1,0 +1,204 @@
+"""Recordings simulated in lanes: one lane for each set of numbers that is tried."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+
+from stribeck.codegen import source
+from stribeck.equations import Equations
+from stribeck.errors import BuildError, InputError, StribeckError
+from stribeck.identify.actuator.recordings import Channel, Recording
+from stribeck.scenario import Scenario
+from stribeck.simulation import cache, compiler, lanes
+from stribeck.simulation.machines import machine_places, vary_machine
+from stribeck.simulation.variations import Variations
+
+Array = NDArray[np.float64]
+Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
+_EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
+_LIBRARIES: dict[Equations, ctypes.CDLL] = {}
+
+
+@dataclass(frozen=True)
+class Target:
+    """A column of a run that is compared: times and values, and where the machine's column has these times."""
+
+    column: str
+    t: Array
+    x: Array
+
+
+@dataclass
+class Run:
+    """A recording, or a stretch of one, as a scenario with its inputs and known numbers, ready to simulate."""
+
+    name: str
+    log: int
+    piece: str | None
+    scenario: Scenario
+    targets: list[Target]
+    start: dict[str, float] = field(default_factory=dict)  # initial values that differ from the file's
+    held_out: bool = False
+
+    @property
+    def size(self) -> int:
+        """How many numbers are compared."""
+        return sum(len(x.t) for x in self.targets)
+
+    def predict(self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int) -> list[Array]:
+        """For each target the simulated column at its times, (lanes, times); nan where a lane failed."""
+        count = len(next(iter(values.values())))
+        given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
+        variations = vary_machine(self.scenario, given)
+        if not isinstance(variations, Variations):
+            raise StribeckError(
+                "a number that is sought changes the form of the equations: it cannot be fitted in lanes"
+            )
+        scenario = variations.scenario
+        good = np.flatnonzero([text is None for text in variations.problems()])
+        found = [np.full((count, len(x.t)), np.nan) for x in self.targets]
+        if not len(good):
+            return found
+        some = variations if len(good) == count else variations.part(good)
+        outcome = lanes.solve(library(scenario), some, threads)
+        width = len(scenario.system.states)
+        grid: Array = np.arange(scenario.rows, dtype=float) * scenario.output.step
+        with np.errstate(all="ignore"):
+            columns = some.columns(grid, outcome.states[:, :, :width], outcome.states[:, :, width:])
+        whole = outcome.counts["status"] == 0
+        for i, target in enumerate(self.targets):
+            x = np.where(whole[:, None], columns[target.column], np.nan)
+            late = delays.get(target.column)
+            if late is not None:
+                late = tuple(None if each is None else each[good] for each in late)  # type: ignore[assignment]
+            found[i][good] = at_times(grid, x, target, late)
+        return found
+
+
+def at_times(grid: Array, x: Array, target: Target, late: Late | None) -> Array:
+    """Simulated columns (lanes, grid) at the times of a target, later by ``late`` if given."""
+    step = grid[1] - grid[0] if len(grid) > 1 else 1.0
+    index = np.rint(target.t / step).astype(int)
+    if late is None and abs(target.t - index * step).max(initial=0.0) <= _EVEN * step * 1e-3:
+        return x[:, np.clip(index, 0, len(grid) - 1)]
+    found = np.full((len(x), len(target.t)), np.nan)
+    for i, row in enumerate(x):
+        if np.isfinite(row).all():
+            delay, clock = (0.0 if late is None or (each := late[j]) is None else float(each[i]) for j in (0, 1))
+            t = np.clip(target.t * (1 - clock) - delay, grid[0], grid[-1])
+            smooth = target.column.endswith((".y", ".v")) and len(grid) > 3
+            found[i] = CubicSpline(grid, row)(t) if smooth else np.interp(t, grid, row)
+    return found
+
+
+def library(scenario: Scenario) -> ctypes.CDLL:
+    """The compiled system for lanes.
+
+    Raises:
+        StribeckError: there is no C compiler, or it cannot build the system.
+    """
+    key = scenario.system
+    if key not in _LIBRARIES:
+        chosen = compiler.find()
+        if chosen is None:
+            raise StribeckError("fitting a machine needs a C compiler ('stribeck doctor' says how to get one)")
+        try:
+            _LIBRARIES[key], _ = cache.library(source(scenario.system, lanes=True), chosen.for_lanes(), lanes.check)
+        except (BuildError, OSError) as error:
+            raise StribeckError(f"fitting a machine: its compiled form cannot be built: {error}") from None
+    return _LIBRARIES[key]
+
+
+def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel]:
+    """The measured columns between two times, from the first."""
+    found = {}
+    for name, c in recording.outputs.items():
+        there = (c.t >= begin - 1e-12) & (c.t <= end + 1e-12) & np.isfinite(c.x) & np.isfinite(c.t)
+        found[name] = replace(c, t=c.t[there] - begin, x=c.x[there])
+    return found
+
+
+def made(scenario: Scenario, recording: Recording, log: int, span: tuple[float, float] | None = None) -> Run:
+    """The scenario of a recording, or of a stretch of it.
+
+    Raises:
+        InputError: an output is no column of the machine, an input none of its signals, or a known number none it has.
+    """
+    begin, end = span or (0.0, float(recording.t[-1]))
+    changes: dict[str, Any] = dict(recording.known)
+    problems = []
+    for path, channel in recording.inputs.items():
+        changes[path] = signal(scenario, path, channel, begin, end)
+    if scenario.rig is None:
+        raise InputError(["the machine: schema = 1: a fit to --logs needs a machine (schema = 2)"])
+    known = [c.name for c in scenario.rig.machine.columns]
+    for name in recording.outputs:
+        if name not in known:
+            from stribeck.errors import nearest
+
+            hint = nearest(name, known) or f" (it has {', '.join(known)})"
+            problems.append(f"log.{log}.outputs.{name}: no such column of the machine{hint}")
+    problems += [
+        f"log.{log}.inputs.{path}: no signal of the machine"
+        for path in recording.inputs
+        if not (path.endswith("signal") and _exists(scenario.data, path.rpartition(".")[0]))
+    ]
+    if problems:
+        raise InputError(problems)
+    step = _step(recording)
+    length = end - begin
+    changes |= {"solve.t_end": length, "output.step": step, "output.energy": False}
+    try:
+        new = scenario.with_changes(changes)
+    except InputError as error:
+        raise InputError([f"log.{log} ({recording.file}): {line}" for line in error.problems]) from None
+    targets = [Target(n, c.t, c.x) for n, c in rows_of(recording, begin, min(end, new.end + begin)).items()]
+    piece = None if span is None else f"{begin:g}"
+    return Run(recording.file, log, piece, new, [x for x in targets if len(x.t)], {}, recording.hold_out)
+
+
+def _exists(data: Any, path: str) -> bool:
+    for word in path.split("."):
+        if not isinstance(data, dict) or word not in data:
+            return False
+        data = data[word]
+    return True
+
+
+def _step(recording: Recording) -> float:
+    """Even samples come on rows of their own; others between finer ones."""
+    gaps = np.diff(recording.t)
+    step = float(np.median(gaps))
+    span = recording.t[-1] - recording.t[0]
+    even = span / max(round(span / step), 1)
+    index = np.rint(recording.t / even)
+    if abs(recording.t - index * even).max() < _EVEN * even * 1e-3:
+        return float(even)
+    return step / 2
+
+
+def signal(scenario: Scenario, path: str, channel: Channel, begin: float, end: float) -> dict[str, Any]:
+    """What was recorded as a signal of the machine, from ``begin`` on."""
+    good = np.isfinite(channel.x) & np.isfinite(channel.t)
+    t, x = channel.t[good], channel.x[good]
+    first = max(int(np.searchsorted(t, begin, side="right")) - 1, 0)
+    last = min(int(np.searchsorted(t, end)) + 1, len(t))
+    t, x = t[first:last] - begin, x[first:last]
+    table = scenario.data
+    for word in path.split(".")[:-1]:
+        table = table.get(word, {}) if isinstance(table, dict) else {}
+    kind = "spline" if isinstance(table, dict) and "feedforward" in table else "points"
+    t, keep = np.unique(t, return_index=True)
+    return {"kind": kind, "t": t.tolist(), "value": x[keep].tolist()}
+
+
+def varies(scenario: Scenario, path: str) -> bool:
+    """Whether a path is a number that lanes can vary."""
+    return path in machine_places(scenario)

@@ -1,0 +1,176 @@
+"""Least squares from many starts at once: Levenberg and Marquardt's method, whose trials are lanes beside each other.
+
+SciPy's ``least_squares`` takes one start and one step at a time; here the slopes of all starts, and several dampings of
+each step, are simulated together, and starts that fall behind are given up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import qmc
+
+from stribeck.identify.actuator.problem import Problem
+from stribeck.identify.work import Stopped
+
+Array = NDArray[np.float64]
+STEP = 2e-4  # of a coordinate, for slopes
+_DAMPINGS = np.array([1e-4, 1e-2, 1.0, 30.0, 1e3])
+_KEEP = (10, 6, 4, 3, 2, 2, 1)  # starts that go on after each step
+_WIDE = 4
+_STEPS = 40
+_SMALL = 1e-7  # of the cost: a smaller fall ends the search
+_SAME = 0.02
+_HUGE = 1e300
+
+
+@dataclass(frozen=True)
+class Found:
+    """Where the search ended: the point, its cost, how many starts ended nearby, and whether it was stopped."""
+
+    u: Array
+    cost: float
+    agreeing: int = 1
+    stopped: bool = False
+    others: tuple[Array, ...] = ()  # where other starts ended
+
+
+def cost(r: Array) -> Array:
+    """Half the sum of squares of each row, infinite where a simulation failed."""
+    with np.errstate(all="ignore"):
+        total = 0.5 * np.sum(np.square(r), axis=-1)
+    return np.where(np.isfinite(total), total, _HUGE)
+
+
+def search(
+    problem: Problem, starts: int, seed: int, first: Array | None = None,
+    keep: Callable[[Array, float], None] | None = None, more: Sequence[Array] = (), wide: bool = False, steps: int = _STEPS,
+) -> Found:  # fmt: skip
+    """The best point from ``starts`` of them: the given one (or the machine's), ``more``, and others spread over the
+    bounds; ``wide``: follow several of them to the end.
+
+    Ctrl-C, and ``Work.stop``, end it with what was found so far.
+    """
+    begin = [problem.start() if first is None else first]
+    best = Found(begin[0], _HUGE, 1, True)
+    try:
+        if starts > 1:
+            spread = qmc.LatinHypercube(len(problem.sought), rng=np.random.default_rng(seed)).random(starts - 1)
+            local = np.array([c.nuisance or c.output is not None for c in problem.sought])
+            U = problem.low + spread * (problem.high - problem.low)
+            U[:, local] = begin[0][local]  # known roughly already
+            U = np.concatenate([np.array(begin), U])
+        else:
+            U = np.array(begin)
+        U = problem.repaired(np.concatenate([U, *(x[None] for x in more)]))
+        costs = cost(problem.residuals(U))
+        order = np.argsort(costs)[: _KEEP[0]]
+        if 0 not in order:
+            order = np.append(order[:-1], 0)
+        U, costs = U[order], costs[order]
+        damping, quiet = np.full(len(U), 1e-2), np.zeros(len(U), int)
+        for step in range(steps):
+            i = int(np.argmin(costs))
+            best = Found(U[i].copy(), float(costs[i]), _agreeing(U, costs, i), True)
+            if keep is not None:
+                keep(best.u, best.cost)
+            if costs[i] >= _HUGE and step:
+                break
+            U, new, damping = _step(problem, U, costs, damping)
+            quiet = np.where(costs - new > _SMALL * new, 0, quiet + 1)
+            costs = new
+            most = _KEEP[min(step, len(_KEEP) - 1)]
+            going = np.argsort(costs)[: max(most, _WIDE) if wide else most]
+            U, costs, damping, quiet = U[going], costs[going], damping[going], quiet[going]
+            if quiet[int(np.argmin(costs))] >= 2:
+                break
+        i = int(np.argmin(costs))
+        rest = tuple(U[j] for j in np.argsort(costs)[1:])
+        return Found(U[i], float(costs[i]), max(best.agreeing, _agreeing(U, costs, i)), False, rest)
+    except (KeyboardInterrupt, Stopped):
+        problem.work.stop()
+        return best
+
+
+def _agreeing(U: Array, costs: Array, i: int) -> int:
+    return int(np.sum((abs(U - U[i]) < _SAME).all(axis=1) & (costs < 1.01 * costs[i] + 1e-12)))
+
+
+def _step(problem: Problem, U: Array, costs: Array, damping: Array) -> tuple[Array, Array, Array]:
+    """One step of each start: the best of several dampings."""
+    n = U.shape[1]
+    r, J = problem.slopes(U, np.full(n, STEP))
+    trials = [
+        U[p] + direction(r[p], J[p], U[p], problem, damping[p] * share) for p in range(len(U)) for share in _DAMPINGS
+    ]
+    tried = problem.repaired(np.array(trials))
+    found = cost(problem.residuals(tried)).reshape(len(U), -1)
+    tried = tried.reshape(len(U), -1, n)
+    new, out, after = costs.copy(), U.copy(), damping.copy()
+    for p in range(len(U)):
+        i = int(np.argmin(found[p]))
+        if found[p, i] < costs[p]:
+            out[p], new[p] = tried[p, i], found[p, i]
+            after[p] = float(np.clip(damping[p] * _DAMPINGS[i], 1e-9, 1e6))
+        else:
+            after[p] = min(damping[p] * 1e3, 1e9)
+    return out, new, after
+
+
+def direction(r: Array, J: Array, u: Array, problem: Problem, damping: float) -> Array:
+    """The damped step of Gauss and Newton; coordinates that press against a bound stay there."""
+    if not (np.isfinite(r).all() and np.isfinite(J).all()):
+        return np.zeros(len(u))
+    A, g = J.T @ J, J.T @ r
+    room = 1e-9 * (problem.high - problem.low)
+    free = ~(((u <= problem.low + room) & (g > 0)) | ((u >= problem.high - room) & (g < 0)))
+    step = np.zeros(len(u))
+    if free.any():
+        inner = A[np.ix_(free, free)]
+        scale = np.sqrt(np.maximum(np.diag(inner), 1e-12 * max(float(np.diag(inner).max()), 1e-300)))
+        inner = inner / np.outer(scale, scale) + damping * np.eye(int(free.sum()))
+        step[free] = -np.linalg.lstsq(inner, g[free] / scale, rcond=1e-14)[0] / scale
+    return step
+
+
+def scanned(problem: Problem, found: Found, steps: int = 5) -> list[Array]:
+    """Points elsewhere that might lead to a lower cost: each number in turn is put at several places over its bounds, the
+    others follow, and the best of each are taken."""
+    asked = [i for i, c in enumerate(problem.sought) if not c.nuisance and c.output is None]
+    points, held = [], []
+    for k in asked:
+        for share in (np.arange(steps) + 0.5) / steps:
+            x = found.u.copy()
+            x[k] = problem.low[k] + share * (problem.high[k] - problem.low[k])
+            points.append(x)
+            held.append(k)
+    if not points:
+        return []
+    moved, costs = relaxed(problem, problem.repaired(np.array(points)), held, 1)
+    order = [int(i) for i in np.argsort(costs) if costs[i] < _HUGE and (abs(moved[i] - found.u) > 0.05).any()]
+    return [moved[i] for i in order[:_WIDE]]
+
+
+def relaxed(problem: Problem, points: Array, held: list[int], rounds: int = 2) -> tuple[Array, Array]:
+    """The points with all coordinates but the one held moved to where the cost is least, and the cost."""
+    costs = cost(problem.residuals(points))
+    for _ in range(rounds):
+        r, J = problem.slopes(points, np.full(points.shape[1], STEP))
+        trials = []
+        for p, k in enumerate(held):
+            for damping in (1e-6, 1e-2):
+                rest = J[p].copy() if np.isfinite(J[p]).all() else np.zeros_like(J[p])
+                rest[:, k] = 0.0
+                step = direction(np.nan_to_num(r[p]), rest, points[p], problem, damping)
+                step[k] = 0.0
+                trials.append(points[p] + step)
+        tried = np.clip(np.array(trials), problem.low, problem.high)
+        new = cost(problem.residuals(tried)).reshape(len(points), -1)
+        for p in range(len(points)):
+            i = int(np.argmin(new[p]))
+            if new[p, i] < costs[p]:
+                points[p], costs[p] = tried[2 * p + i], new[p, i]
+    return points, costs

@@ -1,0 +1,138 @@
+"""The states in which recordings, and stretches of them, begin."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.actuator.coordinates import Coordinate
+from stribeck.identify.actuator.recordings import Channel, Recording
+from stribeck.identify.actuator.runs import Run, made
+from stribeck.scenario import Scenario
+
+Array = NDArray[np.float64]
+_NEAR = 12  # samples from which a state is estimated
+_ROOM = 6.0  # bounds of a start, in its estimate's deviations
+_MOVES = 3.0
+
+
+def carried(scenario: Scenario, body: str) -> dict[str, float]:
+    """How far each free body moves by ``body`` through links, with these at rest: itself 1."""
+    assert scenario.rig is not None
+    machine, values = scenario.rig.machine, scenario.rig.values
+    found = {machine.leader(body).name: 1.0 / _tie(scenario, body)}
+    for _ in machine.bodies:
+        for link in machine.links:
+            start, end = link.span.start, link.span.end
+            if not isinstance(start, str) or end is None:
+                continue
+            a, b = machine.leader(start).name, machine.leader(end).name
+            ratio = values.get((link.path, "ratio"), 1.0) * _tie(scenario, start) / _tie(scenario, end)
+            if a in found and b not in found:
+                found[b] = found[a] * ratio
+            elif b in found and a not in found:
+                found[a] = found[b] / ratio
+    return found
+
+
+def _tie(scenario: Scenario, name: str) -> float:
+    """How far a body moves by its leader."""
+    assert scenario.rig is not None
+    machine, total = scenario.rig.machine, 1.0
+    body = machine.body[name]
+    while body.leader is not None:
+        total *= scenario.rig.values.get((body.path, "ratio"), 1.0)
+        body = machine.body[body.leader]
+    return total
+
+
+def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
+    """A measured position and its rate at a time, by a parabola through the samples near it, and their deviations."""
+    good = np.isfinite(channel.x)
+    t, x = channel.t[good], channel.x[good]
+    near = np.sort(np.argsort(abs(t - at))[: min(_NEAR, len(t))])
+    s, span = t[near] - at, max(np.ptp(t[near]), 1e-12)
+    A = np.stack([np.ones(len(s)), s / span, (s / span) ** 2], axis=1)
+    found, *_ = np.linalg.lstsq(A, x[near], rcond=None)
+    left = x[near] - A @ found
+    step = np.diff(np.unique(x[near])).min(initial=np.inf)
+    rough = max(float(np.sqrt(left @ left / max(len(s) - 3, 1))), step / 3 if np.isfinite(step) else 0.0)
+    spread = rough * np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
+    return float(found[0]), float(found[1] / span), float(spread[0]), float(spread[1] / span)
+
+
+def begun(
+    scenario: Scenario, recording: Recording, log: int, named: set[str], span: tuple[float, float] | None = None
+) -> tuple[Run, list[Coordinate]]:
+    """A recording (or a stretch of it) to simulate, and what of its start must be found with it.
+
+    Where the file, the recording or the user says how a body begins, it begins so; else the first samples say it
+    roughly, and the fit precisely.
+    """
+    run = made(scenario, recording, log, span)
+    at = span[0] if span else 0.0
+    found: list[Coordinate] = []
+    told: set[str] = set()
+    for column, channel in recording.outputs.items():
+        name, _, what = column.rpartition(".")
+        if what != "y" or not _free(scenario, name) or f"outputs.{column}.offset" in named:
+            continue
+        moves = {b: f for b, f in carried(scenario, name).items() if b not in told}
+        told |= set(moves)
+        y, v, dy, dv = state_at(channel, at)
+        for kind, x, dx in (("y", y, dy), ("v", v, dv)):
+            targets = {
+                f"bodies.{b}.initial.{kind}": f
+                for b, f in moves.items()
+                if not _given(scenario, recording, named, b, kind, span)
+            }
+            if not targets or (kind == "v" and span is None and abs(x) < _MOVES * dx):
+                continue
+            if kind == "y" and span is None and abs(x) < 1e-12 * max(1.0, float(np.nanmax(abs(channel.x)))):
+                continue
+            run.start |= {path: f * x for path, f in targets.items()}
+            room = _ROOM * max(dx, 1e-9 * max(abs(x), 1e-3))
+            label = f"log.{log}.{'' if span is None else f'{at:g}s.'}initial.{name}.{kind}"
+            found.append(Coordinate(label, x - room, x + room, x, None, targets, None, log, True, run.piece))
+    return run, [replace(c, prior=None) for c in found]
+
+
+def _free(scenario: Scenario, body: str) -> bool:
+    assert scenario.rig is not None
+    machine = scenario.rig.machine
+    return body in machine.body and machine.leader(body).driven is None
+
+
+def _given(
+    scenario: Scenario, recording: Recording, named: set[str], body: str, kind: str, span: tuple[float, float] | None
+) -> bool:
+    """Whether somebody has said how a body begins."""
+    path = f"bodies.{body}.initial.{kind}"
+    if span is not None and span[0] > 0:
+        return False
+    inside = scenario.data["bodies"].get(body, {}).get("initial", {})
+    short = f"initial.{body}.{kind}"
+    return kind in inside or path in recording.known or any(n == path or n.endswith(f".{short}") for n in named)
+
+
+def stretches(recording: Recording, window: float) -> list[tuple[float, float]]:
+    """The times at which stretches of about ``window`` seconds begin and end: where the speed is large, so that what
+    is not measured there (bristles, currents) is soon as it must be."""
+    length = float(recording.t[-1])
+    count = max(1, round(length / window))
+    if count == 1:
+        return [(0.0, length)]
+    position = next((c for n, c in recording.outputs.items() if n.endswith(".y")), None)
+    cuts = [0.0]
+    for i in range(1, count):
+        at = i * length / count
+        if position is not None:
+            t = recording.t[abs(recording.t - at) < 0.25 * length / count]
+            x = np.interp(t, position.t[np.isfinite(position.x)], position.x[np.isfinite(position.x)])
+            wide = max(len(t) // 20, 1)
+            speed = abs(x[2 * wide :] - x[: -2 * wide])
+            at = float(t[wide + int(np.argmax(speed))]) if len(speed) else at
+        cuts.append(float(recording.t[np.argmin(abs(recording.t - at))]))
+    return list(zip(cuts, [*cuts[1:], length], strict=True))

@@ -1,0 +1,46 @@
+"""Another unit, or another day: predicted with the numbers that were found, then fitted, and what moved."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from stribeck.errors import InputError
+from stribeck.identify.actuator import judge
+from stribeck.identify.actuator.estimate import estimate, traces
+from stribeck.identify.actuator.recordings import Logs
+from stribeck.identify.actuator.result import LogResult, MachineFit
+from stribeck.identify.actuator.runs import made
+
+if TYPE_CHECKING:
+    from stribeck.identify.actuator.api import _Fit
+
+
+def transferred(fit: _Fit, other: Logs, result: MachineFit) -> dict[str, Any]:
+    """How well the fit predicts other recordings, and which numbers are other there, beyond both intervals."""
+    problems: list[str] = []
+    for i, recording in enumerate(other.recordings):
+        try:
+            made(fit.scenario, recording, i)
+        except InputError as error:
+            problems += [f"--transfer: {line}" for line in error.problems]
+    if problems:
+        raise InputError(problems)
+    sought = [c for c in fit.sought if c.log is None]
+    values = {name: p.value for name, p in result.parameters.items()}
+    numbered = list(enumerate(other.recordings))
+    logs = [LogResult(r.file, True, traces(fit.scenario, r, i, sought, values)) for i, r in numbered]
+    own = estimate(fit.scenario, numbered, sought, 1, 0, fit.work, values)
+    found = judge.judged(own, fit.scenario, not own.stopped and not own.missed())
+    moved, same, open_ = [], [], []
+    for name, there in found.parameters.items():
+        here = result.parameters[name]
+        if here.verdict != "found" or there.verdict != "found":
+            open_.append(name)
+        elif here.high < there.low or there.high < here.low:  # type: ignore[operator]
+            moved.append({"name": name, "from": here.to_json(), "to": there.to_json()})
+        else:
+            same.append(name)
+    return {
+        "logs": [log.to_json() for log in logs], "moved": moved, "same": same, "not_told": open_,
+        "parameters": {name: p.to_json() for name, p in found.parameters.items()},
+    }  # fmt: skip

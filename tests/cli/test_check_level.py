@@ -1,0 +1,99 @@
+"""``stribeck check --level`` and ``--scenario``, and ``advise --level``, from the command line."""
+
+import json
+
+import pytest
+
+from stribeck import Scenario, simulate
+from tests.properties.test_ports import DAMPED, PASSIVE, machine
+
+tomli_w = pytest.importorskip("tomli_w")
+
+
+def test_a_level_with_its_files(stribeck, tmp_path):
+    out, proofs = tmp_path / "found", tmp_path / "proofs.json"
+    result = stribeck(
+        "check", "lugre", "--parameters", "canudas1995", "--level", "1:2", "--verify", "--json",
+        "--out", out, "--certificate", proofs,
+    )  # fmt: skip
+    assert result.status == 0, result.err
+    data = json.loads(result.out)
+    assert data["level"] == {"F_c": [1.0, 2.0], "F_s": [1.5, 3.0]}
+    passive = data["properties"]["passive"]
+    assert passive["holds"] is False
+    assert passive["verified"] is True
+    assert passive["evidence"]["sigma_2_needed"] == pytest.approx(2 * 1e5**0.5)
+    solution = simulate(Scenario.load(out / "passive.toml"))
+    assert solution.final["E_in"] == pytest.approx(-passive["evidence"]["energy_drawn"], rel=1e-9)
+    assert "for every history" in (out / "report.html").read_text().replace("Each verdict holds for every", "for every")
+    certificates = json.loads(proofs.read_text())["certificates"]
+    assert certificates["bounded"]["level"]["F_c"] == ["1", "2"]
+
+
+def test_a_machine_with_its_files(stribeck, tmp_path):
+    file, out = tmp_path / "two.toml", tmp_path / "found"
+    loads = [{"force": "gear", "F_c": 0.1, "F_s": 0.2}]
+    file.write_text(tomli_w.dumps(machine(loads=loads)))
+    result = stribeck("check", "--scenario", file, "--json", "--out", out)
+    assert result.status == 0, result.err
+    data = json.loads(result.out)
+    assert data["machine"]["spoiled_by"] == ["mesh"]
+    assert data["machine"]["passive"] is None
+    assert data["contacts"]["mesh"]["ranges"] == {"F_c": [1.0, None], "F_s": [1.5, None]}
+    assert simulate(Scenario.load(out / "mesh_passive.toml")).final["E_in"] < 0
+    assert "Contact mesh" in (out / "report.html").read_text()
+    again = stribeck("check", "--scenario", file, "--force", "gear=20", "--set", "contacts.mesh.law.name=lugre")
+    assert "passive at its ports: yes" in " ".join(again.out.split())
+    file.write_text(tomli_w.dumps(machine(DAMPED, loads=loads)))
+    assert "passive at its ports: yes" in " ".join(stribeck("check", "--scenario", file).out.split())
+
+
+@pytest.mark.parametrize(("options", "says"), [
+    (["lugre", "--level", "2:1"], "--level: '2:1': must be LOW:HIGH"),
+    (["lugre", "--level", "1"], "--level: '1': must be LOW:HIGH"),
+    (["lugre", "--level", "a:b"], "--level: 'a:b': must be LOW:HIGH"),
+    (["--all", "--level", "1:2"], "--level: must stand without --all"),
+    (["lugre", "--force", "gear=1"], "--force: 'gear=1': needs --scenario"),
+    (["--scenario", "FILE", "--level", "1:2"], "--level: must be left out"),
+    (["lugre", "--scenario", "FILE"], "LAW: must be left out"),
+    (["--scenario", "FILE", "--force", "gear=x"], "--force: 'gear=x': must be NAME=MAX"),
+    (["--scenario", "FILE", "--force", "gaer=1"], "'gaer': two has no such link, load or motor"),
+])  # fmt: skip
+def test_mistakes_are_one_line(stribeck, tmp_path, options, says):
+    file = tmp_path / "two.toml"
+    file.write_text(tomli_w.dumps(machine()))
+    result = stribeck("check", *(file if x == "FILE" else x for x in options))
+    assert result.status == 2
+    assert says in result.err
+    assert len(result.err.strip().splitlines()) == 1
+
+
+def test_advice_on_the_level(stribeck):
+    law = ["--parameters", "canudas1995", "--json"]
+    data = json.loads(stribeck("advise", "lugre_majorant", *law, "--set", "k_v=1e6", "--level", "1:3").out)
+    found = data["laws"]["lugre_majorant"]["level"]
+    assert found["steady_change"] == 0.0  # dz/dt is 0 there
+    assert 0.0294 < found["v_d"] < 0.0295
+    assert found["sigma_2"] == pytest.approx(3.5 * 1e5**0.5)
+    assert found["steady_change_by_sigma_2"] > 1
+    assert found["passive_now"] is False
+    for share, passive in ((1.0, True), (1.001, False)):
+        more = ["--set", "k_v=1e6", "--set", f"v_d={share * found['v_d']!r}", "--level", "1:3"]
+        again = json.loads(stribeck("advise", "lugre_majorant", *law, *more).out)
+        assert again["laws"]["lugre_majorant"]["level"]["passive_now"] is passive
+    both = json.loads(stribeck("advise", "lugre_sobczyk", *law, "--creep", "1e-6", "--level", "1:3").out)
+    assert both["laws"]["lugre_sobczyk"]["level"] is None
+    assert both["laws"]["lugre_majorant"]["level"]["v_d"] > 0
+    coarse = json.loads(stribeck("advise", "lugre_majorant", *law, "--set", "k_v=10", "--level", "1:3").out)
+    assert coarse["laws"]["lugre_majorant"]["level"]["v_d"] is None
+    assert coarse["laws"]["lugre_majorant"]["level"]["k_v_above"] == pytest.approx(1e5**0.5 / 2 / 3.14159265)
+    assert "must be LOW:HIGH" in stribeck("advise", "lugre", "--level", "3").err
+
+
+def test_passive_constants_are_passive(stribeck):
+    """The set of the tests is passive at a level that is held, and as far as sigma_2 reaches."""
+    values = [f"--set={n}={x}" for n, x in PASSIVE.items()]
+    assert (
+        '"holds": true'
+        in stribeck("check", "lugre", *values, "--level", "1:4.66", "--json").out.partition("passive")[2]
+    )

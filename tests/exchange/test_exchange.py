@@ -1,0 +1,90 @@
+"""Files of other programs: the same friction as their formulae, and back to the same numbers."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario, simulate
+from stribeck.errors import InputError, StribeckNote
+from stribeck.exchange import from_bam, from_mujoco_file, to_bam, to_mujoco
+
+SHARED = Path(__file__).parents[3] / "shared" / "data" / "bam"
+PLAIN = {"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}
+CURVE = {"friction_stribeck": 0.08, "dtheta_stribeck": 1.1, "alpha": 1.3}
+MODELS = {
+    "m1": PLAIN,
+    "m2": PLAIN | CURVE,
+    "m3": PLAIN | {"load_friction_base": 0.1},
+    "m4": PLAIN | CURVE | {"load_friction_base": 0.1, "load_friction_stribeck": 0.2},
+    "m5": PLAIN | CURVE | {
+        "load_friction_motor": 0.2, "load_friction_external": 0.03, "load_friction_motor_stribeck": 0.25,
+        "load_friction_external_stribeck": 0.08,
+    },
+}  # fmt: skip
+
+
+def friction(n, v, outside, motor):
+    """BAM's formula, as its README writes it."""
+    base, curve = n["friction_base"], n.get("friction_stribeck", 0.0)
+    if "load_friction_motor" in n:
+        base = base + abs(n["load_friction_external"] * outside - n["load_friction_motor"] * motor)
+        curve = curve + abs(n["load_friction_external_stribeck"] * outside - n["load_friction_motor_stribeck"] * motor)
+    else:
+        base = base + n.get("load_friction_base", 0.0) * abs(outside - motor)
+        curve = curve + n.get("load_friction_stribeck", 0.0) * abs(outside - motor)
+    fall = np.exp(-(abs(v / n.get("dtheta_stribeck", 1.0)) ** n.get("alpha", 2.0)))
+    return base + fall * curve + n["friction_viscous"] * abs(v)
+
+
+@pytest.mark.parametrize("model", MODELS)
+def test_bam_s_models_have_its_friction(model):
+    data = from_bam({**MODELS[model], "model": model, "actuator": "servo"})
+    data["loads"]["gravity"]["amplitude"] = 0.8
+    data["motors"]["drive"]["signal"] = {"kind": "sine", "amplitude": 6.0, "frequency": 1.0}
+    found = simulate(Scenario(data))
+    v = found["joint.v"]
+    fast = abs(v) > 0.3  # the smooth sign is complete to 1 %
+    assert fast.sum() > 30
+    want = np.sign(v) * friction(MODELS[model], v, found["gravity.f"], found["drive.torque"])
+    np.testing.assert_allclose(found["friction.F"][fast], want[fast], rtol=0.02)
+    back = to_bam(data)
+    assert back.pop("model") == model
+    assert back.pop("actuator") == "servo"
+    assert back == pytest.approx(MODELS[model])
+
+
+@pytest.mark.skipif(not SHARED.exists(), reason="no ../shared/data/bam beside the checkout")
+def test_every_file_of_bam_is_read():
+    for path in sorted(SHARED.rglob("*.json")):
+        quad = any(json.loads(path.read_text()).get(f"load_friction_{x}_quad") for x in ("motor", "external"))
+        if quad:
+            with pytest.warns(StribeckNote, match="quad"):
+                Scenario(from_bam(path))
+        else:
+            Scenario(from_bam(path))
+
+
+def test_what_is_missing_or_strange_is_told():
+    with pytest.raises(InputError) as error:
+        from_bam({"armature": "heavy", "friction_base": 0.1, "friction_wet": 1.0})
+    text = "\n".join(error.value.problems)
+    for words in ("friction_viscous: missing", "armature: 'heavy': must be", "friction_wet: unknown key"):
+        assert words in text
+
+
+def test_a_mujoco_model_s_joints(tmp_path):
+    pytest.importorskip("mujoco")
+    path = tmp_path / "arm.xml"
+    path.write_text(
+        '<mujoco><worldbody><body><joint name="elbow" type="hinge" axis="0 1 0" frictionloss="0.3" damping="0.2" armature="0.1"/>'
+        '<geom type="sphere" size="0.1" mass="2" pos="0.5 0 0"/></body></worldbody></mujoco>'
+    )
+    data = from_mujoco_file(path)
+    moment = 2 * 0.5**2 + 0.4 * 2 * 0.1**2 + 0.1
+    assert data["bodies"]["elbow"]["inertia"] == pytest.approx(moment)
+    law = data["contacts"]["elbow_friction"]["law"]
+    assert law["parameters"] == {"F_c": 0.3, "sigma_2": 0.2}
+    Scenario(data)
+    assert to_mujoco(data) == '<joint name="elbow" type="hinge" frictionloss="0.3" damping="0.2"/>\n'

@@ -1,0 +1,164 @@
+"""The page in a real browser."""
+
+import json
+import shutil
+import time
+import tomllib
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario, simulate
+
+webdriver = pytest.importorskip("selenium.webdriver")
+CHROMIUM, DRIVER = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")
+pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="Chromium and chromedriver are not installed")
+
+
+@pytest.fixture(scope="module")
+def browser():
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for word in (
+        "--headless=new",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-dev-shm-usage",
+        "--window-size=1280,1000",
+    ):
+        options.add_argument(word)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    found = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    yield found
+    found.quit()
+
+
+@pytest.fixture
+def page(browser, made):
+    browser.get("about:blank")
+    browser.get(made.as_uri())
+    settle(browser)
+    return browser
+
+
+def settle(browser):
+    """Wait until the page shows the present setting."""
+    until = time.monotonic() + 60
+    while not browser.execute_script("return window.stribeck?.result && window.stribeck.idle"):
+        assert time.monotonic() < until, browser.execute_script("return document.body.innerText")[:500]
+        time.sleep(0.02)
+
+
+def slide(browser, path, share):
+    """Move a slider as a hand does."""
+    browser.execute_script(
+        "const s = document.querySelector(`input[type=range][data-path='${arguments[0]}']`);"
+        "s.value = arguments[1]; s.dispatchEvent(new Event('input', {bubbles: true}));", path, round(1000 * share)
+    )  # fmt: skip
+    settle(browser)
+
+
+def value(browser, path):
+    return float(browser.execute_script(f"return document.getElementById('n-{path}').value"))
+
+
+def same_as_run(browser, scenario):
+    solution = simulate(scenario)
+    for name, peak in solution.peaks.items():
+        shown = np.array(browser.execute_script(f"return Array.from(window.stribeck.result.columns['{name}'])"))
+        assert np.max(abs(shown - solution[name])) <= 1e-9 * peak, name
+    told = browser.execute_script("return window.stribeck.result.events")
+    slips = [t for t, what in told if not what & 1]
+    assert slips == pytest.approx(solution.events["slip"].tolist(), abs=1e-6)
+
+
+def test_a_slider_moves_the_numbers_of_run(page, scenario):
+    same_as_run(page, scenario)
+    before = page.find_element("id", "status").text
+    slide(page, "law.parameters.F_s", 0.6)
+    assert value(page, "law.parameters.F_s") == pytest.approx(1.5 * 10**0.2, rel=1e-3)
+    same_as_run(page, scenario.with_changes({"law.parameters.F_s": value(page, "law.parameters.F_s")}))
+    assert page.find_element("id", "status").text != before
+    assert [e for e in page.get_log("browser") if e["level"] == "SEVERE"] == []
+    assert page.execute_script("return performance.getEntriesByType('resource').map(e => e.name)"
+                               ".filter(name => !name.startsWith('blob:'))") == []  # fmt: skip
+
+
+def test_what_is_copied_runs_again(page, scenario, tmp_path):
+    page.find_element("css selector", "option[value=elastoplastic]").click()
+    settle(page)
+    slide(page, "plant.mass", 0.55)
+    page.find_element("id", "toml").click()
+    (tmp_path / "mine.toml").write_text(page.execute_script("return window.stribeck.copied"))
+    copied = Scenario.load(tmp_path / "mine.toml")
+    assert copied.law.name == "elastoplastic"
+    assert copied.mass == value(page, "plant.mass") != 1.0
+    assert tomllib.loads((tmp_path / "mine.toml").read_text())["solve"]["rtol"] == scenario.solve.rtol
+    same_as_run(page, copied)
+    link = page.current_url
+    page.get("about:blank")
+    page.get(link)
+    settle(page)
+    same_as_run(page, copied)
+    page.find_element("id", "reset").click()
+    settle(page)
+    same_as_run(page, scenario)
+
+
+def test_passivity_follows_the_numbers_and_bad_ones_are_named(page):
+    def passive():
+        return page.execute_script("return document.querySelector('[data-claim=passive]').dataset.holds")
+
+    assert passive() == "no"  # sigma_2 F_c < sigma_1 (F_s - F_c)
+    field = page.find_element("id", "n-law.parameters.sigma_2")
+    field.clear()
+    field.send_keys("200")
+    settle(page)
+    assert passive() == "yes"
+    assert "200" in page.find_element("id", "equations").text
+    rows = page.execute_script("return window.stribeck.result.rows")
+    page.execute_script("window.stribeck.set('law.parameters.F_s', 0.5)")
+    settle(page)
+    assert page.find_element("id", "problem").text == "F_s: 0.5: must be at least F_c"
+    page.execute_script("window.stribeck.set('plant.mass', -1)")
+    assert page.find_element("id", "problem").text == "plant.mass: -1: must be > 0 kg"
+    assert page.execute_script("return window.stribeck.result.rows") == rows
+
+
+def test_a_long_run_shows_its_progress_and_can_be_left(page):
+    page.execute_script("window.stribeck.set('solve.t_end', 40000); window.stribeck.set('output.step', 1)")
+    until = time.monotonic() + 20
+    while not page.execute_script("return !document.getElementById('progress').hidden"):
+        assert time.monotonic() < until
+        time.sleep(0.02)
+    page.find_element("id", "reset").click()
+    settle(page)
+    assert page.execute_script("return window.stribeck.result.columns.t.at(-1)") == pytest.approx(40.0)
+
+
+def test_a_ghost_stays(page):
+    page.find_element("id", "keep").click()
+    slide(page, "law.parameters.F_s", 0.6)
+    ghost, now = (
+        page.execute_script(f"return Array.from(model('position-{which}').data.y)") for which in ("ghost", "now")
+    )
+    assert len(ghost) == len(now)
+    assert not np.allclose(ghost, now)
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 390])
+def test_nothing_sticks_out_on_a_desk_or_a_phone(page, tmp_path, width, scheme):
+    features = [{"name": "prefers-color-scheme", "value": scheme}]
+    page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": features})
+    size = {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 500}
+    page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    page.refresh()
+    settle(page)
+    shot = page.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
+    assert len(json.dumps(shot)) > 20_000
+    assert page.execute_script("return document.documentElement.scrollWidth") <= width
+    light = page.execute_script("return getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
+    assert light is (scheme == "light")
+    assert page.execute_script("return [...document.querySelectorAll('.chart')].every(c => c.clientWidth > 250)")
+    page.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

@@ -1,0 +1,76 @@
+"""``stribeck explore`` as a user calls it."""
+
+import base64
+
+import pytest
+
+from stribeck import examples
+from tests.cli.conftest import stribeck  # noqa: F401
+
+
+def test_the_page_stands_alone_and_is_small(made, data):
+    text = made.read_text()
+    assert "http://" not in text.replace("http://www.w3.org", "")
+    assert "src=" not in text.split("<script type")[0]
+    modules = [len(base64.b64decode(law["wasm"])) for law in data["laws"].values()]
+    from stribeck.laws import builtin
+
+    rest = (len(builtin()) - len(modules)) * (4 / 3 * max(modules) + 6000)
+    assert made.stat().st_size + rest < 1.5e6
+    paths = {n["path"] for n in (*data["numbers"], *data["laws"]["lugre_majorant"]["numbers"])}
+    assert {"law.k_v", "law.parameters.F_s", "plant.mass", "plant.initial.z", "drive.stiffness", "drive.signal.rate",
+            "solve.t_end", "solve.rtol", "output.step"} <= paths  # fmt: skip
+
+
+def test_the_command_writes_a_page(stribeck, tmp_path):  # noqa: F811
+    out = tmp_path / "mine.html"
+    found = stribeck(
+        "explore", examples.path("stick_slip"), "--set", "law.name=lugre_majorant", "--law", "lugre", "--out", out
+    )
+    assert (found.status, found.err) == (0, "")
+    assert "open" in found.out
+    assert "stick_slip" in out.read_text()
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("nothing.toml",), "nothing.toml"),
+        (("lugr",), "'lugr': no such law (did you mean 'lugre'?)"),
+        (("lugre", "--law", "x"), "'x': no such law"),
+        (("lugre", "--out", "."), "--out: '.': is a folder"),
+        (("lugre", "--set", "plant.mass=-1"), "plant.mass: -1: must be a finite number > 0"),
+        ((str(examples.path("servo")),), "drive.kind: 'cascade': must be force, spring, pid or velocity"),
+        (("--report", "."), "--report: '.': must be a folder"),
+    ],
+)
+def test_bad_input_is_one_line(stribeck, words, line, tmp_path, monkeypatch):  # noqa: F811
+    monkeypatch.chdir(tmp_path)
+    found = stribeck("explore", *words)
+    assert found.status == 2
+    assert found.out == ""
+    assert line in found.err
+    assert found.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_extra_is_one_line(tmp_path):
+    from tests.cli.test_extras import command
+
+    found = command(tmp_path, "explore", "lugre", blocked=("bokeh",))
+    assert found.returncode == 2
+    assert found.stderr == "stribeck: 'explore' needs bokeh: pip install 'stribeck[explore]'\n"
+
+
+def test_a_page_is_added_to_what_run_left(stribeck, tmp_path):  # noqa: F811
+    from stribeck import Scenario
+
+    words = ("--set", "law.name=lugre_majorant", "--set", "solve.t_end=2.0")
+    assert stribeck("run", examples.path("stick_slip"), *words, "--out", tmp_path / "first").status == 0
+    assert "Moves up to" in (tmp_path / "first" / "report.html").read_text()
+    found = stribeck("explore", "--report", tmp_path / "first", "--law", "lugre")
+    assert (found.status, found.err) == (0, "")
+    text = (tmp_path / "first" / "explore.html").read_text()
+    number = text[text.index('"solve.t_end"') :]
+    assert '"value": 2.0' in number[:200]
+    assert Scenario.load(examples.path("stick_slip")).solve.t_end == 40.0

@@ -1,0 +1,157 @@
+"""Whole machines in C and as FMUs against the simulation; laws of their contacts."""
+
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck import Scenario, examples, simulate
+from stribeck.cli import _status
+from stribeck.export.fmu import binaries
+from tests.export.harness import STRICT, need
+from tests.machine.machines import law, machine
+
+PULL = {"kind": "points", "t": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.1, 0.2, -0.2]}
+MOVE = {"kind": "point_to_point", "t": [0.1, 0.35, 0.45], "value": [0.0, 0.3, 0.1]}
+SAMPLING = {"period": 4e-3, "delay": 9e-3, "resolution": 1e-4, "noise": 1e-4, "seed": 3}
+EVERY = machine(  # of each kind of element one
+    {
+        "a": {"mass": 0.5, "initial": {"v": 0.1}}, "b": {"inertia": 0.02}, "c": {"mass": 0.1, "tied_to": "a", "ratio": -2.0},
+        "belt": {"velocity": {"signal": {"kind": "ramp", "rate": 0.3}}},
+    },
+    t_end=0.5,
+    links={
+        "k": {"from": "a", "to": "b", "ratio": 3.0, "stiffness": 40.0, "damping": 0.1, "gap": 0.01},
+        "far": {"from": {"signal": PULL}, "to": "a", "stiffness": 20.0},
+    },
+    contacts={
+        "s": {"from": "a", "to": "belt", "law": law(), "loads": [{"force": {"k": 1.0, "g": -0.5}, "F_c": 0.1, "F_s": 0.2}]},
+        "r": {"from": "b", "law": law("lugre"), "factors": {"sigma_2": {"signal": {"kind": "points", "t": [0], "value": [0.8]}}}},
+    },
+    loads={
+        "g": {"on": "b", "kind": "pendulum", "amplitude": 0.3},
+        "w": {"on": "a", "kind": "ripple", "amplitude": [0.1], "waves": [50]},
+    },
+    motors={"m": {"on": "b", "K": 0.5, "R": 1.0, "L": 0.01, "voltage": 3.0}},
+    controllers={
+        "u": {"kind": "cascade", "on": "m", "K_p": 20.0, "K_v": 0.2, "T_i": 0.1, "limit": 1.0, "signal": MOVE,
+              "sampling": SAMPLING},
+        "q": {"kind": "pid", "on": "a", "K_p": 20.0, "K_d": 2.0, "signal": MOVE},
+    },
+)  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _this_platform_only(monkeypatch):
+    monkeypatch.setattr(binaries, "_ACROSS", ())
+    monkeypatch.setattr(binaries, "_FLAGS", ("-std=c99", "-O0", "-shared", "-fvisibility=hidden"))  # each is run once
+
+
+@pytest.fixture(scope="module")
+def scenario():
+    return Scenario(EVERY)
+
+
+@pytest.fixture(scope="module")
+def exact(scenario):
+    return simulate(scenario)
+
+
+def close(found, exact, share=1e-6):
+    for name in exact:
+        if name != "t":
+            size = max(np.max(np.abs(exact[name])), 1e-12)
+            assert np.max(np.abs(found[name] - exact[name])) <= share * size, name
+
+
+@pytest.mark.parametrize("cc", ["gcc", "clang"])
+def test_c(cc, scenario, exact, tmp_path):
+    need(cc)
+    files = stribeck.export(scenario, "c", tmp_path)
+    assert sorted(f.name for f in files) == ["machine.c", "machine.h", "machine_run.c"]
+    words = [
+        cc,
+        *STRICT,
+        "-O1",
+        *(str(tmp_path / f) for f in ("machine.c", "machine_run.c")),
+        "-o",
+        str(tmp_path / "run"),
+    ]
+    done = subprocess.run([*words, "-lm"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    out = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=True).stdout
+    close(table(out), exact)
+
+
+def table(text):
+    """Columns of a CSV by name."""
+    head, *rows = text.strip().split("\n")
+    values = np.array([[float(x) for x in row.split(",")] for row in rows])
+    return dict(zip(head.split(","), values.T, strict=True))
+
+
+@pytest.mark.parametrize("fmi", [2, 3])
+def test_fmu(fmi, scenario, exact, tmp_path):
+    need("gcc")
+    fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
+    from fmpy.validation import validate_fmu
+
+    (path,) = stribeck.export(scenario, "fmu", tmp_path / "machine.fmu", fmi=fmi)
+    assert validate_fmu(str(path)) == []
+    names = [c.name for c in exact.columns]
+    times = {"stop_time": 0.5, "output_interval": scenario.output.step, "output": names}
+    found = fmpy.simulate_fmu(str(path), **times)
+    close({n: found[n] for n in names}, exact)
+    if fmi == 2:
+        return
+    # a constant that is changed, and an input, against the same in the file
+    inputs = np.array([(0.0, 0.4)], dtype=[("time", float), ("loads.push.signal", float)])
+    pushed = scenario.replace({"loads.push": {"on": "a", "kind": "signal", "signal": {"kind": "ramp", "rate": 0.0}}})
+    (path,) = stribeck.export(pushed, "fmu", tmp_path / "pushed.fmu", fmi=fmi)
+    found = fmpy.simulate_fmu(
+        str(path), **times, input=inputs, start_values={"contacts.s.law.F_c": 0.7, "bodies.a.mass": 0.6}
+    )
+    constant = {"kind": "points", "t": [0.0], "value": [0.4]}
+    other = simulate(
+        pushed.replace({"loads.push.signal": constant, "contacts.s.law.parameters.F_c": 0.7, "bodies.a.mass": 0.6})
+    )
+    close({n: found[n] for n in names}, {n: other[n] for n in names})
+    with pytest.raises(Exception, match="fmi"):
+        fmpy.simulate_fmu(str(path), **times, start_values={"bodies.a.mass": -1.0})
+
+
+def test_of_a_contact(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    arm = str(examples.path("arm"))
+    assert _status(["export", arm, "--target", "c", "--contact", "seal", "--out", "seal", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert (found["part"], found["parameters"]["F_s"]) == ("law", 0.42)
+    assert "N m s/rad" in (tmp_path / "seal/lugre_majorant.h").read_text()
+    assert _status(["export", arm, "--target", "st", "--part", "law", "--out", "x.st"]) == 2
+    assert "--contact: missing: must be given (one of bearing, seal)" in capsys.readouterr().err
+    assert not (tmp_path / "x.st").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["{arm}", "--target", "st"], "--part: 'machine': target 'st' has none"),
+        (["{arm}", "--target", "c", "--step", "0.1"], "--step: 0.1: must be left out"),
+        (["{arm}", "--target", "c", "--self-test"], "--self-test: true: must be left out"),
+        (["{arm}", "--target", "c", "--part", "machine", "--contact", "seal"], "--contact: 'seal': must be left out"),
+        (["{rig}", "--target", "c", "--part", "machine"], "part 'machine' needs a machine"),
+        (["--target", "c", "--part", "machine"], "part 'machine' needs a machine"),
+        (["{arm}", "--target", "c", "--set", "links.gear.ratio=0"], "links.gear.ratio: 0: must be"),
+        (["{arm}", "--target", "c", "--scenario", "{arm}"], "must be left out, or a law"),
+    ],
+)
+def test_mistakes(words, text, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    places = {"arm": examples.path("arm"), "rig": examples.path("stick_slip")}
+    assert _status(["export", *(w.format(**places) for w in words), "--out", "out"]) == 2
+    err = capsys.readouterr().err
+    assert text in err
+    assert len(err.splitlines()) == 1, err
+    assert not (tmp_path / "out").exists()

@@ -1,0 +1,100 @@
+"""Machines whose numbers are known by construction: found, with intervals that hold them; or said not to be told."""
+
+import numpy as np
+import pytest
+
+from stribeck.errors import InputError
+from stribeck.identify.actuator import fit_machine, read_logs
+from tests.identify.actuator.recorded import body, logs, record
+
+F_C, F_S, MASS = "contacts.guide.law.parameters.F_c", "contacts.guide.law.parameters.F_s", "bodies.a.mass"
+WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("recordings")
+    for i, amplitude in enumerate((3.0, 5.0)):
+        record(folder / f"run{i}.csv", body(amplitude=amplitude), seed=i)
+    return folder
+
+
+def machine(**more):
+    return body(**{"mass": 2.0, "F_c": 0.5, "F_s": 1.3, **more})
+
+
+def test_the_truth_lies_in_the_intervals(recordings):
+    path = logs(recordings, ["run0.csv", {"file": "run1.csv", "hold_out": True}], WANTED)
+    found = fit_machine(machine(), path, starts=4)
+    assert found.status == "done", found.reason
+    for name, truth in ((F_C, 1.0), (MASS, 1.0)):
+        p = found.parameters[name]
+        assert p.verdict == "found"
+        assert p.low < truth < p.high, (name, p)
+        assert p.high - p.low < 0.1 * truth
+    assert found.error(held_out=True) < 0.02
+    assert found.baselines["no friction"]["held_out"] > 5 * found.error(held_out=True)
+    assert found.data["bodies"]["a"]["mass"] == found.parameters[MASS].value
+
+
+def test_a_column_in_degrees_or_of_the_wrong_sign_is_noticed(recordings, tmp_path):
+    for factor, words in ((180 / np.pi, "degrees"), (-1.0, "sign")):
+        record(tmp_path / "wrong.csv", body(amplitude=5.0), change=lambda x, f=factor: {**x, "y": f * x["y"]})
+        found = fit_machine(machine(), logs(tmp_path, ["wrong.csv"], WANTED), starts=2)
+        assert found.status == "missed"
+        assert all(p.low is None and p.high is None for p in found.parameters.values())
+        assert any(words in note and "a.y" in note for note in found.notes), found.notes
+
+
+def test_one_load_cannot_tell_how_the_level_depends_on_it(tmp_path):
+    gain = "contacts.guide.loads.0.F_c"
+    truth = {"gain": 0.2, "pull": 2.0, "amplitude": 6.0}
+    record(tmp_path / "run.csv", body(**truth))
+    path = logs(tmp_path, ["run.csv"], {F_C: {"low": 0.1, "high": 10.0}, gain: {"low": 0.0, "high": 0.6}})
+    found = fit_machine(body(**truth, F_s=3.0), path, starts=3, baselines=False)
+    assert {found.parameters[n].verdict for n in (F_C, gain)} != {"found"}
+    assert found.correlated
+    assert set(found.correlated[0]["names"]) == {F_C, gain}
+
+
+def test_mistakes_in_the_file_are_told_line_by_line(recordings):
+    entry = {
+        "file": "run0.csv", "outputs": {"a.q": "y", "a.v": {"column": "z", "unit": "furlong"}}, "known": {"bodies.a.mass": "x"},
+    }  # fmt: skip
+    with pytest.raises(InputError) as error:
+        read_logs(logs(recordings, [entry], {F_C: {"low": 2.0, "high": 1.0}, MASS: {"lo": 1.0}}))
+    text = "\n".join(error.value.problems)
+    for words in ("furlong", "known.bodies.a.mass", "must be > low", "lo: unknown key"):
+        assert words in text
+    with pytest.raises(InputError, match=r"outputs\.a\.q: no such column"):
+        fit_machine(machine(), logs(recordings, [{"file": "run0.csv", "outputs": {"a.q": "y"}}], WANTED))
+    with pytest.raises(InputError, match=r"bodies\.a\.mas: no such number.*bodies\.a\.mass"):
+        fit_machine(machine(), logs(recordings, ["run0.csv"], {"bodies.a.mas": {"low": 1.0, "high": 2.0}}))
+
+
+def test_gaps_and_early_ends_are_told(recordings, tmp_path):
+    record(tmp_path / "whole.csv", body())
+    rows = (tmp_path / "whole.csv").read_text().splitlines()
+    (tmp_path / "gaps.csv").write_text("\n".join(rows[:30] + rows[35:]) + "\n")
+    (tmp_path / "short.csv").write_text("\n".join(rows[:40]) + "\n")
+    path = logs(tmp_path, ["whole.csv", "gaps.csv", "short.csv"], WANTED)
+    found = fit_machine(machine(), path, starts=1, baselines=False)
+    assert any("gaps.csv: 5 samples are missing" in note for note in found.notes)
+    assert any("short.csv: ends at" in note and "cut short" in note for note in found.notes)
+
+
+def test_a_fit_that_was_stopped_keeps_what_it_found_and_goes_on(recordings, tmp_path):
+    pressed = []
+
+    def stop(share):
+        if share > 0.02 and not pressed:
+            pressed.append(share)
+            raise KeyboardInterrupt
+
+    path = logs(recordings, ["run0.csv"], WANTED)
+    found = fit_machine(machine(), path, starts=4, progress=stop, folder=tmp_path)
+    assert found.status == "stopped"
+    assert (tmp_path / "fit.partial.json").exists()
+    found = fit_machine(machine(), path, starts=4, folder=tmp_path, baselines=False)
+    assert found.status == "done"
+    assert not (tmp_path / "fit.partial.json").exists()

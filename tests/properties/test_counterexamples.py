@@ -1,0 +1,52 @@
+"""Counterexamples are looked at again with the law's own functions; what is not true is contradicted."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+
+import pytest
+
+import stribeck
+from stribeck.properties.verify_certificate.counterexamples import confirmed
+from tests.properties.nasty import cases
+
+LAWS = {case.name: case for case in cases()}
+# a law, what it lacks, and how to make the evidence wrong
+WRONG = [
+    ("DahlHalf", "smooth", {"from_above": 0.25}),
+    ("GeneralisedHalf", "smooth", {"from_below": 0.25}),
+    ("SmoothStepMistyped", "smooth", {"from_below": 9.9e-3}),
+    ("RambergOsgood", "bounded", {"enclosed": {"z_to": 1e-9}}),
+    ("EscapesWhenSliding", "unique", {"enclosed": {"c": 1e30}}),
+    ("BoucWenCubed", "drift_free", {"not_elastic": {"z_to": 0.0}}),
+]
+
+
+@pytest.mark.parametrize(("name", "prop", "change"), WRONG)
+def test_a_counterexample_is_confirmed_and_a_wrong_one_is_not(name, prop, change):
+    law = LAWS[name].law()
+    verdict = stribeck.check(law)[prop]
+    assert verdict.holds is False
+    assert confirmed(law, prop, verdict.evidence) is True
+    evidence = deepcopy(verdict.evidence)
+    for key, value in change.items():
+        evidence[key] = {**evidence[key], **value} if isinstance(value, dict) else value
+    assert confirmed(law, prop, evidence) is False
+
+
+@pytest.mark.parametrize(
+    "name", ["DahlHalf", "BoucWenHalf", "LorentzianPower", "SechStribeck", "BoucWenSoft", "OwnConstants"]
+)
+def test_powers_rising_exponentials_and_own_constants_are_decided_and_confirmed(name):
+    case = LAWS[name]
+    law = case.law()
+    found = stribeck.check(law)
+    open_ = {n for n, v in found.properties.items() if v.holds is None}
+    assert open_ <= ({"unique"} if name.endswith("Half") else set())
+    assert all(found[n].holds in (None, true) for n, true in case.truth.items())
+    assert found.verify()
+
+
+def test_floor_is_said_not_to_be_treated():
+    found = stribeck.check(LAWS["FloorPushes"].law())
+    assert all(v.holds is None and "floor" in v.evidence["reason"] for v in found.properties.values())

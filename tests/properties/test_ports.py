@@ -1,0 +1,136 @@
+"""What a machine file allows its contacts, and what follows for the whole."""
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck import Scenario
+from stribeck.errors import InputError
+from stribeck.properties import ports, replay
+from stribeck.properties.ranges import of_contact, of_force, of_signal
+from stribeck.signals import KINDS
+
+PASSIVE = {"sigma_0": 1e4, "sigma_1": 10.0, "sigma_2": 60.0, "F_c": 1.0, "F_s": 1.5, "v_s": 0.01}
+DAMPED = {"name": "lugre_majorant", "k_v": 1e5, "v_d": 0.5, "parameters": {**PASSIVE, "sigma_2": 0.1}}
+
+
+def machine(law=None, **contact):
+    return {
+        "schema": 2, "name": "two", "bodies": {"rotor": {"mass": 1.0}, "arm": {"mass": 2.0}},
+        "links": {"gear": {"from": "rotor", "to": "arm", "stiffness": 100.0, "damping": 1.0, "gap": 1e-3}},
+        "contacts": {"mesh": {"from": "arm", "law": law or {"name": "lugre", "parameters": PASSIVE}, **contact}},
+        "loads": {"gravity": {"on": "arm", "kind": "pendulum", "amplitude": 3.0},
+                  "push": {"on": "rotor", "kind": "signal",
+                           "signal": {"kind": "sine", "amplitude": 2.0, "frequency": 1.0, "offset": -5.0}},
+                  "teeth": {"on": "rotor", "kind": "ripple", "amplitude": [0.5, -0.25], "waves": [3, 5],
+                            "phase": [0.0, 0.0]}},
+        "solve": {"t_end": 2.0}, "output": {"step": 0.01},
+    }  # fmt: skip
+
+
+def ranges(**contact):
+    rig = Scenario(machine(**contact)).rig
+    return of_contact(rig, rig.machine.contacts[0], 2.0, {}).to_json()
+
+
+@pytest.mark.parametrize(("kind", "given"), [
+    ("points", {"t": [0.0, 1.0, 1.0, 1.6, 9.0], "value": [1.0, 0.4, 2.0, -1.0, 7.0]}),
+    ("step", {"value": -2.0, "time": 0.7}), ("ramp", {"rate": -0.3}),
+    ("sine", {"amplitude": -2.0, "frequency": 3.0, "offset": 0.5, "phase": 0.2}),
+    ("point_to_point", {"t": [0.2, 1.0, 1.5], "value": [1.0, 3.0, 2.0]}),
+    ("spline", {"t": [0.0, 0.5, 1.0, 3.0], "value": [1.0, 3.0, -2.0, 1.0]}),
+])  # fmt: skip
+def test_signals_stay_within_their_range(kind, given):
+    table = {**machine(), "loads": {"push": {"on": "rotor", "kind": "signal", "signal": {"kind": kind, **given}}}}
+    (signal,) = Scenario(table).rig.signals.values()
+    low, high = (float(x) for x in of_signal(signal, 2.0))
+    values = signal.at(np.linspace(0, 2.0, 20001))
+    assert low <= values.min() + 1e-12
+    assert high >= values.max() - 1e-12
+    if kind != "spline":  # whose hull is wider
+        assert low == pytest.approx(values.min(), abs=1e-3)
+        assert high == pytest.approx(values.max(), abs=1e-3)
+    assert kind in KINDS
+
+
+def test_forces():
+    rig = Scenario(machine()).rig
+    for name, expected in {"gravity": (-3, 3), "push": (-7, -3), "teeth": (-0.75, 0.75), "gear": (None, None)}.items():
+        assert of_force(rig, name, 2.0, {}) == expected
+    assert of_force(rig, "gear", 2.0, {"gear": 40.0}) == (-40, 40)
+
+
+def test_ranges_of_constants():
+    assert ranges() == {}
+    assert ranges(loads=[{"force": "push", "F_c": 0.1, "F_s": 0.2}]) == {
+        "F_c": [pytest.approx(1.3), pytest.approx(1.7)], "F_s": [pytest.approx(2.1), pytest.approx(2.9)]}  # fmt: skip
+    assert ranges(loads=[{"force": "gear", "F_s": 0.2}]) == {"F_s": [1.5, None]}
+    weights = {"push": 0.5, "gravity": -1.0}  # -3.5 ... -1.5 and -3 ... 3: from 0 to 6.5
+    assert ranges(loads=[{"force": weights, "F_c": 0.1}]) == {"F_c": [1.0, pytest.approx(1.65)]}
+    waves = {"amplitude": [0.25, -0.25], "waves": [80, 3], "phase": [0.0, 1.0]}
+    warm = {"signal": {"kind": "points", "t": [0, 600], "value": [1.0, 0.4]}}
+    found = ranges(factors={"level": waves, "sigma_2": warm}, loads=[{"force": "gravity", "F_c": 1.0, "F_s": 1.0}])
+    assert found["F_c"] == [0.5, 6.0]
+    assert found["F_s"] == [0.75, 6.75]
+    assert found["sigma_2"] == [pytest.approx(60 * (1 - 0.6 * 2 / 600)), 60.0]
+
+
+def test_a_passive_machine():
+    found = stribeck.check_machine(machine(DAMPED, loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
+    assert found.passive is True
+    assert "machine_passive" in found.why
+    assert found.ranges == {"mesh": {"F_c": [1.0, None], "F_s": [1.5, None]}}
+    assert set(found.ports) == {"loads.push", "loads.teeth"}
+    assert found.verify()
+    assert found.to_json()["machine"]["passive"] is True
+
+
+def test_a_contact_spoils_it_and_the_run_shows_how():
+    found = stribeck.check_machine(machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]))
+    assert found.passive is None
+    assert found.spoiled_by == ["mesh"]
+    verdict = found["mesh"]["passive"]
+    assert verdict.holds is False
+    assert replay.repeats(verdict.scenario, verdict.stated)
+    assert verdict.stated["E_in"] < 0
+    # F_s+ may be (1 + sigma_2/sigma_1) F_c- = 7: the gear may carry (7 - 1.5)/0.2 = 27.5
+    for most, holds in ((27.4, True), (27.6, False)):
+        again = stribeck.check_machine(
+            machine(loads=[{"force": "gear", "F_c": 0.1, "F_s": 0.2}]), forces={"gear": most}
+        )
+        assert again["mesh"]["passive"].holds is holds
+
+
+def test_other_constants_that_vary():
+    """sigma_2 falls to a tenth: the constants are passive at the start, and no longer at the end."""
+    signal = {"kind": "points", "t": [0, 2], "value": [1.0, 0.05]}
+    found = stribeck.check_machine(machine(factors={"sigma_2": {"signal": signal}}))
+    verdict = found["mesh"]["passive"]
+    assert verdict.holds is False
+    assert replay.repeats(verdict.scenario, verdict.stated)
+
+
+def test_laws_without_z():
+    table = {**PASSIVE, "sigma_2": 1.0}
+    law = {"name": "stribeck_tanh", "k_v": 100.0, "parameters": table}
+    found = stribeck.check_machine(machine(law, loads=[{"force": "push", "F_c": 0.1, "F_s": 0.2}]))
+    assert found["mesh"]["passive"].holds
+    assert found.passive
+
+
+def test_a_single_body():
+    law = {"name": "lugre", "parameters": {**PASSIVE, "sigma_2": 1.0}}
+    given = {"law": law, "plant": {"mass": 1.0}, "drive": {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}},
+             "solve": {"t_end": 1.0}, "output": {"step": 0.1}}  # fmt: skip
+    found = stribeck.check_machine(given)
+    assert found.passive is False
+    assert found.spoiled_by == [ports.ONLY]
+    better = stribeck.check_machine({**given, "law": {"name": "lugre", "parameters": PASSIVE}})
+    assert better.passive
+
+
+def test_what_is_refused():
+    with pytest.raises(InputError, match=r"gera.*gear"):
+        stribeck.check_machine(machine(), forces={"gera": 1.0})
+    with pytest.raises(InputError, match=r"forces\.gear"):
+        stribeck.check_machine(machine(), forces={"gear": -1.0})
