@@ -47,6 +47,7 @@ class MuJoCo:
         self.data = mujoco.MjData(self.model)
 
     def __call__(self, load: float) -> tuple[float, float]:
+        """Position and velocity after a step under the load."""
         self.data.qfrc_applied[0] = load
         mujoco.mj_step(self.model, self.data)
         return float(self.data.qpos[0]), float(self.data.qvel[0])
@@ -64,6 +65,7 @@ class MuJoCoWarp:
             self.friction = exported("mjwarp").JointFriction(model, self.m, self.d, ["j"])
 
     def __call__(self, load: float) -> tuple[float, float]:
+        """Position and velocity after a step under the load."""
         self.d.qfrc_applied.fill_(load)
         mujoco_warp.step(self.m, self.d)
         return float(self.d.qpos.numpy()[0, 0]), float(self.d.qvel.numpy()[0, 0])
@@ -87,6 +89,7 @@ class Newton:
         self.friction = exported("newton").JointFriction(model, range(worlds)) if own else None
 
     def __call__(self, load: float) -> tuple[float, float]:
+        """Position and velocity after a step under the load."""
         self.control.joint_f.fill_(load)
         if self.friction:
             self.friction.step(self.state, self.control, self.step)
@@ -103,6 +106,7 @@ class Torch:
         self.q, self.v, self.z = (torch.zeros(worlds, dtype=torch.float64) for _ in range(3))
 
     def __call__(self, load: float) -> tuple[float, float]:
+        """Position and velocity after a step under the load."""
         if self.law:
             self.z, friction = self.law.step(self.z, self.v, load, 1.0, self.dt)
         else:

@@ -158,7 +158,7 @@ def sparse_chain(count: int, p: dict[str, float], k_v: float, stiffness: float, 
     from scipy.sparse import bmat, diags, eye
 
     rates = chain_equations(count, p, k_v, stiffness, damping)
-    near, one = diags([1, 1, 1], [-1, 0, 1], shape=(count, count)), eye(count)
+    near, one = diags([1.0, 1.0, 1.0], [-1, 0, 1], shape=(count, count)), eye(count)
     pattern = (bmat([[None, one, None], [near, near, one], [None, one, one]]) != 0).astype(float)
     n = 3 * count
     own = np.concatenate([np.full(count, scales[0]), np.full(count, scales[1]), np.full(count, scales[2])])

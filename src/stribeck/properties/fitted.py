@@ -35,7 +35,8 @@ def serves(storage: Storage, own: Slope, top: float) -> NDArray[np.bool_]:
         low, high = storage.interval(side * z)
         slope = own(side * z)
         room = 1e-7 * abs(slope)
-        found &= (low <= slope + room) & (high >= slope - room)
+        with np.errstate(invalid="ignore"):  # a slope that is no number serves nowhere
+            found &= (low <= slope + room) & (high >= slope - room)
     return found
 
 

@@ -59,7 +59,7 @@ class LevelVerdicts(Verdicts):
 
     Attributes:
         varied: the law and the ranges.
-        proofs: for each proof, the law that it was made for, which stands for all.
+        proofs: for each verdict, the law that it was found for, which stands for all or is one of them.
     """
 
     varied: Varied = field(kw_only=True)
@@ -76,7 +76,7 @@ class LevelVerdicts(Verdicts):
 
         for name, verdict in self.properties.items():
             if not verdict.holds:
-                verdict.verify(self.law, name, self.v_max)
+                verdict.verify(self.proofs.get(name, self.law), name, self.v_max)
                 continue
             stated = verdict.certificate or {}
             covers = stated.get("level") == self.varied.exactly()
@@ -170,7 +170,13 @@ class _Decided:
                 return undecided(f"it holds at the lowest level; {_UNKNOWN.partition(';')[0]}")
             found.method = _SAME + found.method
             return self._with_level(name, found, self.varied.extreme(-1))
-        found.method = found.method if found.holds is None else _HELD + found.method
+        return self._at(-1, name, found)
+
+    def _at(self, side: int, name: str, found: Verdict) -> Verdict:
+        """A counterexample at one end of the level, said to be so."""
+        if found.holds is False:
+            found.method = _HELD + found.method
+            self.proofs[name] = self.varied.extreme(side, _ENDLESS)
         return found
 
     def bounded(self) -> Verdict:
@@ -179,8 +185,7 @@ class _Decided:
         if law is None:
             held = self.held(-1, "bounded")
             if held.holds is False:
-                held.method = _HELD + held.method
-                return held
+                return self._at(-1, "bounded", held)
             return undecided(
                 "the level has no upper end, and z no bound that holds at all of them" if self.known else _UNKNOWN
             )
@@ -203,6 +208,8 @@ class _Decided:
     def _passive(self) -> Verdict:
         for any_z in (False, True):
             law = self.varied.worst(any_z)
+            if any_z and law is not None and law.values.get("sigma_1") and law.values.get("v_d") is None:
+                continue  # far out in z, at large v, D < 0
             if law is not None and (found := self._proved(law, any_z)) is not None:
                 return self._with_level("passive", found, law)
         if self.known and self.v_max is None and damped(self.varied):
@@ -249,8 +256,7 @@ class _Decided:
         for side in (-1, 1):
             held = self.held(side, "passive")
             if held.holds is False:
-                held.method = _HELD + held.method
-                return held
+                return self._at(side, "passive", held)
         return self._dropped(low, high) if self.known and self.v_max is None else None
 
     def _by_swing(self, low: Law, high: Law) -> Verdict | None:
@@ -273,7 +279,7 @@ class _Decided:
     def _dropped(self, low: Law, high: Law) -> Verdict | None:
         """At the lowest level, from the highest deflection, unwinding gives back the more energy the faster it is."""
         model, top = Model(low), float(high.z_bound(high.p)) * (1 - 2**-52)
-        claims = Claims(model, Work(self.work))
+        claims = Claims(model, Work(0.2 * self.work))
         for share in _DROPS:
             found = endless.unwinding(model, claims, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
             if found is not None:

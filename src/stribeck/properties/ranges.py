@@ -7,8 +7,8 @@ from fractions import Fraction
 from math import comb
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.machine.links import Link
 from stribeck.machine.loads import Follower, Pendulum, Ripple
 from stribeck.machine.parts import ContactPart, Factor, Level, MotorPart
@@ -44,7 +44,7 @@ def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
     return Fraction(float(ends.min())) - slack, Fraction(float(ends.max())) + slack
 
 
-def _of_points(t: NDArray[np.float64], value: NDArray[np.float64], t_end: float) -> tuple[Fraction, Fraction]:
+def _of_points(t: Array, value: Array, t_end: float) -> tuple[Fraction, Fraction]:
     """The least and the largest of the points within the run, and of those lines that its ends cut."""
     inside = value[(t >= 0) & (t <= t_end)]
     found = [Fraction(float(x)) for x in (inside.min(), inside.max())] if inside.size else []

@@ -92,15 +92,16 @@ class Storage:
         rates, forces = (of(np.stack([v, -v]), np.stack([z, -z])[:, None]) for of in (self.law.rate, self.law.force))
         return self.law.symmetric and np.array_equal(rates[0], -rates[1]) and np.array_equal(forces[0], -forces[1])
 
-    def slopes(self, v: Array, z: Array) -> tuple[Array, Array]:
-        """dz/dt (0 where it is noise) and F v / (dz/dt), J/m, with v along the first axis."""
+    def slopes(self, v: Array, z: Array, raw: bool = False) -> tuple[Array, Array]:
+        """dz/dt (0 where it is noise) and F v / (dz/dt), J/m (0, or ``raw``, where no float holds it), with v along the
+        first axis."""
         law = self.law
         signs = np.array([1.0, -1.0, 0.0]).reshape(3, *(1,) * max(np.ndim(v), np.ndim(z)))
         with np.errstate(all="ignore"):
             f, *others = law.rate(v, signs * z)
             f = np.where(abs(f) > _CANCELS * np.maximum(*np.abs(others)), f, 0.0)
             energy = law.friction(law.p, v, z, f) * v / f
-        return f, energy
+        return f, energy if raw else np.where(np.isfinite(energy), energy, 0.0)
 
     def interval(self, z: ArrayLike) -> tuple[Array, Array]:
         """L(z) and U(z) in J/m; -inf and inf where no speed unwinds, or winds up."""
@@ -114,7 +115,7 @@ class Storage:
 
         def largest(v: Array) -> tuple[Array, NDArray[np.int64]]:
             """Of L and of -U (along the first axis) the largest value over v (along the second), and its index."""
-            f, energy = self.slopes(v, z)
+            f, energy = self.slopes(v, z, raw=True)
             value = np.where((_SIDES * f > 0) & np.isfinite(energy), -_SIDES * energy, -np.inf)
             at = value.argmax(axis=1)
             return value[lanes, at, columns], at

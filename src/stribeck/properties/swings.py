@@ -8,14 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.laws.base import Law
 from stribeck.properties import cycles, enclosed, replay
 from stribeck.properties.model import Model
 from stribeck.properties.storage import Storage, own_speeds
-
-Array = NDArray[np.float64]
 
 _REPEATS = 100  # cycles in a run, at most: so many until more is drawn than winding up cost
 _SPEEDS = 70

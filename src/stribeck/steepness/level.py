@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from math import exp
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
@@ -84,5 +84,5 @@ def _with(law: Law, **changes: float) -> Law:
     return type(law)({**law.machine, **law.values, **law.choices, **changes}, law.rotary)
 
 
-def _largest_change(other: Law, speeds: NDArray[np.float64], now: NDArray[np.float64]) -> float:
+def _largest_change(other: Law, speeds: Array, now: Array) -> float:
     return float(np.max(abs(np.asarray(other.steady_force(speeds)) / now - 1)))

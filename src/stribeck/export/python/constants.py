@@ -17,5 +17,7 @@ def checked(law: Law, given: dict[str, Any]) -> dict[str, Any]:
     """
     known = [name for name, value in law.values.items() if value is not None]
     if odd := [name for name in given if name not in known]:
-        raise InputError([f"{n} = {show(given[n])}: law '{law.name}' has no such constant{nearest(n, known)}" for n in odd])
+        raise InputError(
+            [f"{n} = {show(given[n])}: law '{law.name}' has no such constant{nearest(n, known)}" for n in odd]
+        )
     return given

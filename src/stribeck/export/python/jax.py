@@ -70,7 +70,9 @@ class JaxLaw:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
         jnp: Any = package("jax.numpy", "jax")
         state, v, dt = self._arrays(state, v, dt)
-        p = SimpleNamespace(**{n: jnp.asarray(x, float) for n, x in vars(self._constants(constants)).items() if _number(x)})
+        p = SimpleNamespace(
+            **{n: jnp.asarray(x, float) for n, x in vars(self._constants(constants)).items() if _number(x)}
+        )
         return stepping.settled(jnp, _loop, _equations(self.law), p, v, state + 0 * v, dt)
 
     @staticmethod

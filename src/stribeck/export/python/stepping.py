@@ -2,7 +2,8 @@
 
 w, the velocity at the end of the step, solves inertia/dt (w - v) + F(w, z(w)) = effort, with z(w) the root x of
 x = z + dt dz/dt(w, x): backward Euler, as the exported C's ``body_step`` does it and by the same iteration. ``xp`` is
-the library (``torch``, ``jax.numpy``, ``numpy``), ``loop(body, state)`` is :func:`loop` or JAX's, and ``law`` has the equations: see :func:`stribeck.export.python.written.equations`.
+the library (``torch``, ``jax.numpy``, ``numpy``), ``loop(body, state)`` is :func:`loop` or JAX's, and ``law`` has the
+equations: see :func:`stribeck.export.python.written.equations`.
 """
 
 from __future__ import annotations
@@ -62,7 +63,7 @@ def solved(xp: Any, loop: Callable[..., Any], law: Any, p: Any, given: Any) -> t
     All entries of ``given`` (z, v, effort, inertia, dt) have one shape. Where a number is not finite, or there is no
     w, the results are nan.
     """
-    z, v, effort, inertia, dt = given
+    _, v, effort, inertia, dt = given
     k, smallest = inertia / dt, xp.finfo(v.dtype).eps
     start = balance(xp, loop, law, p, v, given)
     above = start[0] > 0  # at near; the root lies below it then
@@ -113,7 +114,7 @@ def tangent(xp: Any, law: Any, p: Any, solution: Any, given: Any, moved: Any, co
     By the implicit function theorem, from the partial derivatives of the law's equations.
     """
     x, w, jump = solution
-    _, v, _, inertia, dt = given
+    _, v, _, _, dt = given
     z_, v_, effort_, inertia_, dt_ = moved
     k, relief, z_w, force_w, force_z, rate, slope = partial(xp, law, p, x, w, given)
     each = law.by_constants(p, w, x)
@@ -129,7 +130,7 @@ def tangent(xp: Any, law: Any, p: Any, solution: Any, given: Any, moved: Any, co
 def adjoint(xp: Any, law: Any, p: Any, solution: Any, given: Any, by_z: Any, by_force: Any) -> tuple[Any, Any]:
     """What :func:`tangent` is, the other way round: gradients by the five given values, and by constants (by name)."""
     x, w, jump = solution
-    _, v, _, inertia, dt = given
+    _, v, _, _, dt = given
     k, relief, z_w, force_w, force_z, rate, slope = partial(xp, law, p, x, w, given)
     c = xp.where(jump, -by_force, -(by_z * z_w + by_force * force_w) / slope)
     b = xp.where(jump, 0 * w, by_force + c)

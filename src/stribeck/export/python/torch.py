@@ -71,8 +71,11 @@ class TorchLaw:
         names = [name for name, value in vars(p).items() if value.requires_grad]
         arguments = (state, v, *rest)
         if self._torch.is_grad_enabled() and (names or any(x.requires_grad for x in arguments)):
-            return _differentiable(self._torch)(self._equations, p, names, *arguments, *(getattr(p, n) for n in names))
-        return stepping.solved(self._torch, stepping.loop, self._equations, p, arguments)[:2]
+            step = _differentiable(self._torch)
+            z, friction = step(self._equations, p, names, *arguments, *(getattr(p, n) for n in names))
+            return z, friction
+        z, friction, _, _ = stepping.solved(self._torch, stepping.loop, self._equations, p, arguments)
+        return z, friction
 
     def settle(self, state: Any, v: Any, dt: Any, **constants: Any) -> Any:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""

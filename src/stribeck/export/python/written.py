@@ -14,7 +14,8 @@ from stribeck.expressions.graph import Expr, derivative, rewrite, symbol
 from stribeck.laws.base import Law
 
 FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign", "floor", "where", "both", "either")
-_TAKEN = frozenset({*FUNCTIONS, *"abs pow like real p v z i wp torch law sign_of gradient by_rate by_force".split()})
+_NAMES = ("p", "v", "z", "i", "wp", "torch", "law", "sign_of", "gradient", "by_rate", "by_force", "at")
+_TAKEN = frozenset({*FUNCTIONS, "abs", "pow", "like", "real", *_NAMES})
 ARRAYS = replace(PYTHON, value="like(v, {0})")
 WARP = Dialect(
     declare="",
@@ -104,7 +105,9 @@ class Written:
             "",
             f"    has_z, linear = {self.law.has_z}, {self.linear}",
         ]
-        made = [("slopes", "p, v, z", ("rate", "force", "rate_v", "rate_z", "force_v", "force_z"))]
+        made: list[tuple[str, str, tuple[str, ...]]] = [
+            ("slopes", "p, v, z", ("rate", "force", "rate_v", "rate_z", "force_v", "force_z"))
+        ]
         made.append(("hold", "p, v", ("a", "b")) if self.linear else ("rate", "p, v, z", ("rate", "rate_z")))
         for name, arguments, outputs in made:
             parts += ["", "    @staticmethod", f"    def {name}({arguments}):", self.function(*outputs, indent=" " * 8)]
@@ -117,4 +120,3 @@ def equations(law: Law, scope: dict[str, Any]) -> Any:
     """The class of :meth:`Written.equations`, made with the functions of an array library in ``scope``."""
     exec(compile(Written(law).equations(), f"<equations of {law.name}>", "exec"), scope)
     return scope["law"]
-

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.actuator.estimate import Estimate
 from stribeck.identify.actuator.intervals import Spread
@@ -17,7 +17,6 @@ from stribeck.identify.actuator.runs import Run, Target
 from stribeck.identify.actuator.solve import STEP
 from stribeck.simulation.machines import machine_places
 
-Array = NDArray[np.float64]
 _BETTER = 1.3  # times narrower than by repeating a recording: worth the trouble
 _MOST = 28  # recordings that are tried on paper
 _NOISE = 0.01  # of a column's changes: a sensor's that is not there yet
@@ -112,7 +111,7 @@ def candidates(best: Estimate, run: Run) -> Iterator[tuple[str, Run]]:
     assert run.scenario.rig is not None
     there = {t.column for t in run.targets}
     for column in run.scenario.rig.machine.columns:
-        if column.name not in there and column.name.endswith((".y", ".i", ".torque", ".f")) and run.targets:
+        if column.name not in there and column.name.endswith((".y", ".i", ".torque")) and run.targets:
             t = run.targets[0].t
             extra = Target(column.name, t, np.zeros(len(t)))
             yield f"with {column.name} measured too", replace(run, targets=[*run.targets, extra])

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from stribeck.constants import show
@@ -22,8 +21,6 @@ from stribeck.identify.actuator.runs import made
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed
-
-Array = NDArray[np.float64]
 
 
 def fit_machine(
@@ -66,7 +63,7 @@ def fit_machine(
         raise InputError(f"{arg('starts')}: {show(starts)}: must be a whole number >= 1")
     work = Work(progress)
     with threadpool_limits(1):
-        return _Fit(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)
+        return Fitting(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)
 
 
 def checked(scenario: Scenario, logs: Logs) -> list[Coordinate]:
@@ -97,7 +94,7 @@ def checked(scenario: Scenario, logs: Logs) -> list[Coordinate]:
     return sought
 
 
-class _Fit:
+class Fitting:
     """One run of the command."""
 
     def __init__(

@@ -6,18 +6,17 @@ from dataclasses import replace
 from itertools import chain
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import Coordinate
 from stribeck.identify.actuator.estimate import POOR, Estimate, leftovers
-from stribeck.identify.actuator.intervals import Spread, _meat, _memory, inverse
+from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
 from stribeck.identify.actuator.problem import Problem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
 from stribeck.identify.actuator.runs import Run
 from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
 
-Array = NDArray[np.float64]
 _GAP = 1.6  # sample times: a longer one lacks a sample
 _SHORT = 0.7  # of the others' length
 _TAIL = 0.02
@@ -166,7 +165,6 @@ def after(best: Estimate, s: Spread) -> list[str]:
     problem, u = best.problem, best.u
     r = problem.residuals(u[None])[0]
     sought = {c.output for c in problem.sought}
-    lags, _, _ = _memory(problem, r)
     told = []
     for column in problem.noise:
         extra = _sensor(problem, u, column)
@@ -178,17 +176,19 @@ def after(best: Estimate, s: Spread) -> list[str]:
             if size <= 0:
                 continue
             covariance = inverse(J)
-            value = float(-(covariance @ (J.T @ r))[-1])
+            move = -(covariance @ (J.T @ r))
+            value, left = float(move[-1]), r + J @ move  # what is left with it
+            lags, _, _ = remembered(problem, left)
             wide = float(
-                np.sqrt(max((covariance @ _meat(problem, r, J, lags) @ covariance)[-1, -1], covariance[-1, -1]))
+                np.sqrt(max((covariance @ scores(problem, left, J, lags) @ covariance)[-1, -1], covariance[-1, -1]))
             )
-            fall = value**2 / covariance[-1, -1] / float(r @ r)
+            fall = 1 - float(left @ left) / float(r @ r)
             if abs(value) > _SURE * wide and fall > _MATTERS:
                 told.append(
                     (fall, f"{column}: {_words(what, value, wide)}; seek outputs.{column}.{what} if that can be")
                 )
     told.sort(reverse=True)
-    return [text for _, text in told[:2]]
+    return [text for _, text in told[:1]]  # the others may be its shadows
 
 
 def _words(what: str, value: float, wide: float) -> str:

@@ -19,7 +19,7 @@ from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario
 
 if TYPE_CHECKING:
-    from stribeck.identify.actuator.api import _Fit
+    from stribeck.identify.actuator.api import Fitting
 
 _EARNS = 0.01  # of the held-out error: what a further number must lower it by
 _STEEP = 50.0  # the smooth sign is complete at this share of the speeds
@@ -55,7 +55,7 @@ def check(scenario: Scenario, laws: Mapping[str, Sequence[str]]) -> None:
         raise InputError(problems)
 
 
-def held_out_error(fit: _Fit, scenario: Scenario, best: Estimate, held: Sequence[tuple[int, Recording]]) -> float:
+def held_out_error(fit: Fitting, scenario: Scenario, best: Estimate, held: Sequence[tuple[int, Recording]]) -> float:
     """The relative error over recordings that the estimate has not seen (columns' root mean square)."""
     window = float(np.median([run.scenario.end for run in best.problem.runs])) if best.windowed else None
     parts = [
@@ -93,8 +93,6 @@ def _constants(
     path: str, old: Mapping[str, Any], law: Any, sought: Sequence[Coordinate], speed: float
 ) -> tuple[dict[str, Any], list[Coordinate]]:
     """Values for the constants that a law has beside the old one's, and coordinates for those that matter."""
-    from stribeck.scenario import Scenario as _  # noqa: F401
-
     parameters = old.get("parameters", {})
     have = {
         **(parameters if isinstance(parameters, dict) else {}),
@@ -121,7 +119,7 @@ def _constants(
     return changes, fresh
 
 
-def _speeds(fit: _Fit) -> dict[str, float]:
+def _speeds(fit: Fitting) -> dict[str, float]:
     """A typical speed in each contact, from the simulated machine as it stands."""
     found = {}
     for contact in fit.scenario.data.get("contacts", {}):
@@ -138,7 +136,7 @@ def _speeds(fit: _Fit) -> dict[str, float]:
     return found
 
 
-def among_laws(fit: _Fit, laws: Mapping[str, Sequence[str]]) -> Chosen:
+def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
     """Fit every combination of the laws named, and take the one that predicts held-out recordings best; of nearly equal
     ones the simplest."""
     fitted, held, note = _split(fit)
@@ -176,7 +174,7 @@ def among_laws(fit: _Fit, laws: Mapping[str, Sequence[str]]) -> Chosen:
     return Chosen(chosen.scenario, chosen.sought, again or chosen.estimate, told)
 
 
-def _split(fit: _Fit) -> tuple[list[tuple[int, Recording]], list[tuple[int, Recording]], str]:
+def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, Recording]], str]:
     """What is fitted and what is predicted when laws are compared."""
     if fit.held:
         return fit.fitted, fit.held, ""
@@ -189,7 +187,7 @@ def _split(fit: _Fit) -> tuple[list[tuple[int, Recording]], list[tuple[int, Reco
     return fit.fitted, fit.fitted, "one recording only: laws are compared by the error of the fit itself"
 
 
-def earned(fit: _Fit, best: Estimate, notes: list[str]) -> dict[str, Any]:
+def earned(fit: Fitting, best: Estimate, notes: list[str]) -> dict[str, Any]:
     """Leave out terms that do not lower the held-out error: numbers sought that may be 0."""
     scenario, sought = fit.scenario, fit.sought
     zero = [c for c in sought if c.low == 0.0 and c.log is None and c.targets]
@@ -226,7 +224,7 @@ def _no_worse(best: Estimate, other: Estimate) -> bool:
     return all(without[c][0] < (1 + _EARNS) * with_[c][0] for c in with_ if c in without)
 
 
-def baselines(fit: _Fit, result: MachineFit) -> dict[str, Any]:
+def baselines(fit: Fitting, result: MachineFit) -> dict[str, Any]:
     """What simpler friction leaves: none, Coulomb and viscous, Coulomb, Stribeck and viscous, beside the law fitted."""
     contacts = [
         name for name in fit.scenario.data.get("contacts", {})
@@ -254,7 +252,7 @@ def baselines(fit: _Fit, result: MachineFit) -> dict[str, Any]:
     return found
 
 
-def without_contacts(fit: _Fit, contacts: Sequence[str]) -> tuple[Scenario, list[Coordinate]]:
+def without_contacts(fit: Fitting, contacts: Sequence[str]) -> tuple[Scenario, list[Coordinate]]:
     """The machine without the friction that is sought."""
     data = {
         **fit.scenario.data,

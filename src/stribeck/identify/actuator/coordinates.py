@@ -7,14 +7,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator.recordings import Logs, Sought
 from stribeck.scenario import Scenario
 from stribeck.simulation.machines import machine_places
 
-Array = NDArray[np.float64]
 _LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
 _START = re.compile(r"initial\.(\w+)\.([yv])")
 _OUTPUT = re.compile(r"outputs\.(.+)\.(offset|gain|delay|clock)")

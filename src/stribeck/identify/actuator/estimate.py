@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import Coordinate
 from stribeck.identify.actuator.problem import Problem
 from stribeck.identify.actuator.recordings import Recording
@@ -18,7 +18,6 @@ from stribeck.identify.actuator.starts import begun, stretches
 from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
 
-Array = NDArray[np.float64]
 POOR = 0.25  # of a column's changes: a fit that leaves more misses
 _FIRST = 0.05  # of a column's changes: the noise to begin with
 _WEIGHTINGS = 2

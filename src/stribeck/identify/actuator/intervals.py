@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import chi2, f
 
+from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import Problem
 from stribeck.identify.actuator.solve import STEP, cost, relaxed
 
-Array = NDArray[np.float64]
 THRESHOLD = float(chi2.ppf(0.95, 1))
 _CLOSE = 0.01  # of the threshold's root
 _TRIES = 9
@@ -43,9 +42,9 @@ def spread(problem: Problem, u: Array) -> Spread:
     step = np.clip(0.3 * np.sqrt(np.diag(rough)), 1e-5, 2e-2)
     J = problem.central(u, step)
     covariance = inverse(J)
-    lags, memory, independent = _memory(problem, r)
+    lags, memory, independent = remembered(problem, r)
     inflation = np.ones(len(u))
-    meat = _meat(problem, r, J, lags)
+    meat = scores(problem, r, J, lags)
     sandwich = covariance @ meat @ covariance
     plain = np.diag(covariance)
     with np.errstate(all="ignore"):
@@ -63,7 +62,7 @@ def inverse(J: Array) -> Array:
     return np.asarray((vectors / values) @ vectors.T / np.outer(size, size))
 
 
-def _memory(problem: Problem, r: Array) -> tuple[dict[int, int], dict[str, float], float]:
+def remembered(problem: Problem, r: Array) -> tuple[dict[int, int], dict[str, float], float]:
     """For each target, by its first number, the lags over which its residuals are correlated; the time (in samples) in
     which each column forgets, its integrated autocorrelation; and how many independent residuals there are."""
     lags: dict[int, int] = {}
@@ -96,7 +95,7 @@ def _places(problem: Problem) -> list[tuple[int, int, str]]:
     return found
 
 
-def _meat(problem: Problem, r: Array, J: Array, lags: dict[int, int]) -> Array:
+def scores(problem: Problem, r: Array, J: Array, lags: dict[int, int]) -> Array:
     """The covariance of the slopes times the residuals: Newey and West's, with Bartlett's window over each memory."""
     total = np.zeros((J.shape[1], J.shape[1]))
     for at, size, _ in _places(problem):

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.actuator import advise, checks
 from stribeck.identify.actuator.coordinates import Coordinate
 from stribeck.identify.actuator.estimate import Estimate
@@ -17,7 +17,6 @@ from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
 from stribeck.simulation.machines import machine_places
 
-Array = NDArray[np.float64]
 _WIDE = 10.0  # an interval over this factor tells the order of magnitude only
 _WHITE = 1.5  # samples in which residuals forget, up to which they are taken as white
 _AGAIN = 2

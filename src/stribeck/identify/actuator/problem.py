@@ -6,14 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import NEUTRAL, Coordinate
 from stribeck.identify.actuator.runs import Run
 from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
 
-Array = NDArray[np.float64]
 _ABOVE = 1e-6  # of F_c: how far F_s stays above it
 _MOST = 4e6  # numbers held at once
 

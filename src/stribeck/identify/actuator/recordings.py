@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator.readers import opened_log
@@ -18,7 +19,6 @@ from stribeck.parameter_sets import read_toml
 from stribeck.recorded import listed
 from stribeck.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
-Array = NDArray[np.float64]
 _UNITS = LENGTH | ANGLE | SPEED | ACCELERATION | FORCE | PRESSURE | DRIVE
 _KEYS = ("file", "time", "outputs", "inputs", "known", "hold_out", "window", "name")
 _SOUGHT = ("low", "high", "start", "prior")

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
@@ -20,8 +20,8 @@ from stribeck.simulation import cache, compiler, lanes
 from stribeck.simulation.machines import machine_places, vary_machine
 from stribeck.simulation.variations import Variations
 
-Array = NDArray[np.float64]
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
+_FINER = 5
 _EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
 _LIBRARIES: dict[Equations, ctypes.CDLL] = {}
 
@@ -125,8 +125,10 @@ def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel
     return found
 
 
-def made(scenario: Scenario, recording: Recording, log: int, span: tuple[float, float] | None = None) -> Run:
-    """The scenario of a recording, or of a stretch of it.
+def made(
+    scenario: Scenario, recording: Recording, log: int, span: tuple[float, float] | None = None, fine: bool = False
+) -> Run:
+    """The scenario of a recording, or of a stretch of it; ``fine``: with rows between its samples, for sensors' clocks.
 
     Raises:
         InputError: an output is no column of the machine, an input none of its signals, or a known number none it has.
@@ -152,7 +154,7 @@ def made(scenario: Scenario, recording: Recording, log: int, span: tuple[float, 
     ]
     if problems:
         raise InputError(problems)
-    step = _step(recording)
+    step = _step(recording) / (_FINER if fine else 1)
     length = end - begin
     changes |= {"solve.t_end": length, "output.step": step, "output.energy": False}
     try:

@@ -10,13 +10,12 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import qmc
 
+from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import Problem
 from stribeck.identify.work import Stopped
 
-Array = NDArray[np.float64]
 STEP = 2e-4  # of a coordinate, for slopes
 _DAMPINGS = np.array([1e-4, 1e-2, 1.0, 30.0, 1e3])
 _KEEP = (10, 6, 4, 3, 2, 2, 1)  # starts that go on after each step

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck.identify.actuator.coordinates import Coordinate
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.identify.actuator.runs import Run, made
 from stribeck.scenario import Scenario
 
-Array = NDArray[np.float64]
 _NEAR = 12  # samples from which a state is estimated
 _ROOM = 6.0  # bounds of a start, in its estimate's deviations
 _MOVES = 3.0
@@ -60,6 +58,7 @@ def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
     step = np.diff(np.unique(x[near])).min(initial=np.inf)
     rough = max(float(np.sqrt(left @ left / max(len(s) - 3, 1))), step / 3 if np.isfinite(step) else 0.0)
     spread = rough * np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
+    spread[:2] += np.ptp(x[near]) / _ROOM  # the motion may bend more than a parabola: bounds must not cut it off
     return float(found[0]), float(found[1] / span), float(spread[0]), float(spread[1] / span)
 
 
@@ -71,7 +70,8 @@ def begun(
     Where the file, the recording or the user says how a body begins, it begins so; else the first samples say it
     roughly, and the fit precisely.
     """
-    run = made(scenario, recording, log, span)
+    late = any((n.startswith("outputs.") and n.endswith((".delay", ".clock"))) or ".outputs." in n for n in named)
+    run = made(scenario, recording, log, span, late)
     at = span[0] if span else 0.0
     found: list[Coordinate] = []
     told: set[str] = set()

@@ -12,10 +12,10 @@ from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.actuator.runs import made
 
 if TYPE_CHECKING:
-    from stribeck.identify.actuator.api import _Fit
+    from stribeck.identify.actuator.api import Fitting
 
 
-def transferred(fit: _Fit, other: Logs, result: MachineFit) -> dict[str, Any]:
+def transferred(fit: Fitting, other: Logs, result: MachineFit) -> dict[str, Any]:
     """How well the fit predicts other recordings, and which numbers are other there, beyond both intervals."""
     problems: list[str] = []
     for i, recording in enumerate(other.recordings):

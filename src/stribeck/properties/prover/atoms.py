@@ -125,7 +125,7 @@ def _chord(leaf: Leaf, index: int, node: Expr, y: Quotient, share: Fraction) -> 
     if low >= 1 or leaf.signs(leaf.ring.apply("sub", y, leaf.ring.one))[0]:
         most = share
     slope = leaf.number(least) + leaf.number(most - least) * leaf.fresh()
-    return leaf.set(index, bottom + (top - bottom) * slope, bottom, "chord", least, most)
+    return leaf.put(index, bottom + (top - bottom) * slope, bottom, "chord", least, most)
 
 
 def _special(leaf: Leaf, op: str, index: int, x: Quotient, node: Expr) -> bool:
@@ -142,18 +142,18 @@ def _special(leaf: Leaf, op: str, index: int, x: Quotient, node: Expr) -> bool:
         return False
     top, bottom = parts
     if rule == "tangent":  # exp(y) = 1 + y + h
-        return leaf.set(index, bottom + top + leaf.fresh(positive=True) * bottom, bottom, "tangent")
+        return leaf.put(index, bottom + top + leaf.fresh(positive=True) * bottom, bottom, "tangent")
     share = leaf.fresh()
     if rule == "slope":
         low, high = _falling(op, leaf.box(node.args[0]))
         value = top * (leaf.number(low) + leaf.number(high - low) * share)
-        return leaf.set(index, value, bottom, "slope", low, high)
+        return leaf.put(index, value, bottom, "slope", low, high)
     if op == "atan":
-        return leaf.set(index, leaf.pi * top - 2 * (1 - share) * bottom, 2 * top, "far")
+        return leaf.put(index, leaf.pi * top - 2 * (1 - share) * bottom, 2 * top, "far")
     if op == "tanh":
-        return leaf.set(index, bottom + top - share * bottom, bottom + top, "far")
+        return leaf.put(index, bottom + top - share * bottom, bottom + top, "far")
     square = bottom * bottom
-    return leaf.set(index, 2 * share * square, 2 * square - 2 * top * bottom + top * top, "far")
+    return leaf.put(index, 2 * share * square, 2 * square - 2 * top * bottom + top * top, "far")
 
 
 def _root(leaf: Leaf, index: int, x: Quotient) -> bool:
@@ -163,7 +163,7 @@ def _root(leaf: Leaf, index: int, x: Quotient) -> bool:
         return False
     square = rational(rest) if not rest.is_zero else Fraction(0)
     r = Fraction(ends_of("sqrt", up(square))[1])
-    return leaf.set(index, leaf.places[1] + leaf.number(r) * leaf.fresh(), None, "root", "u", r)
+    return leaf.put(index, leaf.places[1] + leaf.number(r) * leaf.fresh(), None, "root", "u", r)
 
 
 def _about_1(leaf: Leaf, node: Expr, y: Quotient, known: Range) -> Range:
@@ -201,16 +201,16 @@ def ranged(leaf: Leaf, atom: Quotient, node: Expr, of: Quotient | None = None) -
             raise Unclear(f"{node.op} has no finite range here")
         end, rule = (Fraction(low), "above") if low > -INF else (Fraction(high), "below")
         rest = leaf.fresh(positive=True)
-        leaf.set(index, leaf.number(end) + (rest if rule == "above" else -rest), None, rule, end)
+        leaf.put(index, leaf.number(end) + (rest if rule == "above" else -rest), None, rule, end)
         return atom
     if node.op == "atan" and leaf.free:
         low_share, high_share = _of_half_pi(low, False), _of_half_pi(high, True)
         value = leaf.pi * (leaf.number(low_share) + leaf.number(high_share - low_share) * leaf.fresh())
-        leaf.set(index, value, leaf.number(Fraction(2)), "pi range", low_share, high_share)
+        leaf.put(index, value, leaf.number(Fraction(2)), "pi range", low_share, high_share)
         return atom
     a, b = Fraction(low), Fraction(high)
     share: Any = leaf.fresh() if b > a else 0
-    leaf.set(index, leaf.number(a) + leaf.number(b - a) * share, None, "range", a, b)
+    leaf.put(index, leaf.number(a) + leaf.number(b - a) * share, None, "range", a, b)
     return atom
 
 

@@ -185,7 +185,7 @@ class Leaf:
         self.kinds[i] = POSITIVE if positive else UNIT
         return made
 
-    def set(self, index: int, top: Any, bottom: Any, *rule: Any) -> bool:
+    def put(self, index: int, top: Any, bottom: Any, *rule: Any) -> bool:
         """The value of an atom, and the rule that gives it."""
         self.places[3 + index], self.below[3 + index] = top, bottom
         self.listed[index] = list(rule)

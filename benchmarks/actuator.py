@@ -1,0 +1,106 @@
+"""Do 95 % intervals of a machine's numbers hold the truth? Synthetic actuators: two masses, play, a mesh whose friction
+grows with its load, an encoder only.
+
+Each experiment draws a truth, records two runs with noise, fits them with ``stribeck.identify.actuator`` and asks for each
+number whether its interval holds the truth. Results are kept one by one: the same command goes on where it was stopped.
+
+    python benchmarks/actuator.py --experiments 12 --out build/actuator
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from pathlib import Path
+
+import numpy as np
+
+from stribeck import Scenario, simulate
+from stribeck.identify.actuator import Logs, fit_machine
+from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+
+STEP, T_END, NOISE = 0.005, 2.0, 5e-4
+TRUTH = {
+    "contacts.mesh.law.parameters.F_c": 0.4, "contacts.mesh.law.parameters.sigma_2": 0.03,
+    "contacts.mesh.loads.0.F_c": 0.06, "links.gear.stiffness": 60.0, "bodies.rotor.inertia": 0.02,
+}  # fmt: skip
+
+
+def machine(values: dict[str, float], load: float, t: np.ndarray, push: np.ndarray) -> Scenario:
+    """Rotor and arm with play between them; the mesh's friction on the rotor grows with the gear's torque."""
+    p = values
+    law = {"sigma_0": 400.0, "sigma_1": 1.0, "sigma_2": p["contacts.mesh.law.parameters.sigma_2"],
+           "F_c": p["contacts.mesh.law.parameters.F_c"], "F_s": 1.0, "v_s": 0.3}  # fmt: skip
+    return Scenario({
+        "schema": 2, "name": "joint",
+        "bodies": {"rotor": {"inertia": p["bodies.rotor.inertia"]}, "arm": {"inertia": 0.04 + 0.04 * load}},
+        "links": {"gear": {"from": "rotor", "to": "arm", "stiffness": p["links.gear.stiffness"], "damping": 0.1, "gap": 2e-3}},
+        "contacts": {"mesh": {"from": "rotor", "law": {"name": "lugre_majorant", "k_v": 1e3, "parameters": law},
+                              "loads": [{"force": "gear", "F_c": p["contacts.mesh.loads.0.F_c"]}]}},
+        "loads": {"push": {"on": "rotor", "kind": "signal",
+                           "signal": {"kind": "points", "t": t.tolist(), "value": push.tolist()}},
+                  "gravity": {"on": "arm", "kind": "pendulum", "amplitude": 2.0 * load, "phase": 0.0}},
+        "solve": {"t_end": T_END}, "output": {"step": STEP},
+    })  # fmt: skip
+
+
+def experiment(seed: int) -> dict[str, object]:
+    """One truth, two recordings, one fit."""
+    rng = np.random.default_rng(seed)
+    truth = {n: float(x * np.exp(0.2 * rng.standard_normal())) for n, x in TRUTH.items()}
+    t = np.arange(round(T_END / STEP) + 1) * STEP
+    recordings = []
+    for i, load in enumerate((0.3, 1.0)):
+        push = 3.0 * np.sin(2 * np.pi * (0.8 * t + 1.5 * t**2)) * np.cos(2 * np.pi * rng.uniform(0.1, 0.3) * t)
+        y = simulate(machine(truth, load, t, push))["rotor.y"] + NOISE * rng.standard_normal(len(t))
+        known = {"bodies.arm.inertia": 0.04 + 0.04 * load, "loads.gravity.amplitude": 2.0 * load}
+        channels = {"rotor.y": Channel("y", t, y)}, {"loads.push.signal": Channel("u", t, push)}
+        recordings.append(Recording(f"run{i}", t, *channels, known))
+    sought = tuple(Sought(n, 0.2 * x, 5 * x) for n, x in TRUTH.items())
+    begin = time.process_time()
+    model = machine(TRUTH, 0.5, t, 0 * t)
+    model = model.with_changes(
+        {"bodies.rotor.initial": {"y": 0.0, "v": 0.0}, "bodies.arm.initial": {"y": 0.0, "v": 0.0}}
+    )
+    found = fit_machine(model, Logs(tuple(recordings), sought), starts=6, seed=seed, baselines=False)
+    rows = {
+        n: {"truth": truth[n], "value": p.value, "low": p.low, "high": p.high, "verdict": p.verdict}
+        for n, p in found.parameters.items()
+    }  # fmt: skip
+    return {"seed": seed, "status": found.status, "seconds": time.process_time() - begin, "numbers": rows}
+
+
+def holds(row: dict[str, object]) -> bool:
+    """Whether an interval holds the truth; an open side holds everything there."""
+    low, high, truth = row["low"], row["high"], row["truth"]
+    return (low is None or low <= truth) and (high is None or truth <= high)  # type: ignore[operator]
+
+
+def main() -> None:
+    """Run the experiments that are not there yet, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--experiments", type=int, default=12)
+    parser.add_argument("--out", type=Path, default=Path("build/actuator"))
+    given = parser.parse_args()
+    given.out.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for seed in range(given.experiments):
+        file = given.out / f"{seed}.json"
+        if not file.exists():
+            file.write_text(json.dumps(experiment(seed)))
+        rows.append(json.loads(file.read_text()))
+    judged = [
+        row for e in rows if e["status"] == "done" for row in e["numbers"].values() if row["verdict"] != "not judged"
+    ]
+    inside = sum(map(holds, judged))
+    print(
+        f"{len(rows)} experiments, {sum(e['status'] == 'done' for e in rows)} done; {inside} of {len(judged)} intervals"
+    )
+    for name in TRUTH:
+        own = [e["numbers"][name] for e in rows if e["status"] == "done"]
+        print(f"{name:40} {sum(map(holds, own)):3d} of {len(own)}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,27 @@
+"""What is told beside the numbers: clocks that drift, another unit, the files."""
+
+import numpy as np
+
+from stribeck.identify.actuator import fit_machine
+from tests.identify.actuator.recorded import body, logs, record
+
+F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
+WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
+
+
+def drifting(table):
+    """The encoder was read every 9.9 ms, and says every 10 ms: its clock gains 1 % on that of the drive."""
+    return {"t": 0.01 * np.arange(101), "y": table["y"][:101], "u": table["u"]}
+
+
+def test_a_clock_that_drifts_is_told_and_can_be_sought(tmp_path):
+    data = body(amplitude=5.0)
+    data["output"]["step"] = 0.0099
+    record(tmp_path / "run.csv", data, change=drifting)
+    told = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
+    assert any("a.y" in note and "clock" in note for note in told.notes), told.notes
+    clock = {"outputs.a.y.clock": {"low": -0.03, "high": 0.03}}
+    found = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED | clock), starts=1, baselines=False)
+    p = found.parameters["outputs.a.y.clock"]
+    assert p.low < 0.01 < p.high
+    assert found.parameters[MASS].low < 1.0 < found.parameters[MASS].high
