@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -135,7 +136,7 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
 
 def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:
     values = sorted(seen)
-    return [(a, b) for a, b in zip(values, values[1:], strict=False) if seen[a].verdict != seen[b].verdict]
+    return [(a, b) for a, b in pairwise(values) if seen[a].verdict != seen[b].verdict]
 
 
 def _around(turned: Turned, low: float, high: float) -> Array:

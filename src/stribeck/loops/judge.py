@@ -17,12 +17,15 @@ from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 STAYS = 100  # slowest time constants that a body has to stay at rest
 TRAVEL = 1e-6  # of its travel: rest of a body without an encoder
 _ROWS = 2000  # of the window that is judged
-_LONGER = (2, 4, 8)  # windows until the end of the judged one: a slow start is given time
+_LONGER = (2, 4, 8, 32)  # windows until the end; the second half is judged
+_WINDS = 0.01  # of the largest output: an integral that still moves so much may yet break away
 _AT_LIMIT = 0.999
 _OFTEN = 0.02  # of the window at the limit: the limit is what holds the oscillation
 _ONE_WAY = 0.9  # of all that moved, gone one way
 _GROWS = 1.15  # from one third of the window to the next
 _WORST = ("quiet", "creeping", "hunting", "unstable")
+
+WINDS = "an integral still winds up behind friction that holds"
 
 Tell = Callable[[float], None]
 
@@ -54,8 +57,9 @@ class Judgement:
 def judge(loop: Loop, values: Mapping[str, ArrayLike] | None = None, tell: Tell | None = None) -> list[Judgement]:
     """The judgement of each lane of ``values``, as for :func:`stribeck.simulate_ensemble`; of the file without them.
 
-    A lane is simulated until its signals rest, then for twice :data:`STAYS` of the slowest time constants; where it is
-    not quiet by then, for two and four times as long. The last :data:`STAYS` are judged.
+    A lane is simulated until its signals rest, then for twice :data:`STAYS` of the slowest time constants, and the second
+    half of these is judged. Where it moves, or an integral still winds up behind friction that holds, it is simulated for
+    2, 4 and 16 times as long, and the second half of that is judged.
     """
     given = {path: np.atleast_1d(np.asarray(x, float)) for path, x in (values or {}).items()}
     count = max((len(x) for x in given.values()), default=1)
@@ -80,14 +84,16 @@ def worst(found: list[Judgement]) -> Judgement:
 
 def window(loop: Loop, windows: int = 2) -> tuple[float, float, float]:
     """Start and end of what is judged, and the time between rows, s."""
-    length = STAYS * loop.slowest
+    length = windows / 2 * STAYS * loop.slowest
     step = length / _ROWS
-    end = np.ceil((loop.rest + windows * length) / step) * step
+    end = np.ceil((loop.rest + 2 * length) / step) * step
     return float(end - length), float(end), step
 
 
 def _worth_longer(found: Judgement | None) -> bool:
-    return found is not None and found.verdict in ("creeping", "hunting") and found.note != "sustained"
+    if found is None or found.note == "sustained":
+        return False
+    return found.verdict in ("creeping", "hunting") or found.note == WINDS
 
 
 def _simulated(loop: Loop, values: Mapping[str, Any], windows: int, count: int) -> Ensemble:
@@ -116,7 +122,7 @@ def _judged(loop: Loop, lanes: Ensemble, lane: int) -> Judgement:
     body = main if excess.get(main, 0.0) > 1 else max(excess, key=excess.__getitem__)
     y, t = path[body][last], lanes.t[last]
     if max(excess.values()) <= 1:
-        return Judgement("quiet", main, float(np.ptp(path[main][last])) / 2, np.nan)
+        return Judgement("quiet", main, float(np.ptp(path[main][last])) / 2, np.nan, _winding(loop, lanes, lane, last))
     amplitude, period = (float(x) for x in amplitude_and_period(t, y))
     if _limited(loop, lanes, lane, last):
         return Judgement("unstable", body, amplitude, period, "the oscillation is held by a limit")
@@ -144,17 +150,28 @@ def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
     return rest
 
 
+def _winding(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> str:
+    """:data:`WINDS` where an output still moves one way while the bodies rest; else nothing."""
+    assert loop.scenario.rig is not None
+    for each in loop.scenario.rig.machine.controllers:
+        u = np.asarray(lanes[f"{each.name}.u"][lane])
+        if abs(u[rows][-1] - u[rows][0]) > _WINDS * np.abs(u).max():
+            return WINDS
+    return ""
+
+
 def _limited(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> bool:
     """Whether an output stands at its limit for part of the time, on both sides."""
     rig = loop.scenario.rig
     assert rig is not None
-    found: list[tuple[NDArray[np.float64], float]] = []
-    for each in rig.machine.controllers:
-        if "limit" in each.form:
-            found.append((lanes[f"{each.name}.u"][lane][rows], rig.values[each.path, "limit"]))
-    for motor in rig.machine.motors:
-        if "voltage" in motor.form:
-            found.append((lanes[f"{motor.name}.V"][lane][rows], rig.values[motor.path, "voltage"]))
+    found: list[tuple[NDArray[np.float64], float]] = [
+        (lanes[f"{each.name}.u"][lane][rows], rig.values[each.path, "limit"])
+        for each in rig.machine.controllers if "limit" in each.form
+    ]  # fmt: skip
+    found += [
+        (lanes[f"{motor.name}.V"][lane][rows], rig.values[motor.path, "voltage"])
+        for motor in rig.machine.motors if "voltage" in motor.form
+    ]  # fmt: skip
     return any(_both_sides(x, limit) for x, limit in found)
 
 

@@ -129,7 +129,7 @@ def time_constant(scenario: Scenario) -> tuple[float, bool]:
     size = float(np.abs(roots).max(initial=0.0))
     falling = -roots.real[roots.real < -_ZERO * size]
     slowest = 1 / float(falling.min()) if len(falling) else 1.0
-    return slowest, bool((roots.real > 1e-6 * size).any())
+    return slowest, bool((roots.real > 1e-8 * size).any())
 
 
 def _sliding(scenario: Scenario) -> Array:

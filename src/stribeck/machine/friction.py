@@ -12,6 +12,7 @@ from stribeck.machine.loads import sum_of_waves
 from stribeck.machine.parts import Compensation, ContactPart, Factor, made
 from stribeck.signals.pieces import Reference
 
+_SLOWEST = 1e-100  # m/s or rad/s
 _NEWTON_STEPS = 16
 
 
@@ -85,7 +86,8 @@ def compensation(c: Compensation, r: Reference, v: Expr, z: Expr, exact: bool) -
     """
     if c.speed == "reference":
         speed = wrap(abs(r.rate))
-        force = r.direction * steady_force(c.law, c.p, speed)
+        moving = wrap(where(speed > _SLOWEST, speed, _SLOWEST))  # at rest the limit: |v|/|v| is no number there
+        force = r.direction * steady_force(c.law, c.p, moving)
         return (wrap(where(speed <= 0, 0.0, force)) if exact and not is_zero(speed) else wrap(force)), None
     rate = wrap(c.law.dz_dt(c.p, v, z)) if c.law.has_z else None
     return wrap(c.law.friction(c.p, v, z, 0.0 * v if rate is None else rate)), rate
