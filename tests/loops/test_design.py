@@ -101,7 +101,7 @@ def test_signals_that_never_rest_are_held():
 
 
 @pytest.mark.parametrize(
-    "options, words",
+    ("options", "words"),
     [
         ({"vary": ["controllers.hold.K_q=1:2"]}, "K_q"),
         ({"vary": ["controllers.hold.K_p=2:1"]}, "LOW must be below HIGH"),
