@@ -98,7 +98,7 @@ def main() -> None:
         f"{len(rows)} experiments, {sum(e['status'] == 'done' for e in rows)} done; {inside} of {len(judged)} intervals"
     )
     for name in TRUTH:
-        own = [e["numbers"][name] for e in rows if e["status"] == "done"]
+        own = [row for e in rows if (row := e["numbers"][name])["verdict"] != "not judged"]
         print(f"{name:40} {sum(map(holds, own)):3d} of {len(own)}")
 
 

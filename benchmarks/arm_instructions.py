@@ -112,7 +112,7 @@ def measure() -> list[dict[str, Any]]:
         for target, (flags, single) in TARGETS.items():
             found = counts(law, flags, single)
             assert len(found) == CALLS, (law.name, len(found))
-            form = " ".join((law.name, *law.structure))
+            form = " ".join((law.name, *law.form.words))
             rows.append({"law": form, "target": target, "mean": round(sum(found) / CALLS), "most": max(found)})
     return rows
 

@@ -95,6 +95,9 @@ def rotary_words(text: str) -> str:
     return re.sub(rf"\b({'|'.join(_ROTARY_WORDS)})\b", lambda found: _ROTARY_WORDS[found[1]], text)
 
 
+DECIDED = {True: "yes", False: "no", None: "undecided"}  # a verdict, in a word
+
+
 def kind_of(value: Any) -> str:
     """What a value of a file is, in plain words."""
     names = {bool: "a true/false value", str: "text", list: "a list", dict: "a table", type(None): "nothing"}

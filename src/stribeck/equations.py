@@ -9,6 +9,7 @@ from typing import ClassVar
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.expressions.graph import Expr, symbol
+from stribeck.expressions.names import Names
 from stribeck.signals.pieces import STRAIGHT
 
 Events = tuple[str, str, str, str]
@@ -71,8 +72,8 @@ class Equations(ABC):
         """The declaration of a run-time constant."""
 
     @abstractmethod
-    def rates(self) -> list[Expr]:
-        """The time derivatives of the states."""
+    def rates(self, called: Names | None = None) -> list[Expr]:
+        """The time derivatives of the states; ``called`` takes the names of intermediate results, here and below."""
 
     def field(self, owner: str, name: str) -> str:
         """What a run-time constant is called in the generated code."""
@@ -83,7 +84,7 @@ class Equations(ABC):
         """What events are told by: the element's name, and what happens (see :class:`Watch`)."""
         return (("", SLIP_AND_STICK),) if any(state.name == "v" for state in self.states) else ()
 
-    def watches(self) -> list[Watch]:
+    def watches(self, called: Names | None = None) -> list[Watch]:
         """The same with the quantities."""
         return [Watch(name, symbol("v"), events) for name, events in self.watched]
 
@@ -97,7 +98,7 @@ class Equations(ABC):
         """What stays from one output of a sampled controller to the next, as ``segment.NAME`` in the equations."""
         return ()
 
-    def samples(self) -> list[Sample]:
+    def samples(self, called: Names | None = None) -> list[Sample]:
         """What the sampled controllers do at their instants, in the order of :attr:`held`."""
         return []
 

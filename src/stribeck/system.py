@@ -11,8 +11,10 @@ from stribeck.constants import Constant
 from stribeck.drives.base import Column, Drive
 from stribeck.equations import Equations
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
+from stribeck.laws.form import Form
 from stribeck.plants.mass import Mass
 from stribeck.signals import Segment, Signal
 
@@ -42,7 +44,7 @@ class System(Equations):
     """
 
     law: type[Law]
-    options: tuple[str, ...]  # the form of the law's equations: its ``structure``
+    form: Form  # of the law's equations
     drive: type[Drive]
     signal: type[Signal] | None  # None: made of straight pieces
     energy: bool = False
@@ -65,7 +67,7 @@ class System(Equations):
     @cached_property
     def parameters(self) -> tuple[tuple[str, str], ...]:
         """(group, name) of each run-time constant, in the order in which compiled code takes them."""
-        names = [("law", n) for n in self.law.numbers(self.options)]
+        names = [("law", n) for n in self.law.numbers(self.form)]
         names += [] if self.drive.sets_velocity else [("plant", n) for n in Mass.constants]
         names += [("drive", n) for n in self.drive.constants]
         return (*names, *(("signal", n) for n in (self.signal.constants if self.signal else ())))
@@ -83,17 +85,18 @@ class System(Equations):
             f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", f"Drive: {drive.kind}; {drive.meaning}."
         )  # fmt: skip
 
-    def symbolic(self) -> Groups:
-        """The constants as symbols named ``group.name``."""
+    def symbolic(self, called: Names | None = None) -> Groups:
+        """The constants as symbols named ``group.name``; ``called`` takes the names of the law's terms."""
 
         def group(owner: str) -> SimpleNamespace:
             return SimpleNamespace(**{n: symbol(f"{o}.{n}") for o, n in self.parameters if o == owner})
 
-        law = self.law.symbolic(lambda n: symbol(f"law.{n}"), self.options)
+        on_term = None if called is None else called.term
+        law = self.law.symbolic(lambda n: symbol(f"law.{n}"), self.form, on_term)
         piece = Segment(*(symbol(f"segment.{n}") for n in ("start", "value", "slope")))
         return Groups(law, group("plant"), group("drive"), group("signal") if self.signal else piece)
 
-    def quantities(self, q: Groups, r: Value, x: dict[str, Value]) -> dict[str, Value]:
+    def quantities(self, q: Groups, r: Value, x: dict[str, Value], called: Names | None = None) -> dict[str, Value]:
         """Every named quantity from the signal's value r and the states."""
         y, z = x["y"], x["z"] if self.law.has_z else 0.0 * x["y"]
         v = r if self.drive.sets_velocity else x["v"]
@@ -103,18 +106,18 @@ class System(Equations):
         u = F if self.drive.sets_velocity else self.drive.force(q.drive, r, y, v, own)
         found = {self.drive.signal.name: r, **x, "y": y, "v": v, "z": z, "F": F, "dz_dt": dz_dt, "u": u}
         for name, value in (("dz_dt", dz_dt), ("F", F), ("u", u)):
-            if isinstance(value, Expr) and value.args and value.label is None:
-                value.label = name
+            if called is not None:
+                called.give(value, name)
         if self.energy:
             kinetic = 0.0 if self.drive.sets_velocity else Mass.kinetic_energy(q.plant, v)
             found["E_stored"] = self.law.stored_energy(q.law, z) + kinetic
         return found
 
-    def rates(self) -> list[Expr]:
+    def rates(self, called: Names | None = None) -> list[Expr]:
         """The time derivatives of the states as expressions of ``t``, the states' names and the constants' symbols."""
-        q, t, x = self.symbolic(), symbol("t"), {state.name: symbol(state.name) for state in self.states}
+        q, t, x = self.symbolic(called), symbol("t"), {state.name: symbol(state.name) for state in self.states}
         r = (self.signal.equation if self.signal else Segment.equation)(q.signal, t)
-        k = self.quantities(q, r, x)
+        k = self.quantities(q, r, x, called)
         own = tuple(x[state.name] for state in self.drive.states)
         rates = dict(
             zip((s.name for s in self.drive.states), self.drive.rates(q.drive, r, k["y"], k["v"], own), strict=True)

@@ -9,15 +9,13 @@ from stribeck.drives import KINDS
 from stribeck.signals import Sine
 from stribeck.system import System
 
-VARIANTS = [(law, options) for law in laws.builtin().values() for options in law.structures()]
-IDS = ["_".join((law.name, *options)) for law, options in VARIANTS]
+VARIANTS = [(law, form) for law in laws.builtin().values() for form in law.forms()]
+IDS = ["_".join((law.name, *form.words)) for law, form in VARIANTS]
 
 
-def systems(law, options, energy=(False, True)):
+def systems(law, form, energy=(False, True)):
     """The systems of a law: under each drive, with both sorts of signal, without and with energy."""
-    return [
-        System(law, options, drive, signal, on) for drive, signal, on in product(KINDS.values(), (None, Sine), energy)
-    ]
+    return [System(law, form, drive, signal, on) for drive, signal, on in product(KINDS.values(), (None, Sine), energy)]
 
 
 # of the order of 1, so that finite differences are exact to many digits

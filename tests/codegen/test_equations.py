@@ -21,7 +21,7 @@ def rates_by_numpy(system, x):
     """The time derivatives from the laws' and drives' own functions on numbers."""
     values = {owner: SimpleNamespace(**{n: VALUES[n] for o, n in system.parameters if o == owner}) for owner in
               ("law", "plant", "drive", "signal")}  # fmt: skip
-    law = system.law.symbolic(lambda name: VALUES[name], system.options)
+    law = system.law.symbolic(lambda name: VALUES[name], system.form)
     groups = Groups(law, values["plant"], values["drive"], values["signal"])
     signal = system.signal.equation(groups.signal, T) if system.signal else Segment.equation(Segment(*PIECE), T)
     named = {state.name: value for state, value in zip(system.states, x, strict=True)}
@@ -64,9 +64,9 @@ def graph_functions(system):
     return values, derivatives
 
 
-@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
-def test_graph(law, options):
-    for system in systems(law, options):
+@pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
+def test_graph(law, form):
+    for system in systems(law, form):
         values, derivatives = graph_functions(system)
         for x in states(system):
             np.testing.assert_allclose(values(T, x), rates_by_numpy(system, x), rtol=1e-13, atol=1e-14)
@@ -77,10 +77,10 @@ def test_graph(law, options):
 
 
 @needs_compiler
-@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
-def test_compiled_functions(law, options, tmp_path):
+@pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
+def test_compiled_functions(law, form, tmp_path):
     """Rates, and the solution of (shift I - J) k = right, whose J is the Jacobian and whose elimination is code."""
-    for i, system in enumerate(systems(law, options, energy=(True,))):
+    for i, system in enumerate(systems(law, form, energy=(True,))):
         folder = tmp_path / str(i)
         folder.mkdir()
         library = compiled(system, folder)

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from stribeck.codegen import source
-from stribeck.laws import BristleLaw, builtin
+from stribeck.laws import BristleLaw, builtin, law
+from stribeck.laws.render import equations
 from stribeck.simulation import compiler
 from tests.codegen.systems import IDS, VARIANTS, systems
 from tests.simulation.rig import needs_compiler, rig, solved
@@ -17,10 +18,10 @@ STRICT = ("-std=c99", "-pedantic", "-Wall", "-Wextra", "-Werror")
 
 
 @needs_compiler
-@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
-def test_compiles_without_a_warning(law, options, tmp_path):
+@pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
+def test_compiles_without_a_warning(law, form, tmp_path):
     """Every system is parsed; one without energy under each drive goes through the rest of the compiler too."""
-    every = systems(law, options)
+    every = systems(law, form)
     files = [tmp_path / f"system{i}.c" for i in range(len(every))]
     for file, system in zip(files, every, strict=True):
         file.write_text(source(system))
@@ -33,10 +34,10 @@ def test_compiles_without_a_warning(law, options, tmp_path):
 
 
 @needs_compiler
-@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
-def test_compiles_for_lanes_without_a_warning(law, options, tmp_path):
+@pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
+def test_compiles_for_lanes_without_a_warning(law, form, tmp_path):
     """For one width of the processor's vectors; every width is run by tests/simulation/test_lanes.py."""
-    every = [system for system in systems(law, options, energy=(True,)) if system.signal is None]
+    every = [system for system in systems(law, form, energy=(True,)) if system.signal is None]
     files = [tmp_path / f"system{i}.c" for i in range(len(every))]
     for file, system in zip(files, every, strict=True):
         file.write_text(source(system, lanes=4))
@@ -45,16 +46,16 @@ def test_compiles_for_lanes_without_a_warning(law, options, tmp_path):
     assert found.returncode == 0, found.stderr
 
 
-@pytest.mark.parametrize(("law", "options"), VARIANTS, ids=IDS)
-def test_depends_on_the_system_alone(law, options):
+@pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
+def test_depends_on_the_system_alone(law, form):
     """Neither on what else there is, nor on what else is being made: or the cache would miss."""
-    before = [source(system) for system in systems(law, options)]
+    before = [source(system) for system in systems(law, form)]
     others = [system for other, on in VARIANTS for system in systems(other, on)]
     alive = [system.rates() for system in others]
     threads = [threading.Thread(target=source, args=(system,)) for system in others[:8]]
     for thread in threads:
         thread.start()
-    assert [source(system) for system in reversed(systems(law, options))] == before[::-1]
+    assert [source(system) for system in reversed(systems(law, form))] == before[::-1]
     for thread in threads:
         thread.join()
     assert len(alive) == len(others)
@@ -127,3 +128,38 @@ def test_a_law_whose_terms_are_named_like_its_constants(tmp_path):
             return v - abs(v) / g(p, v) * z
 
     assert "const real g = " in source(systems(Twice, ())[0])
+
+
+def test_evaluation_beside_builds():
+    """Building code in some threads while another evaluates the same equations on arrays: neither meets the other's names."""
+    found = law("lugre_majorant", parameters="canudas1995", k_v=1e6)
+    v, z = np.linspace(-0.1, 0.1, 500), np.linspace(-1e-5, 1e-5, 500)
+    expected, went_wrong, done = found.force(v, z), [], threading.Event()
+
+    def evaluate():
+        try:
+            while not done.is_set():
+                if not np.array_equal(found.force(v, z), expected):
+                    went_wrong.append("another force")
+        except Exception as error:
+            went_wrong.append(error)
+
+    def build(chosen):
+        try:
+            texts.append([source.__wrapped__(system) for system in systems(type(found), chosen)])
+            equations(type(found), chosen)
+        except Exception as error:
+            went_wrong.append(error)
+
+    alone = [source.__wrapped__(system) for system in systems(type(found), found.form)]
+    texts = []
+    builders = [threading.Thread(target=build, args=(found.form,)) for _ in range(4)]
+    evaluator = threading.Thread(target=evaluate)
+    for thread in (evaluator, *builders):
+        thread.start()
+    for thread in builders:
+        thread.join()
+    done.set()
+    evaluator.join()
+    assert went_wrong == []
+    assert texts == [alone] * 4

@@ -1,5 +1,6 @@
 """The exported C against the law in Python, against equations written anew, and against everything a user may feed it."""
 
+import re
 import subprocess
 
 import mpmath
@@ -8,8 +9,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import stribeck
-from stribeck.export.c.ccode import Equations
+from stribeck.control.proof import derive
+from stribeck.export.c.ccode import LawCode
 from stribeck.export.c.selftest import terms
+from stribeck.laws import BristleLaw, Claims, builtin
 from tests.export.harness import (
     ELASTOPLASTIC,
     LAWS,
@@ -22,6 +25,7 @@ from tests.export.harness import (
     need,
     program,
 )  # fmt: skip
+from tests.laws.test_claims import make
 
 EPS, EPS_FLOAT = 2.0**-52, 2.0**-23
 # a form of equations each, under sanitizers: every law with every compiler takes minutes and finds no more
@@ -50,7 +54,7 @@ def disagreement(name, run, single):
     """The largest error of F and dz/dt in eps times the sum of the absolute terms."""
     chosen, rng = law(name), np.random.default_rng(7)
     v, z = inputs(name, single, rng)
-    size = terms(Equations(chosen), ("rate", "force"))
+    size = terms(LawCode(chosen), ("rate", "force"))
     scale = np.array([size(*row) for row in zip(v, z, strict=True)]).T
     eps = EPS_FLOAT if single else EPS
     worst = 0.0
@@ -387,3 +391,37 @@ def test_body_step_holds_without_drift(folder):
     drift = {n: y[-1] - y[199] for n, y in moved.items()}
     assert abs(drift["elastoplastic_majorant"]) < 1e-12
     assert 1e-4 < drift["lugre"] < 4e-4  # the law's own: 0.24 mm in 16 s
+
+
+def test_the_condition_in_the_header_is_the_one_that_is_derived(tmp_path):
+    """Words in a comment: what they say of K_D must be what dV/dt gives."""
+    sympy = pytest.importorskip("sympy")
+    header = stribeck.export(law("lugre_majorant"), "c", tmp_path / "c")[0].read_text()
+    told = (
+        re.search(r"K_D >= (.+), w = ", header)[1]
+        .replace("K sigma_1 (", "K*sigma_1*(")
+        .replace("sigma_1 w", "sigma_1*w")
+    )
+    names = {n: sympy.Symbol(n, positive=True) for n in ("K", "K_D", "sigma_0", "sigma_1")} | {
+        "w": sympy.Symbol("w", real=True)
+    }
+    (least,) = sympy.solve(derive().exact, names["K_D"])
+    assert sympy.simplify(sympy.sympify(told, locals=names) - least) == 0
+
+
+def test_laws_have_a_time_derivative_where_they_claim_or_show_it():
+    """A law that claims nothing is looked at with a deflection too: |v| z has a derivative at z = 0 only."""
+
+    class Unclaimed(BristleLaw):
+        """LuGre without claims."""
+
+        claims = Claims()
+
+        @staticmethod
+        def dz_dt(p, v, z):
+            return v - abs(v) / p.F_s * p.sigma_0 * z
+
+    own = {"sigma_0": 1e5, "sigma_1": 300.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
+    assert not Unclaimed(own).differentiable
+    found = {name: make(each).differentiable for name, each in builtin().items()}
+    assert {name for name, smooth in found.items() if not smooth} == {"lugre", "elastoplastic", "dahl"}

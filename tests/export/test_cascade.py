@@ -11,7 +11,7 @@ import stribeck
 from stribeck import examples
 from stribeck.cli import _status
 from stribeck.control import sampled
-from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, Cascade
+from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, ControllerCode
 from stribeck.export.c.selftest import sampled as expected
 from stribeck.export.fmu import binaries
 from stribeck.export.request import Request
@@ -47,7 +47,7 @@ def rig(case="sine", **more):
 
 def cascade(case):
     chosen = rig(case)
-    return Cascade(Request(chosen.servo.observer or chosen.law, "cascade", chosen))
+    return ControllerCode(Request(chosen.servo.observer or chosen.law, "cascade", chosen))
 
 
 class Controller:

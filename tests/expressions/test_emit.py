@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from stribeck.expressions import ops
 from stribeck.expressions.emit import PYTHON, C, Writer, python_function
 from stribeck.expressions.graph import constant, symbol
+from stribeck.expressions.names import Names
 from stribeck.simulation import compiler
 from tests.expressions.trees import NAMES, QUICK, node_of, trees
 
@@ -140,8 +141,10 @@ def test_special_values_in_c(compiled):
     assert np.all(np.isnan(python_function(NAMES, [nothing + X])(*GRID.values())[0]))
 
 
-def lines(*outputs, inputs=NODES, dialect=PYTHON, taken=()):
-    return Writer(dialect, {name: name for name in inputs}, taken).write([(f"r{i}", x) for i, x in enumerate(outputs)])
+def lines(*outputs, inputs=NODES, dialect=PYTHON, taken=(), names=None):
+    return Writer(dialect, {name: name for name in inputs}, taken, names).write(
+        [(f"r{i}", x) for i, x in enumerate(outputs)]
+    )
 
 
 def test_shared_nodes_are_computed_once():
@@ -151,22 +154,17 @@ def test_shared_nodes_are_computed_once():
     assert lines(shared + 1) == ["r0 = sin(x * y) + 1.0"]
 
 
-def labelled(node, label):
-    node.label = label
-    return node
-
-
 def test_names():
-    g = labelled(ops.exp(-X * Y * 1.125), "g")
-    assert lines(g * 2) == ["g = exp(-(x * y) * 1.125)", "r0 = g * 2.0"] or lines(g * 2)[1] == "r0 = g * 2.0"
-    taken = labelled(ops.cos(X * 1.625), "x")
-    assert lines(taken + X) == ["x_2 = cos(x * 1.625)", "r0 = x_2 + x"]
-    target = labelled(ops.cos(X * 1.875), "r1")
-    assert lines(target + X, target) == ["r1_2 = cos(x * 1.875)", "r0 = r1_2 + x", "r1 = r1_2"]
-    for name in ("pow", "abs", "where", "exp", "INFINITY", "max"):
-        node = labelled(ops.cos(X * (2.0 + len(name) / 64 + ord(name[0]) / 8192)), name)
-        function = python_function(["x", "y"], [node + abs(Y) ** X + ops.where(X < Y, ops.exp(X), 1.0)])
-        assert np.isfinite(function(0.5, -2.0)[0])
+    def named(node, name):
+        return node, Names({node: name})
+
+    g, names = named(ops.exp(-X * Y * 1.125), "g")
+    assert lines(g * 2, names=names) == ["g = exp(-(x * y * 1.125))", "r0 = g * 2.0"]
+    assert lines(g * 2) == ["r0 = exp(-(x * y * 1.125)) * 2.0"]  # another build knows nothing of it
+    taken, names = named(ops.cos(X * 1.625), "x")
+    assert lines(taken + X, names=names) == ["x_2 = cos(x * 1.625)", "r0 = x_2 + x"]
+    target, names = named(ops.cos(X * 1.875), "r1")
+    assert lines(target + X, target, names=names) == ["r1_2 = cos(x * 1.875)", "r0 = r1_2 + x", "r1 = r1_2"]
 
 
 def test_long_expressions_are_cut_into_lines():

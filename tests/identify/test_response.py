@@ -26,7 +26,7 @@ def make(name, **changes):
 
 
 def answer(law, lanes, **options):
-    response = Response(type(law), law.structure)
+    response = Response(type(law), law.form)
     length = law.scales(law.p).length
     sets = response.lanes([each.values for each in lanes])
     return response.force(T, V, sets, np.zeros(len(lanes)), 1e-7 * length, **options)
@@ -80,7 +80,7 @@ def test_a_shift_is_added_to_the_constants_named():
 
 def test_a_simulation_that_fails_is_none():
     law = make("lugre")
-    response = Response(type(law), ())
+    response = Response(type(law))
     sets = response.lanes([{**law.values, "sigma_0": np.nan}])
     assert response.force(T, V, sets, np.zeros(1), 1e-12) is None
 
@@ -88,4 +88,4 @@ def test_a_simulation_that_fails_is_none():
 def test_without_a_compiler_it_says_what_to_install(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", "none")
     with pytest.raises(stribeck.BuildError, match="C compiler"):
-        Response(find("lugre"), ())
+        Response(find("lugre"))

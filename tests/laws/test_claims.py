@@ -13,6 +13,7 @@ from stribeck.expressions.ops import sign, sqrt, where
 from stribeck.laws import BristleLaw, Claims, builtin, find
 from stribeck.laws.claims import violations
 from stribeck.laws.elastoplastic import ElastoPlastic, ElastoPlasticMajorant, ElastoPlasticSobczyk
+from stribeck.laws.form import Form
 from stribeck.laws.lugre import LuGre, LuGreArctan, LuGreMajorant, LuGreSobczyk
 from stribeck.laws.static import CoulombViscous
 from stribeck.laws.terms import S_0, g
@@ -357,13 +358,13 @@ def test_the_steepness_that_a_majorant_needs(smooth_abs, gap):
 
 
 def test_the_forms_of_a_law():
-    assert LuGre.structures() == [(), ("delta",), ("v_d",), ("v_d", "delta")]
-    assert LuGreMajorant.structures()[:4] == [
+    assert [form.words for form in LuGre.forms()] == [(), ("delta",), ("v_d",), ("v_d", "delta")]
+    assert [form.words for form in LuGreMajorant.forms()[:4]] == [
         (), ("smooth_abs=sqrt",), ("smooth_abs=compact",), ("delta",),
     ]  # fmt: skip
-    assert len(LuGreMajorant.structures()) == 12
-    assert make(LuGreMajorant).structure == make(LuGreMajorant, smooth_abs="atan").structure == ()
+    assert len(LuGreMajorant.forms()) == 12
+    assert make(LuGreMajorant).form == make(LuGreMajorant, smooth_abs="atan").form == Form()
     both = make(LuGreMajorant, smooth_abs="sqrt", v_d=1.0)
-    assert both.structure in LuGreMajorant.structures()
+    assert both.form == Form(("v_d",), (("smooth_abs", "sqrt"),)) in LuGreMajorant.forms()
     assert both.choices == {"smooth_abs": "sqrt"}
-    assert builtin()["dahl"].structures() == [()]
+    assert builtin()["dahl"].forms() == [Form()]

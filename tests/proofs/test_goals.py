@@ -14,6 +14,7 @@ from stribeck.errors import InputError
 from stribeck.expressions import coq, ops
 from stribeck.expressions.graph import constant, substitute, symbol
 from stribeck.laws import builtin
+from stribeck.laws.form import USUAL
 from stribeck.properties.coq_goals import goals, main
 from tests.proofs.coq import compiles, needs_coq
 
@@ -65,10 +66,10 @@ def test_what_is_no_goal_is_refused(expr, box, words):
         coq.coq_goal(expr, box)
 
 
-def dissipation(name, structure=()):
+def dissipation(name, form=USUAL):
     """The power lost, F v - W' dz/dt, of a law's equations with W' = sigma_0 z, and its constants as symbols."""
     cls = builtin()[name]
-    p = cls.symbolic(symbol, structure)
+    p = cls.symbolic(symbol, form)
     rate = cls.dz_dt(p, v, z)
     return cls.friction(p, v, z, rate) * v - p.sigma_0 * z * rate, p
 
@@ -135,7 +136,7 @@ def test_terms_mean_what_is_evaluated(tmp_path):
     for name in ("lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant", "dahl"):
         found = law(name, "canudas1995", **({} if name in ("lugre", "dahl") else {"k_v": 1e4}))
         at = {"v": rng.uniform(-0.01, 0.01), "z": rng.uniform(-1e-5, 1e-5)}
-        p = type(found).symbolic(symbol, found.structure)
+        p = type(found).symbolic(symbol, found.form)
         force = found.friction(p, v, z, found.dz_dt(p, v, z))
         numbers = {n: a for n, a in {**found.values, **at}.items() if a is not None}
         value = float(found.force(at["v"], at["z"]))

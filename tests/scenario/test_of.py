@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 
@@ -98,3 +101,18 @@ def test_a_law_keeps_its_choices_where_it_is_simulated_for_another_purpose():
         )
     )
     np.testing.assert_allclose(truth[other], simulated["F"], atol=1e-12)
+
+
+def test_a_scenario_does_not_change():
+    """Nor does a law: what a solution belongs to stays what it was solved for. Copies and pickles are equal."""
+    scenario = Scenario(law={"name": "lugre", "parameters": OPEN}, **TABLES)
+    for name, value in (("mass", 2.0), ("law", None), ("other", 1)):
+        with pytest.raises(AttributeError, match=f"{name}: a Scenario does not change"):
+            setattr(scenario, name, value)
+    with pytest.raises(AttributeError, match="F_c: the constants of a law do not change"):
+        scenario.law.p.F_c = 2.0
+    again = pickle.loads(pickle.dumps(scenario))
+    assert again.law.p == copy.deepcopy(scenario.law).p == scenario.law.p
+    heavier = scenario.with_values(mass=2.0)
+    assert (scenario.mass, heavier.mass) == (1.0, 2.0)
+    assert heavier.values()["plant", "mass"] == 2.0

@@ -17,6 +17,7 @@ from scipy.optimize import brentq
 from stribeck import law, parameters
 from stribeck.laws import builtin
 from stribeck.laws.elastoplastic import ElastoPlasticMajorant
+from stribeck.laws.form import USUAL, Form
 from stribeck.laws.terms import m, m_0
 
 flint = pytest.importorskip("flint")
@@ -30,9 +31,9 @@ NAMES = {symbol.name: symbol for symbol in SYMBOLS} | {"z_ba": sp.Symbol("z_ba",
 FORMS = ("atan", "sqrt", "compact")
 
 
-def constants(name, *structure):
+def constants(name, form=USUAL):
     """The constants of a law as SymPy's symbols."""
-    return builtin()[name].symbolic(NAMES.__getitem__, structure)
+    return builtin()[name].symbolic(NAMES.__getitem__, form)
 
 
 def majorant(word, k, at):
@@ -209,18 +210,18 @@ def test_10_creep(word, creep):
 # -- passivity -------------------------------------------------------------------------------------------------------
 
 
-def dissipated(name, *structure):
+def dissipated(name, form=USUAL):
     """D = F v - W' f for v > 0, from the law's own functions."""
-    each, p = builtin()[name], constants(name, *structure)
+    each, p = builtin()[name], constants(name, form)
     rate = each.dz_dt(p, v, z)
     return each.friction(p, v, z, rate) * v - sp.diff(each.stored_energy(p, z), z) * rate, p
 
 
-@pytest.mark.parametrize("structure", [(), ("smooth_abs=sqrt",), ("v_d",)])
-def test_11_what_is_dissipated(structure):
-    D, p = dissipated("lugre_majorant", *structure)
+@pytest.mark.parametrize("form", [USUAL, Form(choices=(("smooth_abs", "sqrt"),)), Form(("v_d",))])
+def test_11_what_is_dissipated(form):
+    D, p = dissipated("lugre_majorant", form)
     width = (F_c + (F_s - F_c) * sp.exp(-((v / v_s) ** 2))) / s0
-    damping = s1 * sp.exp(-((v / v_d) ** 2)) if "v_d" in structure else s1
+    damping = s1 * sp.exp(-((v / v_d) ** 2)) if "v_d" in form else s1
     expected = (damping + s2) * v**2 + m(p, v) / width * (s0 * z**2 - damping * v * z)
     assert abs(numeric(D - expected)) < 1e-12
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck.analysis.lyapunov import Along, along
 from stribeck.constants import show
-from stribeck.control.gains import Proof, Staying, Verdict, judge, prove, staying
+from stribeck.control.gains import GainVerdict, Proof, Staying, judge, prove, staying
 from stribeck.control.proof import derive
 from stribeck.errors import InputError, arg
 from stribeck.scenario import Scenario
@@ -33,7 +33,7 @@ class Gains:
     """
 
     solution: Solution
-    verdict: Verdict
+    verdict: GainVerdict
     proof: Proof
     along: Along | None
     staying: Staying | None

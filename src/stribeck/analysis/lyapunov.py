@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.control.gains import at_speed, damping, decay
 from stribeck.control.proof import ERRORS, derive
-from stribeck.control.servo import ServoSystem
+from stribeck.control.servo_system import ServoSystem
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, symbol, total_derivative

@@ -11,6 +11,7 @@ from typing import Any
 from stribeck import laws, parameter_sets
 from stribeck.cli import show
 from stribeck.cli.text import say, width
+from stribeck.constants import DECIDED
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, left_out, note
 from stribeck.laws.base import PARAMETERS, Law
@@ -21,7 +22,6 @@ from stribeck.scenario import parse_assignment
 
 _DEFAULT_SET = "canudas1995"
 _BESIDE = 23  # columns, where the words of a verdict begin
-_WORDS = {True: "yes", False: "no", None: "undecided"}
 
 
 def check(
@@ -179,7 +179,7 @@ def print_verdicts(verdicts: Verdicts, of: str = "") -> None:
     for name, verdict in verdicts.properties.items():
         again = {True: ", verified", False: ", NOT CONFIRMED", None: ""}[verdict.verified]
         reason = verdict.evidence.get("reason") if verdict.holds is None else verdict.method
-        say(f"{reason}{again}", _BESIDE, f"  {name:11}{_WORDS[verdict.holds]:10}")
+        say(f"{reason}{again}", _BESIDE, f"  {name:11}{DECIDED[verdict.holds]:10}")
         for line in _lines(verdict.evidence):
             say(line, _BESIDE + 2, " " * _BESIDE)
 
@@ -216,7 +216,7 @@ def _print_matrix(checked: list[Verdicts], parameters: str | None) -> None:
     cell = min(12, (width() - 2 - wide) // len(NAMES))
     print(f"{'':{wide}}  " + "".join(f"{name:{cell}}" for name in NAMES))
     for v in checked:
-        print(f"{v.law.name:{wide}}  " + "".join(f"{_WORDS[v[name].holds]:{cell}}" for name in NAMES))
+        print(f"{v.law.name:{wide}}  " + "".join(f"{DECIDED[v[name].holds]:{cell}}" for name in NAMES))
 
 
 def _own(checked: list[Verdicts]) -> str:

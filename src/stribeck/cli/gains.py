@@ -9,7 +9,7 @@ from stribeck.analysis.gains import check_servo
 from stribeck.analysis.lyapunov import Along
 from stribeck.cli import show
 from stribeck.cli.text import say
-from stribeck.control.gains import Condition, Proof, Staying, Verdict
+from stribeck.control.gains import Condition, GainVerdict, Proof, Staying
 from stribeck.control.proof import derive
 from stribeck.scenario import Scenario
 
@@ -49,7 +49,7 @@ def _print_staying(stays: Staying, v_max: float) -> None:
     )
 
 
-def _print(scenario: Scenario, verdict: Verdict, proof: Proof, doubts: list[str], found: Along | None) -> None:
+def _print(scenario: Scenario, verdict: GainVerdict, proof: Proof, doubts: list[str], found: Along | None) -> None:
     d, v = scenario.drive_values, verdict
     given = f"K_D = {d['K_D']:g} N s/m, K = {d['K']:g} m/N, |v| <= {v.v_max:.4g} m/s, w <= {v.w_max:.4g} 1/s"
     say(f"{scenario.name}: {given}", 4)

@@ -10,6 +10,7 @@ from stribeck.cli.show import print_json
 from stribeck.cli.text import say
 from stribeck.errors import InputError
 from stribeck.laws.base import Claims, Law
+from stribeck.laws.form import USUAL, Form
 from stribeck.laws.render import Equation, condition, equations
 from stribeck.parameter_sets import parameters
 
@@ -78,21 +79,21 @@ def _describe(law: type[Law]) -> dict[str, Any]:
         "source": law.source,
         "has_z": law.has_z,
         "guarantees": _guarantees(law),
-        "with": {form[0]: _changed(law, form) for form in law.structures() if len(form) == 1},
+        "with": {form.words[0]: _changed(law, form) for form in law.forms() if len(form.words) == 1},
     }
 
 
-def _equations(law: type[Law], form: tuple[str, ...] = ()) -> list[dict[str, str]]:
+def _equations(law: type[Law], form: Form = USUAL) -> list[dict[str, str]]:
     return [asdict(e) for e in equations(law, form)]
 
 
-def _guarantees(law: type[Law], form: tuple[str, ...] = ()) -> dict[str, Any]:
+def _guarantees(law: type[Law], form: Form = USUAL) -> dict[str, Any]:
     claims = {field.name: getattr(law.claims, field.name) for field in fields(Claims)}
     found = {n: condition(c, law, form) if callable(c) else c for n, c in claims.items()}
     return {n: {"if": asdict(c)} if isinstance(c, Equation) else c for n, c in found.items()}
 
 
-def _changed(law: type[Law], form: tuple[str, ...]) -> dict[str, Any]:
+def _changed(law: type[Law], form: Form) -> dict[str, Any]:
     """The equations and guarantees that a form of the law has and the usual one has not."""
     usual, claims = _equations(law), _guarantees(law)
     return {

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from stribeck.equations import Equations
 from stribeck.expressions.graph import ONE, ZERO, Expr, derivative, ordered, rewrite, substitute, symbol, symbols
+from stribeck.expressions.names import Names
 
 
 @dataclass
 class Collected:
-    """The expressions of a system, as lists that are rewritten together."""
+    """The expressions of a system, as lists that are rewritten together; ``called``: names of intermediate results."""
 
     rates: list[Expr]
     by_state: list[Expr]
@@ -22,6 +23,7 @@ class Collected:
     samples: list[Expr]
     curved: list[bool]
     memory: list[tuple[str, ...]]
+    called: Names
 
     @property
     def parts(self) -> list[list[Expr]]:
@@ -42,7 +44,8 @@ class Collected:
 
 def collect(system: Equations) -> Collected:
     """All expressions of the system and their derivatives."""
-    rates, names = system.rates(), [state.name for state in system.states]
+    called = Names()
+    rates, names = system.rates(called), [state.name for state in system.states]
     states, t = [symbol(name) for name in names], symbol("t")
     known: list[dict[Expr, Expr]] = [{} for _ in (*states, t)]
 
@@ -51,10 +54,10 @@ def collect(system: Equations) -> Collected:
         return [derivative(of, by, known[i]) if str(by.value) in uses else ZERO for i, by in enumerate((*states, t))]
 
     rows = [slopes(rate) for rate in rates]
-    watched = [watch.value for watch in system.watches()]
+    watched = [watch.value for watch in system.watches(called)]
     of_watched = [slopes(value) for value in watched]
     moving = {*names, "t"}
-    samples = system.samples()
+    samples = system.samples(called)
     moved = system.moved_energy()
     return Collected(
         rates=list(rates),
@@ -66,6 +69,7 @@ def collect(system: Equations) -> Collected:
         samples=[expr for each in samples for expr in (each.output, *each.memory.values())],
         curved=[bool(symbols(row) & moving) for row in of_watched],
         memory=[tuple(each.memory) for each in samples],
+        called=called,
     )
 
 
@@ -77,9 +81,11 @@ def _constant(node: Expr, parameters: Collection[str], known: dict[Expr, bool]) 
     return known[node]
 
 
-def hoist(outputs: list[Expr], parameters: Collection[str], taken: set[str]) -> tuple[list[Expr], dict[str, Expr]]:
+def hoist(
+    outputs: list[Expr], parameters: Collection[str], taken: set[str], called: Names
+) -> tuple[list[Expr], dict[str, Expr]]:
     """The outputs and, by name, the coefficients in them: subexpressions of ``parameters`` alone, computed once a run,
-    and reciprocals of divisors. ``taken`` are names that a coefficient must not have."""
+    and reciprocals of divisors. ``taken`` are names that a coefficient must not have; ``called`` are handed on."""
     known: dict[Expr, bool] = {}
 
     def multiply(node: Expr) -> Expr:
@@ -95,11 +101,9 @@ def hoist(outputs: list[Expr], parameters: Collection[str], taken: set[str]) -> 
         ):
             return node
         product = node.args[0] * (ONE / node.args[1])
-        if product.op == "mul" and product.label is None:
-            product.label = node.label
-        return product
+        return called.hand_on(node, product) if product.op == "mul" else product
 
-    outputs = rewrite(outputs, multiply)
+    outputs = rewrite(outputs, multiply, called)
     coefficients: dict[str, Expr] = {}
     found: dict[Expr, Expr] = {}
     stack, seen = list(reversed(outputs)), set()
@@ -112,7 +116,7 @@ def hoist(outputs: list[Expr], parameters: Collection[str], taken: set[str]) -> 
         if trivial:
             continue
         if _constant(node, parameters, known) and node.op not in ("lt", "le", "both", "either"):
-            name = node.label or _coefficient_name(node, len(coefficients))
+            name = called.get(node) or _coefficient_name(node, len(coefficients))
             while name in taken:
                 name += "_"
             taken.add(name)
@@ -120,7 +124,7 @@ def hoist(outputs: list[Expr], parameters: Collection[str], taken: set[str]) -> 
             found[node] = symbol(f"coefficient.{name}")
         else:
             stack.extend(reversed(node.args))
-    return substitute(outputs, found), coefficients
+    return substitute(outputs, found, called), coefficients
 
 
 def _coefficient_name(node: Expr, count: int) -> str:

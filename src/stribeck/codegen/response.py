@@ -6,33 +6,39 @@ from collections.abc import Callable
 from importlib.resources import files
 
 from stribeck.codegen.source import PORTABLE
-from stribeck.expressions.emit import C, Writer
+from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
+from stribeck.laws.form import USUAL, Form
 
 # Words of C that a variable must not have, and names of the generated functions.
-_TAKEN = frozenset(
-    """
-    exp log sqrt sin cos atan tanh fabs pow double int const return if else for do p v z INFINITY NAN PARAMETERS UNUSED
+_TAKEN = (
+    C_WORDS
+    | C_FUNCTIONS
+    | frozenset(
+        """
+    p v z PARAMETERS UNUSED
     by_z by_v r_v r_z f_v f_z real mask splat choose abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of
     """.split()  # noqa: SIM905
+    )
 )
 
 
-def parameters(law: type[Law], structure: tuple[str, ...]) -> tuple[str, ...]:
+def parameters(law: type[Law], form: Form) -> tuple[str, ...]:
     """The law's constants in the order in which the compiled code takes them."""
-    return tuple(law.numbers(structure))
+    return tuple(law.numbers(form))
 
 
-def response_source(law: type[Law], structure: tuple[str, ...] = ()) -> str:
-    """One C file for a law with the optional constants of ``structure`` on, that answers a velocity with a force:
+def response_source(law: type[Law], form: Form = USUAL) -> str:
+    """One C file for a law in that form of its equations, that answers a velocity with a force:
     compile it alone, as a shared library."""
-    rate, force = _equations(law, structure)
+    rate, force, names = _equations(law, form)
     v, z = symbol("v"), symbol("z")
-    write = _functions(law, structure)
+    write = _functions(law, form, names)
     return "\n\n".join(
         [
-            *_head(law, structure, "the answer of law {} to a velocity"),
+            *_head(law, form, "the answer of law {} to a velocity"),
             write(f"double rate({_ARGUMENTS})", [("const double dz_dt", rate)], "return dz_dt;"),
             write(f"double force({_ARGUMENTS})", [("const double F", force)], "return F;"),
             write(
@@ -44,15 +50,15 @@ def response_source(law: type[Law], structure: tuple[str, ...] = ()) -> str:
     )
 
 
-def motion_source(law: type[Law], structure: tuple[str, ...] = ()) -> str:
+def motion_source(law: type[Law], form: Form = USUAL) -> str:
     """As :func:`response_source`, for the motion of a body under a force and the law's friction."""
-    rate, force = _equations(law, structure)
+    rate, force, names = _equations(law, form)
     v, z = symbol("v"), symbol("z")
-    write = _functions(law, structure)
+    write = _functions(law, form, names)
     slopes = [("r_v", rate, v), ("r_z", rate, z), ("f_v", force, v), ("f_z", force, z)]
     return "\n\n".join(
         [
-            *_head(law, structure, "the motion of a body under law {}"),
+            *_head(law, form, "the motion of a body under law {}"),
             write(f"double rate({_ARGUMENTS})", [("const double dz_dt", rate)], "return dz_dt;"),
             write(f"double force({_ARGUMENTS})", [("const double F", force)], "return F;"),
             write(
@@ -67,30 +73,30 @@ def motion_source(law: type[Law], structure: tuple[str, ...] = ()) -> str:
 _ARGUMENTS = "const double *p, double v, double z"
 
 
-def _equations(law: type[Law], structure: tuple[str, ...]) -> tuple[Expr, Expr]:
-    """dz/dt and the friction."""
-    p, v, z = law.symbolic(lambda name: symbol(f"lane.{name}"), structure), symbol("v"), symbol("z")
+def _equations(law: type[Law], form: Form) -> tuple[Expr, Expr, Names]:
+    """dz/dt and the friction, and what their terms are called."""
+    names = Names()
+    p, v, z = law.symbolic(lambda name: symbol(f"lane.{name}"), form, names.term), symbol("v"), symbol("z")
     rate = wrap(law.dz_dt(p, v, z)) if law.has_z else wrap(0)
-    return rate, wrap(law.friction(p, v, z, rate))
+    return rate, wrap(law.friction(p, v, z, rate)), names
 
 
-def _functions(law: type[Law], structure: tuple[str, ...]) -> Callable[..., str]:
+def _functions(law: type[Law], form: Form, names: Names) -> Callable[..., str]:
     """A writer of C functions of (p, v, z)."""
-    names = parameters(law, structure)
-    inputs = {f"lane.{name}": f"p[{i}]" for i, name in enumerate(names)} | {"v": "v", "z": "z"}
+    inputs = {f"lane.{name}": f"p[{i}]" for i, name in enumerate(parameters(law, form))} | {"v": "v", "z": "z"}
 
     def function(head: str, outputs: list[tuple[str, Expr]], end: str = "") -> str:
-        lines = [*Writer(C, inputs, taken=_TAKEN).write(outputs), *([end] if end else [])]
+        lines = [*Writer(C, inputs, taken=_TAKEN, names=names).write(outputs), *([end] if end else [])]
         body = "".join(f"    {line}\n" for line in lines)
         return f"static inline {head}\n{{\n    (void)p; (void)v; (void)z;\n{body}}}"
 
     return function
 
 
-def _head(law: type[Law], structure: tuple[str, ...], what: str) -> list[str]:
+def _head(law: type[Law], form: Form, what: str) -> list[str]:
     return [
         f"/* Generated by Stribeck: {what.format(law.name)}. */",
-        f"#include <math.h>\n#include <stdint.h>\n{PORTABLE}\n#define PARAMETERS {len(parameters(law, structure))}",
+        f"#include <math.h>\n#include <stdint.h>\n{PORTABLE}\n#define PARAMETERS {len(parameters(law, form))}",
         _runtime("scalar.c"),
     ]
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import textwrap
-import threading
 from collections.abc import Callable, Iterable, Sequence
 from functools import lru_cache
 from importlib.resources import files
@@ -11,7 +10,7 @@ from importlib.resources import files
 from stribeck.codegen.collected import collect, hoist
 from stribeck.codegen.elimination import eliminate
 from stribeck.equations import Equations
-from stribeck.expressions.emit import C, Writer
+from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import (
     ZERO,
     Expr,
@@ -22,20 +21,18 @@ from stribeck.expressions.graph import (
 )
 
 # Words of C, and names that the generated functions use themselves.
-_RESERVED = frozenset(
-    """
-    auto break case char const continue default do double else enum extern float for goto if inline int long register
-    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-    p c t x dx piece jac fac shift df_dt exp log sqrt sin cos atan tanh fabs pow
+_RESERVED = (
+    C_WORDS
+    | C_FUNCTIONS
+    | frozenset(
+        """
+    p c t x dx piece jac fac shift df_dt
     abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
     floor_of piece_ w dw m u which noise memory timing sample watch moved_energy
-    N WATCHES WATCHED CURVED PIECE HELD MOVED LANES BY_LANE EXPORT INFINITY NAN HUGE_VAL M_PI M_E UNUSED unix linux
+    N WATCHES WATCHED CURVED PIECE HELD MOVED LANES BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
     """.split()  # noqa: SIM905
+    )
 )
-
-
-# Nodes are shared, and so are their labels: the code of a system must not depend on what else there is.
-_one_at_a_time = threading.Lock()
 
 
 @lru_cache(maxsize=64)
@@ -44,21 +41,17 @@ def source(system: Equations, lanes: bool = False) -> str:
 
     With ``lanes`` it solves several trajectories at once, each in a lane of the widest vectors that it is compiled for.
     """
-    with _one_at_a_time:
-        return _Source(system, lanes).text()
+    return _Source(system, lanes).text()
 
 
 def with_columns(system: Equations, columns: Callable[[], dict[str, Expr]]) -> str:
     """The C file of the system for a program of its own: nothing is visible from outside, and a further function
     ``columns`` computes what the output shows."""
-    with _one_at_a_time:
-        made = _Source(system, False)
-        text = made.text()
-        for node in ordered(columns().values()):
-            node.label = None
-        outputs = [(f"out[{i}]", node) for i, node in enumerate(columns().values())]
-        arguments = "const Parameters *p, const Segment *piece, real t, const real *x, real *out"
-        return f"{text}\n\n{made.function('Every column of the output.', 'columns', arguments, outputs)}\n"
+    made = _Source(system, False)
+    text = made.text()
+    outputs = [(f"out[{i}]", node) for i, node in enumerate(columns().values())]
+    arguments = "const Parameters *p, const Segment *piece, real t, const real *x, real *out"
+    return f"{text}\n\n{made.function('Every column of the output.', 'columns', arguments, outputs)}\n"
 
 
 def parameter_names(system: Equations) -> list[str]:
@@ -77,10 +70,9 @@ class _Source:
             for (group, name), field in zip(system.parameters, self.fields, strict=True)
         }
         made = collect(system)
-        for node in ordered(made.every):
-            node.label = None
-        made = collect(system)  # sets the labels of this system
-        flat, self.coefficients = hoist(made.every, self.parameter_text.keys(), {*_RESERVED, *self.fields})
+        self.called = made.called
+        taken = {*_RESERVED, *self.fields}
+        flat, self.coefficients = hoist(made.every, self.parameter_text.keys(), taken, self.called)
         made.put(flat)
         n = len(self.names)
         self.rates, self.by_time, self.watched = made.rates, made.by_time, made.watched
@@ -301,10 +293,10 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
         lines = [f"const real {local[n]} = x[{i}];" for i, n in enumerate(self.names) if n in used]
         if late:
             locals_ = [(f"const real new_{i}", node) for i, (_, node) in enumerate(outputs)]
-            lines += Writer(C, {**inputs, **local}, taken=_RESERVED).write(locals_)
+            lines += Writer(C, {**inputs, **local}, taken=_RESERVED, names=self.called).write(locals_)
             lines += [f"{target} = new_{i};" for i, (target, _) in enumerate(outputs)]
         else:
-            lines += Writer(C, {**inputs, **local}, taken=_RESERVED).write(outputs)
+            lines += Writer(C, {**inputs, **local}, taken=_RESERVED, names=self.called).write(outputs)
         lines += [end] if end else []
         body = "".join(f"    {line}\n" for line in lines)
         unused = "".join(f"    (void){word};\n" for word in _argument_names(arguments) if not _mentions(body, word))

@@ -33,7 +33,7 @@ class Condition:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class GainVerdict:
     """Whether V decreases for all errors, up to ``v_max``, while the valve is not at its limit."""
 
     v_max: float
@@ -50,25 +50,24 @@ class Verdict:
 
 def decay(law: Law) -> Expr:
     """w(v) of a law dz/dt = S_1 v - w z, its constants symbols."""
-    p, v, z = law.symbolic(symbol, law.structure), symbol("v"), symbol("z")
+    p, v, z = law.symbolic(symbol, law.form), symbol("v"), symbol("z")
     return -derivative(wrap(law.dz_dt(p, v, z)), z)
 
 
 def damping(law: Law) -> Expr:
     """sigma_1 of a law F = sigma_0 z + sigma_1 dz/dt + sigma_2 v: with v_d a function of v, largest at rest."""
-    p, rate = law.symbolic(symbol, law.structure), symbol("dz_dt")
+    p, rate = law.symbolic(symbol, law.form), symbol("dz_dt")
     return derivative(wrap(law.friction(p, symbol("v"), symbol("z"), rate)), rate)
 
 
 def at_speed(law: Law, expr: Expr) -> Callable[[Any], Any]:
     """An expression of the law's constants and v as a function of the speed."""
-    names = [name for name, value in law.values.items() if value is not None]
-    function = python_function([*names, "v"], [expr])
-    values = [law.values[name] for name in names]
-    return lambda v: function(*values, v)[0]
+    numbers = law.p.numbers
+    function = python_function([*numbers, "v"], [expr])
+    return lambda v: function(*numbers.values(), v)[0]
 
 
-def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
+def judge(law: Law, gains: Mapping[str, float], v_max: float) -> GainVerdict:
     """The conditions for gains K_D, K and a law that is linear in z, in plant and observer alike.
 
     With v_d they hold for sigma_1 at rest, its largest value: sufficient then, as both ask less of a smaller one.
@@ -102,7 +101,7 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> Verdict:
     limit = float(roots[0]) if roots else math.inf
     # half of what the condition allows; where it allows any K, what is given
     proposed = {"K_D": max(gains["K_D"], twice), "K": gains["K"] if limit <= 0 else min(gains["K"], limit / 2)}
-    return Verdict(
+    return GainVerdict(
         v_max, w_max, condition(exact, True), condition(error, gains["K"] < largest_K), largest_K, proposed
     )  # fmt: skip
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.expressions.ops import Value, clip, where
 from stribeck.laws.base import Law
+from stribeck.laws.values import Constants, told
 
 Z_HAT = Column("z_hat", "m", "the observer's deflection")
 _LAYER = 0.05  # share of a bound over which the projection fades the rate out
@@ -40,7 +40,7 @@ class Adaptation:
 
 
 @dataclass(frozen=True)
-class Estimate:
+class Observed:
     """What an observer gives: the friction force (N), its own deflection (m), and the rates of its states."""
 
     F: Value
@@ -53,26 +53,26 @@ def correction(p: Any, K: Value, s: Value) -> Value:
     return -K * p.sigma_0 * s
 
 
-def observe(law: type[Law] | None, p: Any, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Estimate:
+def observe(law: type[Law] | None, p: Any, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Observed:
     """Eqs 14 and 15: the law driven by the measured velocity and by the tracking error s; without a law, no friction."""
     if law is None:
-        return Estimate(0.0 * v, 0.0 * v, {})
+        return Observed(0.0 * v, 0.0 * v, {})
     if not law.has_z:
-        return Estimate(law.friction(p, v, 0.0 * v, 0.0 * v), 0.0 * v, {})
+        return Observed(law.friction(p, v, 0.0 * v, 0.0 * v), 0.0 * v, {})
     z = x["z_hat"]
     rate = law.dz_dt(p, v, z) + correction(p, K, s)
-    return Estimate(law.friction(p, v, z, rate), z, {"z_hat": rate})
+    return Observed(law.friction(p, v, z, rate), z, {"z_hat": rate})
 
 
-def adapt(law: type[Law], p: Any, a: Any, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Estimate:
+def adapt(law: type[Law], p: Any, a: Any, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Observed:
     """The observer whose parameters are adapted (docs/servo.md): the law is linear in z, ``a`` holds the gains.
 
     a_g multiplies what is linear in z, so it scales 1/g; eta is the sensitivity of z_hat to it, which makes a_g enter
     the error of F_hat linearly, up to terms of second order.
     """
     z, eta, scale = x["z_hat"], x["eta"], x["a_g"]
-    known = SimpleNamespace(**vars(p))
-    known.sigma_0, known.sigma_1, known.sigma_2 = p.sigma_0 * x["a_0"], p.sigma_1 * x["a_1"], p.sigma_2 * x["a_2"]
+    scaled = {f"sigma_{i}": getattr(p, f"sigma_{i}") * x[f"a_{i}"] for i in range(3)}
+    known = Constants({**vars(p), **scaled}, told(p))
 
     def decay(z: Value) -> Value:  # -w z
         return law.dz_dt(p, v, z) - law.dz_dt(p, v, 0.0 * z)
@@ -86,7 +86,7 @@ def adapt(law: type[Law], p: Any, a: Any, K: Value, v: Value, s: Value, x: dict[
     gains = {"a_0": a.gamma_0, "a_1": a.gamma_1, "a_2": a.gamma_2, "a_g": a.gamma_g}
     rates = {name: projected(x[name], -gains[name] * forces[name] * s, a.range) for name in forces}
     F = law.friction(known, v, z, rate)
-    return Estimate(F, z, {"z_hat": rate + eta * rates["a_g"], "eta": eta_rate, **rates})
+    return Observed(F, z, {"z_hat": rate + eta * rates["a_g"], "eta": eta_rate, **rates})
 
 
 def projected(value: Value, rate: Value, bound: Value) -> Value:

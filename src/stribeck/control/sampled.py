@@ -12,12 +12,12 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.control.observer import START
-from stribeck.control.servo import MEASURED, ServoSystem
+from stribeck.control.servo_system import MEASURED, ServoSystem
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol
 from stribeck.signals import Signal
 
-Leg = tuple[float, dict[tuple[str, str], float]]  # until when, and the constants that change at its begin
+Interval = tuple[float, dict[tuple[str, str], float]]  # until when, and the constants that change at its begin
 _COMPUTED = ("u", "F_hat", "p_d", "z_hat")
 
 
@@ -34,7 +34,7 @@ class Sampling:
 
 
 @dataclass
-class Log:
+class Held:
     """What the controller held from each of its samples on, and the valve from each change of its voltage on."""
 
     names: tuple[str, ...] = ()
@@ -108,9 +108,9 @@ class Controller:
         return tuple(found[:4])
 
 
-def legs(
-    system: ServoSystem, sampling: Sampling, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Log
-) -> Generator[Leg, Array, None]:  # fmt: skip
+def intervals(
+    system: ServoSystem, sampling: Sampling, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Held
+) -> Generator[Interval, Array, None]:  # fmt: skip
     """The stretches of a run in which the voltage is held; what is sent back is the plant's state at the end of each."""
     controller, random = Controller(system, values), np.random.default_rng(sampling.seed)
     acceleration = _acceleration(system, values)

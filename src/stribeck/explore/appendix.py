@@ -13,7 +13,7 @@ from typing import Any
 
 from stribeck.drives.base import Column
 from stribeck.expressions.emit import C, Writer
-from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
+from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import where
 from stribeck.laws.base import Claims, Law, Relation
 from stribeck.scenario import Scenario
@@ -171,8 +171,6 @@ def _function(name: str, arguments: str, outputs: dict[str, Expr], inputs: dict[
 def _write(
     name: str, arguments: str, outputs: Sequence[tuple[str, Expr]], inputs: dict[str, str], kind: str, end: str
 ) -> str:
-    for node in ordered(expr for _, expr in outputs):
-        node.label = None  # the text must not depend on what else was written
     lines = Writer(C, inputs, taken={"p", "v", "z", "s", "x", "t", "out", "value", "dz_dt", "rtol"}).write(outputs)
     unused = "".join(f"    (void){part.replace('*', ' ').split()[-1]};\n" for part in arguments.split(","))
     return f"{kind} {name}({arguments})\n{{\n{unused}{''.join(f'    {line}' + chr(10) for line in lines)}{end}}}"

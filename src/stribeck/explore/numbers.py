@@ -57,7 +57,7 @@ def of_law(scenario: Scenario) -> list[Number]:
         value = values.get(name)
         if value is not None and not constant.choices:
             group = "law.parameters" if name in PARAMETERS else "law"
-            target = f"law.{name}" if name in law.numbers(law.structure) else ""
+            target = f"law.{name}" if name in law.numbers(law.form) else ""
             reach = _STEEP if name == "k_v" else _REACH
             found.append(_number(group, name, value, constant.of_motion(rotary), 0.0, target, reach))
     return found

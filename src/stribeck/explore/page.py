@@ -99,7 +99,7 @@ def page(
 def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, Any]) -> dict[str, Any]:
     law, system = scenario.law, scenario.system
     assert isinstance(system, System)
-    kind, form = type(law), law.structure
+    kind, form = type(law), law.form
     conditions = {}
     for name in CLAIMS:
         claim = getattr(kind.claims, name)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import importlib
+import pkgutil
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest, note
-from stribeck.export.request import Request
+from stribeck.export.request import Request, Target
 from stribeck.files import together, trouble, write_with
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
@@ -26,31 +26,26 @@ PARTS = {
 }
 
 
-@dataclass(frozen=True)
-class Target:
-    """A tool to write for. Its module has ``files(request)``, which returns the content by file name, and may have
-    ``notes(request)``: what the law loses there. ``folder`` is False where the target is one file, ``out`` itself."""
+def targets() -> dict[str, Target]:
+    """Every target by its name: a package or a module of one of this package's folders that declares a ``TARGET``."""
+    found: dict[str, Target] = {}
+    for folder in pkgutil.iter_modules(__path__):
+        if not folder.ispkg:
+            continue
+        package = importlib.import_module(f"{__name__}.{folder.name}")
+        if hasattr(package, "TARGET"):
+            modules = [package]
+        else:
+            modules = [
+                importlib.import_module(f"{package.__name__}.{m.name}") for m in pkgutil.iter_modules(package.__path__)
+            ]
+        for module in modules:
+            if (target := getattr(module, "TARGET", None)) is not None:
+                found[target.name] = target
+    return dict(sorted(found.items()))
 
-    module: str
-    meaning: str
-    parts: tuple[str, ...] = ("law",)
-    folder: bool = True
-    self_test: bool = False
 
-
-TARGETS: dict[str, Target] = {
-    "c": Target(
-        "c.c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade", "machine"), self_test=True
-    ),
-    "fmu": Target("fmu.archive", "an FMU for FMI 2.0 and 3.0", ("law", "body", "cascade", "machine"), folder=False),
-    "isaaclab": Target("learning.isaaclab", "an actuator for IsaacLab", folder=False),
-    "mjwarp": Target("learning.mjwarp", "joint friction for MuJoCo Warp", folder=False),
-    "modelica": Target("text.modelica", "a Modelica package", folder=False),
-    "mujoco": Target("text.mujoco", "a MuJoCo model, and a callback", ("law", "body")),
-    "newton": Target("learning.newton", "joint friction for Newton", folder=False),
-    "st": Target("text.st", "an IEC 61131-3 function block in Structured Text", folder=False),
-    "table": Target("text.table", "a table of velocity and force, at most 20 points", folder=False),
-}
+TARGETS = targets()
 
 
 def export(

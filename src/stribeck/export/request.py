@@ -16,6 +16,22 @@ from stribeck.version import __version__
 
 
 @dataclass(frozen=True)
+class Target:
+    """A tool to write for.
+
+    Its ``module`` has ``files(request)``, which returns the content by file name, and may have ``notes(request)``: what
+    the law loses there. ``folder`` is False where the target is one file, ``out`` itself.
+    """
+
+    name: str
+    module: str
+    meaning: str
+    parts: tuple[str, ...] = ("law",)
+    folder: bool = True
+    self_test: bool = False
+
+
+@dataclass(frozen=True)
 class Request:
     """One export: the law with its constants, the part wanted, the scenario and the time step where they are given."""
 
@@ -47,7 +63,7 @@ class Request:
     @property
     def constants(self) -> dict[str, float]:
         """The constants that the equations use, by name; optional ones that are off are left out."""
-        return {name: value for name, value in self.law.values.items() if value is not None}
+        return self.law.p.numbers
 
     @property
     def rotary(self) -> bool:
@@ -73,7 +89,7 @@ class Request:
         kept = [name.replace("_", "-") for name, holds in law.guarantees().items() if holds]
         lost = [name.replace("_", "-") for name, holds in law.guarantees().items() if holds is False]
         lines = [f"{law.name}: {' '.join((law.__doc__ or '').split())}", ""]
-        lines += [f"  {each.text}" for each in equations(type(law), law.structure)]
+        lines += [f"  {each.text}" for each in equations(type(law), law.form)]
         lines += ["", f"Source: {law.source}", f"Parameters: {self.origin or _origin(law)}"]
         declared = self.declared
         lines += [valued(n, x, declared[n]) for n, x in self.constants.items()]

@@ -10,6 +10,7 @@ from typing import Any
 
 from stribeck.expressions import ops
 from stribeck.expressions.graph import Expr, ordered
+from stribeck.expressions.names import Names
 
 ATOM, UNARY, MUL, ADD, COMPARE, AND, OR, TERNARY = range(8)
 _LONGEST_LINE = 110
@@ -28,6 +29,16 @@ class Dialect:
     where_precedence: int = TERNARY
     value: str = "{0}"  # a number that stands alone, not beside an operator
 
+
+# What no variable, member or constant can be called in C: its words, what its headers define, and two macros of compilers.
+C_WORDS = frozenset(
+    """
+    auto break case char const continue default do double else enum extern float for goto if inline int long register
+    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
+    INFINITY NAN unix linux
+    """.split()  # noqa: SIM905
+)
+C_FUNCTIONS = frozenset({"exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "fabs", "pow"})
 
 # ``real`` is a number, or a vector of numbers for several trajectories: runtime/scalar.c, runtime/vector.c.
 _FUNCTIONS = ("abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow", "floor")
@@ -55,12 +66,14 @@ def _literal(x: float) -> str:
 class Writer:
     """Writes statements that compute some outputs.
 
-    A node becomes a variable of its own when it is used more than once, carries a label, or its text would be long;
-    all others are written where they are used.
+    A node becomes a variable of its own when it is used more than once, has a name in ``names``, or its text would be
+    long; all others are written where they are used.
     """
 
-    def __init__(self, dialect: Dialect, inputs: Mapping[str, str], taken: Iterable[str] = ()) -> None:
-        self.dialect, self.inputs = dialect, inputs
+    def __init__(
+        self, dialect: Dialect, inputs: Mapping[str, str], taken: Iterable[str] = (), names: Names | None = None
+    ) -> None:
+        self.dialect, self.inputs, self.names = dialect, inputs, Names() if names is None else names
         self.taken = set(taken) | {text for text in inputs.values() if text.isidentifier()}
         self.lines: list[str] = []
         self._text: dict[Expr, tuple[str, int]] = {}
@@ -82,9 +95,10 @@ class Writer:
         text, precedence = self._format(node)
         if node.op in ("symbol", "constant", "lt", "le", "both", "either"):
             return text, precedence
-        if uses == 1 and not node.label and len(text) <= _LONGEST_LINE:
+        called = self.names.get(node)
+        if uses == 1 and called is None and len(text) <= _LONGEST_LINE:
             return text, precedence
-        name = self._name(node.label)
+        name = self._name(called)
         self.lines.append(f"{self.dialect.declare}{name} = {text}{self.dialect.statement_end}")
         return name, ATOM
 

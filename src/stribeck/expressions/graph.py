@@ -9,12 +9,15 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from stribeck.expressions import ops
 from stribeck.expressions.exact import Exact, combined, function
+
+if TYPE_CHECKING:
+    from stribeck.expressions.names import Names
 
 Number = int | float
 
@@ -22,12 +25,11 @@ Number = int | float
 class Expr:
     """A node: an operation on other nodes, a named symbol, or a constant. Equal nodes are the same object."""
 
-    __slots__ = ("__weakref__", "args", "label", "op", "value")
+    __slots__ = ("__weakref__", "args", "op", "value")
 
     op: str
     args: tuple[Expr, ...]
     value: float | str | None
-    label: str | None
 
     def __add__(self, other: Any) -> Expr:
         return _add(self, wrap(other))
@@ -105,7 +107,7 @@ def _node(op: str, *args: Expr, value: float | str | None = None) -> Expr:
         node = _nodes.get(key)
         if node is None:
             node = Expr()
-            node.op, node.args, node.value, node.label = op, args, value, None
+            node.op, node.args, node.value = op, args, value
             _nodes[key] = node
     return node
 
@@ -355,32 +357,32 @@ def rebuild(node: Expr, args: tuple[Expr, ...]) -> Expr:
         "add": _add, "sub": _sub, "mul": _mul, "div": _div, "neg": _neg, "pow": _power, "where": _Graph.where,
     }  # fmt: skip
     if node.op in build:
-        new = build[node.op](*args)
-    elif node.op in ("lt", "le", "both", "either"):
-        new = _node(node.op, *args)
-    else:
-        new = _function(node.op, *args)
-    if new.label is None and new.op not in ("symbol", "constant"):
-        new.label = node.label
+        return build[node.op](*args)
+    if node.op in ("lt", "le", "both", "either"):
+        return _node(node.op, *args)
+    return _function(node.op, *args)
+
+
+def _unnamed(old: Expr, new: Expr) -> Expr:
     return new
 
 
-def rewrite(outputs: Iterable[Expr], rule: Callable[[Expr], Expr]) -> list[Expr]:
-    """The outputs with ``rule`` applied to every node, arguments first."""
-    outputs = list(outputs)
+def rewrite(outputs: Iterable[Expr], rule: Callable[[Expr], Expr], names: Names | None = None) -> list[Expr]:
+    """The outputs with ``rule`` applied to every node, arguments first; ``names`` are handed on."""
+    outputs, hand_on = list(outputs), _unnamed if names is None else names.hand_on
     new: dict[Expr, Expr] = {}
     for node in ordered(outputs):
-        new[node] = rule(rebuild(node, tuple(new[a] for a in node.args)))
+        new[node] = rule(hand_on(node, rebuild(node, tuple(new[a] for a in node.args))))
     return [new[node] for node in outputs]
 
 
-def substitute(outputs: Iterable[Expr], values: Mapping[Expr, Expr]) -> list[Expr]:
-    """The outputs with the nodes that are keys of ``values`` replaced."""
-    outputs = list(outputs)
+def substitute(outputs: Iterable[Expr], values: Mapping[Expr, Expr], names: Names | None = None) -> list[Expr]:
+    """The outputs with the nodes that are keys of ``values`` replaced; ``names`` are handed on."""
+    outputs, hand_on = list(outputs), _unnamed if names is None else names.hand_on
     new: dict[Expr, Expr] = dict(values)
     for node in ordered(outputs):
         if node not in new:
-            new[node] = rebuild(node, tuple(new[a] for a in node.args))
+            new[node] = hand_on(node, rebuild(node, tuple(new[a] for a in node.args)))
     return [new[node] for node in outputs]
 
 

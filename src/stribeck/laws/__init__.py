@@ -67,9 +67,10 @@ def table(law: Law) -> dict[str, Any]:
     elif builtin().get(name) is not kind:
         name = f"{kind.__module__}:{kind.__qualname__}"
         _in_memory[name] = kind
-    own = {n: x for n, x in law.values.items() if n not in PARAMETERS and x is not None}
-    machine = {n: x for n, x in law.values.items() if n in PARAMETERS and x is not None} | law.machine
-    return {"name": name, **own, **law.choices, **({"parameters": machine} if machine else {})}
+    numbers = law.p.numbers
+    own = {n: x for n, x in numbers.items() if n not in PARAMETERS}
+    machine = {n: x for n, x in numbers.items() if n in PARAMETERS} | law.machine
+    return {"name": name, **own, **law.p.words, **({"parameters": machine} if machine else {})}
 
 
 def find(name: str, folder: Path | None = None) -> type[Law]:

@@ -30,8 +30,10 @@ from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value
 from stribeck.laws import terms
 from stribeck.laws.evaluation import Evaluation
+from stribeck.laws.form import USUAL, Form
 from stribeck.laws.objects import AsObject
 from stribeck.laws.tools import ToTools
+from stribeck.laws.values import Constants, OnTerm
 
 # Parameters of a machine: they belong to the contact, whichever law describes it.
 PARAMETERS: dict[str, Constant] = {
@@ -96,7 +98,13 @@ _TAKEN = {  # what the equations and the files call so; a constant of that name 
 def _taken_names() -> dict[str, str]:
     """Names that a constant cannot have, and what they are: variables, and what every law is made of."""
     own = {n: "it is a part of every law" for n in dir(Law) if not isinstance(getattr(Law, n), Constant)}
-    return own | dict.fromkeys(("values", "choices", "machine", "p"), "it is a part of every law") | _TAKEN
+    return own | dict.fromkeys((*dir(Constants), "machine", "p"), "it is a part of every law") | _TAKEN
+
+
+def _value(constant: Constant, given: Any) -> float | str | None:
+    if constant.choices:
+        return given or constant.choices[0]
+    return float(given) if given is not None else constant.default
 
 
 def _may_be_none(constant: Constant) -> bool:
@@ -126,20 +134,12 @@ class Law(AsObject, Evaluation, ToTools):
         if found := self.problems(values):
             raise InputError([f"{path}: {text}" for path, text in found])
         declared = self.constants()
-        self.values: dict[str, float | None] = {
-            name: float(values[name]) if values.get(name) is not None else constant.default
-            for name, constant in declared.items()
-            if not constant.choices
-        }
-        self.choices: dict[str, str] = {
-            name: values.get(name) or constant.choices[0] for name, constant in declared.items() if constant.choices
-        }
+        self.p = Constants({name: _value(constant, values.get(name)) for name, constant in declared.items()})
         # parameters of the machine that this law does not use, such as v_s for the event threshold
         self.machine: dict[str, float] = {
             name: float(value) for name, value in values.items() if name in PARAMETERS and value is not None
         }
         self.rotary = rotary
-        self.p: Any = SimpleNamespace(**self.values, **self.choices)
 
     def __init_subclass__(cls) -> None:
         super().__init_subclass__()
@@ -228,43 +228,54 @@ class Law(AsObject, Evaluation, ToTools):
         return found
 
     @property
-    def structure(self) -> tuple[str, ...]:
-        """What changes the form of the equations: the optional constants that are on, and choices (``name=word``)
-        other than the first."""
-        on = (name for name, c in self.constants().items() if c.optional and self.values[name] is not None)
-        chosen = (f"{n}={word}" for n, word in self.choices.items() if word != self.constants()[n].choices[0])
-        return (*on, *chosen)
+    def values(self) -> dict[str, float | None]:
+        """The constants that are numbers, None where an optional one is off; ``p.numbers`` are those that are on."""
+        return {name: x for name, x in vars(self.p).items() if not isinstance(x, str)}
+
+    @property
+    def choices(self) -> dict[str, str]:
+        """The constants that are words."""
+        return self.p.words
+
+    @property
+    def form(self) -> Form:
+        """What of these constants changes the form of the equations."""
+        constants, p = self.constants(), vars(self.p)
+        on = tuple(name for name, c in constants.items() if c.optional and p[name] is not None)
+        return Form(on, tuple((n, p[n]) for n, c in constants.items() if c.choices and p[n] != c.choices[0]))
 
     @classmethod
-    def structures(cls) -> list[tuple[str, ...]]:
-        """Every form that the equations can take, as :attr:`structure`; the usual one first."""
+    def forms(cls) -> list[Form]:
+        """Every form that the equations can take; the usual one first."""
         each = [
-            [f"{n}={word}" if i else "" for i, word in enumerate(c.choices)] if c.choices else ["", n]
+            [(n, word) if i else None for i, word in enumerate(c.choices)] if c.choices else [None, n]
             for n, c in cls.constants().items()
             if c.choices or c.optional
         ]
-        return [tuple(word for word in words if word) for words in product(*each)]
+        return [
+            Form(tuple(x for x in one if isinstance(x, str)), tuple(x for x in one if isinstance(x, tuple)))
+            for one in product(*each)
+        ]
 
     @classmethod
-    def numbers(cls, structure: tuple[str, ...]) -> dict[str, Constant]:
+    def numbers(cls, form: Form = USUAL) -> dict[str, Constant]:
         """The constants that are numbers in that form of the equations: no choices, and no optional ones that are off."""
-        return {n: c for n, c in cls.constants().items() if not c.choices and (not c.optional or n in structure)}
+        return {n: c for n, c in cls.constants().items() if not c.choices and (not c.optional or n in form)}
 
     @classmethod
-    def symbolic(cls, make: Callable[[str], Value], structure: tuple[str, ...] = ()) -> SimpleNamespace:
+    def symbolic(cls, make: Callable[[str], Value], form: Form = USUAL, on_term: OnTerm | None = None) -> Constants:
         """The constants as symbols; optional ones that are off are None, choices are words."""
-        words = dict(word.split("=") for word in structure if "=" in word)
-        made: dict[str, Value] = {}
+        words, made = dict(form.choices), dict[str, Value]()
         for name, constant in cls.constants().items():
             if constant.choices:
                 made[name] = words.get(name, constant.choices[0])
             else:
-                made[name] = None if constant.optional and name not in structure else make(name)
-        return SimpleNamespace(**made)
+                made[name] = None if constant.optional and name not in form else make(name)
+        return Constants(made, on_term)
 
     def same_as(self, other: Law | None) -> bool:
         """Whether another law has the same equations, in the same form, and the same numbers."""
-        return type(self) is type(other) and (self.values, self.choices) == (other.values, other.choices)
+        return type(self) is type(other) and isinstance(other, Law) and self.p == other.p
 
     def guarantees(self) -> dict[str, bool | None]:
         """The claims evaluated for these values: True, False, or None where a property does not apply."""

@@ -12,8 +12,9 @@ from numpy.typing import ArrayLike
 from stribeck.arrays import Array
 from stribeck.errors import NotDifferentiable
 from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
+from stribeck.expressions.graph import derivative, symbol, symbols, wrap
 from stribeck.laws.numeric import first_root, shaped
+from stribeck.laws.values import Constants
 
 _SLOWEST = 1e-100
 
@@ -33,13 +34,13 @@ class Evaluation:
 
     name: ClassVar[str]
     has_z: ClassVar[bool]
-    structure: Any  # the form of the equations: a property of the law
+    form: Any  # of the equations: a property of the law
     dz_dt: Callable[..., Any]
     friction: Callable[..., Any]
     scales: Callable[..., Any]
     symbolic: Callable[..., Any]
-    values: dict[str, float | None]
-    p: Any
+    guarantees: Callable[[], dict[str, bool | None]]
+    p: Constants
     _derivatives: ClassVar[dict[Any, _Derivatives]] = {}
 
     @property
@@ -47,6 +48,20 @@ class Evaluation:
         """True where F is discontinuous at v = 0, so that a body cannot come to rest in a simulation."""
         above, below = self.force(1e-300, 0.0), self.force(-1e-300, 0.0)
         return bool(abs(above - below) > 1e-9 * self.scales(self.p).force)
+
+    @property
+    def differentiable(self) -> bool:
+        """True where F has a time derivative wherever v has one: as the law claims, or where it claims nothing as is found
+        at rest, with and without a deflection."""
+        smooth = self.guarantees()["smooth"]
+        if smooth is not None:
+            return smooth
+        length = self.scales(self.p).length if self.has_z else 0.0
+        try:
+            self.force_rate(0.0, np.array([0.0, length, -length]), 1.0)
+        except NotDifferentiable:
+            return False
+        return True
 
     # -- evaluation: NumPy -----------------------------------------------------------------------------------------
 
@@ -123,13 +138,13 @@ class Evaluation:
     # -- derivatives, from the graph of the equations --------------------------------------------------------------
 
     def _graph(self) -> _Derivatives:
-        key = (type(self), self.structure)
+        key = (type(self), self.form)
         if key not in Evaluation._derivatives:
-            p, v, z = self.symbolic(symbol, self.structure), symbol("v"), symbol("z")
+            p, v, z = self.symbolic(symbol, self.form), symbol("v"), symbol("z")
             rate = wrap(self.dz_dt(p, v, z)) if self.has_z else wrap(0)
             force = wrap(self.friction(p, v, z, rate))
             outputs = [force, *(derivative(of, by) for of in (rate, force) for by in (v, z))]
-            names = tuple(name for name, value in vars(p).items() if isinstance(value, Expr))
+            names = tuple(p.numbers)
             function = python_function([*names, "v", "z"], outputs)
             Evaluation._derivatives[key] = _Derivatives(function, names, linear="z" not in symbols([outputs[2]]))
         return Evaluation._derivatives[key]
@@ -140,7 +155,7 @@ class Evaluation:
         v, z = np.broadcast_arrays(v, z)
         with np.errstate(all="ignore"):
             return [
-                np.broadcast_to(x, v.shape)[()] for x in graph.function(*(self.values[n] for n in graph.names), v, z)
+                np.broadcast_to(x, v.shape)[()] for x in graph.function(*(self.p.numbers[n] for n in graph.names), v, z)
             ]
 
     def _force_rate(self, v: Array, z: Array, dv_dt: Array) -> tuple[Array, Array]:

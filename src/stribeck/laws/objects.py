@@ -6,23 +6,23 @@ import importlib
 from html import escape
 from typing import Any, ClassVar, Self
 
+from stribeck.laws.values import Constants
+
 
 class AsObject:
     """What makes a law an object of its own rather than a table of numbers."""
 
     name: ClassVar[str]
-    values: dict[str, float | None]
-    choices: dict[str, str]
+    p: Constants
     machine: dict[str, float]
     rotary: bool
     constants: Any
-    structure: Any
+    form: Any
 
     @property
     def _numbers(self) -> dict[str, Any]:
         """Every constant that is on; the machine's parameters, also those that the law does not use, first."""
-        on = {name: x for name, x in self.values.items() if x is not None}
-        return {**self.machine, **on, **self.choices}
+        return {**self.machine, **self.p.numbers, **self.p.words}
 
     def __repr__(self) -> str:
         inside = "".join(f", {name}={x!r}" for name, x in self._numbers.items())
@@ -34,7 +34,7 @@ class AsObject:
         return type(self) is type(other) and self._numbers == other._numbers
 
     def __hash__(self) -> int:
-        return hash((type(self), *self.values.items(), *self.choices.items()))
+        return hash((type(self), *vars(self.p).items()))
 
     def replace(self, **constants: float | str | None) -> Self:
         """The same law with other values of some constants: ``law.replace(F_s=2.0)``; None turns an optional one off.
@@ -51,7 +51,7 @@ class AsObject:
 
     def _repr_html_(self) -> str:
         """For notebooks: the equations and the constants."""
-        rows = importlib.import_module("stribeck.laws.render").equations(type(self), self.structure)
+        rows = importlib.import_module("stribeck.laws.render").equations(type(self), self.form)
         lines = "".join(f"<div style='margin-left:1.5em'><i>{escape(row.text)}</i></div>" for row in rows)
         declared = {name: c.of_motion(self.rotary) for name, c in self.constants().items()}
         cells = "".join(

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 from stribeck.expressions import pretty
 from stribeck.expressions.graph import symbol, wrap
 from stribeck.expressions.ops import Value
-from stribeck.laws import terms
 from stribeck.laws.base import Law
+from stribeck.laws.form import USUAL, Form
 
 
 @dataclass(frozen=True)
@@ -22,18 +20,17 @@ class Equation:
     text: str
 
 
-def equations(law: type[Law], options: tuple[str, ...] = ()) -> list[Equation]:
-    """The law's equations: dz/dt (where it has a z), F, then the functions that they use, each once.
-
-    ``options`` is the form that they take, one of :meth:`Law.structures`.
-    """
-    p, v, z, rate = law.symbolic(symbol, options), symbol("v"), symbol("z"), symbol("dz_dt")
+def equations(law: type[Law], form: Form = USUAL) -> list[Equation]:
+    """The law's equations: dz/dt (where it has a z), F, then the functions that they use, each once; in that form, one of
+    :meth:`Law.forms`."""
     names = [*law.constants(), "v", "z"]
     latex = {name: pretty.name(name, latex=True) for name in names} | {"dz_dt": r"\dot{z}"}
     text = {name: pretty.name(name, latex=False) for name in names} | {"dz_dt": "dz/dt"}
-    with _named_terms(latex, text) as definitions:
-        found = {"dz_dt": law.dz_dt(p, v, z)} if law.has_z else {}
-        force = law.friction(p, v, z, rate if law.has_z else wrap(0))
+    terms = _Terms(latex, text)
+    p, v, z, rate = law.symbolic(symbol, form, terms.by_name), symbol("v"), symbol("z"), symbol("dz_dt")
+    found = {"dz_dt": law.dz_dt(p, v, z)} if law.has_z else {}
+    force = law.friction(p, v, z, rate if law.has_z else wrap(0))
+    definitions = terms.definitions
     rows = [(latex[name], text[name], value) for name, value in found.items()]
     rows.append(("F", "F", force))
     rows += [(latex[name], text[name], value) for name, value in definitions.items()]
@@ -46,32 +43,30 @@ def equations(law: type[Law], options: tuple[str, ...] = ()) -> list[Equation]:
     ]
 
 
-def condition(claim: Any, law: type[Law], options: tuple[str, ...] = ()) -> Equation | bool:
+def condition(claim: Any, law: type[Law], form: Form = USUAL) -> Equation | bool:
     """A claim that depends on the constants, as a condition; or what it is in a form where it does not."""
-    value = claim(law.symbolic(symbol, options))
+    value = claim(law.symbolic(symbol, form))
     if isinstance(value, bool):
         return value
     latex, text = ({n: pretty.name(n, latex=way) for n in law.constants()} for way in (True, False))
     return Equation(pretty.write(value, latex, latex=True), pretty.write(value, text, latex=False))
 
 
-@contextmanager
-def _named_terms(latex: dict[str, str], text: dict[str, str]) -> Iterator[dict[str, Value]]:
-    """Within, terms such as g(p, v) return a symbol that reads g(v), and leave their definition here."""
-    definitions: dict[str, Value] = {}
+class _Terms:
+    """Terms such as g(p, v) as a symbol that reads g(v), with their definitions apart."""
 
-    def by_name(name: str, sign: str, args: tuple[Value, ...], value: Value) -> Value:
+    def __init__(self, latex: dict[str, str], text: dict[str, str]) -> None:
+        self.latex, self.text = latex, text
+        self.definitions: dict[str, Value] = {}
+
+    def by_name(self, name: str, sign: str, args: tuple[Value, ...], value: Value) -> Value:
+        """The symbol; what reads it is added to the names."""
         arguments = [
-            [pretty.write(wrap(a), names, latex=way) for a in args] for names, way in ((latex, True), (text, False))
+            [pretty.write(wrap(a), names, latex=way) for a in args]
+            for names, way in ((self.latex, True), (self.text, False))
         ]
         call = f"{name}({', '.join(arguments[1])})"
-        latex[call] = f"{sign}({', '.join(arguments[0])})"
-        text[call] = f"{pretty.name(name, latex=False)}({', '.join(arguments[1])})"
-        definitions.setdefault(call, value)
+        self.latex[call] = f"{sign}({', '.join(arguments[0])})"
+        self.text[call] = f"{pretty.name(name, latex=False)}({', '.join(arguments[1])})"
+        self.definitions.setdefault(call, value)
         return symbol(call)
-
-    token = terms.on_term.set(by_name)
-    try:
-        yield definitions
-    finally:
-        terms.on_term.reset(token)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextvars import ContextVar
 from functools import wraps
 from typing import Any
 
 from stribeck.constants import Constant
-from stribeck.expressions.graph import Expr
 from stribeck.expressions.ops import Value, atan, exp, pi, sqrt, where
+from stribeck.laws.values import told
 
 K_V = Constant("s/m", "steepness of the smooth sign", above=0, rotary_unit="s/rad", example=1e7)
 V_D = Constant(
@@ -19,10 +18,6 @@ V_D = Constant(
 DELTA = Constant("", "exponent of the Stribeck curve exp(-|v/v_s|^delta); 2 unless given", at_least=1, optional=True)
 SMOOTH_ABS = Constant("", "which smooth majorant of |v|", choices=("atan", "sqrt", "compact"))
 
-OnTerm = Callable[[str, str, tuple[Value, ...], Value], Value]
-# Set by stribeck.laws.render, which wants terms by name with their definitions apart; in its own thread alone.
-on_term: ContextVar[OnTerm | None] = ContextVar("on_term", default=None)
-
 
 def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
     """Give a function of an equation a name, under which generated C and rendered equations show it."""
@@ -31,10 +26,8 @@ def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
         @wraps(function)
         def named(p: Any, *args: Value) -> Value:
             value = function(p, *args)
-            if isinstance(value, Expr) and value.label is None and value.args:
-                value.label = function.__name__
-            by_name = on_term.get()
-            return value if by_name is None else by_name(function.__name__, latex, args, value)
+            on_term = told(p)
+            return value if on_term is None else on_term(function.__name__, latex, args, value)
 
         return named
 

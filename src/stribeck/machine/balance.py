@@ -4,10 +4,20 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, symbol, total_derivative, wrap
+from stribeck.expressions.graph import (
+    ZERO,
+    Expr,
+    derivative,
+    is_zero,
+    substitute,
+    symbol,
+    total_derivative,
+    wrap,
+)
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import both, clip, where
 from stribeck.machine.controllers import Own
-from stribeck.machine.friction import compensation, named, parameters
+from stribeck.machine.friction import compensation, parameters
 from stribeck.machine.parts import Body, ControllerPart, LinkPart, MotorPart, Span, made
 from stribeck.signals.pieces import Reference
 
@@ -21,16 +31,14 @@ T = symbol("t")
 class Balance:
     """Every quantity of a machine by its column's name (``arm.y``, ``mesh.F``), and what follows from them."""
 
-    def __init__(self, machine: Machine, exact: bool = False) -> None:
-        self.machine, self.exact = machine, exact
+    def __init__(self, machine: Machine, exact: bool = False, called: Names | None = None) -> None:
+        self.machine, self.exact, self.called = machine, exact, Names() if called is None else called
         self.net: dict[str, Expr] = {body.name: ZERO for body in machine.bodies}
         self.power_in = self.lost = self.stored = ZERO
         self.own: dict[str, Expr] = {}  # the rates of the elements' own states
         self.k: dict[str, Expr] = {}
         self.unlimited: dict[str, Expr] = {}
         self.far: Expr = ZERO
-        parts = (machine.bodies, machine.links, machine.contacts, machine.loads, machine.motors, machine.controllers)
-        self._elements = tuple(f"{part.name}_" for group in parts for part in group)
         self._motion()
         self._loads()
         self._links()
@@ -44,8 +52,7 @@ class Balance:
     def _name(self, name: str, value: object) -> Expr:
         """Keep a quantity under the name of its column, which its variable in the generated code has too."""
         found = wrap(value)
-        if found.args and found.label is None:
-            found.label = name.replace(".", "_")
+        self.called.give(found, name.replace(".", "_"))
         self.k[name] = found
         return found
 
@@ -128,7 +135,8 @@ class Balance:
         if not isinstance(link.span.start, str):
             self.far = self.far + stored
         plain = wrap(link.kind.stored_energy(link.p, own, tuple(rates)))
-        slope, by_states = substitute([derivative(plain, own), total_derivative(plain, rates)], {own: d})
+        slopes = [derivative(plain, own), total_derivative(plain, rates)]
+        slope, by_states = substitute(slopes, {own: d}, self.called)
         self.lost = self.lost + ((f - slope) * w - by_states)
 
     def _controllers(self) -> None:
@@ -144,7 +152,7 @@ class Balance:
     def _continuous(self, each: ControllerPart, r: Reference) -> Expr:
         y, v = self.k[f"{each.measures}.y"], self.k[f"{each.measures}.v"]
         x = {n: symbol(f"{each.name}.{n}") for n in each.states}
-        raw, rates = unlimited(each, r, y, v, x, self.exact)
+        raw, rates = unlimited(each, r, y, v, x, self.called, self.exact)
         self.unlimited[each.name] = raw
         rates = held_at_limit(each, raw, rates, x, LAYER)
         self._own(each.name, tuple(rates), tuple(rates.values()))
@@ -178,16 +186,15 @@ class Balance:
         for contact in self.machine.contacts:
             d, w, ratio = self.span(contact.span, contact.path)
             z = symbol(f"{contact.name}.z") if contact.law.has_z else ZERO
-            p = parameters(contact, d, forces, T)
+            p = parameters(contact, d, forces, T, self.called)
             rate = wrap(contact.law.dz_dt(p, w, z)) if contact.law.has_z else ZERO
             F = wrap(contact.law.friction(p, w, z, rate))
-            named(contact.name, [rate, F], self._elements)
             if rate.args:
-                rate.label = f"{contact.name}_dz_dt"
+                self.called[rate] = f"{contact.name}_dz_dt"
             self.k[f"{contact.name}.z"], self.k[f"{contact.name}.w"] = z, w
             self._name(f"{contact.name}.F", F)
             self._act(contact.span, ratio, F)
-            stored = wrap(contact.law.stored_energy(contact.law.symbolic(made(contact.law_path), contact.options), z))
+            stored = wrap(contact.law.stored_energy(contact.law.symbolic(made(contact.law_path), contact.form), z))
             self.stored = self.stored + stored
             self.lost = self.lost + (F * w - (derivative(stored, z) * rate if contact.law.has_z else ZERO))
             if contact.law.has_z:
@@ -238,7 +245,7 @@ class Balance:
 
 
 def unlimited(
-    each: ControllerPart, r: Reference, y: Expr, v: Expr, x: dict[str, Expr], exact: bool
+    each: ControllerPart, r: Reference, y: Expr, v: Expr, x: dict[str, Expr], called: Names, exact: bool
 ) -> tuple[Expr, dict[str, Expr]]:
     """A controller's output without its limit, and the rates of its states."""
     own = tuple(x[s.name] for s in each.kind.states_of(each.form))
@@ -248,7 +255,7 @@ def unlimited(
     if each.feedforward:
         u = u + symbol(f"{each.path}.feedforward.inertia") * r.second
     if each.compensation is not None:
-        force, rate = compensation(each.compensation, r, v, x.get("z_hat", ZERO), exact)
+        force, rate = compensation(each.compensation, r, v, x.get("z_hat", ZERO), called, exact)
         u = u + (symbol(f"{each.path}.compensation.share") * force if each.compensation.share else force)
         if rate is not None and "z_hat" in x:
             rates["z_hat"] = rate

@@ -6,6 +6,7 @@ from typing import Any, ClassVar
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value
+from stribeck.laws.form import Form
 from stribeck.machine.element import Element, State
 from stribeck.signals.pieces import Reference
 
@@ -23,7 +24,7 @@ class Controller(Element):
     limit = Constant("N", "limit of the output", above=0, optional=True, rotary_unit="N m")
 
     @classmethod
-    def states_of(cls, structure: tuple[str, ...]) -> tuple[State, ...]:
+    def states_of(cls, form: Form) -> tuple[State, ...]:
         """The states in that form of the equations."""
         return cls.states
 
@@ -75,9 +76,9 @@ class Cascade(Controller):
     integrals = ("I",)
 
     @classmethod
-    def states_of(cls, structure: tuple[str, ...]) -> tuple[State, ...]:
+    def states_of(cls, form: Form) -> tuple[State, ...]:
         """Without T_i there is no integral."""
-        return cls.states if "T_i" in structure else ()
+        return cls.states if "T_i" in form else ()
 
     @staticmethod
     def _error(p: Any, r: Reference, y: Value, v: Value) -> Value:

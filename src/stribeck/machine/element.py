@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value
+from stribeck.laws.form import Form
 
 
 @dataclass(frozen=True)
@@ -59,32 +60,27 @@ class Element:
         return {name: getattr(cls, name) for name in names}
 
     @classmethod
-    def numbers(cls, structure: tuple[str, ...]) -> dict[str, Constant]:
-        """The run-time constants in that form of the equations: ``structure`` holds the optional constants that are on,
-        and ``NAME*COUNT`` for lists."""
-        found = {n: c for n, c in cls.constants().items() if not c.optional or n in structure}
-        for word in structure:
-            name, sign, count = word.partition("*")
-            if sign:
-                found |= {f"{name}_{i}": cls.lists()[name].one(i) for i in range(int(count))}
+    def numbers(cls, form: Form) -> dict[str, Constant]:
+        """The run-time constants in that form of the equations."""
+        found = {n: c for n, c in cls.constants().items() if not c.optional or n in form}
+        for name, count in form.counts:
+            found |= {f"{name}_{i}": cls.lists()[name].one(i) for i in range(count)}
         return found
 
     @classmethod
-    def symbolic(cls, make: Callable[[str], Value], structure: tuple[str, ...]) -> SimpleNamespace:
+    def symbolic(cls, make: Callable[[str], Value], form: Form) -> SimpleNamespace:
         """The constants made by name; optional ones that are off are None, lists are tuples."""
-        made: dict[str, Any] = {n: None for n, c in cls.constants().items() if c.optional and n not in structure}
+        made: dict[str, Any] = {n: None for n, c in cls.constants().items() if c.optional and n not in form}
         made |= dict.fromkeys(cls.lists(), ())
-        for word in structure:
-            name, sign, count = word.partition("*")
-            if sign:
-                made[name] = tuple(make(f"{name}_{i}") for i in range(int(count)))
+        for name, count in form.counts:
+            made[name] = tuple(make(f"{name}_{i}") for i in range(count))
         return SimpleNamespace(**made, **{n: make(n) for n, c in cls.constants().items() if n not in made})
 
     @classmethod
-    def structure(cls, values: dict[str, Any]) -> tuple[str, ...]:
+    def form_of(cls, values: dict[str, Any]) -> Form:
         """The form of the equations for given values."""
-        on = [n for n, c in cls.constants().items() if c.optional and values.get(n) is not None]
-        return (*on, *(f"{n}*{len(values[n])}" for n in cls.lists()))
+        on = tuple(n for n, c in cls.constants().items() if c.optional and values.get(n) is not None)
+        return Form(on, counts=tuple((n, len(values[n])) for n in cls.lists()))
 
     @staticmethod
     def rates(p: Any, *arguments: Any) -> tuple[Value, ...]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from types import SimpleNamespace
 from typing import Any
 
-from stribeck.expressions.graph import Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
+from stribeck.expressions.graph import Expr, derivative, is_zero, substitute, symbol, symbols, wrap
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, clip, where
 from stribeck.laws.base import Law
+from stribeck.laws.values import Constants
 from stribeck.machine.loads import sum_of_waves
 from stribeck.machine.parts import Compensation, ContactPart, Factor, made
 from stribeck.signals.pieces import Reference
@@ -16,13 +18,20 @@ _SLOWEST = 1e-100  # m/s or rad/s
 _NEWTON_STEPS = 16
 
 
-def parameters(contact: ContactPart, d: Expr, forces: dict[str, Expr], t: Expr) -> SimpleNamespace:
-    """The law's constants at one instant: times the factors, plus what the loads add, times the factor of the level."""
-    p = contact.law.symbolic(made(contact.law_path), contact.options)
+def parameters(contact: ContactPart, d: Expr, forces: dict[str, Expr], t: Expr, called: Names) -> Constants:
+    """The law's constants at one instant: times the factors, plus what the loads add, times the factor of the level.
+
+    The law's terms are called by the contact's name too.
+    """
+
+    def on_term(name: str, latex: str, args: tuple[Value, ...], value: Value) -> Value:
+        return called.term(f"{contact.name}_{name}", latex, args, value)
+
+    p = contact.law.symbolic(made(contact.law_path), contact.form, on_term)
     by_name = {factor.of: _factor(factor, d, t) for factor in contact.factors}
     for name, factor in by_name.items():
         if name != "level":
-            setattr(p, name, getattr(p, name) * factor)
+            p = p.replaced({name: getattr(p, name) * factor})
     levels = [name for name in ("F_c", "F_s") if hasattr(p, name)]
     for i, level in enumerate(contact.levels):
         make = made(level.path)
@@ -31,12 +40,12 @@ def parameters(contact: ContactPart, d: Expr, forces: dict[str, Expr], t: Expr) 
             total = total + (make(f"weight_{source}") if level.weighted else 1.0) * forces[source]
         size = abs(total)
         if isinstance(size, Expr) and size.args:
-            size.label = f"{contact.name}_load" + (f"_{i + 1}" if len(contact.levels) > 1 else "")
+            called[size] = f"{contact.name}_load" + (f"_{i + 1}" if len(contact.levels) > 1 else "")
         for name in levels:
             if name in level.gains:
-                setattr(p, name, getattr(p, name) + make(name) * size)
+                p = p.replaced({name: getattr(p, name) + make(name) * size})
     for name in levels if "level" in by_name else ():
-        setattr(p, name, getattr(p, name) * by_name["level"])
+        p = p.replaced({name: getattr(p, name) * by_name["level"]})
     return p
 
 
@@ -49,15 +58,7 @@ def _factor(factor: Factor, d: Expr, t: Expr) -> Expr:
     return wrap(1 + sum_of_waves(p, d))
 
 
-def named(prefix: str, values: list[Expr], elements: tuple[str, ...]) -> None:
-    """Put the contact's name before the names of its law's terms in the generated code; what bears the name of an element
-    already keeps it."""
-    for node in ordered(values):
-        if node.label and not node.label.startswith(elements):
-            node.label = f"{prefix}_{node.label}"
-
-
-def steady_force(law: type[Law], p: Any, v: Expr) -> Expr:
+def steady_force(law: type[Law], p: Any, v: Expr, called: Names) -> Expr:
     """The friction force at a speed v > 0 that is held, as an expression: the closed form where dz/dt is linear in z,
     else Newton's method from the largest deflection."""
     if not law.has_z:
@@ -66,28 +67,31 @@ def steady_force(law: type[Law], p: Any, v: Expr) -> Expr:
     rate = wrap(law.dz_dt(p, v, z))
     slope = derivative(rate, z)
     if str(z.value) not in symbols([slope]):
-        (at_0,) = substitute([rate], {z: wrap(0.0)})
+        (at_0,) = substitute([rate], {z: wrap(0.0)}, called)
         deflection = -at_0 / slope
     else:
         top = wrap(law.z_bound(p))
         deflection = top
         for _ in range(_NEWTON_STEPS):
-            f, df = substitute([rate, slope], {z: deflection})
+            f, df = substitute([rate, slope], {z: deflection}, called)
             # where the rate is flat no step leads further
             step = where(df < 0, f / where(df < 0, df, -1.0), 0.0)
             deflection = wrap(clip(deflection - step, 0.0, top))
     return wrap(law.friction(p, v, deflection, wrap(0.0)))
 
 
-def compensation(c: Compensation, r: Reference, v: Expr, z: Expr, exact: bool) -> tuple[Expr, Expr | None]:
+def compensation(
+    c: Compensation, r: Reference, v: Expr, z: Expr, called: Names, exact: bool
+) -> tuple[Expr, Expr | None]:
     """The force that makes up for friction, and the rate of the observer's deflection where there is one.
 
     ``exact``: where the reference rests the force is 0, as at a sample; else the sign is that of the present piece.
     """
+    p = c.symbolic(called)
     if c.speed == "reference":
         speed = wrap(abs(r.rate))
         moving = wrap(where(speed > _SLOWEST, speed, _SLOWEST))  # at rest the limit: |v|/|v| is no number there
-        force = r.direction * steady_force(c.law, c.p, moving)
+        force = r.direction * steady_force(c.law, p, moving, called)
         return (wrap(where(speed <= 0, 0.0, force)) if exact and not is_zero(speed) else wrap(force)), None
-    rate = wrap(c.law.dz_dt(c.p, v, z)) if c.law.has_z else None
-    return wrap(c.law.friction(c.p, v, z, 0.0 * v if rate is None else rate)), rate
+    rate = wrap(c.law.dz_dt(p, v, z)) if c.law.has_z else None
+    return wrap(c.law.friction(p, v, z, 0.0 * v if rate is None else rate)), rate

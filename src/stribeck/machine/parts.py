@@ -14,7 +14,10 @@ from typing import Any
 
 from stribeck.constants import Constant
 from stribeck.expressions.graph import Expr, symbol
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
+from stribeck.laws.form import Form
+from stribeck.laws.values import Constants
 from stribeck.machine.controllers import Controller
 from stribeck.machine.links import Link
 from stribeck.machine.loads import Load
@@ -110,7 +113,7 @@ class LinkPart:
 
     name: str
     kind: type[Link]
-    form: tuple[str, ...]
+    form: Form
     span: Span
 
     @property
@@ -150,7 +153,7 @@ class ContactPart:
 
     name: str
     law: type[Law]
-    options: tuple[str, ...]
+    form: Form
     span: Span
     levels: tuple[Level, ...] = ()
     factors: tuple[Factor, ...] = ()
@@ -172,7 +175,7 @@ class LoadPart:
 
     name: str
     kind: type[Load]
-    form: tuple[str, ...]
+    form: Form
     on: str
     signal: SignalUse | None = None
 
@@ -192,7 +195,7 @@ class MotorPart:
     """A motor on a body; ``signal`` is its voltage where no controller asks for a current."""
 
     name: str
-    form: tuple[str, ...]
+    form: Form
     on: str
     signal: SignalUse | None = None
     kind: type[Motor] = Motor
@@ -218,15 +221,14 @@ class Compensation:
     """Which law a controller takes the friction for, and at which speed."""
 
     law: type[Law]
-    options: tuple[str, ...]
+    form: Form
     path: str  # of the law's table: the contact's, or one of its own
     speed: str  # "reference" or "measured"
     share: bool = False  # whether a share of it other than the whole is given
 
-    @cached_property
-    def p(self) -> SimpleNamespace:
+    def symbolic(self, called: Names) -> Constants:
         """The law's constants as symbols."""
-        return self.law.symbolic(made(self.path), self.options)
+        return self.law.symbolic(made(self.path), self.form, called.term)
 
     @property
     def observes(self) -> bool:
@@ -254,7 +256,7 @@ class ControllerPart:
 
     name: str
     kind: type[Controller]
-    form: tuple[str, ...]
+    form: Form
     on: str
     measures: str
     signal: SignalUse

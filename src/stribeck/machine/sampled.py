@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from stribeck.equations import Sample
 from stribeck.expressions.graph import Expr, derivative, substitute, symbol, symbols, wrap
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import exp, floor, where
 from stribeck.machine.parts import ControllerPart
 
@@ -22,15 +23,15 @@ def sampled_states(each: ControllerPart) -> tuple[str, ...]:
     return ("readings", *estimator, *each.states)
 
 
-def samples_of(machine: Machine) -> list[Sample]:
+def samples_of(machine: Machine, called: Names) -> list[Sample]:
     """What each sampled controller does at its instants."""
     from stribeck.machine.balance import Balance
 
-    balance = Balance(machine)
-    return [_sample(balance, each) for each in machine.controllers if each.sampling is not None]
+    balance = Balance(machine, called=called)
+    return [_sample(balance, each, called) for each in machine.controllers if each.sampling is not None]
 
 
-def _sample(balance: object, each: ControllerPart) -> Sample:
+def _sample(balance: object, each: ControllerPart, called: Names) -> Sample:
     from stribeck.machine.balance import T, held_at_limit, limited, unlimited
 
     assert each.sampling is not None
@@ -43,7 +44,7 @@ def _sample(balance: object, each: ControllerPart) -> Sample:
     if each.sampling.resolution:
         count = symbol(f"{own}.resolution")
         y = floor(y / count + 0.5) * count
-    y.label = f"{each.name}_reading"
+    called[y] = f"{each.name}_reading"
     first = m["readings"] <= 0
     after: dict[str, Expr] = {"readings": m["readings"] + 1}
     if each.sampling.bandwidth:
@@ -52,12 +53,12 @@ def _sample(balance: object, each: ControllerPart) -> Sample:
     else:
         v = where(first, 0.0, (y - m["last"]) / period)
         after["last"] = y
-    v.label = f"{each.name}_speed"
+    called[v] = f"{each.name}_speed"
     x = {n: m[n] for n in each.states}
-    raw, rates = unlimited(each, each.signal.reference(T), y, v, x, exact=True)
+    raw, rates = unlimited(each, each.signal.reference(T), y, v, x, called, exact=True)
     rates = held_at_limit(each, raw, rates, x, 0.0)
     for name, rate in rates.items():
-        after[name] = x[name] + period * rate if name != "z_hat" else _exact_step(rate, x[name], period)
+        after[name] = x[name] + period * rate if name != "z_hat" else _exact_step(rate, x[name], period, called)
     return Sample(each.name, limited(each, raw), {f"{each.name}_{n}": wrap(after[n]) for n in m})
 
 
@@ -70,14 +71,14 @@ def _filter(y: Expr, v: Expr, reading: Expr, bandwidth: Expr, period: Expr) -> t
     }  # fmt: skip
 
 
-def _exact_step(rate: Expr, z: Expr, period: Expr) -> Expr:
+def _exact_step(rate: Expr, z: Expr, period: Expr, called: Names) -> Expr:
     """z one period on with all else held: exact where the rate is linear in z, else in many small steps of that kind."""
     slope = derivative(rate, z)
     if str(z.value) not in symbols([slope]):
         return wrap(z + period * phi_1(slope * period) * rate)
     step, at = period / _SUBSTEPS, z
     for _ in range(_SUBSTEPS):
-        f, df = substitute([rate, slope], {z: at})
+        f, df = substitute([rate, slope], {z: at}, called)
         at = wrap(at + step * phi_1(df * step) * f)
     return at
 

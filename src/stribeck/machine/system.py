@@ -9,6 +9,7 @@ from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK, Equations, Sample, Watch, Watched
 from stribeck.expressions.graph import Expr
+from stribeck.expressions.names import Names
 from stribeck.machine.balance import Balance
 from stribeck.machine.parts import (
     Body,
@@ -163,7 +164,7 @@ class Machine(Equations):
 
     def _of_contact(self, contact: ContactPart) -> dict[str, tuple[Named, bool]]:
         rotary = self.rotary(contact.span.end, contact.span.start)
-        found = {contact.path: contact.span.constants(), contact.law_path: contact.law.numbers(contact.options)}
+        found = {contact.path: contact.span.constants(), contact.law_path: contact.law.numbers(contact.form)}
         for level in contact.levels:
             weights = {f"weight_{source}": _WEIGHT for source in level.sources} if level.weighted else {}
             found[level.path] = {**dict.fromkeys(level.gains, _GAIN), **weights}
@@ -177,7 +178,7 @@ class Machine(Equations):
         if each.feedforward:
             found[f"{each.path}.feedforward"] = {"inertia": _FEEDFORWARD}
         if each.compensation is not None and each.compensation.path.startswith(each.path):
-            found[each.compensation.path] = each.compensation.law.numbers(each.compensation.options)
+            found[each.compensation.path] = each.compensation.law.numbers(each.compensation.form)
         if each.compensation is not None and each.compensation.share:
             found[f"{each.path}.compensation"] = {"share": SHARE}
         if each.sampling is not None:
@@ -229,13 +230,13 @@ class Machine(Equations):
         """The outputs of the sampled controllers."""
         return tuple(f"{each.name}_u" for each in self.controllers if each.sampling is not None)
 
-    def balance(self, exact: bool = False) -> Balance:
+    def balance(self, exact: bool = False, called: Names | None = None) -> Balance:
         """All quantities of the machine as expressions; ``exact``: as an output shows them at one instant."""
-        return Balance(self, exact)
+        return Balance(self, exact, called)
 
-    def rates(self) -> list[Expr]:
+    def rates(self, called: Names | None = None) -> list[Expr]:
         """The time derivatives of the states."""
-        found = self.balance().rates()
+        found = self.balance(called=called).rates()
         return [found[state.name] for state in self.states]
 
     @cached_property
@@ -246,14 +247,14 @@ class Machine(Equations):
         found += [(x.name, _LIMIT) for x in self.controllers if x.sampling is None and "limit" in x.form]
         return tuple(found)
 
-    def watches(self) -> list[Watch]:
+    def watches(self, called: Names | None = None) -> list[Watch]:
         """The same with the quantities."""
-        values = self.balance().watched()
+        values = self.balance(called=called).watched()
         return [Watch(name, value, events) for (name, events), value in zip(self.watched, values, strict=True)]
 
-    def samples(self) -> list[Sample]:
+    def samples(self, called: Names | None = None) -> list[Sample]:
         """What each sampled controller does at its instants."""
-        return samples_of(self)
+        return samples_of(self, Names() if called is None else called)
 
     def moved_energy(self) -> Expr | None:
         """The energy of the links whose far end is a signal."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import os
+import pkgutil
 import signal
 from collections.abc import Callable
 from multiprocessing import parent_process
@@ -15,11 +16,20 @@ from stribeck.files import together, write_columns, write_json
 from stribeck.report.page import Chapter, html
 from stribeck.version import __version__
 
-# In the order of the report; a new chapter is a module here and a name in this list.
-CHAPTERS = (
+# In the order of the report; other modules of this folder that have a chapter come after them.
+_LISTED = (
     "steady", "smoothing", "presliding", "stick_slip", "sine_force", "limit_cycle", "break_away", "servo", "statements",
     "beyond", "guarantees", "evidence", "which_k_v", "joint",
 )  # fmt: skip
+_NO_CHAPTERS = ("common", "sketches")
+
+
+def chapters() -> tuple[str, ...]:
+    """The names of the chapters' modules."""
+    return (*_LISTED, *sorted({m.name for m in pkgutil.iter_modules(__path__)} - {*_LISTED, *_NO_CHAPTERS}))
+
+
+CHAPTERS = chapters()
 _READS_OTHERS = ("statements",)  # chapters made of what the others computed
 _SLOWEST_FIRST = ("guarantees", "servo", "evidence", "which_k_v", "beyond", "stick_slip", "limit_cycle", "break_away")
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from stribeck import laws
+from stribeck.constants import DECIDED
 from stribeck.laws.base import Law
 from stribeck.paper.common import BRISTLES, Done
 from stribeck.paper.statements import passivity_cycle
@@ -15,7 +16,6 @@ from stribeck.properties import NAMES, Verdicts, check, storage_interval
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table
 
-_WORDS = {True: "yes", False: "no", None: "undecided"}
 _HERE = "--parameters canudas1995 --set k_v=1e6"
 _V_MAX = 0.02  # m/s: LuGre with Table 1 is passive up to about twice that
 
@@ -48,14 +48,14 @@ def _row(name: str, verdicts: Verdicts) -> list[str]:
     passive = verdicts["passive"]
     largest = passive.evidence.get("largest_v_max")
     speed = "any" if passive.holds else "none" if largest == 0 else "-" if largest is None else f"{largest:.3g}"
-    return [name, *(_WORDS[verdicts[n].holds] for n in NAMES), speed]
+    return [name, *(DECIDED[verdicts[n].holds] for n in NAMES), speed]
 
 
 def _paper(verdicts: Mapping[str, Verdicts], cycle: Mapping[str, float]) -> Table:
     """What the paper says of the properties, what was found, and the command that replays it."""
 
     def found(law: str, *names: str) -> str:
-        return ", ".join(f"{name.replace('_', ' ')}: {_WORDS[verdicts[law][name].holds]}" for name in names)
+        return ", ".join(f"{name.replace('_', ' ')}: {DECIDED[verdicts[law][name].holds]}" for name in names)
 
     def all_hold(law: str, *names: str) -> bool:
         return all(verdicts[law][name].holds for name in names)

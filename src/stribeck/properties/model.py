@@ -48,7 +48,7 @@ class Model:
 
     def __init__(self, law: Law, v_max: float | None = None) -> None:
         self.law = law
-        p = law.symbolic(lambda name: symbol(f"c_{name}"), law.structure)
+        p = law.symbolic(lambda name: symbol(f"c_{name}"), law.form)
         self.rate = finite(wrap(law.dz_dt(p, V, Z)))
         self.force = finite(wrap(law.friction(p, V, Z, RATE)))
         self.power_force = substitute([self.force], {RATE: self.rate})[0]
@@ -57,7 +57,7 @@ class Model:
         except AttributeError:  # that of the base class, which needs sigma_0, in a law without it
             self.stored = ZERO
         self._bound = finite(wrap(law.z_bound(p)))
-        self.values = {f"c_{n}": Fraction(x) for n, x in law.values.items() if x is not None}
+        self.values = {f"c_{n}": Fraction(x) for n, x in law.p.numbers.items()}
         self.values["rest"] = Fraction(0)
         self.v_max = Fraction(v_max) if v_max is not None else None
         self.inputs: dict[str, Range] = {n: (float(x), float(x)) for n, x in self.values.items()}

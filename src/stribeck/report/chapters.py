@@ -80,7 +80,7 @@ def of_laws(scenario: Scenario) -> list[Chapter]:
 def of_law(law: Law, key: str = "law", of: str = "") -> Chapter:
     """A law: its equations and its constants; ``of``: words for where it acts."""
     declared = law.constants()
-    values: dict[str, Any] = {n: x for n, x in law.values.items() if x is not None} | law.choices
+    values: dict[str, Any] = law.p.numbers | law.p.words
     words = rotary_words if law.rotary else str
     rows = [
         [
@@ -92,7 +92,7 @@ def of_law(law: Law, key: str = "law", of: str = "") -> Chapter:
         for n, x in values.items()
     ]
     about = " ".join((type(law).__doc__ or "").split())
-    lines = "\n".join(each.text for each in equations(type(law), law.structure))
+    lines = "\n".join(each.text for each in equations(type(law), law.form))
     table = Table(["constant", "value", "unit", "meaning"], rows, prose=True)
     return Chapter(
         key,

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from stribeck.constants import DECIDED
 from stribeck.errors import StribeckError
 from stribeck.laws.base import Law
 from stribeck.properties import Verdict, Verdicts
@@ -20,7 +21,6 @@ from stribeck.report.quantities import Quantity, scale
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
-WORDS = {True: "yes", False: "no", None: "undecided"}
 _MEANING = {
     "unique": "one z(t) for every v(t)",
     "bounded": "z stays within a bound, whatever v(t)",
@@ -56,7 +56,7 @@ def verdicts_chapter(verdicts: Verdicts, key: str = "verdicts", title: str = "Ve
     for name, v in verdicts.properties.items():
         again = {True: "confirmed", False: "NOT CONFIRMED", None: "-"}[v.verified]
         how = str(v.evidence.get("reason", v.method)) if v.holds is None else v.method
-        rows.append([name.replace("_", "-"), _MEANING[name], WORDS[v.holds], how, again])
+        rows.append([name.replace("_", "-"), _MEANING[name], DECIDED[v.holds], how, again])
     head = ["property", "meaning", "holds", "how it was decided", "second run"]
     text = [
         "yes is proved; for no there is a counterexample. The constants are taken as exact.",

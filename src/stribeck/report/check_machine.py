@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from stribeck.constants import DECIDED
 from stribeck.properties.ports import MachineVerdicts
 from stribeck.properties.verdicts import ranges_in_words
 from stribeck.report import chapters
-from stribeck.report.check import WORDS, evidence, replay_figure, verdicts_chapter
+from stribeck.report.check import evidence, replay_figure, verdicts_chapter
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, Table
 from stribeck.scenario import Scenario
@@ -35,7 +36,7 @@ def write(found: MachineVerdicts, scenario: Scenario, folder: Path, command: str
 
 def _whole(found: MachineVerdicts) -> Chapter:
     rows = [
-        [name, v.law.name, ranges_in_words(found.ranges[name]) or "nothing", WORDS[v["passive"].holds]]
+        [name, v.law.name, ranges_in_words(found.ranges[name]) or "nothing", DECIDED[v["passive"].holds]]
         for name, v in found.contacts.items()
     ]
     tables = [Table(["contact", "law", "what varies", "passive"], rows, prose=True)]

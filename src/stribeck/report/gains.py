@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.analysis.lyapunov import Along
-from stribeck.control.gains import Condition, Proof, Verdict
+from stribeck.control.gains import Condition, GainVerdict, Proof
 from stribeck.errors import left_out
 from stribeck.files import write_json
 from stribeck.report import chapters, plots
@@ -20,7 +20,7 @@ from stribeck.simulation import Solution
 
 
 def write(
-    solution: Solution, verdict: Verdict, proof: Proof, found: Along | None, summary: dict[str, Any], folder: Path,
+    solution: Solution, verdict: GainVerdict, proof: Proof, found: Along | None, summary: dict[str, Any], folder: Path,
     command: str = "",
 ) -> list[str]:  # fmt: skip
     """Write gains.svg and plot.svg (with PNG and PDF), report.html and, last, summary.json; the paths."""
@@ -44,7 +44,7 @@ def write(
 
 
 def _conditions(
-    gains: Mapping[str, float], v: Verdict, proof: Proof, doubts: Sequence[str]
+    gains: Mapping[str, float], v: GainVerdict, proof: Proof, doubts: Sequence[str]
 ) -> tuple[list[str], list[Table]]:
     rows = [_row("exact condition", v.exact), _row("corrected (21)", v.sufficient)]
     head = ["condition", "holds", "needs K_D at least (N s/m)", "margin", "certifies up to (m/s)"]

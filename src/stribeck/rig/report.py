@@ -149,7 +149,7 @@ def write_simulated(made: Experiment, folder: Path) -> list[str]:
     """Write synthetic_log.csv (time, position, force) and synthetic_truth.toml, which ``--parameters`` reads."""
     log, name = made.log, type(made.law).name
     _write_columns(folder / "synthetic_log.csv", {"time": log.time, "position": log.position, "force": log.force})
-    truth = {n: v for n, v in made.law.values.items() if v is not None}
+    truth = made.law.p.numbers
     lines = [
         f'title = "{LABEL}: the truth behind synthetic_log.csv"',
         f'source = "stribeck rig --simulate, law {name}, seed {made.seed}"',

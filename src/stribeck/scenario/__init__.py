@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import math
+import dataclasses
 from collections.abc import Collection, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -14,16 +14,15 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import kind_of
 from stribeck.control.cascade import Cascade
-from stribeck.control.servo import ServoSystem
+from stribeck.control.servo_system import ServoSystem
 from stribeck.drives import Drive
 from stribeck.equations import Equations
 from stribeck.errors import InputError, printable
 from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
-from stribeck.scenario import servo, tables
+from stribeck.scenario import memory, servo, tables
 from stribeck.scenario.changes import changed, parse_assignment, plain, unfolds
-from stribeck.scenario.memory import ROWS_LARGEST
-from stribeck.scenario.reader import Reader
+from stribeck.scenario.reader import Parts, Reader
 from stribeck.scenario.servo import Servo
 from stribeck.scenario.trust import named
 from stribeck.signals import Signal
@@ -64,17 +63,20 @@ class Scenario:
         given = {"schema": 1, **tables_} if data is None else {**data, **tables_}
         if isinstance(law := given.get("law"), Law) and law.rotary:
             given.setdefault("rotary", True)
-        self.data: dict[str, Any] = plain(given)
-        self.folder = Path(folder) if folder is not None else Path()
-        self.drive: type[Drive] | type[Cascade]
-        self.signal: Signal
-        _refuse(Reader(self, _trusted(trust)).read())
-        self._frozen = True
+        reader = Reader(plain(given), Path(folder) if folder is not None else Path(), _trusted(trust))
+        _refuse(reader.read())
+        self._set(reader.data, reader.folder, reader.parts)
+
+    def _set(self, data: dict[str, Any], folder: Path, parts: Parts) -> None:
+        """Once, when it is made."""
+        known = {n: x for n, x in vars(parts).items() if x is not None}
+        law = known.pop("law", None)
+        self.__dict__.update(known, data=data, folder=folder, parts=parts, _law=law)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if self._frozen:
-            raise AttributeError(f"{name}: a Scenario does not change; replace({{PATH: VALUE}}) makes another")
-        object.__setattr__(self, name, value)
+        raise AttributeError(f"{name}: a Scenario does not change; replace({{PATH: VALUE}}) makes another")
+
+    __delattr__ = __setattr__  # type: ignore[assignment]
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Scenario) and (self.data, self.folder) == (other.data, other.folder)
@@ -86,11 +88,11 @@ class Scenario:
         return f"<Scenario {self.name}: {self.subject}, t_end {self.solve.t_end:g} s>"
 
     def with_values(self, **values: Any) -> Scenario:
-        """This scenario with other values of law, mass, initial state or signal, of the same structure; not judged."""
-        new = object.__new__(Scenario)
-        new.__dict__.update({name: x for name, x in self.__dict__.items() if name != "threshold"})
-        new.__dict__.update({"_law" if name == "law" else name: x for name, x in values.items()})
-        return new
+        """This scenario with other values of law, mass, initial state or signal, of the same structure; not judged. Its
+        ``data`` stay as they are."""
+        other = object.__new__(Scenario)
+        other._set(self.data, self.folder, dataclasses.replace(self.parts, **values))
+        return other
 
     @classmethod
     def load(
@@ -113,11 +115,10 @@ class Scenario:
         strange = named(data).values()
         if strange and any(map(unfolds, changes)):
             # to unfold the set's name the law must be known, and so executed: see first whether that is allowed
-            bare = object.__new__(cls)
             others = {place: x for place, x in changes.items() if not unfolds(place)}
-            bare.data, bare.folder = changed(data, others, folder), folder
-            own = set(named(bare.data).values()) - set(strange)
-            _refuse(Reader(bare, None if trusted is None else {*trusted, *own}).judge())
+            bare = changed(data, others, folder)
+            own = set(named(bare).values()) - set(strange)
+            _refuse(Reader(bare, folder, None if trusted is None else {*trusted, *own}).judge())
         new = changed(data, changes, folder)
         own = set(named(new).values()) - set(strange)
         return cls(new, folder=folder, trust=True if trusted is None else {*trusted, *own})
@@ -143,8 +144,13 @@ class Scenario:
 
     replace = with_changes
 
-    # -- filled in by Reader ---------------------------------------------------------------------------------------
+    # -- what Reader found -----------------------------------------------------------------------------------------
 
+    data: dict[str, Any]
+    folder: Path
+    parts: Parts
+    drive: type[Drive] | type[Cascade]
+    signal: Signal
     rig: Rig | None = None  # a machine (schema = 2) with its values; it has no law, drive and signal of its own
     mass: float | None = None
     servo: Servo | None = None  # what a servo has beside law, drive constants and signal
@@ -154,7 +160,6 @@ class Scenario:
     output: tables.Output
 
     _law: Law | None = None
-    _frozen = False
 
     @property
     def law(self) -> Law:
@@ -172,10 +177,6 @@ class Scenario:
             return self.rig.laws[contacts[0].law_path]
         names = ", ".join(contact.name for contact in contacts) or "none"
         raise InputError(f"contacts: {names}: there must be one contact for this, of a machine that has several")
-
-    @law.setter
-    def law(self, law: Law) -> None:
-        self._law = law
 
     def __getattr__(self, name: str) -> Any:
         """What only a law on a single body has, asked of a machine."""
@@ -214,7 +215,7 @@ class Scenario:
     @cached_property
     def rows(self) -> int:
         """How many rows the output has: i * step for i = 0 ... floor(t_end/step + 1e-9)."""
-        return _row_count(self.solve.t_end, self.output.step)
+        return memory.rows(self.solve.t_end, self.output.step)
 
     @property
     def end(self) -> float:
@@ -230,7 +231,7 @@ class Scenario:
             return self.servo.system(self.law, type(self.signal), "supply_droop" in self.drive_values)
         assert issubclass(self.drive, Drive)
         smooth = type(self.signal) if self.signal.smooth else None
-        return System(type(self.law), self.law.structure, self.drive, smooth, self.output.energy)
+        return System(type(self.law), self.law.form, self.drive, smooth, self.output.energy)
 
     @cached_property
     def threshold(self) -> float:
@@ -281,7 +282,7 @@ class Scenario:
         """The system's run-time constants by (group, name)."""
         if self.rig is not None:
             return self.rig.values
-        found = {("law", n): v for n, v in self.law.values.items() if v is not None}
+        found = {("law", n): v for n, v in self.law.p.numbers.items()}
         found |= {("drive", n): v for n, v in self.drive_values.items()}
         found |= {("signal", n): v for n, v in self.signal.values.items()} if self.signal.smooth else {}
         found |= self.servo.values() if self.servo else {}
@@ -320,8 +321,3 @@ def _trusted(trust: bool | Collection[str]) -> Collection[str] | None:
 def _refuse(problems: list[tables.Problem]) -> None:
     if problems:
         raise InputError([f"{path}: {text}" for path, text in problems])
-
-
-def _row_count(t_end: float, step: float) -> int:
-    ratio = t_end / step + 1e-9
-    return math.floor(ratio) + 1 if ratio < ROWS_LARGEST else ROWS_LARGEST

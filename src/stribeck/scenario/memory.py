@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 from pathlib import Path
 
 ROWS_LARGEST = 10**15  # more than any machine holds, and still exact in a float
+
+
+def rows(t_end: float, step: float) -> int:
+    """How many rows an output has: i * step for i = 0 ... floor(t_end/step + 1e-9)."""
+    ratio = t_end / step + 1e-9
+    return math.floor(ratio) + 1 if ratio < ROWS_LARGEST else ROWS_LARGEST
 
 
 def available() -> float:

@@ -3,34 +3,57 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from stribeck.constants import kind_of, show
 from stribeck.control.cascade import Cascade
 from stribeck.control.observer import SCALES
+from stribeck.drives import Drive
 from stribeck.equations import Equations
 from stribeck.errors import nearest
+from stribeck.laws.base import Law
 from stribeck.scenario import memory, servo, tables, trust
 from stribeck.scenario.law import LawReader, no_table, unknown
 from stribeck.scenario.signal import read_signal
+from stribeck.signals import Signal
 from stribeck.system import System
 
 if TYPE_CHECKING:
-    from stribeck.scenario import Scenario
+    from stribeck.scenario.machine import Rig
 
 _TABLES = ("law", "plant", "drive", "solve", "output")
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a scenario is made of; None where there is no such part, or none that is valid."""
+
+    law: Law | None = None
+    drive: type[Drive] | type[Cascade] | None = None
+    drive_values: dict[str, float] | None = None
+    signal: Signal | None = None
+    mass: float | None = None
+    servo: servo.Servo | None = None
+    rig: Rig | None = None
+    initial: dict[str, float] | None = None
+    solve: tables.Solve | None = None
+    output: tables.Output | None = None
 
 
 class Reader:
     """Reads a scenario's data, collecting every problem; ``trusted``: laws in files that lie anywhere (None: all)."""
 
-    def __init__(self, scenario: Scenario, trusted: Collection[str] | None = None) -> None:
-        self.scenario, self.data, self.folder = scenario, scenario.data, scenario.folder
+    def __init__(self, data: Mapping[str, Any], folder: Path, trusted: Collection[str] | None = None) -> None:
+        self.data, self.folder = dict(data), folder
         self.problems: list[tables.Problem] = []
         self.trusted, self.executes = trusted, False
+        self.parts = Parts()
+        self.drive_table: Any = None
 
     def read(self) -> list[tables.Problem]:
-        """Fill in the scenario; the problems found."""
+        """Fill in the ``parts``; the problems found."""
         if trust.named(self.data):
             if self.judge():
                 return self.problems
@@ -45,16 +68,18 @@ class Reader:
             self.problems += trust.problems(self.data, self.folder, self.trusted)
         return self.problems
 
+    def _found(self, **parts: Any) -> None:
+        self.parts = replace(self.parts, **parts)
+
     def _everything(self) -> list[tables.Problem]:
+        self.parts, self.drive_table = Parts(), None
         if self._is_machine():
             return self._machine()
         self._top()
         self._law()
         self._drive()
         self._plant()
-        s = self.scenario
-        s.solve = self._table(tables.Solve, "solve")
-        s.output = self._table(tables.Output, "output")
+        self._found(solve=self._table(tables.Solve, "solve"), output=self._table(tables.Output, "output"))
         self._together()
         return self.problems
 
@@ -68,21 +93,18 @@ class Reader:
         """A machine: bodies, and elements between them."""
         from stribeck.scenario import machine  # costs a fifth of a start, which other files need not pay
 
-        s = self.scenario
         self._unknown(self.data, "", machine.TOP)
         self._schema(2)
         self._name()
-        s.solve = self._table(tables.Solve, "solve")
-        s.output = self._table(tables.Output, "output")
-        reader = machine.MachineReader(self.data, self.folder, s.output is not None and s.output.energy, self.executes)
+        solve, output = self._table(tables.Solve, "solve"), self._table(tables.Output, "output")
+        self._found(solve=solve, output=output)
+        reader = machine.MachineReader(self.data, self.folder, output is not None and output.energy, self.executes)
         self.problems += reader.read()
         whole = self.executes or not trust.named(self.data)  # else its own elements are still missing
-        s.rig = reader.rig if whole else None
-        if s.rig is not None:
-            s.initial = s.rig.start()
-            self._tolerances([state.name for state in s.system.states])
-            if s.solve and s.output:
-                self._rows(len(s.system.columns))
+        if whole and (rig := reader.rig) is not None:
+            self._found(rig=rig, initial=rig.start())
+            self._tolerances([state.name for state in rig.machine.states])
+            self._rows(len(rig.machine.columns))
         return self.problems
 
     def _schema(self, version: int) -> None:
@@ -99,11 +121,10 @@ class Reader:
             self.problems.append(("name", f"{show(name)}: must be text, not {kind_of(name)}"))
 
     def _tolerances(self, states: list[str]) -> None:
-        s = self.scenario
-        for name in s.solve.atol if s.solve else ():
+        for name, value in (self.parts.solve.atol if self.parts.solve else {}).items():
             if name not in states:
                 guess = nearest(name, states) or f" (the states are {', '.join(states)})"
-                self.problems.append((f"solve.atol.{name}", f"{s.solve.atol[name]}: there is no such state{guess}"))
+                self.problems.append((f"solve.atol.{name}", f"{value}: there is no such state{guess}"))
 
     def _table(self, model: type[tables.Table], name: str) -> Any:
         if name not in self.data:
@@ -131,7 +152,7 @@ class Reader:
         self.problems += reader.problems
         if law is not None:
             law.rotary = self.data.get("rotary", reader.rotary) is True
-            self.scenario.law = law
+            self._found(law=law)
 
     def _drive(self) -> None:
         table = self.data.get("drive")
@@ -144,10 +165,10 @@ class Reader:
         if kind is not None:
             values, found = tables.validate(tables.drive_table(kind), table, "drive")
             self.problems += [p for p in found if p[0] != "drive.signal" or "signal" not in table]
-            self.scenario.drive = tables.DRIVES[kind]
+            self._found(drive=tables.DRIVES[kind])
             if values is not None:
                 given = {n: getattr(values, n) for n in tables.DRIVES[kind].constants}
-                self.scenario.drive_values = {n: x for n, x in given.items() if x is not None}
+                self._found(drive_values={n: x for n, x in given.items() if x is not None})
                 self.drive_table = values
         if "signal" in table:
             self._signal(table["signal"])
@@ -182,10 +203,10 @@ class Reader:
         signal, found = read_signal(kind, values, self.folder)
         self.problems += [(f"{path}.{key}", text) for key, text in found]
         if signal is not None:
-            self.scenario.signal = signal
+            self._found(signal=signal)
 
     def _plant(self) -> None:
-        drive = getattr(self.scenario, "drive", None)
+        drive = self.parts.drive
         moved = drive is not None and drive.sets_velocity
         if moved and "plant" not in self.data:
             self.data["plant"] = {}
@@ -201,14 +222,13 @@ class Reader:
             return
         table = self._table(tables.plant_table(not moved), "plant")
         if table is not None:
-            self.scenario.mass = None if moved else table.mass
-            self.scenario.initial = {"v": 0.0, **dict(table.initial)}
+            self._found(mass=None if moved else table.mass, initial={"v": 0.0, **dict(table.initial)})
 
     def _servo(self) -> None:
         """The plant and the controller of a servo."""
-        values, table = getattr(self, "drive_table", None), self.data["drive"].get("observer")
+        values, table = self.drive_table, self.data["drive"].get("observer")
         plant = self._table(tables.cylinder_table(), "plant")
-        law = getattr(self.scenario, "law", None)
+        law = self.parts.law
         observer, found, known = None, list[tables.Problem](), True
         if isinstance(table, dict):
             known = self.executes or not trust.in_a_file(table.get("name"))
@@ -216,41 +236,43 @@ class Reader:
         found += servo.misplaced(values, observer if known and not found else ...) if values is not None else []
         self.problems += found
         if plant is not None and values is not None and not found:
-            self.scenario.initial = {**dict(plant.initial), **{scale.name: 1.0 for scale in SCALES}}
-            self.scenario.servo = servo.assembled(observer, plant, values)
+            initial = {**dict(plant.initial), **{scale.name: 1.0 for scale in SCALES}}
+            self._found(initial=initial, servo=servo.assembled(observer, plant, values))
 
     def _together(self) -> None:
         """What can only be judged with several tables in hand, as far as they are valid."""
-        s = self.scenario
-        law, drive = getattr(s, "law", None), getattr(s, "drive", None)
-        initial: dict[str, float] = getattr(s, "initial", {})
+        s = self.parts
+        law, drive, initial = s.law, s.drive, s.initial or {}
         if law is not None and not law.has_z and initial.get("z"):
             self.problems.append(("plant.initial.z", f"{initial['z']}: law '{law.name}' has no z; leave it out"))
         if law is None or drive is None:
             return
+        energy = s.output is not None and s.output.energy
         system: Equations
-        if drive is Cascade:
-            if s.output is not None and s.output.energy:
+        if issubclass(drive, Cascade):
+            if energy:
                 self.problems.append(("output.energy", "true: must be false for a servo, whose energy is the column V"))
-            if s.servo is None or not hasattr(s, "signal") or self.problems:
+            if s.servo is None or s.signal is None or self.problems:
                 return
-            system = s.system
+            system = s.servo.system(law, type(s.signal), "supply_droop" in (s.drive_values or {}))
             if s.solve:
-                self.problems += servo.judge(s.servo, law, s.signal, s.solve.t_end, s.initial)
+                self.problems += servo.judge(s.servo, law, s.signal, s.solve.t_end, initial)
         else:
-            system = System(type(law), law.structure, drive, None, s.output is not None and s.output.energy)
+            system = System(type(law), law.form, drive, None, energy)
         self._tolerances([state.name for state in system.states])
         if law.jumps_at_rest and not drive.sets_velocity:
             smooth = "k_v" in law.constants()
             text = f"the force of law '{law.name}' jumps at v = 0, and a body under it cannot come to rest"
             text = f"missing: {text}; give k_v > 0 in s/m for a smooth sign" if smooth else f"{show(law.name)}: {text}"
             self.problems.append(("law.k_v" if smooth else "law.name", f"{text}, or use drive.kind = 'velocity'"))
-        if s.solve and s.output:
-            self._rows(len(system.columns))
+        self._rows(len(system.columns))
 
     def _rows(self, columns: int) -> None:
         """Refuse an output that memory cannot hold: the states are kept beside the columns."""
-        rows, step = self.scenario.rows, self.scenario.output.step
+        if self.parts.solve is None or self.parts.output is None:
+            return
+        step = self.parts.output.step
+        rows = memory.rows(self.parts.solve.t_end, step)
         needed = float(rows) * 8 * 2 * (1 + columns)
         if needed > (room := memory.available()):
             more = "more than " if rows >= memory.ROWS_LARGEST else ""

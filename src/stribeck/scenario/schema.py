@@ -12,8 +12,9 @@ from typing import Any
 from stribeck import drives, laws, parameter_sets
 from stribeck.constants import Constant
 from stribeck.control.cascade import Cascade
-from stribeck.control.servo import ServoSystem
+from stribeck.control.servo_system import ServoSystem
 from stribeck.laws.base import PARAMETERS, Law
+from stribeck.laws.form import USUAL
 from stribeck.machine import controllers as machine_controllers
 from stribeck.machine import loads as machine_loads
 from stribeck.machine.links import Link
@@ -256,9 +257,9 @@ def _drive(kind: str) -> Node:
 def _solve() -> Node:
     node = _model(tables.Solve)
     systems: list[System | ServoSystem] = [
-        System(laws.BristleLaw, (), drive, None, energy=True) for drive in drives.KINDS.values()
+        System(laws.BristleLaw, USUAL, drive, None, energy=True) for drive in drives.KINDS.values()
     ]
-    systems.append(ServoSystem(laws.BristleLaw, (), laws.BristleLaw, (), Sine, adaptive=True))
+    systems.append(ServoSystem(laws.BristleLaw, USUAL, laws.BristleLaw, USUAL, Sine, adaptive=True))
     states = dict.fromkeys(state.name for system in systems for state in system.states)
     node["properties"]["atol"]["propertyNames"] = {"enum": sorted(states)}
     return node

@@ -15,9 +15,10 @@ from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
 from stribeck.control.observer import SCALES
 from stribeck.control.sampled import Sampling
-from stribeck.control.servo import ServoSystem, compiled
+from stribeck.control.servo_system import ServoSystem, compiled
 from stribeck.errors import InputError, NotDifferentiable
 from stribeck.laws.base import PARAMETERS, BristleLaw, Law
+from stribeck.laws.form import USUAL
 from stribeck.plants.cylinder import Cylinder
 from stribeck.signals import Signal
 
@@ -40,12 +41,12 @@ class Servo:
 
     def system(self, law: Law, signal: type[Signal], droop: bool) -> ServoSystem:
         """The structure of the equations."""
-        kind, options = (type(self.observer), self.observer.structure) if self.observer else (None, ())
+        kind, form = (type(self.observer), self.observer.form) if self.observer else (None, USUAL)
         return ServoSystem(
             type(law),
-            law.structure,
+            law.form,
             kind,
-            options,
+            form,
             signal,
             droop,
             self.adaptation is not None,

@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.control.sampled import Log
+from stribeck.control.sampled import Held
 from stribeck.errors import needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.scenario import Scenario
 from stribeck.signals.pieces import JUMP, SMOOTH
-from stribeck.simulation.result import Result, ended, held_back, legs
+from stribeck.simulation.result import Result, ended, held_back, intervals
 
 _SAME_TIME = 1e-12  # as in runtime/run.c
 
@@ -110,20 +110,20 @@ class _Controllers:
 
 def solve(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with SciPy's Radau; ``progress`` is told the share of time done."""
-    run, log = _Run(scenario, progress), Log()
-    stretches = legs(scenario, log)
-    leg = next(stretches, None)
+    run, log = _Run(scenario, progress), Held()
+    stretches = intervals(scenario, log)
+    interval = next(stretches, None)
     with np.errstate(all="ignore"):
         run.begin()
-        while leg is not None and run.reason is None:
-            until, changes = leg
+        while interval is not None and run.reason is None:
+            until, changes = interval
             run.equations.change(changes)
             while run.t < until and run.reason is None:
                 run.advance(run.t, min(run.next_stop(), until))
             try:
-                leg = stretches.send(run.x)
+                interval = stretches.send(run.x)
             except StopIteration:
-                leg = None
+                interval = None
     stats: dict[str, Any] = {**run.count, "smallest_step": None, "largest_step": None, "solver": "scipy-radau"}
     return Result(run.out[: run.row], run.events, run.reason, stats, log if log.t else None)
 

@@ -8,11 +8,11 @@ from ctypes import POINTER, c_double, c_int, c_int8, c_int32, c_int64
 
 import numpy as np
 
-from stribeck.control.sampled import Log
+from stribeck.control.sampled import Held
 from stribeck.errors import BuildError
 from stribeck.expressions.ops import Value, clip, larger, smaller, sqrt
 from stribeck.scenario import Scenario
-from stribeck.simulation.result import Result, ended, failure, held_back, legs
+from stribeck.simulation.result import Result, ended, failure, held_back, intervals
 from stribeck.system import Groups
 
 # The fields of Run in runtime/run.c, in the same order.
@@ -152,12 +152,12 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
 
     times: list[float] = []
     what: list[int] = []
-    status, left, log = _DONE, scenario.solve.max_steps, Log()
+    status, left, log = _DONE, scenario.solve.max_steps, Held()
     place = {key: i for i, key in enumerate(system.parameters)}
-    stretches = legs(scenario, log)
-    leg = next(stretches, None)
-    while leg is not None and status == _DONE:
-        run.t_end, changes = leg
+    stretches = intervals(scenario, log)
+    interval = next(stretches, None)
+    while interval is not None and status == _DONE:
+        run.t_end, changes = interval
         for key, value in changes.items():
             arrays["parameters"][place[key]] = value
         status, run.restart = _MORE, 1
@@ -176,9 +176,9 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
                 progress(run.t / scenario.end)
         if status == _DONE:
             try:
-                leg = stretches.send(x)
+                interval = stretches.send(x)
             except StopIteration:
-                leg = None
+                interval = None
     return Result(
         states=out[: run.row],
         events=list(zip(times, what, strict=True)),

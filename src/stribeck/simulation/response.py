@@ -14,6 +14,7 @@ from stribeck.arrays import Array
 from stribeck.codegen.response import motion_source, parameters, response_source
 from stribeck.errors import BuildError
 from stribeck.laws.base import Law
+from stribeck.laws.form import USUAL, Form
 from stribeck.simulation import cache, compiler
 
 _STEPS_A_SAMPLE = 1000
@@ -40,15 +41,15 @@ class Response:
 
     Args:
         law: the law.
-        structure: its optional constants that are on.
+        form: of its equations.
 
     Raises:
         BuildError: there is no C compiler, or it failed.
     """
 
-    def __init__(self, law: type[Law], structure: tuple[str, ...] = ()) -> None:
-        self.names = parameters(law, structure)
-        library = _built(response_source(law, structure))
+    def __init__(self, law: type[Law], form: Form = USUAL) -> None:
+        self.names = parameters(law, form)
+        library = _built(response_source(law, form))
         self._call = library.stribeck_respond
 
     def lanes(self, sets: Sequence[Mapping[str, float]]) -> Array:
@@ -95,15 +96,15 @@ class Motion:
 
     Args:
         law: the law.
-        structure: its optional constants that are on.
+        form: of its equations.
 
     Raises:
         BuildError: there is no C compiler, or it failed.
     """
 
-    def __init__(self, law: type[Law], structure: tuple[str, ...] = ()) -> None:
-        self.names = parameters(law, structure)
-        self._call = _built(motion_source(law, structure)).stribeck_move
+    def __init__(self, law: type[Law], form: Form = USUAL) -> None:
+        self.names = parameters(law, form)
+        self._call = _built(motion_source(law, form)).stribeck_move
 
     def of(
         self, t: Array, force: Array, sets: Sequence[Mapping[str, float]], first: NDArray[np.int64], states: Array,

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.control.sampled import Leg, Log
-from stribeck.control.sampled import legs as sampled_legs
-from stribeck.control.servo import ServoSystem
+from stribeck.control.sampled import Held, Interval
+from stribeck.control.sampled import intervals as sampled_intervals
+from stribeck.control.servo_system import ServoSystem
 from stribeck.scenario import Scenario
 
 
@@ -24,7 +24,7 @@ class Result:
     events: list[tuple[float, int]]  # time; which watched quantity (times 4), and which of its events
     reason: str | None
     stats: dict[str, Any]
-    log: Log | None = None  # of a sampled controller
+    log: Held | None = None  # of a sampled controller
 
 
 def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tuple[int, Array]:
@@ -50,7 +50,7 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
     return f"gave up at t = {t:.9g} s after solve.max_steps = {max_steps} attempted steps"
 
 
-def legs(scenario: Scenario, log: Log) -> Generator[Leg, Array, None]:
+def intervals(scenario: Scenario, log: Held) -> Generator[Interval, Array, None]:
     """The stretches of a run within which no run-time constant changes: until when, and what changes at its begin.
 
     The state at the end of each is to be sent back.
@@ -61,7 +61,7 @@ def legs(scenario: Scenario, log: Log) -> Generator[Leg, Array, None]:
     system, signal = scenario.system, scenario.signal
     if scenario.servo is not None and scenario.servo.sampling is not None:
         assert isinstance(system, ServoSystem)
-        yield from sampled_legs(system, scenario.servo.sampling, scenario.values(), signal, scenario.end, log)
+        yield from sampled_intervals(system, scenario.servo.sampling, scenario.values(), signal, scenario.end, log)
     elif not signal.smooth:
         yield scenario.end, {}
     else:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.codegen import source
-from stribeck.control.sampled import Log
+from stribeck.control.sampled import Held
 from stribeck.errors import BuildError, note
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
@@ -75,7 +75,7 @@ def simulate(
     return solution
 
 
-def _say_if_it_swings(solution: Solution, log: Log) -> None:
+def _say_if_it_swings(solution: Solution, log: Held) -> None:
     """Say that a sampled servo oscillates, when its valve goes to and fro to the end far more often than its path."""
     scenario, end = solution.scenario, solution.scenario.end
     swing = _SWING * scenario.drive_values["u_max"]

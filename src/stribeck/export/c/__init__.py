@@ -1,1 +1,5 @@
 """C99 for firmware."""
+
+from stribeck.export.request import Target
+
+TARGET = Target("c", "c.c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade", "machine"), self_test=True)

@@ -6,9 +6,9 @@ import json
 from importlib.resources import files as resources
 from typing import Any
 
-from stribeck.errors import InputError, NotDifferentiable, arg
+from stribeck.errors import InputError, arg
 from stribeck.export.c import cascade
-from stribeck.export.c.ccode import ARGUMENTS, WORDS, Equations, condition, render
+from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, condition, render
 from stribeck.export.request import Request
 from stribeck.laws import builtin
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
@@ -33,7 +33,7 @@ def files(request: Request) -> dict[str, str | bytes]:
 
 def context(request: Request) -> dict[str, Any]:
     """What the templates need."""
-    law, equations = request.law, Equations(request.law)
+    law, equations = request.law, LawCode(request.law)
     if request.part == "observer" and not equations.observable:
         what = "no sigma_0 to weigh the tracking error by" if law.has_z else "no internal state to observe"
         raise InputError(f"{arg('part')}: 'observer': law '{law.name}' has {what}")
@@ -49,7 +49,7 @@ def context(request: Request) -> dict[str, Any]:
         "constants": {name: (declared[name], value) for name, value in request.constants.items()},
         "relations": _relations(law, request.constants),
         "eq": equations,
-        "smooth": is_smooth(law),
+        "smooth": law.differentiable,
         "costs": costs(law),
         "with_body": request.part in ("law", "body"),
         "with_observer": equations.observable and request.part in ("law", "observer"),
@@ -61,7 +61,7 @@ def costs(law: Law) -> list[str]:
     """What a step costs, as lines for the header; none for a law or a form that was not counted
     (benchmarks/arm_instructions.py counts them all)."""
     counted = json.loads(resources("stribeck.export").joinpath("templates", "costs.json").read_text(encoding="utf-8"))
-    rows = counted["laws"].get(" ".join((law.name, *law.structure)), {})
+    rows = counted["laws"].get(" ".join((law.name, *law.form.words)), {})
     if not rows or builtin().get(law.name) is not type(law):
         return []
     each = "; ".join(f"{target} {mean} (most {most})" for target, (mean, most) in rows.items())
@@ -70,17 +70,6 @@ def costs(law: Law) -> list[str]:
         f"  {each}",
         f"  (gcc {counted['gcc']} -O2 with newlib, every executed instruction counted under qemu; cycles depend on your part)",
     ]
-
-
-def is_smooth(law: Law) -> bool:
-    """True where F has a time derivative wherever v has one."""
-    if law.has_z:
-        return bool(law.guarantees()["smooth"])
-    try:
-        law.force_rate(0.0, 0.0, 1.0)
-    except NotDifferentiable:
-        return False
-    return True
 
 
 def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, str]]:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 from stribeck.constants import Constant
 from stribeck.control.observer import START, Z_HAT
-from stribeck.control.servo import MEASURED, ServoSystem
+from stribeck.control.servo_system import MEASURED, ServoSystem
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
-from stribeck.export.c.ccode import WORDS, condition, labelled, render, statements
+from stribeck.export.c.ccode import WORDS, condition, render, statements
 from stribeck.export.request import Request, ascii_only, made_by, valued
 from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
 from stribeck.scenario import Scenario
@@ -55,10 +56,11 @@ _EQUATIONS = (
 
 
 @dataclass(frozen=True)
-class Cascade:
+class ControllerCode:
     """The controller of a request's scenario, and what the templates ask of it."""
 
     request: Request
+    names: Names = field(default_factory=Names, init=False, compare=False)  # of what the equations hold
 
     @cached_property
     def scenario(self) -> Scenario:
@@ -98,11 +100,8 @@ class Cascade:
     @cached_property
     def expressions(self) -> dict[str, Expr]:
         """The controller, the slopes of its states' rates, and the path (``path.y``, ...)."""
-        return labelled(self._build)
-
-    def _build(self) -> dict[str, Expr]:
         y, v, a, jerk = (symbol(f"path.{column.name}") for column in PATH)
-        found = self.system.controller((y, v, a, jerk))
+        found = self.system.controller((y, v, a, jerk), self.names)
         for column in self.system.controller_states:
             found[f"slope.{column.name}"] = derivative(found[f"rate.{column.name}"], symbol(column.name))
         path = self.system.path(symbol("t"))
@@ -160,7 +159,7 @@ class Cascade:
             inputs |= {f"path.{c.name}": f"d->{c.name}" for c in PATH} | {n: f"m->{n}" for n in MEASURED}
             inputs |= {c.name: f"x->{c.name}" for c, _ in self.states}
             wanted = self.computed
-        return statements([(target, self.expressions[name]) for target, name in wanted], inputs)
+        return statements([(target, self.expressions[name]) for target, name in wanted], inputs, self.names)
 
     def about(self) -> list[str]:
         """Lines for the header."""
@@ -170,7 +169,7 @@ class Cascade:
         lines = [f"{self.name}: cascade controller of a pneumatic servo, {observer}{adaptive}.", ""]
         lines += [f"  {text}" for text in _EQUATIONS[: 4 if system.observer else 3]]
         if system.observer:
-            lines += ["", *(f"  {each.text}" for each in equations(system.observer, system.observer_options))]
+            lines += ["", *(f"  {each.text}" for each in equations(system.observer, system.observer_form))]
         lines += ["", "Source: Sobczyk, Perondi, Cunha, section 5, its printing errors put right (docs/servo.md)."]
         lines.append(
             f"Parameters: {self.request.origin or 'scenario ' + scenario.name}; desired path: {scenario.signal.kind}."
@@ -198,7 +197,7 @@ class Cascade:
 
 def files(request: Request) -> dict[str, str | bytes]:
     """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
-    cascade = Cascade(request)
+    cascade = ControllerCode(request)
     values = cascade.context()
     name = cascade.name
     content: dict[str, str | bytes] = {
@@ -214,7 +213,7 @@ def files(request: Request) -> dict[str, str | bytes]:
 
 def notes(request: Request) -> list[str]:
     """What differs from the scenario at the time step that was given."""
-    cascade = Cascade(request)
+    cascade = ControllerCode(request)
     found, step, sampling = [], request.step, cascade.servo.sampling
     if cascade.period is None:
         found.append(

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import re
-import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
 from stribeck.control.observer import correction
 from stribeck.errors import needed
-from stribeck.expressions.emit import Dialect, Writer
+from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 
 _FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
@@ -26,17 +26,10 @@ DIALECT = Dialect(
 )
 
 # Of C and of the templates' macros: neither a variable nor a member can be called so.
-_WORDS = """
-    auto break case char const continue default do double else enum extern float for goto if inline int long register
-    restrict return short signed sizeof static struct switch typedef union unsigned void volatile while
-    EPSILON SLOWEST NAN INFINITY unix linux
-"""
-_LOCALS = "p v z s l dt a b x y u w real R FN exp log sqrt sin cos atan tanh fabs pow sign_of rate force dv_dt"
-WORDS = frozenset(_WORDS.split())
+WORDS = C_WORDS | {"EPSILON", "SLOWEST"}
+_LOCALS = "p v z s l dt a b x y u w real R FN sign_of rate force dv_dt"
 ARGUMENTS = frozenset({"K", "error"})  # of the equations below: no constant can be called so
-_TAKEN = WORDS | frozenset(_LOCALS.split())
-
-_labels = threading.Lock()  # nodes are shared, and so are the names they carry
+_TAKEN = WORDS | C_FUNCTIONS | frozenset(_LOCALS.split())
 
 
 class CWriter(Writer):
@@ -51,36 +44,26 @@ class CWriter(Writer):
         return (f"{sign}R({size})" if size[0].isdigit() else f"(real)({text})"), precedence
 
 
-def labelled(build: Callable[[], dict[str, Expr]]) -> dict[str, Expr]:
-    """What ``build`` makes, with no other names of variables than it gives itself."""
-    with _labels:
-        for node in ordered(build().values()):
-            node.label = None
-        return build()
-
-
-def statements(outputs: Sequence[tuple[str, Expr]], inputs: Mapping[str, str]) -> str:
+def statements(outputs: Sequence[tuple[str, Expr]], inputs: Mapping[str, str], names: Names) -> str:
     """Lines of C that assign expressions to their targets; the target ``return`` returns."""
     roots = {re.split(r"\W", text)[0] for text in (*inputs.values(), *(target for target, _ in outputs))}
-    written = CWriter(DIALECT, inputs, taken=_TAKEN | roots).write(outputs)
+    written = CWriter(DIALECT, inputs, taken=_TAKEN | roots, names=names).write(outputs)
     return "\n".join(f"    {line.replace('return = ', 'return ', 1)}" for line in written)
 
 
 @dataclass(frozen=True)
-class Equations:
+class LawCode:
     """A law's equations and their derivatives as expressions of v, z and the constants' names; ``rate`` is dz/dt as
     an argument of the force."""
 
     law: Law
+    names: Names = field(default_factory=Names, init=False, compare=False)  # of what the equations hold
 
     @cached_property
     def expressions(self) -> dict[str, Expr]:
         """dz/dt, F, F for a given dz/dt, their derivatives by v and z, and the bound of z where the law has one."""
-        return labelled(self._build)
-
-    def _build(self) -> dict[str, Expr]:
         law, v, z, rate = self.law, symbol("v"), symbol("z"), symbol("rate")
-        p = law.symbolic(symbol, law.structure)
+        p = law.symbolic(symbol, law.form, self.names.term)
         found = {"rate": wrap(law.dz_dt(p, v, z) if law.has_z else 0.0)}
         found["force_at_rate"] = wrap(law.friction(p, v, z, rate if law.has_z else wrap(0.0)))
         found["force"] = wrap(law.friction(p, v, z, found["rate"]))
@@ -88,7 +71,7 @@ class Equations:
         if self.observable:
             found["pull"] = wrap(correction(p, symbol("K"), symbol("error")))
         # a law linear in z: dz/dt = a z + b at held v
-        found["a"], found["b"] = found["rate_z"], substitute([found["rate"]], {z: wrap(0.0)})[0]
+        found["a"], found["b"] = found["rate_z"], substitute([found["rate"]], {z: wrap(0.0)}, self.names)[0]
         if self.bounded:
             found["bound"] = wrap(law.z_bound(p))
         return found
@@ -111,13 +94,13 @@ class Equations:
     def body(self, outputs: Sequence[tuple[str, str]], arguments: Sequence[str]) -> str:
         """Statements that assign expressions, given as (target, name), for a function that has these arguments."""
         found = self.expressions
-        inputs = {name: f"p->{name}" for name in self.law.numbers(self.law.structure)}
+        inputs = {name: f"p->{name}" for name in self.law.numbers(self.law.form)}
         inputs |= {name: name for name in arguments if name != "p"}
         used = symbols(found[name] for _, name in outputs)
         unused = [name for name in arguments if name != "p" and name not in used]
-        if not used & set(self.law.numbers(self.law.structure)):
+        if not used & set(self.law.numbers(self.law.form)):
             unused.insert(0, "p")
-        written = statements([(target, found[name]) for target, name in outputs], inputs)
+        written = statements([(target, found[name]) for target, name in outputs], inputs, self.names)
         return "\n".join([*(f"    (void){name};" for name in unused), written])
 
     def uses(self, *operations: str) -> bool:
@@ -128,7 +111,7 @@ class Equations:
 def condition(holds: Callable[[Any], Any], law: Law, place: str = "p->") -> str:
     """A relation between the constants as a condition in C; ``place``: of what they are members."""
     writer = CWriter(DIALECT, {name: f"{place}{name}" for name in law.constants()}, taken=_TAKEN)
-    line = writer.write([("result", wrap(holds(law.symbolic(symbol, law.structure))))])[-1]
+    line = writer.write([("result", wrap(holds(law.symbolic(symbol, law.form))))])[-1]
     return line.removeprefix("result = ").removesuffix(";")
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from stribeck.control.sampled import phi_1
 from stribeck.errors import needed
-from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, Cascade
-from stribeck.export.c.ccode import Equations
+from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, ControllerCode
+from stribeck.export.c.ccode import LawCode
 from stribeck.export.request import Request
 from stribeck.expressions import ops
 from stribeck.expressions.emit import python_function
@@ -20,7 +20,7 @@ from stribeck.laws.base import Law
 
 def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
     """Rows of numbers as C writes them, by function; the last number of a row is the sum of the absolute terms."""
-    law, equations = request.law, Equations(request.law)
+    law, equations = request.law, LawCode(request.law)
     scales, rng = law.scales(law.p), np.random.default_rng(1)
     speeds = scales.speed * np.array([0.0, 1e-9, -1e-3, 0.3, -1.0, 2.5, -30.0, 1e4])
     z = scales.length * rng.uniform(-1, 1, speeds.size) if law.has_z else np.zeros(speeds.size)
@@ -39,14 +39,14 @@ def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
     return found
 
 
-def terms(equations: Equations, names: tuple[str, ...]) -> Any:
+def terms(equations: LawCode, names: tuple[str, ...]) -> Any:
     """A function (v, z) -> for each expression the sum of its absolute terms: what its rounding is measured by."""
     known: dict[Expr, Expr] = {}
     outputs = [equations.expressions[name] for name in names]
     for node in ordered(outputs):
         known[node] = _magnitude(node, known)
     p = equations.law
-    symbols = list(p.numbers(p.structure))
+    symbols = list(p.numbers(p.form))
     function = python_function([*symbols, "v", "z"], [known[node] for node in outputs])
     values = [p.values[name] for name in symbols]
 
@@ -57,7 +57,7 @@ def terms(equations: Equations, names: tuple[str, ...]) -> Any:
     return at
 
 
-def samples(cascade: Cascade) -> list[tuple[str, ...]]:
+def samples(cascade: ControllerCode) -> list[tuple[str, ...]]:
     """Rows for the test of a cascade controller: path, measurements, states, dt; then what must come out, each number
     with its :func:`spread`: the outputs, and the states afterwards."""
     m, law, rng = cascade.servo.model, cascade.servo.observer, np.random.default_rng(1)
@@ -76,7 +76,7 @@ def samples(cascade: Cascade) -> list[tuple[str, ...]]:
     return rows
 
 
-def sampled(cascade: Cascade) -> Callable[[dict[str, float], float], list[tuple[float, float]]]:
+def sampled(cascade: ControllerCode) -> Callable[[dict[str, float], float], list[tuple[float, float]]]:
     """A function of path, measurements and states by name, and dt: value and :func:`spread` of each output, then of
     each state afterwards."""
     states, values = [column.name for column, _ in cascade.states], cascade.constants

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import Any
 
-from stribeck.export.c.cascade import INPUTS, OUTPUTS, Cascade
+from stribeck.export.c.cascade import INPUTS, OUTPUTS, ControllerCode
 from stribeck.export.fmu.description import Variable, token
 from stribeck.export.request import Request
 
 
 def context(request: Request) -> dict[str, Any]:
     """What the templates of the C and of the description need."""
-    cascade = Cascade(request)
+    cascade = ControllerCode(request)
     values, variables = cascade.context(), _variables(cascade)
     about, model = values["about"], cascade.name
     return values | {
@@ -20,7 +20,7 @@ def context(request: Request) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _variables(cascade: Cascade) -> list[Variable]:
+def _variables(cascade: ControllerCode) -> list[Variable]:
     found = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
 
     def add(name: str, unit: str, meaning: str, causality: str, variability: str, c: str, **rest: Any) -> None:

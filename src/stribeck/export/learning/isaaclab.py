@@ -8,7 +8,9 @@ from stribeck.export.c.ccode import render
 from stribeck.export.learning.common import header
 from stribeck.export.python import stepping
 from stribeck.export.python.written import Written
-from stribeck.export.request import Request
+from stribeck.export.request import Request, Target
+
+TARGET = Target("isaaclab", "learning.isaaclab", "an actuator for IsaacLab", folder=False)
 
 
 def files(request: Request) -> dict[str, str]:

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from stribeck.export.learning.common import warp_file
-from stribeck.export.request import Request
+from stribeck.export.request import Request, Target
+
+TARGET = Target("mjwarp", "learning.mjwarp", "joint friction for MuJoCo Warp", folder=False)
 
 
 def files(request: Request) -> dict[str, str]:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 from stribeck.constants import show
-from stribeck.errors import InputError, NotDifferentiable, nearest
+from stribeck.errors import InputError, nearest
 from stribeck.export.optional import package
 from stribeck.expressions import ops
 from stribeck.laws import builtin
@@ -32,17 +31,17 @@ ops.register("casadi", _Backend())
 def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
     """See :meth:`stribeck.laws.Law.to_casadi`."""
     ca: Any = package("casadi", "tools")
-    known = [name for name, value in law.values.items() if value is not None]
+    known = list(law.p.numbers)
     problems = [
         f"free: {show(n)}: law '{law.name}' has no such constant{nearest(n, known)}" for n in free if n not in known
     ]
-    if reason := kinks(law):
+    if reason := _not_smooth(law):
         problems.append(reason)
     if problems:
         raise InputError(problems)
     v, z = ca.MX.sym("v"), ca.MX.sym("z")
     inputs = {name: ca.MX.sym(name) for name in dict.fromkeys(free)}
-    p = SimpleNamespace(**{**vars(law.p), **inputs})
+    p = law.p.replaced(inputs)
     rate = law.dz_dt(p, v, z)
     outputs = {"dz_dt": rate, "F": law.friction(p, v, z, rate)}
     states = {"v": v, "z": z}
@@ -55,16 +54,9 @@ def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
     return function
 
 
-def kinks(law: Law) -> str | None:
+def _not_smooth(law: Law) -> str | None:
     """Why a law is not smooth enough for an optimiser that relies on derivatives; None where it is."""
-    smooth = law.guarantees()["smooth"]
-    if smooth is None:  # nothing is claimed, as by laws without z: look at rest, where kinks are
-        try:
-            law.force_rate(0.0, 0.0, 1.0)
-            smooth = True
-        except NotDifferentiable:
-            smooth = False
-    if smooth:
+    if law.differentiable:
         return None
     others = ", ".join(name for name, other in builtin().items() if other.has_z and other.claims.smooth)
     return (

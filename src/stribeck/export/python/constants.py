@@ -15,7 +15,7 @@ def checked(law: Law, given: dict[str, Any]) -> dict[str, Any]:
     Raises:
         InputError: it has no such constant.
     """
-    known = [name for name, value in law.values.items() if value is not None]
+    known = list(law.p.numbers)
     if odd := [name for name in given if name not in known]:
         raise InputError(
             [f"{n} = {show(given[n])}: law '{law.name}' has no such constant{nearest(n, known)}" for n in odd]

@@ -12,6 +12,7 @@ from stribeck.export.python.constants import checked
 from stribeck.export.python.written import FUNCTIONS, equations
 from stribeck.expressions import ops
 from stribeck.laws.base import Law
+from stribeck.laws.values import Constants
 
 
 class _Backend:
@@ -38,8 +39,8 @@ class JaxLaw:
         self.law = law
         self._step: Any = None
 
-    def _constants(self, given: dict[str, Any]) -> SimpleNamespace:
-        return SimpleNamespace(**{**vars(self.law.p), **checked(self.law, given)})
+    def _constants(self, given: dict[str, Any]) -> Constants:
+        return self.law.p.replaced(checked(self.law, given))
 
     def rate(self, v: Any, z: Any, **constants: Any) -> Any:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""

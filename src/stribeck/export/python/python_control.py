@@ -28,7 +28,7 @@ def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem
     plant = SimpleNamespace(mass=mass)
 
     def quantities(x: Any, u: Any, params: dict[str, Any]) -> tuple[Any, ...]:
-        p = SimpleNamespace(**{**vars(law.p), **{n: a for n, a in params.items() if n in law.values}})
+        p = law.p.replaced({n: a for n, a in params.items() if n in law.values})
         v = u[0] if mass is None else x[1]
         z = x[-1] if law.has_z else 0.0
         rate = law.dz_dt(p, v, z)
@@ -47,7 +47,7 @@ def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem
     system = ct.nlsys(
         derivatives if body or bristle else None, outputs, name=law.name, inputs=["v" if mass is None else "u"],
         outputs=[*body, "F"], **({"states": [*body, *bristle]} if body or bristle else {}),
-        params={n: a for n, a in law.values.items() if a is not None},
+        params=law.p.numbers,
     )  # fmt: skip
     system.friction = law
     return system

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from stribeck.errors import InputError
-from stribeck.export.c.ccode import Equations
+from stribeck.export.c.ccode import LawCode
 from stribeck.expressions import ops
 from stribeck.expressions.emit import ATOM, PYTHON, Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, rewrite, symbol
@@ -46,10 +46,10 @@ class Written:
 
     def __init__(self, law: Law) -> None:
         self.law = law
-        self.names = list(law.numbers(law.structure))
+        self.names = list(law.numbers(law.form))
         if bad := [n for n in self.names if n in ("has_z", "linear") or not n.isascii()]:
             raise InputError([f"{n}: a constant of this name cannot be exported to Python: rename it" for n in bad])
-        self._equations = Equations(law)
+        self._equations = LawCode(law)
 
     @property
     def linear(self) -> bool:
@@ -66,7 +66,8 @@ class Written:
         """Statements that assign the outputs, and the constants that they need before them."""
         local = {n: f"p_{n}" for n in self.names} if warp else {n: f"p.{n}" for n in self.names}
         inputs = {**local, "v": "v", "z": "z"}
-        kind = _WarpWriter(WARP, inputs, taken=_TAKEN) if warp else Writer(ARRAYS, inputs, taken=_TAKEN)
+        writer, dialect = (_WarpWriter, WARP) if warp else (Writer, ARRAYS)
+        kind = writer(dialect, inputs, taken=_TAKEN, names=self._equations.names)
         lines = kind.write(outputs)
         if warp:
             used = "\n".join(lines)
@@ -74,7 +75,7 @@ class Written:
         return "\n".join(f"{indent}{line}" for line in [*lines, ends])
 
     def function(self, *names: str, warp: bool = False, indent: str = "    ") -> str:
-        """Lines that compute these of :attr:`Equations.expressions` from p, v and z, and return them."""
+        """Lines that compute these of :attr:`LawCode.expressions` from p, v and z, and return them."""
         targets = [f"{name}_" for name in names]
         outputs = [(t, self._equations.expressions[n]) for t, n in zip(targets, names, strict=True)]
         return self._body(outputs, f"return {', '.join(targets)}", warp, indent)

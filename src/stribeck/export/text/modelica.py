@@ -5,13 +5,18 @@ from __future__ import annotations
 import html
 import re
 from collections.abc import Mapping
+from types import SimpleNamespace
 
 from stribeck.constants import Constant, rotary_unit, rotary_words
-from stribeck.export.request import Request
+from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import ADD, ATOM, UNARY, Dialect, Writer
 from stribeck.expressions.graph import Expr, symbol, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
+from stribeck.plants.mass import Mass
 from stribeck.version import __version__
+
+TARGET = Target("modelica", "text.modelica", "a Modelica package", folder=False)
 
 MODELICA = Dialect(
     declare="",
@@ -90,13 +95,20 @@ package {name} "{_line(law)}"
   equation
     friction.v = v;
     der(y) = v;
-    mass*der(v) = u - friction.F;
+    der(v) = {_acceleration()};
   end Body;
 
   annotation(version="{__version__}", Documentation(info="<html><pre>{info}</pre></html>"));
 end {name};
 """
     return f"{comment}\n{_turned(made) if request.rotary else made}"
+
+
+def _acceleration() -> str:
+    """dv/dt of the body, from the equation that is simulated."""
+    value = Mass.acceleration(SimpleNamespace(mass=symbol("mass")), symbol("u"), symbol("F"))
+    line = _Writer(MODELICA, {"mass": "mass", "u": "u", "F": "friction.F"}).write([("a", wrap(value))])[-1]
+    return line.removeprefix("a = ").removesuffix(";")
 
 
 def _turned(text: str) -> str:
@@ -112,11 +124,12 @@ def _turned(text: str) -> str:
 
 def _block(law: Law, constants: Mapping[str, float]) -> str:
     declared, names = law.constants(), {name: _name(name) for name in constants}
-    p, v, z = law.symbolic(symbol, law.structure), symbol("v"), symbol("z")
+    called = Names()
+    p, v, z = law.symbolic(symbol, law.form, called.term), symbol("v"), symbol("z")
     rate = wrap(law.dz_dt(p, v, z))
     outputs: list[tuple[str, Expr]] = [("der(z)", rate)] if law.has_z else []
     outputs.append(("F", wrap(law.friction(p, v, z, rate))))
-    lines = _Writer(MODELICA, {**names, "v": "v", "z": "z"}, taken=_KEYWORDS).write(outputs)
+    lines = _Writer(MODELICA, {**names, "v": "v", "z": "z"}, taken=_KEYWORDS, names=called).write(outputs)
     helpers = [left for left in (line.split(" = ")[0] for line in lines) if left not in ("der(z)", "F")]
     length, _ = _nominal(law)
     rows = [_parameter(names[n], declared[n], x) for n, x in constants.items()]

@@ -12,12 +12,15 @@ import re
 from dataclasses import replace
 
 from stribeck.errors import InputError
-from stribeck.export.request import Request
+from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import PYTHON, Writer
-from stribeck.expressions.graph import Expr, derivative, symbol, wrap
+from stribeck.expressions.graph import derivative, symbol, wrap
+from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.laws.dahl import Dahl
 from stribeck.laws.lugre import LuGre
+
+TARGET = Target("mujoco", "text.mujoco", "a MuJoCo model, and a callback", ("law", "body"))
 
 _STEP = 1e-3  # s, unless the request says otherwise
 _SLOTS = 10  # numbers that an actuator of MuJoCo can carry (mjNBIAS)
@@ -128,14 +131,15 @@ def _model(request: Request, actuator: str, how: str, integrator: str) -> str:
 
 def _equations(law: Law) -> str:
     """Python statements for dz/dt, F and their derivatives by v and z."""
-    p, v, z = law.symbolic(symbol, law.structure), symbol("v"), symbol("z")
+    called = Names()
+    p, v, z = law.symbolic(symbol, law.form, called.term), symbol("v"), symbol("z")
     rate = wrap(law.dz_dt(p, v, z)) if law.has_z else wrap(0)
     force = wrap(law.friction(p, v, z, rate))
     outputs = {"rate": rate, "force": force}
     outputs |= {f"{name}_{x}": derivative(of, by) for name, of in outputs.items() for x, by in (("v", v), ("z", z))}
     taken = {*_FUNCTIONS, *_LOCALS, *outputs}
-    names = {n: f"{n}_" if n in taken else n for n, value in vars(p).items() if isinstance(value, Expr)}
-    lines = Writer(_DIALECT, {**names, "v": "v", "z": "z"}, taken=taken).write(list(outputs.items()))
+    names = {n: f"{n}_" if n in taken else n for n in p.numbers}
+    lines = Writer(_DIALECT, {**names, "v": "v", "z": "z"}, taken=taken, names=called).write(list(outputs.items()))
     rows = [f"{', '.join(names.values())}, = p", *lines, f"return {', '.join(outputs)}"]
     return "\n".join(f"    {row}" for row in rows)
 

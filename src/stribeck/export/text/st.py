@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from stribeck.errors import InputError
-from stribeck.export.c.ccode import ARGUMENTS, Equations, render
+from stribeck.export.c.ccode import ARGUMENTS, LawCode, render
 from stribeck.export.c.sampling import resolution
-from stribeck.export.request import Request
+from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import Dialect, Writer
 from stribeck.expressions.graph import Expr
+from stribeck.expressions.names import Names
+
+TARGET = Target("st", "text.st", "an IEC 61131-3 function block in Structured Text", folder=False)
 
 _OWN = ("v", "dt", "reset", "f", "z", "ok")  # of the block itself; the language knows no case
 _PARTS = 16  # of a step, for laws whose dz/dt is not linear in z
@@ -32,9 +35,9 @@ _DIALECT = Dialect(
 class _Writer(Writer):
     """Variables are called w_..., unique whatever the case of letters; they are listed for their declaration."""
 
-    def __init__(self, request: Request, inputs: dict[str, str]) -> None:
+    def __init__(self, request: Request, inputs: dict[str, str], names: Names) -> None:
         functions = {op: name.format(n=request.name) for op, name in _DIALECT.functions.items()}
-        super().__init__(Dialect(**{**vars(_DIALECT), "functions": functions}), inputs)
+        super().__init__(Dialect(**{**vars(_DIALECT), "functions": functions}), inputs, names=names)
         self.variables: list[str] = []
 
     def begin(self) -> None:
@@ -64,7 +67,7 @@ def number(x: float) -> str:
 
 def files(request: Request) -> dict[str, str | bytes]:
     """The function block, with the functions that it needs."""
-    law, equations = request.law, Equations(request.law)
+    law, equations = request.law, LawCode(request.law)
     names = [*_OWN, *(name.lower() for name in request.constants)]
     if bad := [
         name for name in request.constants if names.count(name.lower()) > 1 or name in ARGUMENTS or not name.isascii()
@@ -72,7 +75,7 @@ def files(request: Request) -> dict[str, str | bytes]:
         text = "a constant of this name cannot be exported to Structured Text: rename it"
         raise InputError([f"{name}: {text}" for name in bad])
     inputs = {name: name for name in request.constants} | {"v": "v", "z": "z", "rate": "w_rate"}
-    writer = _Writer(request, inputs)
+    writer = _Writer(request, inputs, equations.names)
     writer.taken.update(("w_rate", "w_slope", "w_drive", "w_x", "w_dz", "w_bound", "w_h"))
 
     def statements(outputs: Sequence[tuple[str, str]]) -> list[str]:

@@ -13,7 +13,7 @@ from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, judge, transfer
 from stribeck.identify.actuator.coordinates import Coordinate, coordinates
-from stribeck.identify.actuator.estimate import Estimate, estimate, traces
+from stribeck.identify.actuator.estimate import Estimate, beyond_noise, estimate, traces
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.recordings import Logs, Recording, read_logs
 from stribeck.identify.actuator.result import LogResult, MachineFit
@@ -156,9 +156,12 @@ class Fitting:
         elif missed:
             status, reason = "missed", f"the machine does not follow its recordings ({'; '.join(missed)}): no intervals"
             notes += checks.hypotheses(best)
-        correlated: list[dict[str, Any]] = []
+        coarse = beyond_noise(best.problem, best.u) if status == "done" else []
+        if coarse:
+            why = "the model errs, or there is a better minimum: no intervals (more starts, or another law, may help)"
+            notes.append(f"{'; '.join(coarse)}: {why}")
         try:
-            judged = judge.judged(best, self.scenario, status == "done")
+            judged = judge.judged(best, self.scenario, status == "done" and not coarse)
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
             status, reason = "stopped", "Ctrl-C: the best numbers, without intervals"

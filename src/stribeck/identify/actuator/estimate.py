@@ -22,6 +22,7 @@ POOR = 0.25  # of a column's changes: a fit that leaves more misses
 _FIRST = 0.05  # of a column's changes: the noise to begin with
 _WEIGHTINGS = 2
 _SETTLED = 0.05
+_BEYOND = 10.0  # times a column's noise: more is no noise, and an interval of noise would be wrong
 _STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
 _SHORTEST = 0.2  # s
 _ROUGH = 12  # steps of the search in stretches
@@ -55,6 +56,18 @@ class Estimate:
             if not left <= POOR * size and left > 3 * floor_of(self.problem, column):
                 told.append(f"{column}: {100 * left / size if size else np.inf:.0f} % of its changes are left")
         return told
+
+
+def beyond_noise(problem: Problem, u: Array) -> list[str]:
+    """The columns of which far more is left than their noise, in words: the model errs, or the minimum is another."""
+    told = []
+    for column, (left, _) in leftovers(problem, u).items():
+        rough = [np.diff(t.x, 3) for run in problem.runs for t in run.targets if t.column == column]
+        noise = float(np.sqrt(np.mean(np.concatenate(rough) ** 2) / 20))  # a third difference has 1 + 9 + 9 + 1 of them
+        least = max(noise, floor_of(problem, column))
+        if least > 0 and left > _BEYOND * least:
+            told.append(f"{column}: {left:.2g} is left, {left / least:.0f} times what changes from sample to sample")
+    return told
 
 
 def leftovers(problem: Problem, u: Array) -> dict[str, tuple[float, float]]:

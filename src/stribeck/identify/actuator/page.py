@@ -17,6 +17,7 @@ from stribeck.version import __version__
 
 _ZOOM = 0.15  # of a recording: the part shown larger
 _PROFILES = 12
+_HIGHEST = 12.0  # of a profile, as far as it is drawn
 
 
 def write(fit: MachineFit, folder: Path, command: str, title: str) -> list[str]:
@@ -159,6 +160,9 @@ def _profiles(fit: MachineFit) -> list[Chapter]:
 def _profile(axis: Any, name: str, p: Parameter) -> None:
     x, rise = np.array(p.profile).T
     axis.plot(x, rise, "o-", color="#0072B2", markersize=2.5)
+    near = x[rise < _HIGHEST]
+    if len(near) > 1:
+        axis.set_xlim(near.min() - 0.1 * np.ptp(near), near.max() + 0.1 * np.ptp(near))
     axis.axhline(THRESHOLD, color="#D55E00", linewidth=0.8)
     axis.set(title=".".join(name.split(".")[-3:]), ylim=(0, max(6.0, min(float(rise.max()), 12.0))))
     axis.locator_params(nbins=4)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from stribeck.errors import InputError
 from stribeck.identify.actuator import judge
-from stribeck.identify.actuator.estimate import estimate, traces
+from stribeck.identify.actuator.estimate import beyond_noise, estimate, traces
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.actuator.runs import made
@@ -30,7 +30,7 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> dict[str, Any]
     numbered = list(enumerate(other.recordings))
     logs = [LogResult(r.file, True, traces(fit.scenario, r, i, sought, values)) for i, r in numbered]
     own = estimate(fit.scenario, numbered, sought, 1, 0, fit.work, values)
-    found = judge.judged(own, fit.scenario, not own.stopped and not own.missed())
+    found = judge.judged(own, fit.scenario, not (own.stopped or own.missed() or beyond_noise(own.problem, own.u)))
     moved, same, open_ = [], [], []
     for name, there in found.parameters.items():
         here = result.parameters[name]

@@ -18,7 +18,7 @@ _TYPICAL_BREAK_AWAY = 1e-4  # of the travel: where a log shows no reversal
 
 
 @dataclass(frozen=True)
-class Range:
+class Guess:
     """A rough value, the range for starts, and the bounds of the fit."""
 
     value: float
@@ -112,20 +112,20 @@ def _after_reversals(log: Log, force: Array, level: float) -> list[float]:
     return found
 
 
-def ranges(law: type[Law], sizes: Scales) -> dict[str, Range]:
+def ranges(law: type[Law], sizes: Scales) -> dict[str, Guess]:
     """A range for each constant of the law that a fit may free."""
     f, fast, slow, k = sizes.force, sizes.fast, sizes.slow, sizes.stiffness
     middle = float(np.sqrt(slow * fast))
     known = {
-        "sigma_0": Range(k, k / 20, k * 20),
-        "sigma_1": Range(0.03 * f / middle, 1e-3 * f / middle, f / middle),
-        "sigma_2": Range(0.1 * f / fast, 1e-3 * f / fast, f / fast),
-        "F_c": Range(0.8 * f, 0.3 * f, 1.2 * f, reach=5),
-        "F_s": Range(1.2 * f, 0.5 * f, 2 * f, reach=5),
-        "v_s": Range(middle, slow, fast, reach=10),
+        "sigma_0": Guess(k, k / 20, k * 20),
+        "sigma_1": Guess(0.03 * f / middle, 1e-3 * f / middle, f / middle),
+        "sigma_2": Guess(0.1 * f / fast, 1e-3 * f / fast, f / fast),
+        "F_c": Guess(0.8 * f, 0.3 * f, 1.2 * f, reach=5),
+        "F_s": Guess(1.2 * f, 0.5 * f, 2 * f, reach=5),
+        "v_s": Guess(middle, slow, fast, reach=10),
     }
     for name, constant in law.constants().items():
         if name not in known:
             value = constant.example or constant.default or 1.0
-            known[name] = Range(value, value / 100, value * 100)
+            known[name] = Guess(value, value / 100, value * 100)
     return known

@@ -12,12 +12,13 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.data.filters import shifted
-from stribeck.identify.features.guess import Range, ranges, scales
+from stribeck.identify.features.guess import Guess, ranges, scales
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
 from stribeck.identify.models.problem import Coordinate, Problem, Tie
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
+from stribeck.laws.form import Form
 from stribeck.simulation.response import Response
 
 Given = Mapping[str, float]
@@ -56,7 +57,7 @@ class VelocityProblem(Problem):
         self.rows = np.ones(len(log), bool) if rows is None else rows
         size = float(np.sqrt(np.mean(log.force**2)))
         super().__init__(law, coordinates, fixed, tied, log.force[self.rows], size)
-        self.response = Response(law, structure(law, fixed))
+        self.response = Response(law, form_of(law, fixed))
         self.runs = list(log.runs())
         self.levels = [name for name in body if TERMS[name].level]
         self.body = [name for name in body if not TERMS[name].level and TERMS[name].column is not None]
@@ -143,14 +144,12 @@ class VelocityProblem(Problem):
         return out
 
 
-def structure(law: type[Law], given: Given) -> tuple[str, ...]:
+def form_of(law: type[Law], given: Given) -> Form:
     """The form of the law's equations: optional constants that are given, and words."""
-    words = {
-        n: f"{n}={given[n]}"
-        for n, c in law.constants().items()
-        if c.choices and given.get(n, c.choices[0]) != c.choices[0]
-    }
-    return tuple(words.get(n, n) for n, c in law.constants().items() if n in words or (c.optional and n in given))
+    constants = law.constants()
+    on = tuple(n for n, c in constants.items() if c.optional and n in given)
+    given_words = ((n, str(given[n])) for n, c in constants.items() if c.choices and n in given)
+    return Form(on, tuple((n, word) for n, word in given_words if word != constants[n].choices[0]))
 
 
 def _columns(log: Log, names: Sequence[str]) -> Array:
@@ -215,7 +214,7 @@ def velocity_problem(
         here = ranges(law, sizes)[name]
         if start and start.get(name, 0.0) > 0:
             given = float(start[name])
-            here = Range(given, min(here.low, given), max(here.high, given), here.reach)
+            here = Guess(given, min(here.low, given), max(here.high, given), here.reach)
         unit = law.constants()[name].unit
         found.append((Coordinate(name, unit, *here.bounds), here.value, here.low, here.high))
     found += [_body_coordinate(name, log, sizes.force, sizes.offset) for name in body if name not in held]

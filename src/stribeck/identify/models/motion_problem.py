@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
-from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, structure
+from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, form_of
 from stribeck.identify.models.problem import Coordinate, Problem
 from stribeck.simulation.response import Motion
 
@@ -56,7 +56,7 @@ class MotionProblem(Problem):
         measured = self._without_means(raw(log, output)[self.rows][None, :])[0]
         scale = float(np.sqrt(np.mean(measured**2))) or 1.0
         super().__init__(inverse.law, own, inverse.fixed, inverse.tied, measured, scale)
-        self.model = Motion(self.law, structure(self.law, self.fixed))
+        self.model = Motion(self.law, form_of(self.law, self.fixed))
         assert inverse.home is not None
         self.home = self.from_values(inverse.values(inverse.home))
 

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from stribeck.constants import DECIDED
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
 from stribeck.identify.report import pictures, traces
@@ -16,7 +17,6 @@ from stribeck.properties import check
 from stribeck.report.page import Chapter, Table, html
 from stribeck.version import __version__
 
-_VERDICTS = {True: "yes", False: "no", None: "undecided"}
 _SAME = 0.05  # of a speed: closer ones share a line
 
 
@@ -209,7 +209,7 @@ def _properties(fit: Fit) -> list[Chapter]:
     if not law.has_z:
         return []
     rows = [
-        [name, _VERDICTS[v.holds], v.evidence.get("reason", v.method) if v.holds is None else v.method]
+        [name, DECIDED[v.holds], v.evidence.get("reason", v.method) if v.holds is None else v.method]
         for name, v in check(law).properties.items()
     ]
     text = [

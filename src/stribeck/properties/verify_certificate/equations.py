@@ -26,7 +26,7 @@ def compare(law: Law, dz_dt: Node, force: Node) -> None:
     numbers = {n: x for n, x in law.values.items() if x is not None}
     made = [  # with numbers folded where they meet, as an evaluation would, and with the constants' names
         SimpleNamespace(**{n: x if x is None else constant(x) for n, x in law.values.items()}, **law.choices),
-        law.symbolic(symbol, law.structure),
+        law.symbolic(symbol, law.form),
     ]
     for what, stated, own in (
         ("dz/dt", dz_dt, [wrap(law.dz_dt(p, v, z)) for p in made]),

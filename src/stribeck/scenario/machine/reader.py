@@ -170,7 +170,7 @@ class MachineReader(Reading):
         if span is None or law is None or None in levels or None in factors:
             return None
         parts = tuple(x for x in levels if x), tuple(x for x in factors if x)
-        return ContactPart(name, type(law), law.structure, span, *parts)
+        return ContactPart(name, type(law), law.form, span, *parts)
 
     def _law(self, table: Any, path: str) -> Law | None:
         reader = LawReader(table, path, self.folder, self.executes)
@@ -281,4 +281,4 @@ class MachineReader(Reading):
             return None
         if values.share is not None:
             self.values[path, "share"] = values.share
-        return Compensation(type(law), law.structure, place, values.speed, values.share is not None)
+        return Compensation(type(law), law.form, place, values.speed, values.share is not None)

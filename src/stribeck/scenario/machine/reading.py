@@ -10,6 +10,7 @@ from typing import Any
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import Law
+from stribeck.laws.form import Form
 from stribeck.machine import controllers
 from stribeck.machine.element import Element
 from stribeck.machine.links import Link
@@ -137,14 +138,12 @@ class Reading:
             more = more[:2]
         return [*kind.constants(), *kind.lists(), *more]
 
-    def _constants(
-        self, kind: type[Element], values: Any, path: str, skip: Iterable[str] = ()
-    ) -> tuple[str, ...] | None:
+    def _constants(self, kind: type[Element], values: Any, path: str, skip: Iterable[str] = ()) -> Form | None:
         """Keep an element's numbers; the form of its equations, or None where lists do not go together."""
         given = {n: getattr(values, n) for n in (*kind.constants(), *kind.lists()) if n not in skip}
         if kind.lists() and not self._lists(given, tuple(kind.lists()), path):
             return None
-        form = kind.structure(given)
+        form = kind.form_of(given)
         for name, value in given.items():
             if isinstance(value, list):
                 self.values |= {(path, f"{name}_{i}"): float(x) for i, x in enumerate(value)}

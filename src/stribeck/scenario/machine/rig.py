@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -96,8 +95,7 @@ class Rig:
     def law_scales(self, path: str) -> Scales:
         """The natural magnitudes of the law in a table, by the present values."""
         law = self.laws[path]
-        present = {n: self.values[path, n] for n, x in law.values.items() if x is not None}
-        return law.scales(SimpleNamespace(**{**vars(law.p), **present}))
+        return law.scales(law.p.replaced({n: self.values[path, n] for n in law.p.numbers}))
 
     @cached_property
     def scales(self) -> dict[str, Scales]:

@@ -164,7 +164,7 @@ def not_to_multiply(of: str, law: Law) -> str | None:
     if of == "sigma_0":
         why = "a stiffness that changes stores energy at no cost; use level, or F_c and F_s"
         return f"must be left out: sigma_0 is not a thing to multiply ({why})"
-    known = [n for n in law.numbers(law.structure) if n != "sigma_0"]
+    known = [n for n in law.numbers(law.form) if n != "sigma_0"]
     if of == "level":
         return None if "F_c" in known or "F_s" in known else f"law '{law.name}' has no level F_c or F_s"
     if of not in known:

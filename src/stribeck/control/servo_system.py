@@ -11,13 +11,25 @@ from typing import Any
 from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.control.cascade import Cascade, Path
-from stribeck.control.observer import ETA, SCALES, Z_HAT, Adaptation, Estimate, adapt, observe
+from stribeck.control.observer import ETA, SCALES, Z_HAT, Adaptation, Observed, adapt, observe
 from stribeck.drives.base import Column
 from stribeck.equations import Equations
 from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import ONE, Expr, constant, derivative, substitute, symbol, total_derivative, wrap
+from stribeck.expressions.graph import (
+    ONE,
+    Expr,
+    constant,
+    derivative,
+    substitute,
+    symbol,
+    total_derivative,
+    wrap,
+)
+from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, both, sqrt, where
 from stribeck.laws.base import Law
+from stribeck.laws.form import Form
+from stribeck.laws.values import Constants
 from stribeck.plants.cylinder import Cylinder
 from stribeck.signals import Signal
 
@@ -54,9 +66,9 @@ class ServoSystem(Equations):
     """
 
     law: type[Law]
-    options: tuple[str, ...]
+    form: Form
     observer: type[Law] | None
-    observer_options: tuple[str, ...]
+    observer_form: Form
     signal: type[Signal]
     droop: bool = False
     adaptive: bool = False
@@ -87,10 +99,10 @@ class ServoSystem(Equations):
         if self.sampled:
             drive["u"] = Constant("V", "valve voltage, held")
         groups = {
-            "law": self.law.numbers(self.options),
+            "law": self.law.numbers(self.form),
             "plant": Cylinder.constants,
             "drive": drive,
-            "observer": self.observer.numbers(self.observer_options) if self.observer else {},
+            "observer": self.observer.numbers(self.observer_form) if self.observer else {},
             "model": Cylinder.constants,
             "adaptation": Adaptation.constants if self.adaptive else {},
             "signal": self.signal.constants,
@@ -122,11 +134,14 @@ class ServoSystem(Equations):
     def _symbols(self, owner: str, names: Any = None) -> SimpleNamespace:
         return SimpleNamespace(**{n: symbol(f"{owner}.{n}") for n in (names or self.groups.get(owner, ()))})
 
-    def _observer_constants(self) -> SimpleNamespace:
+    def _observer_constants(self, called: Names | None = None) -> Constants:
         assert self.observer is not None
-        return self.observer.symbolic(lambda n: symbol(f"observer.{n}"), self.observer_options)
+        on_term = None if called is None else called.term
+        return self.observer.symbolic(lambda n: symbol(f"observer.{n}"), self.observer_form, on_term)
 
-    def controller(self, path: tuple[Expr, Expr, Expr, Expr] | None = None) -> dict[str, Expr]:
+    def controller(
+        self, path: tuple[Expr, Expr, Expr, Expr] | None = None, called: Names | None = None
+    ) -> dict[str, Expr]:
         """Eqs 12 to 15 as expressions of what is measured (t, y, v, p_1, p_2, acceleration) and of the controller's states.
 
         dp_d/dt is the total derivative of p_d along the rates: of time, of the motion, and of the states themselves.
@@ -137,7 +152,7 @@ class ServoSystem(Equations):
         moving = {t: ONE} if path is None else dict(pairwise(path))
         path = path or self.path(t)
         e, s = Cascade.errors(c, path, y, v)
-        found = self._observe(c, v, s)
+        found = self._observe(c, v, s, called)
         p_d = Cascade.desired_pressure(c, m, path, v, s, found.F)
         rates = {n: wrap(rate) for n, rate in found.rates.items()}
         along = {**moving, y: v, v: acceleration, **{symbol(n): rate for n, rate in rates.items()}}
@@ -155,17 +170,18 @@ class ServoSystem(Equations):
         acceleration = derivative(speed, t)
         return position, speed, acceleration, derivative(acceleration, t)
 
-    def _observe(self, c: Any, v: Expr, s: Value) -> Estimate:
+    def _observe(self, c: Any, v: Expr, s: Value, called: Names | None) -> Observed:
         x: dict[str, Value] = {state.name: symbol(state.name) for state in self.controller_states}
-        p = self._observer_constants() if self.observer else None
+        p = self._observer_constants(called) if self.observer else None
         if self.adaptive:
             assert self.observer is not None
             return adapt(self.observer, p, self._symbols("adaptation", Adaptation.constants), c.K, v, s, x)
         return observe(self.observer, p, c.K, v, s, x)
 
-    def motion(self) -> dict[str, Expr]:
+    def motion(self, called: Names | None = None) -> dict[str, Expr]:
         """F, the acceleration and dz/dt of the plant."""
-        q = self.law.symbolic(lambda n: symbol(f"law.{n}"), self.options)
+        called = Names() if called is None else called
+        q = self.law.symbolic(lambda n: symbol(f"law.{n}"), self.form, called.term)
         v, p_1, p_2 = symbol("v"), symbol("p_1"), symbol("p_2")
         z = symbol("z") if self.law.has_z else constant(0.0)
         dz_dt = wrap(self.law.dz_dt(q, v, z))
@@ -176,8 +192,7 @@ class ServoSystem(Equations):
             "dz_dt": dz_dt,
         }
         for name, value in found.items():
-            if value.args and value.label is None:
-                value.label = name
+            called.give(value, name)
         return found
 
     @cached_property
@@ -192,9 +207,9 @@ class ServoSystem(Equations):
         return dict(zip(control, substitute(control.values(), {symbol("acceleration"): self.motion()["acceleration"]}),
                         strict=True))  # fmt: skip
 
-    def rates(self) -> list[Expr]:
+    def rates(self, called: Names | None = None) -> list[Expr]:
         """The time derivatives of the states as expressions of ``t``, the states' names and the constants' symbols."""
-        p, motion = self._symbols("plant"), self.motion()
+        p, motion = self._symbols("plant"), self.motion(called)
         y, v, p_1, p_2 = (symbol(column.name) for column in _MOTION)
         u = symbol("drive.u") if self.sampled else self._loop["u"]
         droop = symbol("drive.supply_droop") if self.droop else 0.0

@@ -1,0 +1,54 @@
+"""The constants of a law, as its equations take them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import SimpleNamespace
+from typing import Any
+
+from stribeck.expressions.ops import Value
+
+OnTerm = Callable[[str, str, tuple[Value, ...], Value], Value]
+
+
+class Constants(SimpleNamespace):
+    """A law's constants by name: numbers (symbols, arrays), words, and None for an optional one that is off.
+
+    Args:
+        values: the constants.
+        on_term: told of each named term of the equations (its name, its LaTeX, its arguments and value); what it returns
+            stands in the term's place. A build of code collects names so, and rendering keeps definitions apart.
+    """
+
+    __slots__ = ("_on_term",)
+    _on_term: OnTerm | None
+
+    def __init__(self, values: Mapping[str, Any] | None = None, on_term: OnTerm | None = None) -> None:
+        super().__init__(**(values or {}))
+        object.__setattr__(self, "_on_term", on_term)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Copies and pickles hold the constants alone."""
+        return Constants, (vars(self),)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"{name}: the constants of a law do not change; replaced() makes others")
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """The constants that are on and no words."""
+        return {name: x for name, x in vars(self).items() if x is not None and not isinstance(x, str)}
+
+    @property
+    def words(self) -> dict[str, str]:
+        """The choices."""
+        return {name: x for name, x in vars(self).items() if isinstance(x, str)}
+
+    def replaced(self, values: Mapping[str, Any]) -> Constants:
+        """The same with others in the place of some."""
+        return Constants({**vars(self), **values}, self._on_term)
+
+
+def told(p: Any) -> OnTerm | None:
+    """Who is to be told of the terms of equations that take the constants ``p``."""
+    return p._on_term if isinstance(p, Constants) else None

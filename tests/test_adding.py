@@ -1,0 +1,73 @@
+"""Adding a drive, an export target or a chapter is one file, as adding a law is."""
+
+from __future__ import annotations
+
+import sys
+
+import pytest
+
+from stribeck import drives, export, paper
+from stribeck.export import text
+
+DRIVE = '''
+from stribeck.drives.base import Column, Drive
+
+
+class Doubled(Drive):
+    """Twice the signal."""
+
+    kind, meaning = "doubled", "the signal is half of the force, N"
+    signal = Column("half", "N", "half of the force")
+
+    @staticmethod
+    def force(p, r, y, v, x):
+        return 2 * r
+'''
+TARGET = """
+from stribeck.export.request import Target
+
+TARGET = Target("names", "text.zz_names", "the names of the constants", folder=False)
+
+
+def files(request):
+    return {"names.txt": " ".join(request.constants)}
+"""
+CHAPTER = "def chapter(done):\n    return None\n"
+
+
+@pytest.fixture
+def beside(tmp_path, monkeypatch):
+    """Put a file into a package for the time of a test."""
+    before = set(sys.modules)
+
+    def put(package, name, content):
+        (tmp_path / f"{name}.py").write_text(content, encoding="utf-8")
+        monkeypatch.setattr(package, "__path__", [*package.__path__, str(tmp_path)])
+
+    yield put
+    for name in set(sys.modules) - before:
+        del sys.modules[name]
+
+
+def test_a_drive_is_one_file(beside):
+    beside(drives, "zz_doubled", DRIVE)
+    found = drives.kinds()
+    assert list(found) == [*drives.KINDS, "doubled"]
+    assert found["doubled"].force(None, 1.5, 0.0, 0.0, ()) == 3.0
+
+
+def test_an_export_target_is_one_file(beside, monkeypatch, tmp_path):
+    import stribeck
+
+    beside(text, "zz_names", TARGET)
+    found = export.targets()
+    assert set(found) - set(export.TARGETS) == {"names"}
+    monkeypatch.setattr(export, "TARGETS", found)
+    law = stribeck.law("coulomb_viscous", {"F_c": 1.0, "sigma_2": 0.1})
+    (file,) = export.export(law, "names", tmp_path / "names.txt")
+    assert file.read_text().split()[:2] == ["F_c", "sigma_2"]
+
+
+def test_a_chapter_is_one_file(beside):
+    beside(paper, "zz_more", CHAPTER)
+    assert paper.chapters() == (*paper.CHAPTERS, "zz_more")
