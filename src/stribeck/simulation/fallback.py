@@ -47,9 +47,11 @@ class RateFunctions:
         return (*self._values, *self.piece, *self.held, t, *x)
 
     def rates(self, t: float, x: Array) -> Array:
+        """The time derivatives of the states."""
         return np.array(self._rates(*self._at(t, x)), float)
 
     def jacobian(self, t: float, x: Array) -> Array:
+        """The derivatives of the rates by the states."""
         return np.array(self._jacobian(*self._at(t, x)), float).reshape(len(x), len(x))
 
     def watch(self, t: float, x: Array) -> Array:
