@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from stribeck.identify.result import Fit
     from stribeck.laws import law
     from stribeck.laws.base import BristleLaw, Claims, Law
+    from stribeck.loops import design
     from stribeck.parameter_sets import allow_undetermined, parameters
     from stribeck.properties import Verdict, Verdicts, check, storage_interval
     from stribeck.properties.margins import margins
@@ -49,7 +50,7 @@ __all__ = [
     "File", "Fit", "InputError", "Law", "Link", "Load", "Machine", "MachineVerdicts", "Motor",
     "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
     "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
-    "check_all", "check_machine", "compare", "export", "fit", "gains", "hunting", "law", "margins",
+    "check_all", "check_machine", "compare", "design", "export", "fit", "gains", "hunting", "law", "margins",
     "parameters", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
 ]  # fmt: skip
 
@@ -70,6 +71,7 @@ _HOME = {
     **dict.fromkeys(("BristleLaw", "Claims", "Law"), "stribeck.laws.base"),
     **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),
     "check_all": "stribeck.properties.matrix",
+    "design": "stribeck.loops",
     **dict.fromkeys(("MachineVerdicts", "check_machine"), "stribeck.properties.ports"),
     "law": "stribeck.laws",
     "margins": "stribeck.properties.margins",

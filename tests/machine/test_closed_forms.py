@@ -157,3 +157,17 @@ def test_the_energy_of_random_machines_balances(seed):
     s = solved(random_machine(seed))
     rest = s["E_in"] + s["E_stored"][0] - s["E_stored"] - s["E_dissipated"]
     assert np.max(np.abs(rest)) <= 1e-7 * max(s.peaks["E_in"], s.peaks["E_stored"])
+
+
+def test_compensation_at_a_reference_that_rests_is_a_number():
+    """LuGre's steady deflection is 0/0 at rest: a move that begins and ends at rest must not meet it."""
+    controller = {
+        "kind": "pid", "on": "a", "signal": {"kind": "point_to_point", "t": [0.1, 0.6], "value": [0.0, 0.05]},
+        "K_p": 200.0, "K_d": 20.0, "compensation": {"contact": "guide", "speed": "reference"},
+    }  # fmt: skip
+    data = machine(
+        {"a": {"mass": 1.0}}, contacts={"guide": {"from": "a", "law": law("lugre")}}, controllers={"c": controller}
+    )
+    solution = solved(data)
+    assert np.isfinite(solution["c.u"]).all()
+    assert solution["a.y"][-1] == pytest.approx(0.05, rel=0.05)

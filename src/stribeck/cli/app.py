@@ -347,6 +347,43 @@ def explore(
     return command.explore(what, out, law, report, set_ or [], trust, json)
 
 
+@app.command(epilog="Example: stribeck design machine.toml --vary controllers.axis.K_p=10:1000 --out design")
+def design(
+    scenario: ScenarioFile,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="PATH=LOW:HIGH", help="Find where the verdict changes; may be repeated."),
+    ] = None,
+    tune: Annotated[
+        str | None, typer.Option("--tune", metavar="K_p,K_v", help="Search gains of the controller, or paths.")
+    ] = None,
+    uncertainty: Annotated[
+        Path | None,
+        typer.Option(
+            "--uncertainty", metavar="parameters.toml", help="Intervals of the friction, of a fit; else 10 % both ways."
+        ),
+    ] = None,
+    controller: Annotated[str | None, typer.Option("--controller", metavar="NAME", help="Which, of several.")] = None,
+    compensations: Annotated[
+        bool, typer.Option("--compensations/--no-compensations", help="Compare what may be done against friction.")
+    ] = True,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the samples and of the search.")] = 0,
+    set_: Set = None,
+    trust: Trust = False,
+    out: Out = None,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Will this axis hunt? Verdict, boundaries, errors, and what may be done against its friction."""
+    from stribeck.cli import design as command
+
+    options = {
+        "vary": vary or [], "tune": tune.split(",") if tune else [], "uncertainty_file": uncertainty, "controller": controller,
+        "compensations": compensations, "seed": seed,
+    }  # fmt: skip
+    return command.run(scenario, set_ or [], options, out, json, trust)
+
+
 @app.command(epilog="Example: stribeck doctor --json")
 def doctor(json: Json = False) -> int:
     """Show compiler, cache and versions, and run a self-test."""

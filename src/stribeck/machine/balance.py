@@ -256,7 +256,7 @@ def unlimited(
         u = u + symbol(f"{each.path}.feedforward.inertia") * r.second
     if each.compensation is not None:
         force, rate = compensation(each.compensation, r, v, x.get("z_hat", ZERO), called, exact)
-        u = u + force
+        u = u + (symbol(f"{each.path}.compensation.share") * force if each.compensation.share else force)
         if rate is not None and "z_hat" in x:
             rates["z_hat"] = rate
     return wrap(u), rates

@@ -14,6 +14,7 @@ from stribeck.machine.loads import sum_of_waves
 from stribeck.machine.parts import Compensation, ContactPart, Factor, made
 from stribeck.signals.pieces import Reference
 
+_SLOWEST = 1e-100  # m/s or rad/s
 _NEWTON_STEPS = 16
 
 
@@ -89,7 +90,8 @@ def compensation(
     p = c.symbolic(called)
     if c.speed == "reference":
         speed = wrap(abs(r.rate))
-        force = r.direction * steady_force(c.law, p, speed, called)
+        moving = wrap(where(speed > _SLOWEST, speed, _SLOWEST))  # at rest the limit: |v|/|v| is no number there
+        force = r.direction * steady_force(c.law, p, moving, called)
         return (wrap(where(speed <= 0, 0.0, force)) if exact and not is_zero(speed) else wrap(force)), None
     rate = wrap(c.law.dz_dt(p, v, z)) if c.law.has_z else None
     return wrap(c.law.friction(p, v, z, 0.0 * v if rate is None else rate)), rate

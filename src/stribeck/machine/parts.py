@@ -224,6 +224,7 @@ class Compensation:
     form: Form
     path: str  # of the law's table: the contact's, or one of its own
     speed: str  # "reference" or "measured"
+    share: bool = False  # whether a share of it other than the whole is given
 
     def symbolic(self, called: Names) -> Constants:
         """The law's constants as symbols."""

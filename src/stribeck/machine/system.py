@@ -42,6 +42,7 @@ SAMPLING = _SAMPLING
 _FEEDFORWARD = Constant("kg", "force by the signal's second derivative", rotary_unit="kg m^2")
 FEEDFORWARD = _FEEDFORWARD
 FACTOR, GAIN, WEIGHT = _FACTOR, _GAIN, _WEIGHT
+SHARE = Constant("", "share of the law's force that the controller adds", at_least=0)
 
 
 @dataclass(frozen=True)
@@ -178,6 +179,8 @@ class Machine(Equations):
             found[f"{each.path}.feedforward"] = {"inertia": _FEEDFORWARD}
         if each.compensation is not None and each.compensation.path.startswith(each.path):
             found[each.compensation.path] = each.compensation.law.numbers(each.compensation.form)
+        if each.compensation is not None and each.compensation.share:
+            found[f"{each.path}.compensation"] = {"share": SHARE}
         if each.sampling is not None:
             part = each.sampling.numbers
             found[f"{each.path}.sampling"] = {n: c for n, c in _SAMPLING.items() if part[n]}
@@ -197,6 +200,8 @@ class Machine(Equations):
     def field(self, owner: str, name: str) -> str:
         """``mesh_F_c`` for ``contacts.mesh.law`` and F_c."""
         _, element, *inner = owner.split(".")
+        if inner == ["compensation"]:
+            return f"{element}_compensated_{name}"  # a law of its own may have a constant of that name
         inner = ["model" if word == "compensation" else word for word in inner if word not in ("law", "signal")]
         return "_".join((element, *inner, name))
 

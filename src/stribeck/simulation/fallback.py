@@ -20,7 +20,7 @@ from stribeck.simulation.result import Result, ended, held_back, intervals
 _SAME_TIME = 1e-12  # as in runtime/run.c
 
 
-class _Equations:
+class RateFunctions:
     """The system's functions of (t, x) for solve_ivp, within one piece of the signals."""
 
     def __init__(self, scenario: Scenario) -> None:
@@ -47,9 +47,11 @@ class _Equations:
         return (*self._values, *self.piece, *self.held, t, *x)
 
     def rates(self, t: float, x: Array) -> Array:
+        """The time derivatives of the states."""
         return np.array(self._rates(*self._at(t, x)), float)
 
     def jacobian(self, t: float, x: Array) -> Array:
+        """The derivatives of the rates by the states."""
         return np.array(self._jacobian(*self._at(t, x)), float).reshape(len(x), len(x))
 
     def watch(self, t: float, x: Array) -> Array:
@@ -64,7 +66,7 @@ class _Equations:
 class _Controllers:
     """The sampled controllers: when they sample, what they remember, and which outputs wait."""
 
-    def __init__(self, scenario: Scenario, equations: _Equations) -> None:
+    def __init__(self, scenario: Scenario, equations: RateFunctions) -> None:
         system, self.equations = scenario.system, equations
         samples, self.timing = system.samples(), scenario.sampling()
         self.noise = held_back(scenario.end, [self.timing])[1]
@@ -132,7 +134,7 @@ class _Run:
     """A run as far as it has come: the state, the rows filled, the events met."""
 
     def __init__(self, scenario: Scenario, progress: Callable[[float], None] | None) -> None:
-        self.scenario, self.progress, self.equations = scenario, progress, _Equations(scenario)
+        self.scenario, self.progress, self.equations = scenario, progress, RateFunctions(scenario)
         self.controllers = _Controllers(scenario, self.equations)
         names = self.equations.states
         atol = scenario.atol()

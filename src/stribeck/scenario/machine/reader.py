@@ -277,4 +277,8 @@ class MachineReader(Reading):
         else:
             self.problems.append((f"{path}.contact", "missing: must be given (a contact, or else a law)"))
             return None
-        return None if law is None else Compensation(type(law), law.form, place, values.speed)
+        if law is None:
+            return None
+        if values.share is not None:
+            self.values[path, "share"] = values.share
+        return Compensation(type(law), law.form, place, values.speed, values.share is not None)

@@ -1,0 +1,100 @@
+"""``stribeck design``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from stribeck.cli import show
+from stribeck.cli.text import say
+from stribeck.loops import Design, design
+from stribeck.report.chapters import digits as number
+from stribeck.report.design import sentence
+
+_KINDS = {
+    "none": "none", "reference": "feedforward of the steady curve at the signal's speed",
+    "measured": "the law as an observer at the measured speed", "dither": "dither",
+}  # fmt: skip
+
+
+def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path | None, json: bool, trust: bool) -> int:
+    """Judge the loop, print what was found, write the page."""
+    scenario = show.load(path, assignments, trust)
+    if out is not None:
+        show.check_folder(out)
+    with show.stages(scenario.name) as tell:
+        found = design(scenario, tell=tell, **options)
+    summary = found.to_json()
+    if out is not None:
+        from stribeck.report.design import write
+
+        summary["files"] = write(found, summary, out, show.command_line())
+    if json:
+        show.print_json(summary)
+    else:
+        _print(found)
+        for file in summary.get("files", ()):
+            print(f"  wrote {file}")
+    if found.verdict == "failed":
+        show.failed(scenario.name, found.judgement.note)
+        return 1
+    return 0
+
+
+def _print(found: Design) -> None:
+    scenario, j = found.loop.scenario, found.judgement
+    assert scenario.rig is not None
+    machine = scenario.rig.machine
+    say(f"{scenario.name}: {sentence(found)}", 4)
+    say(f"the loop's slowest time constant while it slides: {found.loop.slowest:.3g} s", 4, "  ")
+    if found.loop.held:
+        say(f"held from t = {found.loop.rest:g} s on, to judge rest: {', '.join(found.loop.held)}", 4, "  ")
+    each = next(c for c in machine.controllers if c.name == found.controller)
+    unit = "rad" if machine.body[each.measures].rotary else "m"
+    for name, row in found.errors.items():
+        told = [
+            f"{key} {number(x)} {'s' if key == 'settling' else unit}"
+            for key, x in row.items() if x is not None and key in ("peak", "rms", "reversal", "standstill", "settling")
+        ]  # fmt: skip
+        if row.get("settling", 0.0) is None:
+            told.append(
+                f"does not settle within {number(row.get('tolerance') or 0.0)} {unit}"
+                if "tolerance" in row
+                else "does not settle"
+            )
+        say(f"{', '.join(told)}", 14, f"  {name:10s}  ")
+    for line in found.lines:
+        if not line.boundaries:
+            say(
+                f"{line.turned.path}: {line.found[0].verdict} from {line.turned.low:g} to {line.turned.high:g}", 4, "  "
+            )
+        for b in line.boundaries:
+            doubt = "" if b.sure else " (mixed near it)"
+            say(f"{b.path} = {b.value:.4g}: {b.below} below, {b.above} above{doubt}", 4, "  ")
+    _print_compensations(found, unit)
+    say(f"proof: {'it cannot hunt' if found.proof['holds'] else 'none'}: {found.proof['why']}", 4, "  ")
+    if found.tuned is not None:
+        gains = ", ".join(f"{path} = {x:g}" for path, x in found.tuned.gains.items())
+        t = found.tuned
+        say(
+            f"gains: {gains}: worst error after a reversal {number(t.worst_error)} {unit} instead of "
+            f"{number(t.error_before)} ({t.quiet} of {t.tried} tried were quiet)", 4, "  ",
+        )  # fmt: skip
+    if j.note and found.verdict != "failed":
+        say(f"note: {j.note}", 4, "  ")
+
+
+def _print_compensations(found: Design, unit: str) -> None:
+    if found.why_not:
+        say(f"compensations were not compared: {found.why_not}", 4, "  ")
+        return
+    print("  against friction, whatever it is within its intervals (simulated):")
+    for c in found.compensations:
+        share = (
+            "not quiet even without" if c.largest_quiet_share is None else f"quiet up to {c.largest_quiet_share:.2f}"
+        )
+        quiet = ("quiet" if c.largest_quiet_share is not None else "not quiet") if c.kind == "none" else share
+        say(
+            f"{_KINDS[c.kind]}: {quiet}; error after a reversal {number(c.reversal_error)} {unit} at share {c.share:.2f}, "
+            f"at worst {number(c.worst_error)}", 6, "    ",
+        )  # fmt: skip

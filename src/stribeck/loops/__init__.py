@@ -1,0 +1,146 @@
+"""Will this axis hunt, how well does it track, and what may be done against its friction: docs/design.md."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from stribeck.errors import InputError, arg
+from stribeck.loops import boundary, compensation, tuning, uncertainty
+from stribeck.loops.judge import Judgement, judge
+from stribeck.loops.loop import Loop, loop_of
+from stribeck.loops.moves import errors
+from stribeck.loops.proof import proof
+from stribeck.scenario import Scenario
+from stribeck.scenario.objects import Machine, scenario_of
+
+__all__ = ["Design", "design"]
+
+Tell = Callable[[float, str], None]
+
+
+@dataclass(frozen=True)
+class Design:
+    """What was found of a machine's loop.
+
+    Attributes:
+        loop: the machine with its signals brought to rest, and its slowest time constant.
+        controller: the name of the controller that is judged.
+        judgement: the verdict: "quiet", "creeping", "hunting", "unstable" or "failed", with amplitude and period.
+        errors: by move ("file", "sine", "slow_ramp", "step"): peak, rms, reversal, standstill (m or rad), settling (s).
+        lines: the verdict along each path that was varied, with its boundaries.
+        compensations: what may be done against friction, with the largest quiet share and the error left.
+        why_not: why compensations were not compared; empty where they were.
+        proof: what passivity proves; ``holds`` is True or None.
+        tuned: gains that were searched, if any.
+    """
+
+    loop: Loop
+    controller: str
+    judgement: Judgement
+    errors: dict[str, dict[str, float | None]]
+    lines: list[boundary.Line]
+    compensations: list[compensation.Compensation]
+    why_not: str
+    proof: dict[str, Any]
+    tuned: tuning.Tuned | None = None
+
+    @property
+    def verdict(self) -> str:
+        """The verdict in one word."""
+        return self.judgement.verdict
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain data, as ``stribeck design --json`` prints it."""
+        j = self.judgement
+        cycle = {"amplitude": j.amplitude, "period": j.period, "body": j.body}
+        return {
+            "status": "failed" if self.verdict == "failed" else "done",
+            "scenario": self.loop.scenario.name,
+            "verdict": None if self.verdict == "failed" else self.verdict,
+            "why": j.note or None,
+            "limit_cycle": cycle if self.verdict == "hunting" else None,
+            "slowest_time_constant": self.loop.slowest,
+            "held_signals": list(self.loop.held),
+            "errors": self.errors,
+            "boundaries": [asdict(b) for x in self.lines for b in x.boundaries],
+            "compensations": [c.row() for c in self.compensations],
+            "compensations_missing": self.why_not or None,
+            "proof": self.proof,
+            "tuned": asdict(self.tuned) if self.tuned else None,
+        }
+
+
+def design(
+    machine: Scenario | Machine | str | Path | Mapping[str, Any],
+    vary: Sequence[str] = (),
+    tune: Sequence[str] = (),
+    uncertainty_file: str | Path | None = None,
+    controller: str | None = None,
+    compensations: bool = True,
+    seed: int = 0,
+    tell: Tell | None = None,
+) -> Design:
+    """Judge a machine's loop: will it hunt, how well does it track, what may be done against its friction.
+
+    Args:
+        machine: a machine (schema = 2) with a controller, its file or its tables.
+        vary: ``"PATH=LOW:HIGH"``: ranges in which boundaries of the verdict are looked for.
+        tune: numbers of the controller to search, such as ``["K_p", "K_v"]``, or paths.
+        uncertainty_file: a parameters.toml with intervals of the friction parameters; a tenth both ways unless given.
+        controller: which one, where there are several; the first unless given.
+        compensations: compare what may be done against friction (simulates some hundred lanes).
+        seed: of the random samples and of the search.
+        tell: told the share done of the present part, and what that is.
+
+    Raises:
+        InputError: no machine with a controller, or a path or name that it does not have; one line for each problem.
+        StribeckError: no gains that were tried are quiet.
+    """
+    loop = loop_of(scenario_of(machine, None, None))
+    name = _controller(loop, controller)
+    ranges = _ranges(loop, vary)
+    if tune:
+        tuning.paths_of(loop, name, list(tune))
+    file = Path(uncertainty_file) if uncertainty_file is not None else None
+    samples = uncertainty.samples(uncertainty.intervals(loop, file), seed)
+
+    def part(text: str) -> Callable[[float], None] | None:
+        return None if tell is None else lambda share: tell(share, text)
+
+    found = judge(loop, tell=part("the verdict"))[0]
+    measured = errors(loop, name)
+    lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
+    compared: list[compensation.Compensation] = []
+    why_not = "" if compensations else "not asked for"
+    if compensations:
+        try:
+            compared = compensation.compare(loop, name, samples, tell=part("compensations"))
+        except InputError as error:
+            why_not = str(error)
+    tuned = tuning.tune(loop, name, list(tune), samples, seed, part("gains")) if tune else None
+    return Design(loop, name, found, measured, lines, compared, why_not, proof(loop), tuned)
+
+
+def _controller(loop: Loop, name: str | None) -> str:
+    assert loop.scenario.rig is not None
+    known = [c.name for c in loop.scenario.rig.machine.controllers]
+    if name is not None and name not in known:
+        raise InputError(f"{arg('controller')}: {name!r}: must be one of {', '.join(known)}")
+    return name or known[0]
+
+
+def _ranges(loop: Loop, vary: Sequence[str]) -> list[boundary.Turned]:
+    problems: list[str] = []
+    found = []
+    for text in vary:
+        try:
+            found.append(boundary.Turned.parse(text))
+            boundary.known_path(loop, found[-1].path)
+        except InputError as error:
+            problems += error.problems
+    if problems:
+        raise InputError(problems)
+    return found

@@ -1,0 +1,155 @@
+"""What may be done against friction, and how much of it: the largest share that stays quiet whatever the friction is
+within its intervals, and the error that it leaves after a reversal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.errors import InputError
+from stribeck.loops.judge import judge
+from stribeck.loops.loop import Loop
+from stribeck.loops.moves import reversal_errors
+from stribeck.scenario import Scenario
+
+KINDS = ("none", "reference", "measured", "dither")
+_SHARES = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5])
+_ROUNDS = 4
+_DITHER = 20.0  # waves of the dither in the loop's fastest named time: period, or the slowest time constant
+
+
+@dataclass(frozen=True)
+class Compensation:
+    """One way to make up for friction.
+
+    Attributes:
+        kind: "none"; "reference": the steady curve at the signal's speed; "measured": the law as an observer at the
+            measured speed; "dither": a fast sine of a share of F_c at the measured body.
+        share: of the friction that is made up for in ``reversal_error``: 1, or what stays quiet of it.
+        largest_quiet_share: up to which the loop is quiet with every sample of the friction; None where it is not even
+            quiet without, 1.5 where all shares looked at are.
+        reversal_error: the largest error after a reversal of the standard sine, with the friction as in the file.
+        worst_error: the same with the worst sample.
+        loop: the machine with it.
+        share_path: the path of the share.
+    """
+
+    kind: str
+    share: float
+    largest_quiet_share: float | None
+    reversal_error: float
+    worst_error: float
+    loop: Loop
+    share_path: str | None
+
+    def row(self) -> dict[str, Any]:
+        """What is told of it."""
+        return {
+            "kind": self.kind, "share": self.share, "largest_quiet_share": self.largest_quiet_share,
+            "reversal_error": self.reversal_error, "worst_reversal_error": self.worst_error,
+        }  # fmt: skip
+
+
+def contact_of(loop: Loop, controller: str) -> str:
+    """The contact whose friction a controller can make up for: of the body that it measures, to the ground.
+
+    Raises:
+        InputError: there is none.
+    """
+    rig = loop.scenario.rig
+    assert rig is not None
+    each = next(c for c in rig.machine.controllers if c.name == controller)
+    for contact in rig.machine.contacts:
+        span = contact.span
+        if span.start == each.measures and span.end is None and rig.values.get((contact.path, "ratio"), 1.0) == 1:
+            return contact.name
+    raise InputError(
+        f"controllers.{controller}.measures: {each.measures}: no contact between it and the ground whose friction could be "
+        "made up for"
+    )
+
+
+def with_compensation(scenario: Scenario, controller: str, contact: str, kind: str, share: float) -> Scenario:
+    """The machine with that compensation; its law is a copy, so that the contact's can be varied beside it."""
+    data = deepcopy(scenario.data)
+    table = data["controllers"][controller]
+    own = table.pop("compensation", None) or {}
+    if kind in ("reference", "measured"):
+        law = own.get("law") or data["contacts"][contact]["law"]
+        table["compensation"] = {"speed": kind, "law": deepcopy(law), "share": share}
+    elif kind == "dither":
+        loads = data.setdefault("loads", {})
+        loads["dither"] = {
+            "on": table.get("measures", table["on"]),
+            "kind": "signal",
+            "signal": _dither(scenario, contact, share),
+        }
+    return Scenario(data, folder=scenario.folder, trust=True)
+
+
+def _dither(scenario: Scenario, contact: str, share: float) -> dict[str, Any]:
+    rig = scenario.rig
+    assert rig is not None
+    law = rig.laws[f"contacts.{contact}.law"]
+    scales = law.scales(law.p)
+    period = min((x for (_, n), x in rig.values.items() if n == "period"), default=None)
+    frequency = 0.25 / period if period else _DITHER * scales.speed / scales.length / (2 * np.pi)
+    return {"kind": "sine", "amplitude": share * law.machine.get("F_c", scales.force), "frequency": frequency}
+
+
+def compare(
+    loop: Loop, controller: str, samples: dict[str, Array], kinds: tuple[str, ...] = ("none", "reference", "measured"),
+    tell: Callable[[float], None] | None = None,
+) -> list[Compensation]:  # fmt: skip
+    """Each kind with its largest quiet share and the error that it leaves.
+
+    Raises:
+        InputError: the measured body has no contact with the ground.
+    """
+    contact = contact_of(loop, controller)
+    found = []
+    for i, kind in enumerate(kinds):
+        made = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, kind, 1.0))
+        path = f"controllers.{controller}.compensation.share" if kind in ("reference", "measured") else None
+        largest = _largest(made, path, samples)
+        share = 0.0 if kind == "none" else min(1.0, largest or 0.0)
+        given = {} if path is None else {path: share}
+        count = len(next(iter(samples.values())))
+        wide = {**samples, **{p: np.full(count, x) for p, x in given.items()}}
+        own = float(reversal_errors(made, controller, {p: np.array([x]) for p, x in given.items()})[0])
+        worst = float(np.nanmax(reversal_errors(made, controller, wide)))
+        found.append(Compensation(kind, share, largest, own, worst, made, path))
+        if tell is not None:
+            tell((i + 1) / len(kinds))
+    return found
+
+
+def _largest(loop: Loop, path: str | None, samples: dict[str, Array]) -> float | None:
+    """The largest share that is quiet with every sample, by bisection between shares looked at."""
+    if path is None:
+        return 0.0 if _quiet(loop, samples) else None
+    count = len(next(iter(samples.values())))
+    wide = {p: np.tile(x, len(_SHARES)) for p, x in samples.items()} | {path: np.repeat(_SHARES, count)}
+    quiet = np.array([j.quiet for j in judge(loop, wide)]).reshape(len(_SHARES), count).all(axis=1)
+    if quiet.all():
+        return float(_SHARES[-1])
+    first = int(np.argmin(quiet))  # the first that is not
+    low, high = (float(_SHARES[first - 1]) if first else 0.0), float(_SHARES[first])
+    if not first and not _quiet(loop, samples | {path: np.zeros(count)}):
+        return None
+    for _ in range(_ROUNDS):
+        middle = (low + high) / 2
+        if _quiet(loop, samples | {path: np.full(count, middle)}):
+            low = middle
+        else:
+            high = middle
+    return low
+
+
+def _quiet(loop: Loop, values: dict[str, Array]) -> bool:
+    return all(j.quiet for j in judge(loop, values))

@@ -1,0 +1,180 @@
+"""What a loop does in the long run: quiet, creeping, hunting or unstable, told from long simulations."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from stribeck.analysis.oscillation import amplitude_and_period
+from stribeck.arrays import Array
+from stribeck.loops.loop import Loop, a_number
+from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
+
+STAYS = 100  # slowest time constants that a body has to stay at rest
+TRAVEL = 1e-6  # of its travel: rest of a body without an encoder
+_ROWS = 2000  # of the window that is judged
+_LONGER = (2, 4, 8, 32)  # windows until the end; the second half is judged
+_WINDS = 0.01  # of the largest output: an integral that still moves so much may yet break away
+_AT_LIMIT = 0.999
+_OFTEN = 0.02  # of the window at the limit: the limit is what holds the oscillation
+_ONE_WAY = 0.9  # of all that moved, gone one way
+_GROWS = 1.15  # from one third of the window to the next
+_WORST = ("quiet", "creeping", "hunting", "unstable")
+
+WINDS = "an integral still winds up behind friction that holds"
+
+Tell = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """What a loop does once its signals rest.
+
+    Attributes:
+        verdict: "quiet", "creeping", "hunting", "unstable"; "failed" where the simulation ended early.
+        body: the body that moves most beyond what counts as rest.
+        amplitude: half of peak to peak of its motion in the window, m or rad.
+        period: of its oscillation, s; nan where there is none.
+        note: why, in a few words.
+    """
+
+    verdict: str
+    body: str
+    amplitude: float
+    period: float
+    note: str = ""
+
+    @property
+    def quiet(self) -> bool:
+        """Whether every body rests."""
+        return self.verdict == "quiet"
+
+
+def judge(loop: Loop, values: Mapping[str, ArrayLike] | None = None, tell: Tell | None = None) -> list[Judgement]:
+    """The judgement of each lane of ``values``, as for :func:`stribeck.simulate_ensemble`; of the file without them.
+
+    A lane is simulated until its signals rest, then for twice :data:`STAYS` of the slowest time constants, and the second
+    half of these is judged. Where it moves, or an integral still winds up behind friction that holds, it is simulated for
+    2, 4 and 16 times as long, and the second half of that is judged.
+    """
+    given = {path: np.atleast_1d(np.asarray(x, float)) for path, x in (values or {}).items()}
+    count = max((len(x) for x in given.values()), default=1)
+    found: list[Judgement | None] = [None] * count
+    left = np.arange(count)
+    for i, windows in enumerate(_LONGER):
+        lanes = _simulated(loop, {p: x if len(x) == 1 else x[left] for p, x in given.items()}, windows, len(left))
+        for lane, place in enumerate(left):
+            found[place] = _judged(loop, lanes, lane)
+        left = np.array([k for k in left if _worth_longer(found[k])], dtype=int)
+        if tell is not None:
+            tell(1 - len(left) / count * (1 - (i + 1) / len(_LONGER)))
+        if not len(left):
+            break
+    return [each for each in found if each is not None]
+
+
+def worst(found: list[Judgement]) -> Judgement:
+    """The one that moves most."""
+    return max(found, key=lambda j: _WORST.index(j.verdict) if j.verdict in _WORST else len(_WORST))
+
+
+def window(loop: Loop, windows: int = 2) -> tuple[float, float, float]:
+    """Start and end of what is judged, and the time between rows, s."""
+    length = windows / 2 * STAYS * loop.slowest
+    step = length / _ROWS
+    end = np.ceil((loop.rest + 2 * length) / step) * step
+    return float(end - length), float(end), step
+
+
+def _worth_longer(found: Judgement | None) -> bool:
+    if found is None or found.note == "sustained":
+        return False
+    return found.verdict in ("creeping", "hunting") or found.note == WINDS
+
+
+def _simulated(loop: Loop, values: Mapping[str, Any], windows: int, count: int) -> Ensemble:
+    _, end, step = window(loop, windows)
+    if not values:  # one lane: any number that is there stands for it
+        path, x = next(iter(a_number(loop.scenario).items()))
+        values = {path: np.full(count, x)}
+    return simulate_ensemble(loop.scenario, values, t_end=end, step=step)
+
+
+def _judged(loop: Loop, lanes: Ensemble, lane: int) -> Judgement:
+    """The judgement of one lane, by its last rows."""
+    rig = loop.scenario.rig
+    assert rig is not None
+    machine = rig.machine
+    main = machine.leader(machine.controllers[0].measures).name
+    if (reason := lanes.reason[lane]) is not None:
+        grew = "finite" in reason
+        return Judgement("unstable" if grew else "failed", main, np.nan, np.nan, reason)
+    moving = [b.name for b in machine.bodies if b.leader is None and b.driven is None]
+    last = slice(-_ROWS - 1, None)
+    path = {name: np.asarray(lanes[f"{name}.y"][lane]) for name in moving}
+    travel = {name: float(np.ptp(y)) for name, y in path.items()}
+    rest = _rest(loop, travel)
+    excess = {name: float(np.ptp(path[name][last])) / rest[name] if rest[name] else 0.0 for name in moving}
+    body = main if excess.get(main, 0.0) > 1 else max(excess, key=excess.__getitem__)
+    y, t = path[body][last], lanes.t[last]
+    if max(excess.values()) <= 1:
+        return Judgement("quiet", main, float(np.ptp(path[main][last])) / 2, np.nan, _winding(loop, lanes, lane, last))
+    amplitude, period = (float(x) for x in amplitude_and_period(t, y))
+    if _limited(loop, lanes, lane, last):
+        return Judgement("unstable", body, amplitude, period, "the oscillation is held by a limit")
+    if abs(y[-1] - y[0]) > _ONE_WAY * np.abs(np.diff(y)).sum():
+        return Judgement("creeping", body, amplitude, np.nan)
+    thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)]
+    if thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]:
+        return Judgement("unstable", body, amplitude, period, "the oscillation grows")
+    steady = min(thirds) > 0.97 * max(thirds)
+    return Judgement("hunting", body, amplitude, period, "sustained" if steady else "")
+
+
+def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
+    """How far each body may move and still be at rest: its encoder's step, what that step makes of the others, or a
+    millionth of its travel."""
+    rig = loop.scenario.rig
+    assert rig is not None
+    rest = {name: TRAVEL * x for name, x in travel.items()}
+    for each in rig.machine.controllers:
+        step = rig.values.get((f"{each.path}.sampling", "resolution"), 0.0)
+        name = rig.machine.leader(each.measures).name
+        if step and travel.get(name):
+            for other, x in travel.items():
+                rest[other] = max(rest[other], step if other == name else step * x / travel[name])
+    return rest
+
+
+def _winding(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> str:
+    """:data:`WINDS` where an output still moves one way while the bodies rest; else nothing."""
+    assert loop.scenario.rig is not None
+    for each in loop.scenario.rig.machine.controllers:
+        u = np.asarray(lanes[f"{each.name}.u"][lane])
+        if abs(u[rows][-1] - u[rows][0]) > _WINDS * np.abs(u).max():
+            return WINDS
+    return ""
+
+
+def _limited(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> bool:
+    """Whether an output stands at its limit for part of the time, on both sides."""
+    rig = loop.scenario.rig
+    assert rig is not None
+    found: list[tuple[NDArray[np.float64], float]] = [
+        (lanes[f"{each.name}.u"][lane][rows], rig.values[each.path, "limit"])
+        for each in rig.machine.controllers if "limit" in each.form
+    ]  # fmt: skip
+    found += [
+        (lanes[f"{motor.name}.V"][lane][rows], rig.values[motor.path, "voltage"])
+        for motor in rig.machine.motors if "voltage" in motor.form
+    ]  # fmt: skip
+    return any(_both_sides(x, limit) for x, limit in found)
+
+
+def _both_sides(x: Array, limit: float) -> bool:
+    high, low = np.mean(x > _AT_LIMIT * limit), np.mean(x < -_AT_LIMIT * limit)
+    return bool(min(high, low) > _OFTEN)

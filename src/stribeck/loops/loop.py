@@ -1,0 +1,180 @@
+"""What of a machine's loop the verdict needs: when its signals come to rest, and its slowest time constant."""
+
+from __future__ import annotations
+
+import math
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.errors import InputError
+from stribeck.scenario import Scenario
+from stribeck.signals import KINDS, Signal
+from stribeck.signals.trajectories import Curve
+
+_FAST = 1e3  # natural speeds: fast enough that every contact slides
+_POINTS = 48  # of a wave that is drawn by a spline
+_ZERO = 1e-9  # of the fastest eigenvalue: what counts as no pull at all
+
+
+@dataclass(frozen=True)
+class Loop:
+    """A machine whose signals come to rest, ready to be judged.
+
+    Attributes:
+        scenario: the machine; signals that never rest are held from the file's ``t_end`` on.
+        rest: when the last signal has come to rest, s.
+        slowest: the slowest time constant of the loop while all contacts slide, s.
+        held: the tables of the signals that had to be held.
+        unstable: whether the loop without friction's jumps is unstable.
+    """
+
+    scenario: Scenario
+    rest: float
+    slowest: float
+    held: tuple[str, ...]
+    unstable: bool
+
+
+def loop_of(scenario: Scenario) -> Loop:
+    """The loop of a machine with a controller.
+
+    Raises:
+        InputError: it is no machine (schema = 2), or has no controller.
+    """
+    if scenario.rig is None:
+        raise InputError(f"{scenario.name}: schema = 1: must be a machine (schema = 2) with a controller")
+    if not scenario.rig.machine.controllers:
+        raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")
+    scenario, held = with_rest(scenario)
+    assert scenario.rig is not None
+    rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
+    slowest, unstable = time_constant(scenario)
+    return Loop(scenario, rest, slowest, held, unstable)
+
+
+def rests_at(signal: Signal) -> float:
+    """When a signal has come to rest for good, s; inf where it never does."""
+    if isinstance(signal, Curve):
+        return max(0.0, signal.pieces[-1][0])
+    if signal.smooth:
+        return 0.0 if not signal.values.get("amplitude") else math.inf
+    s = signal.segments
+    if s.slope[-1] != 0:
+        return math.inf
+    first = len(s.start) - 1
+    while first and s.slope[first - 1] == 0 and s.value[first - 1] == s.value[first]:
+        first -= 1
+    return max(0.0, float(s.start[first]))
+
+
+def with_rest(scenario: Scenario) -> tuple[Scenario, tuple[str, ...]]:
+    """The scenario with the signals that go on for ever held from ``t_end`` on, and which these are."""
+    rig = scenario.rig
+    assert rig is not None
+    endless = {use.path: signal for use, signal in rig.signals.items() if not rests_at(signal) < math.inf}
+    if not endless:
+        return scenario, ()
+    data = deepcopy(scenario.data)
+    for path, signal in endless.items():
+        table = _table(data, path)
+        table.clear()
+        table.update(_held(signal, scenario.solve.t_end))
+    return Scenario(data, folder=scenario.folder, trust=True), tuple(endless)
+
+
+def _table(data: dict[str, Any], path: str) -> dict[str, Any]:
+    for word in path.split("."):
+        data = data[int(word)] if isinstance(data, list) else data[word]
+    return data
+
+
+def _held(signal: Signal, t_end: float) -> dict[str, Any]:
+    """The same course up to t_end, and its value there from then on."""
+    if signal.smooth:
+        waves = max(1.0, float(signal.values["frequency"]) * t_end)
+        t = np.linspace(0.0, t_end, math.ceil(waves * _POINTS) + 1)
+        return {"kind": "spline", "t": t.tolist(), "value": signal.at(t).tolist()}
+    s = signal.segments
+    t = np.unique(np.concatenate([[0.0], s.start[(s.start > 0) & (s.start < t_end)], [t_end]]))
+    return {"kind": "points", "t": t.tolist(), "value": signal.at(t).tolist()}
+
+
+def time_constant(scenario: Scenario) -> tuple[float, bool]:
+    """The slowest time constant while all contacts slide, s, and whether a mode grows.
+
+    The eigenvalues of the machine without limits, sampling and compensation, at speeds far above those of the contacts'
+    Stribeck curves and with their deflections steady: what is left of friction there is its viscous part.
+    """
+    from stribeck.simulation.fallback import RateFunctions
+
+    data = deepcopy(scenario.data)
+    data.get("output", {}).pop("energy", None)
+    for each in data.get("controllers", {}).values():
+        for name in ("sampling", "compensation", "limit"):
+            each.pop(name, None)
+    for motor in data.get("motors", {}).values():
+        motor.pop("voltage", None)
+    bare = Scenario(data, folder=scenario.folder, trust=True)
+    functions = RateFunctions(bare)
+    pieces = bare.pieces()
+    functions.piece = pieces.rows[-1]
+    x = _sliding(bare)
+    jacobian = functions.jacobian(float(pieces.start[-1]) + 1.0, x)
+    keep = [i for i, name in enumerate(functions.states) if name not in ("E_in", "E_dissipated")]
+    roots = np.linalg.eigvals(jacobian[np.ix_(keep, keep)])
+    size = float(np.abs(roots).max(initial=0.0))
+    falling = -roots.real[roots.real < -_ZERO * size]
+    slowest = 1 / float(falling.min()) if len(falling) else 1.0
+    return slowest, bool((roots.real > 1e-8 * size).any())
+
+
+def _sliding(scenario: Scenario) -> Array:
+    """A state in which every contact slides fast with its steady deflection, and every play is taken up."""
+    rig = scenario.rig
+    assert rig is not None
+    machine = rig.machine
+    gaps = [rig.values[link.path, "gap"] for link in machine.links if "gap" in link.form]
+    state = dict.fromkeys((s.name for s in machine.states), 0.0)
+    for i, body in enumerate(machine.bodies):
+        share = 1 + 0.377 * i  # so that no two move alike
+        if f"{body.name}.v" in state:
+            state[f"{body.name}.v"] = _FAST * share * rig.scales[body.name].speed
+        if f"{body.name}.y" in state:
+            state[f"{body.name}.y"] = 10 * share * max([0.0, *gaps])
+    arrays = {name: np.array([x]) for name, x in state.items()}
+    held = {name: np.zeros(1) for name in machine.held}
+    columns = rig.columns(np.zeros(1), arrays, held, scenario.end)
+    for contact in machine.contacts:
+        if contact.law.has_z:
+            w = float(np.ravel(columns[f"{contact.name}.w"])[0])
+            state[f"{contact.name}.z"] = float(rig.laws[contact.law_path].steady_deflection(w))
+    return np.array([state[s.name] for s in machine.states])
+
+
+def replaced(scenario: Scenario, controller: str, signal: dict[str, Any] | None, **tables: Any) -> Scenario:
+    """The machine with another signal for a controller, or other tables of it (None: taken away)."""
+    data = deepcopy(scenario.data)
+    table = data["controllers"][controller]
+    if signal is not None:
+        table["signal"] = signal
+        if KINDS[signal["kind"]].smooth is False:
+            table.pop("feedforward", None)  # it needs a second derivative
+    for name, value in tables.items():
+        if value is None:
+            table.pop(name, None)
+        else:
+            table[name] = value
+    return Scenario(data, folder=scenario.folder, trust=True)
+
+
+def a_number(scenario: Scenario) -> dict[str, float]:
+    """A number of the machine by its path, as it is: a lane needs one to be given."""
+    from stribeck.simulation.machines import machine_places
+
+    assert scenario.rig is not None
+    places = machine_places(scenario)
+    return next({path: scenario.rig.values[at]} for path, at in places.items() if at in scenario.rig.values)

@@ -1,0 +1,150 @@
+"""How well a loop tracks: errors at the file's signal and at standard moves of its size."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from stribeck.arrays import Array
+from stribeck.loops.loop import Loop, a_number, replaced, rests_at
+from stribeck.scenario import Scenario
+from stribeck.simulation.ensemble import simulate_ensemble
+from stribeck.simulation.single import simulate
+
+_WAVES = 4  # of the sine; the first lets transients die out
+_ROWS = 4000
+_AFTER = 0.125  # of a period, after a reversal: where friction's error shows
+_SETTLED = 0.01  # of the move, where no encoder says less
+
+
+@dataclass(frozen=True)
+class Moves:
+    """The size of the standard moves of a controller: amplitude (m or rad) and greatest speed (1/s of that)."""
+
+    amplitude: float
+    speed: float
+
+    @property
+    def period(self) -> float:
+        """Of a sine with both, s."""
+        return 2 * np.pi * self.amplitude / self.speed
+
+
+def moves_of(loop: Loop, controller: str) -> Moves:
+    """The moves of the file's signal's size: half of its range, and its speed, or what the loop does in ten of its
+    slowest time constants where the signal jumps or stands."""
+    rig = loop.scenario.rig
+    assert rig is not None
+    each = next(c for c in rig.machine.controllers if c.name == controller)
+    signal = rig.signals[each.signal]
+    end = max(loop.scenario.solve.t_end, min(rests_at(signal), 1e6))
+    t = np.linspace(0.0, end, 4001)
+    r = signal.at(t)
+    step = rig.values.get((f"{each.path}.sampling", "resolution"), 0.0)
+    amplitude = float(np.ptp(r)) / 2 or 1e3 * step or rig.scales[rig.machine.leader(each.measures).name].length * 100
+    rates = np.abs(np.diff(r)) / (t[1] - t[0])
+    fastest = float(np.quantile(rates, 0.98)) if not signal.smooth else float(rates.max())
+    slow = amplitude / (10 * loop.slowest)
+    return Moves(amplitude, fastest if fastest > 0.1 * slow else slow)
+
+
+def signals_of(moves: Moves) -> dict[str, tuple[dict[str, Any], float]]:
+    """The standard moves: signal and duration. The sine's reversals are those of a circle's quadrants, for each of its
+    two axes; the ramp goes through a reversal at a tenth of the speed; the step is half a move."""
+    T, A = moves.period, moves.amplitude
+    slow = 2 * A / (0.1 * moves.speed)
+    return {
+        "sine": ({"kind": "sine", "amplitude": A, "frequency": 1 / T}, _WAVES * T),
+        "slow_ramp": ({"kind": "points", "t": [0.0, slow / 2, slow * 3 / 2], "value": [0.0, A, -A]}, slow * 3 / 2),
+        "step": ({"kind": "step", "value": A, "time": 0.0}, max(T, 0.0)),
+    }
+
+
+def reversal_errors(
+    loop: Loop, controller: str, values: Mapping[str, ArrayLike] | None = None, scenario: Scenario | None = None
+) -> Array:
+    """The largest error within an eighth of a period after the reversals of the standard sine, for each lane."""
+    moves = moves_of(loop, controller)
+    signal, end = signals_of(moves)["sine"]
+    changed = replaced(scenario or loop.scenario, controller, signal)
+    lanes = simulate_ensemble(changed, values or a_number(changed), t_end=end, step=end / _ROWS)
+    error = _error(changed, controller, lanes)
+    if error.ndim == 1:
+        error = error[np.newaxis]
+    near = _after_reversals(lanes.t, moves.period)
+    found = np.abs(error[:, near]).max(axis=1)
+    return np.where([reason is None for reason in lanes.reason], found, np.nan)
+
+
+def errors(loop: Loop, controller: str) -> dict[str, dict[str, float | None]]:
+    """Peak, root mean square, error after reversals and at rest, and settling time: of the file's signal ("file") and
+    of the standard moves."""
+    found: dict[str, dict[str, float | None]] = {"file": _of_file(loop, controller)}
+    moves = moves_of(loop, controller)
+    for name, (signal, end) in signals_of(moves).items():
+        scenario = replaced(loop.scenario, controller, signal)
+        scenario = scenario.with_changes({"solve.t_end": end, "output.step": end / _ROWS})
+        solution = simulate(scenario)
+        e, t = _error(scenario, controller, solution), solution.t
+        row: dict[str, float | None] = _sizes(e)
+        if name == "sine":
+            row["reversal"] = float(np.abs(e[_after_reversals(t, moves.period)]).max(initial=0.0))
+        if name == "slow_ramp":
+            turn = end / 3
+            row["reversal"] = float(np.abs(e[(t >= turn) & (t <= turn * 1.5)]).max(initial=0.0))
+        if name == "step":
+            row["settling"] = _settling(t, e, _tolerance(loop, controller, moves.amplitude))
+            row["standstill"] = float(np.abs(e[-len(e) // 20 :]).max(initial=0.0))
+        found[name] = row if solution.status == "done" else {**row, "failed_at": float(t[-1]) if len(t) else 0.0}
+    return found
+
+
+def _of_file(loop: Loop, controller: str) -> dict[str, float | None]:
+    from stribeck.loops.judge import STAYS
+
+    end = loop.rest + STAYS * loop.slowest
+    scenario = loop.scenario.with_changes({"solve.t_end": end, "output.step": end / _ROWS})
+    solution = simulate(scenario)
+    e, t = _error(scenario, controller, solution), solution.t
+    rest = t >= loop.rest
+    tolerance = _tolerance(loop, controller, moves_of(loop, controller).amplitude)
+    return {
+        **_sizes(e),
+        "standstill": float(np.abs(e[t >= t[-1] - (t[-1] - loop.rest) / 4]).max(initial=0.0)),
+        "settling": _settling(t[rest] - loop.rest, e[rest], tolerance),
+        "tolerance": tolerance,
+    }
+
+
+def _sizes(e: Array) -> dict[str, float | None]:
+    return {"peak": float(np.abs(e).max(initial=0.0)), "rms": float(np.sqrt(np.mean(e**2))) if len(e) else None}
+
+
+def _settling(t: Array, e: Array, tolerance: float) -> float | None:
+    """From when on the error stays within the tolerance, s; None where it does not."""
+    outside = np.flatnonzero(np.abs(e) > tolerance)
+    if not len(outside):
+        return 0.0
+    return float(t[outside[-1] + 1]) if outside[-1] + 1 < len(t) else None
+
+
+def _tolerance(loop: Loop, controller: str, amplitude: float) -> float:
+    assert loop.scenario.rig is not None
+    step = loop.scenario.rig.values.get((f"controllers.{controller}.sampling", "resolution"), 0.0)
+    return max(2 * step, _SETTLED * amplitude)
+
+
+def _error(scenario: Scenario, controller: str, columns: Any) -> Array:
+    assert scenario.rig is not None
+    each = next(c for c in scenario.rig.machine.controllers if c.name == controller)
+    return np.asarray(columns[f"{controller}.r"]) - np.asarray(columns[f"{each.measures}.y"])
+
+
+def _after_reversals(t: Array, period: float) -> Any:
+    """The rows within an eighth of a period after each reversal of a sine that begins at 0, without the first wave."""
+    phase = (t / period - 0.25) % 0.5
+    return (phase <= _AFTER) & (t >= period)

@@ -1,0 +1,177 @@
+"""The files of ``stribeck design --out``: a page, and the machine with the compensation that is best."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tomli_w
+
+from stribeck.errors import left_out
+from stribeck.files import together, write_json, write_text
+from stribeck.loops import Design
+from stribeck.loops.boundary import Line
+from stribeck.loops.compensation import Compensation, with_compensation
+from stribeck.report import chapters, plots
+from stribeck.report.files import write_figure
+from stribeck.report.page import Chapter, FigureSvg, Table
+
+_MEANING = {
+    "quiet": "comes to rest and stays there",
+    "creeping": "still moves one way when it should rest",
+    "hunting": "moves to and fro when it should rest",
+    "unstable": "oscillates, and grows until a limit or without end",
+    "failed": "could not be simulated to the end",
+}
+VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
+
+
+def write(found: Design, summary: dict[str, Any], folder: Path, command: str = "") -> list[str]:
+    """Write machine.toml (with the best compensation and tuned gains, ready to run), the figures and the page, and, last,
+    summary.json; the paths."""
+    with together(folder) as place:
+        paths = [_machine(found, place)]
+        with left_out("the plots and the page"):
+            figures = [_line(line, i) for i, line in enumerate(found.lines)]
+            if found.compensations:
+                figures.append(_shares(found.compensations))
+            for figure in figures:
+                paths += write_figure(figure, place)
+            paths.append(_page(found, figures, place, command))
+        paths.append(place / "summary.json")
+        files = [str(folder / path.name) for path in paths]
+        write_json(paths[-1], {**summary, "files": files})
+    return files
+
+
+def best(found: Design) -> Compensation | None:
+    """The compensation with the least worst error of those that stay quiet."""
+    quiet = [c for c in found.compensations if c.largest_quiet_share is not None]
+    return min(quiet, key=lambda c: c.worst_error) if quiet else None
+
+
+def _machine(found: Design, folder: Path) -> Path:
+    """The machine as a file: with what is best of what was compared."""
+    from stribeck.loops.compensation import contact_of
+
+    scenario, chosen = found.loop.scenario, best(found)
+    if chosen is not None:
+        contact = contact_of(found.loop, found.controller)
+        scenario = with_compensation(scenario, found.controller, contact, chosen.kind, chosen.share)
+    if found.tuned is not None:
+        scenario = scenario.with_changes(found.tuned.gains)
+    path = folder / "machine.toml"
+    head = "# Written by 'stribeck design': the machine with the compensation and the gains that were best.\n"
+    write_text(path, head + tomli_w.dumps(scenario.data))
+    return path
+
+
+def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: str) -> Path:
+    scenario = found.loop.scenario
+    made = [_verdict(found), _errors(found)]
+    if found.lines:
+        rows = [
+            [b.path, f"{b.value:.6g}", b.below, b.above, f"{b.low:.6g} to {b.high:.6g}", "yes" if b.sure else "no"]
+            for line in found.lines for b in line.boundaries
+        ]  # fmt: skip
+        head = ["path", "boundary", "below", "above", "lies within", "same verdicts 5 % away"]
+        made.append(Chapter("boundaries", "Where the verdict changes", [], [Table(head, rows)]))
+    if found.compensations:
+        made.append(_compensations(found))
+    made += chapters.plots(figures)
+    made.append(chapters.of_scenario(scenario))
+    return chapters.write_page(
+        folder, f"{scenario.name}: will it hunt?", [f"{sentence(found).capitalize()}."], made, command
+    )
+
+
+def _verdict(found: Design) -> Chapter:
+    j = found.judgement
+    text = [
+        f"Judged over the last hundred of the loop's slowest time constants ({found.loop.slowest:.3g} s while all contacts "
+        "slide), after the signals have come to rest: by simulation of the loop as it is in the file.",
+        f"Proof: {'it cannot hunt' if found.proof['holds'] else 'none'}: {found.proof['why']}.",
+    ]
+    if j.note:
+        text.append(f"Note: {j.note}.")
+    if found.tuned is not None:
+        gains = ", ".join(f"{path} = {x:g}" for path, x in found.tuned.gains.items())
+        text.append(
+            f"Gains found: {gains}: the worst error after a reversal is {found.tuned.worst_error:.4g}, with the file's gains "
+            f"{found.tuned.error_before:.4g}; {found.tuned.quiet} of {found.tuned.tried} sets that were judged are quiet."
+        )
+    return Chapter("verdict", "Verdict", text)
+
+
+def _errors(found: Design) -> Chapter:
+    keys = ("peak", "rms", "reversal", "standstill", "settling")
+    rows = [[move, *(_digits(row.get(key)) for key in keys)] for move, row in found.errors.items()]
+    text = [
+        "Errors in the unit of the body that is measured, settling in s. 'file' is the file's own signal; the sine's "
+        "reversals are those of a circle's quadrants for each of its axes."
+    ]
+    return Chapter("errors", "How well it tracks", text, [Table(["move", *keys], rows)])
+
+
+def _digits(x: float | None) -> str:
+    return "-" if x is None else f"{x:.4g}"
+
+
+def _compensations(found: Design) -> Chapter:
+    rows = [
+        [c.kind, _digits(c.largest_quiet_share), _digits(c.share), _digits(c.reversal_error), _digits(c.worst_error)]
+        for c in found.compensations
+    ]
+    text = [
+        "Simulated, not proved: the largest share of the law that stays quiet with every sample of the friction (all low, "
+        "all high, each alone at both ends of its interval, and some at random), and the error after a reversal at the "
+        "share given."
+    ]
+    head = ["against friction", "quiet up to share", "share", "error after a reversal", "the worst"]
+    return Chapter("compensations", "What may be done against friction", text, [Table(head, rows)])
+
+
+def _line(line: Line, i: int) -> FigureSvg:
+    """The verdict along one number."""
+    with plots.style():
+        made, axes = plots.figure([["verdict"]], 2.2)
+        axis = axes["verdict"]
+        level = np.array([VERDICTS.index(j.verdict) for j in line.found])
+        axis.plot(line.values, level, ".", color=plots.COLOURS[2])
+        for b in line.boundaries:
+            axis.axvline(b.value, color=plots.COLOURS[1], linestyle="--")
+        axis.set_yticks(range(4), VERDICTS[:4])
+        axis.set(xlabel=line.turned.path, title="verdict", ylim=(-0.4, 3.4))
+        if line.turned.low > 0 and line.turned.high / line.turned.low >= 10:
+            plots.logarithmic(axis, y=False)
+        return plots.finish(
+            made,
+            f"boundaries_{i}",
+            f"Each point is a simulated loop; dashed: boundaries of {line.turned.path}.",
+            pdf=True,
+        )
+
+
+def _shares(found: Sequence[Compensation]) -> FigureSvg:
+    """Error against margin: what each compensation leaves, and how far it may be turned up."""
+    with plots.style():
+        made, axes = plots.figure([["error"]], 2.6)
+        axis = axes["error"]
+        for i, c in enumerate(found):
+            margin = c.largest_quiet_share if c.largest_quiet_share is not None else 0.0
+            axis.plot([margin], [c.worst_error], "os^D"[i % 4], color=plots.COLOURS[i], label=c.kind)
+        axis.set(xlabel="quiet up to this share of the friction", ylabel="worst error after a reversal", ylim=(0, None))
+        axis.legend(fontsize=8)
+        return plots.finish(made, "compensations", "Error against margin: lower right is better.", pdf=True)
+
+
+def sentence(found: Design) -> str:
+    """The verdict in one sentence."""
+    j = found.judgement
+    text = f"{found.verdict}: it {_MEANING[found.verdict]}"
+    if found.verdict == "hunting":
+        every = f" every {chapters.digits(j.period)} s" if j.period == j.period else ""
+        text += f", {j.body} by {chapters.digits(j.amplitude)}{every}"
+    return text

@@ -1,0 +1,182 @@
+"""The verdict on a loop, against linear theory, against another solver, and what the command prints and writes."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck import InputError, Scenario, design
+from stribeck.loops.boundary import Turned, line
+from stribeck.loops.judge import STAYS, judge
+from stribeck.loops.loop import loop_of
+from tests.loops.axis import axis
+from tests.machine.independent import solve
+from tests.machine.machines import law
+
+
+def only(data, **options):
+    return design(Scenario(data), compensations=False, **options)
+
+
+def test_without_an_integral_it_is_quiet_and_passivity_proves_it():
+    found = only(axis())
+    assert found.verdict == "quiet"
+    assert found.proof["holds"] is True
+    assert found.proof["contacts"] == {"guide": True}
+
+
+def test_a_majorant_creeps_where_lugre_rests():
+    """m(0) > 0: under a held load the contact creeps on at about m(0) F/F_s."""
+    found = only(axis(contact=law(sigma_1=30.0, sigma_2=15.0, k_v=1e5)))
+    assert found.verdict == "creeping"
+    assert found.proof["holds"] is True  # it cannot hunt
+
+
+def test_an_integral_hunts_against_stiction():
+    """The paper's limit cycle, as a machine: known from its figure and from ../shared/reference."""
+    canudas = {"name": "lugre", "parameters": "canudas1995"}
+    step = {"kind": "step", "time": 0.0, "value": 1.0}
+    found = only(axis(contact=canudas, signal=step, K_p=3.0, K_i=4.0, K_d=6.0))
+    assert found.verdict == "hunting"
+    assert found.proof["holds"] is None
+    assert "integral" in found.proof["why"]
+    cycle = found.to_json()["limit_cycle"]
+    assert cycle["body"] == "a"
+    assert cycle["amplitude"] == pytest.approx(0.064, abs=1e-3)
+    assert cycle["period"] == pytest.approx(24.4, abs=0.1)
+
+
+def test_the_slowest_time_constant_is_that_of_the_linear_loop():
+    """m s^2 + (K_d + sigma_2) s + K_p, and with K_i the third order."""
+    found = loop_of(Scenario(axis()))
+    roots = np.roots([1.0, 20.0 + 15.0, 200.0])
+    assert found.slowest == pytest.approx(1 / -roots.real.max(), rel=1e-3)
+    assert not found.unstable
+    found = loop_of(Scenario(axis(K_i=8000.0)))
+    assert found.unstable is bool((np.roots([1.0, 35.0, 200.0, 8000.0]).real > 0).any())
+
+
+def test_beyond_the_stability_of_the_linear_loop_it_is_unstable():
+    """Routh: m K_i > K_p (K_d + sigma_2) grows, whatever friction takes once it moves far."""
+    limit = 200.0 * 35.0
+    assert only(axis(K_i=1.3 * limit, limit=1e4)).verdict == "unstable"
+
+
+def test_sampling_with_delay_makes_it_unstable_where_continuous_it_is_quiet():
+    fast = {"period": 2e-2, "delay": 2e-2}
+    gains = {"K_p": 2e3, "K_d": 60.0, "limit": 500.0}
+    assert only(axis(**gains)).verdict == "quiet"
+    assert only(axis(**gains, sampling=fast)).verdict == "unstable"
+
+
+def test_another_solver_agrees_on_both_sides_of_a_boundary():
+    """Where a delay destabilises: 5 % away on either side the second solver's mass rests, or does not."""
+    data = axis(K_p=500.0, K_d=30.0, limit=100.0, sampling={"period": 2e-3, "delay": 2e-3})
+    loop = loop_of(Scenario(data))
+    found = line(loop, Turned.parse("controllers.hold.sampling.delay=6e-3:6e-2"))
+    (boundary,) = found.boundaries
+    assert (boundary.below, boundary.above) == ("quiet", "unstable")
+    assert boundary.sure
+    for share, quiet in ((0.95, True), (1.05, False)):
+        data["controllers"]["hold"]["sampling"]["delay"] = share * boundary.value
+        data["solve"]["t_end"] = 1.0 + 0.5 * STAYS * loop.slowest
+        data["output"]["step"] = data["solve"]["t_end"] / 400
+        y = np.asarray(solve(data)["a.y"])
+        assert bool(np.ptp(y[200:]) < 1e-4 * np.ptp(y)) is quiet
+
+
+def test_what_an_encoder_does_not_see_counts_as_rest():
+    data = axis(K_i=800.0, sampling={"period": 1e-3, "resolution": 1e-2})
+    assert judge(loop_of(Scenario(data)))[0].amplitude <= 0.5e-2
+
+
+def test_signals_that_never_rest_are_held():
+    data = axis(signal={"kind": "sine", "amplitude": 0.05, "frequency": 1.0})
+    loop = loop_of(Scenario(data))
+    assert loop.held == ("controllers.hold.signal",)
+    assert loop.rest == 2.0
+    assert judge(loop)[0].verdict == "quiet"
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"vary": ["controllers.hold.K_q=1:2"]}, "K_q"),
+        ({"vary": ["controllers.hold.K_p=2:1"]}, "LOW must be below HIGH"),
+        ({"vary": ["nonsense"]}, "PATH=LOW:HIGH"),
+        ({"tune": ["K_q"]}, "K_q"),
+        ({"tune": ["K_i"]}, "must be above 0"),
+        ({"controller": "other"}, "must be one of hold"),
+    ],
+)
+def test_mistakes_are_one_line(options, words):
+    with pytest.raises(InputError) as caught:
+        only(axis(), **options)
+    assert len(caught.value.problems) == 1
+    assert words in caught.value.problems[0]
+
+
+def test_what_is_no_loop():
+    with pytest.raises(InputError, match="schema = 1"):
+        design(Scenario({"law": law(), **_SINGLE}))
+    data = axis()
+    del data["controllers"]
+    with pytest.raises(InputError, match="controllers: none"):
+        design(Scenario(data))
+
+
+_SINGLE = {
+    "schema": 1, "plant": {"mass": 1.0}, "drive": {"kind": "force", "signal": {"kind": "step", "value": 1.0, "time": 0.0}},
+    "solve": {"t_end": 1.0}, "output": {"step": 0.1},
+}  # fmt: skip
+
+
+def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
+    """Each as a machine of its own, simulated anew, leaves the error that was stated."""
+    found = design(Scenario(axis(signal={"kind": "point_to_point", "t": [0.1, 0.6], "value": [0.0, 0.05]})))
+    rows = {c.kind: c for c in found.compensations}
+    assert set(rows) == {"none", "reference", "measured"}
+    assert rows["none"].largest_quiet_share == 0.0
+    assert rows["reference"].reversal_error < 0.7 * rows["none"].reversal_error
+    own = rows["reference"]
+    data = json.loads(json.dumps(own.loop.scenario.data))
+    table = data["controllers"]["hold"]
+    assert table["compensation"]["speed"] == "reference"
+    table["compensation"]["share"] = own.share
+    speed = 0.05 / 0.5 * 35 / 16  # the fastest of a move of order seven
+    period = 2 * np.pi * 0.025 / speed
+    table["signal"] = {"kind": "sine", "amplitude": 0.025, "frequency": 1 / period}
+    t = stribeck.simulate(Scenario(data), t_end=4 * period, step=period / 1000)
+    after = (t.t >= period) & ((t.t / period - 0.25) % 0.5 <= 0.125)
+    assert np.abs(t["hold.r"] - t["a.y"])[after].max() == pytest.approx(own.reversal_error, rel=0.01)
+
+
+def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
+    import tomli_w
+
+    from stribeck.cli import _status
+
+    file = tmp_path / "axis.toml"
+    file.write_text(tomli_w.dumps(axis()))
+    words = ["design", str(file), "--no-compensations", "--vary", "controllers.hold.K_i=0.001:1000", "--json"]
+    assert _status([*words, "--out", str(tmp_path / "out")]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["verdict"] == "quiet"
+    assert {"errors", "boundaries", "compensations", "proof", "limit_cycle"} <= set(found)
+    names = {f.rpartition("/")[2] for f in found["files"]}
+    assert {"machine.toml", "report.html", "summary.json", "boundaries_0.svg"} <= names
+    assert _status(["run", str(tmp_path / "out" / "machine.toml")]) == 0
+    assert tomllib.loads((tmp_path / "out" / "machine.toml").read_text())["controllers"]["hold"]["K_p"] == 200.0
+    assert "comes to rest" in (tmp_path / "out" / "report.html").read_text()
+
+
+def test_tuned_gains_are_better_and_repeat():
+    from stribeck.loops import tuning, uncertainty
+
+    loop = loop_of(Scenario(axis(K_p=30.0)))
+    few = {p: x[:3] for p, x in uncertainty.samples(uncertainty.intervals(loop, None)).items()}
+    found, again = (tuning.tune(loop, "hold", ["K_p"], few, seed=3) for _ in range(2))
+    assert found == again
+    assert found.worst_error < found.error_before
