@@ -2,4 +2,6 @@
 
 from stribeck.export.request import Target
 
-TARGET = Target("c", "c.c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade", "machine"), self_test=True)
+TARGET = Target(
+    "c", "c.c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade", "machine"), self_test=True
+)

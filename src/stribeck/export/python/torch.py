@@ -114,7 +114,7 @@ def _differentiable(torch: Any) -> Any:
                 return x, force
 
             @staticmethod
-            @once_differentiable
+            @once_differentiable  # type: ignore[untyped-decorator]
             def backward(ctx: Any, by_z: Any, by_force: Any) -> Any:
                 first, each = stepping.adjoint(torch, ctx.law, ctx.p, ctx.solution, ctx.given, by_z, by_force)
                 found = [*first, *(each[name] for name in ctx.names)]
