@@ -11,6 +11,7 @@ from stribeck import InputError, Scenario, design
 from stribeck.loops.boundary import Turned, line
 from stribeck.loops.judge import STAYS, judge
 from stribeck.loops.loop import loop_of
+from stribeck.loops.proof import proof
 from tests.loops.axis import axis
 from tests.machine.independent import solve
 from tests.machine.machines import law
@@ -25,6 +26,37 @@ def test_without_an_integral_it_is_quiet_and_passivity_proves_it():
     assert found.verdict == "quiet"
     assert found.proof["holds"] is True
     assert found.proof["contacts"] == {"guide": True}
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"K_d": 0.0}, "K_d = 0 is not above 0"),
+        ({"limit": 5.0}, "has a limit"),
+        ({"sampling": {"period": 1e-3}}, "is sampled"),
+        ({"compensation": {"contact": "guide", "speed": "measured"}}, "supplies what friction takes"),
+    ],
+)
+def test_what_takes_the_proof_away(change, words):
+    found = proof(loop_of(Scenario(axis(**change))))
+    assert found["holds"] is None
+    assert words in found["why"]
+
+
+def test_a_belt_or_a_free_body_takes_the_proof_away():
+    """A belt supplies energy however passive its contact is; a body on an undamped spring swings on."""
+    data = axis()
+    data["bodies"]["belt"] = {"velocity": {"signal": {"kind": "step", "value": 0.1, "time": 0.0}}}
+    data["contacts"]["guide"]["to"] = "belt"
+    assert "velocity is given" in proof(loop_of(Scenario(data)))["why"]
+    data = axis()
+    data["bodies"]["tool"] = {"mass": 0.2}
+    data["links"] = {"spring": {"from": "a", "to": "tool", "stiffness": 1e3}}
+    assert "tool is not tied" in proof(loop_of(Scenario(data)))["why"]
+    data["links"]["spring"]["damping"] = 1.0
+    step = {"kind": "step", "value": 1.0, "time": 0.0}
+    data["loads"] = {"push": {"on": "a", "kind": "signal", "signal": step}}
+    assert proof(loop_of(Scenario(data)))["holds"] is True
 
 
 def test_a_majorant_creeps_where_lugre_rests():
@@ -180,3 +212,16 @@ def test_tuned_gains_are_better_and_repeat():
     found, again = (tuning.tune(loop, "hold", ["K_p"], few, seed=3) for _ in range(2))
     assert found == again
     assert found.worst_error < found.error_before
+
+
+def test_the_commands_of_the_page(tmp_path, monkeypatch):
+    from pathlib import Path
+
+    from stribeck.cli import _status
+
+    monkeypatch.chdir(tmp_path)
+    page = (Path(__file__).parent.parent.parent / "docs" / "design.md").read_text(encoding="utf-8")
+    commands = page.split("```sh\n")[1].split("```")[0].splitlines()
+    assert [_status(command.split()[1:]) for command in commands] == [0, 0, 0]
+    assert json.loads(Path("design/summary.json").read_text())["verdict"] == "quiet"
+    assert "quiet: it comes to rest" in page

@@ -141,7 +141,7 @@ def _tolerance(loop: Loop, controller: str, amplitude: float) -> float:
 def _error(scenario: Scenario, controller: str, columns: Any) -> Array:
     assert scenario.rig is not None
     each = next(c for c in scenario.rig.machine.controllers if c.name == controller)
-    return np.asarray(columns[f"{controller}.r"]) - np.asarray(columns[f"{each.measures}.y"])
+    return np.asarray(np.asarray(columns[f"{controller}.r"]) - columns[f"{each.measures}.y"], float)
 
 
 def _after_reversals(t: Array, period: float) -> Any:

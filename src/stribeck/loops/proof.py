@@ -6,12 +6,14 @@ from typing import Any
 
 from stribeck.loops.loop import Loop
 from stribeck.machine.controllers import Cascade, Pid
+from stribeck.machine.links import Link
+from stribeck.machine.loads import Follower, Pendulum, Ripple
 from stribeck.machine.parts import ControllerPart
 from stribeck.scenario.machine import Rig
 
 NO_HUNTING = (
-    "with the signals at rest the stored energy with the controller's K_p (r - y)^2/2 never rises, so no limit cycle can "
-    "draw energy from it (theory.md; the machine's contacts are passive by 'check')"
+    "with the signals at rest the stored energy with the controller's K_p (r - y)^2/2 falls at least by what its damping takes, "
+    "and rests only where every body does: no motion repeats (the machine's contacts are passive by 'check')"
 )
 
 
@@ -26,7 +28,7 @@ def proof(loop: Loop) -> dict[str, Any]:
     rig = loop.scenario.rig
     assert rig is not None
     found = check_machine(loop.scenario)
-    against = [text for each in rig.machine.controllers for text in active(rig, each)]
+    against = [text for each in rig.machine.controllers for text in active(rig, each)] + supplied(rig) + undamped(rig)
     if found.passive is not True:
         against.append(found.why)
     holds = True if not against else None
@@ -36,6 +38,40 @@ def proof(loop: Loop) -> dict[str, Any]:
         "machine_passive": found.passive,
         "contacts": {name: verdicts["passive"].holds for name, verdicts in found.contacts.items()},
     }
+
+
+def supplied(rig: Rig) -> list[str]:
+    """What else may supply energy while all signals rest: a load whose signal is held, gravity and cogging have a potential."""
+    machine = rig.machine
+    driven = {each.on for each in machine.controllers}
+    against = [
+        f"{body.name}'s velocity is given: it supplies energy" for body in machine.bodies if body.driven is not None
+    ]
+    against += [f"{motor.name} has a voltage and no controller" for motor in machine.motors if motor.name not in driven]
+    against += [
+        f"{load.name} is a load of one's own" for load in machine.loads if load.kind not in (Follower, Pendulum, Ripple)
+    ]
+    against += [f"{link.name} is a link of one's own" for link in machine.links if link.kind is not Link]
+    return against
+
+
+def undamped(rig: Rig) -> list[str]:
+    """Bodies that could swing for ever while the measured ones rest: those that no damped link without play ties to them."""
+    machine = rig.machine
+    still = {machine.leader(each.measures).name for each in machine.controllers}
+    for _ in machine.bodies:
+        for link in machine.links:
+            ends = [link.span.start, link.span.end]
+            if any(not isinstance(end, str) for end in ends) or "gap" in link.form:
+                continue
+            names = {machine.leader(str(end)).name for end in ends}
+            damped = rig.values.get((link.path, "damping"), 0.0) > 0 and rig.values[link.path, "stiffness"] > 0
+            if damped and names & still:
+                still |= names
+    free = [
+        body.name for body in machine.bodies if body.leader is None and body.driven is None and body.name not in still
+    ]
+    return [f"{name} is not tied to a measured body by damped links without play" for name in free]
 
 
 def active(rig: Rig, each: ControllerPart) -> list[str]:
@@ -63,5 +99,5 @@ def active(rig: Rig, each: ControllerPart) -> list[str]:
     damping = "K_d" if each.kind is Pid else "K_v"
     if each.kind in (Pid, Cascade):
         gains[damping] = rig.values[each.path, damping]
-    against += [f"{name}: {gain} = {x:g} is negative" for gain, x in gains.items() if x < 0]
+    against += [f"{name}: {gain} = {x:g} is not above 0" for gain, x in gains.items() if not x > 0]
     return against

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.constants import show
@@ -100,16 +101,17 @@ def tune(
 
 def worst_errors(loop: Loop, controller: str, paths: list[str], trials: Array, samples: dict[str, Array]) -> Array:
     """The largest error after reversals over the samples, for each set of gains."""
-    return reversal_errors(loop, controller, _lanes(paths, trials, samples)).reshape(len(trials), -1).max(axis=1)
+    errors = reversal_errors(loop, controller, _lanes(paths, trials, samples)).reshape(len(trials), -1)
+    return np.asarray(errors.max(axis=1))
 
 
-def _all_quiet(loop: Loop, paths: list[str], trials: Array, samples: dict[str, Array]) -> Array:
+def _all_quiet(loop: Loop, paths: list[str], trials: Array, samples: dict[str, Array]) -> NDArray[np.bool_]:
     if not len(trials):
         return np.zeros(0, bool)
     slowest = [time_constant(loop.scenario.with_changes(dict(zip(paths, x.tolist(), strict=True))))[0] for x in trials]
     longer = replace(loop, slowest=max(loop.slowest, *slowest))
     quiet = np.array([j.quiet for j in judge(longer, _lanes(paths, trials, samples))])
-    return quiet.reshape(len(trials), -1).all(axis=1)
+    return np.asarray(quiet.reshape(len(trials), -1).all(axis=1))
 
 
 def _lanes(paths: list[str], trials: Array, samples: dict[str, Array]) -> dict[str, Array]:
