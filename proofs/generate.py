@@ -16,8 +16,10 @@ from pathlib import Path
 from stribeck.expressions import coq
 from stribeck.expressions.exact import Exact
 from stribeck.expressions.graph import Expr, symbol, wrap
-from stribeck.laws import builtin, lugre, terms
+from stribeck.laws import builtin, lugre
 from stribeck.laws.base import BristleLaw
+from stribeck.laws.form import Form
+from stribeck.laws.values import OnTerm
 
 FILE = Path(__file__).with_name("Laws.v")
 HEAD = """\
@@ -55,9 +57,8 @@ def _exact_e() -> Iterator[None]:
         lugre.e = held
 
 
-@contextmanager
-def _named_terms(found: dict[str, str], words: dict[str, str]) -> Iterator[None]:
-    """Within, terms such as g(p, v) are written as (g p v), and their definitions are left in ``found``."""
+def _named_terms(found: dict[str, str], words: dict[str, str]) -> OnTerm:
+    """Writes terms such as g(p, v) as (g p v), and leaves their definitions in ``found``."""
 
     def by_name(name: str, _: str, args: tuple[Expr, ...], value: Expr) -> Expr:
         own = RENAMED.get(name, name) + (f"_{words['smooth_abs']}" if name == "m" else "")
@@ -69,27 +70,23 @@ def _named_terms(found: dict[str, str], words: dict[str, str]) -> Iterator[None]
         words[call] = call
         return symbol(call)
 
-    token = terms.on_term.set(by_name)
-    try:
-        yield
-    finally:
-        terms.on_term.reset(token)
+    return by_name
 
 
 def _law(law: type[BristleLaw], found: dict[str, str]) -> Iterator[str]:
     """A module for each choice of the law's words, with the forms that the optional constants give."""
-    structures = [form for form in law.structures() if not LEFT_OUT & set(form)]
-    for words in dict.fromkeys(tuple(w for w in s if "=" in w) for s in structures):
-        forms = [s for s in structures if tuple(w for w in s if "=" in w) == words]
-        name = "_".join([law.name, *(w.split("=")[1] for w in words)])
+    every = [form for form in law.forms() if not LEFT_OUT & set(form.on)]
+    for choices in dict.fromkeys(form.choices for form in every):
+        forms = [form for form in every if form.choices == choices]
+        name = "_".join([law.name, *(word for _, word in choices)])
         lines = [f"Module {name}."]
         for form in forms:
             lines += _definitions(law, form, found)
         yield "\n".join([*lines, f"End {name}.\n"])
 
 
-def _definitions(law: type[BristleLaw], form: tuple[str, ...], found: dict[str, str]) -> list[str]:
-    suffix = "".join(f"_{word}" for word in form if "=" not in word)
+def _definitions(law: type[BristleLaw], form: Form, found: dict[str, str]) -> list[str]:
+    suffix = "".join(f"_{name}" for name in form.on)
     p = law.symbolic(symbol, form)
     words = {n: f"{n} p" for n in law.constants()} | {"dz_dt": "dz_dt p v z"}
     words["smooth_abs"] = getattr(p, "smooth_abs", "")
@@ -100,13 +97,13 @@ def _definitions(law: type[BristleLaw], form: tuple[str, ...], found: dict[str, 
         text = coq.write(wrap(value), words)
         lines.append(f"Definition {name} (p : constants){typed} : {kind} :=\n  {text}.")
 
-    with _named_terms(found, words):
-        values = {
-            "dz_dt": law.dz_dt(p, V, Z), "friction": law.friction(p, V, Z, symbol("dz_dt")),
-            "stored_energy": law.stored_energy(p, Z), "z_bound": law.z_bound(p),
-        }  # fmt: skip
-        if law.claims.drift_free:
-            values["z_elastic"] = law.z_elastic(p)
+    named = law.symbolic(symbol, form, _named_terms(found, words))
+    values = {
+        "dz_dt": law.dz_dt(named, V, Z), "friction": law.friction(named, V, Z, symbol("dz_dt")),
+        "stored_energy": law.stored_energy(named, Z), "z_bound": law.z_bound(named),
+    }  # fmt: skip
+    if law.claims.drift_free:
+        values["z_elastic"] = law.z_elastic(named)
     for name, value in values.items():
         if not suffix or name == "friction":
             inputs = {"dz_dt": "v z", "friction": "v z", "stored_energy": "z"}.get(name, "")

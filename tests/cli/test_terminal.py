@@ -11,7 +11,7 @@ from stribeck import examples
 from stribeck.cli.app import app
 from stribeck.cli.text import say
 
-COMMANDS = sorted(command.callback.__name__ for command in app.registered_commands)
+COMMANDS = sorted(command.name or command.callback.__name__ for command in app.registered_commands)
 SPOKEN = {
     "laws": ("laws",),
     "sets": ("laws", "--sets"),

@@ -9,6 +9,7 @@ import pytest
 
 from stribeck.codegen import source
 from stribeck.laws import BristleLaw, builtin, law
+from stribeck.laws.form import USUAL
 from stribeck.laws.render import equations
 from stribeck.simulation import compiler
 from tests.codegen.systems import IDS, VARIANTS, systems
@@ -62,7 +63,7 @@ def test_depends_on_the_system_alone(law, form):
 
 
 def test_says_what_it_is_and_names_what_it_holds():
-    text = source(systems(builtin()["lugre_sobczyk"], ())[0])
+    text = source(systems(builtin()["lugre_sobczyk"], USUAL)[0])
     assert "Law: lugre_sobczyk" in text
     assert "/* N/m, bristle stiffness (law.sigma_0) */" in text
     for name in ("g", "S_0", "dz_dt", "F"):
@@ -127,7 +128,7 @@ def test_a_law_whose_terms_are_named_like_its_constants(tmp_path):
 
             return v - abs(v) / g(p, v) * z
 
-    assert "const real g = " in source(systems(Twice, ())[0])
+    assert "const real g = " in source(systems(Twice, USUAL)[0])
 
 
 def test_evaluation_beside_builds():

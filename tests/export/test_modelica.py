@@ -32,7 +32,7 @@ def test_block_has_the_numbers_of_the_law(name, tmp_path):
     """Driven by a velocity that reverses: F for the v and z of every row, and z against Stribeck's own solver."""
     law = make(builtin()[name])
     scales = law.scales(law.p)
-    speed, frequency = 5 * scales.speed, 0.2 * scales.speed / scales.length
+    speed, frequency = 5 * float(scales.speed), 0.2 * float(scales.speed / scales.length)
     t_end, step = 2 / frequency, 1 / (100 * frequency)
     rig = (
         f"  Friction{type(law).__name__}.{type(law).__name__} friction;\nequation\n"

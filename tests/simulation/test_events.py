@@ -74,7 +74,7 @@ def test_no_threshold_no_events():
 
 def test_more_events_than_the_buffer_holds(monkeypatch):
     whole = in_order(solved(RIGS["force"]))
-    monkeypatch.setattr("stribeck.simulation.native._EVENT_ROOM", 1)  # the least that one step may need is taken
+    monkeypatch.setattr("stribeck.simulation.native.EVENT_ROOM", 1)  # the least that one step may need is taken
     assert in_order(solved(RIGS["force"])) == whole
     assert len(whole) > 32
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.arrays import Array
@@ -164,7 +164,7 @@ def _limited(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> bool:
     """Whether an output stands at its limit for part of the time, on both sides."""
     rig = loop.scenario.rig
     assert rig is not None
-    found: list[tuple[NDArray[np.float64], float]] = [
+    found: list[tuple[Array, float]] = [
         (lanes[f"{each.name}.u"][lane][rows], rig.values[each.path, "limit"])
         for each in rig.machine.controllers if "limit" in each.form
     ]  # fmt: skip

@@ -160,6 +160,7 @@ class Fitting:
         if coarse:
             why = "the model errs, or there is a better minimum: no intervals (more starts, or another law, may help)"
             notes.append(f"{'; '.join(coarse)}: {why}")
+            notes += checks.hypotheses(best)
         try:
             judged = judge.judged(best, self.scenario, status == "done" and not coarse)
         except (KeyboardInterrupt, Stopped):

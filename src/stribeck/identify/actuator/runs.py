@@ -139,7 +139,7 @@ def made(
     for path, channel in recording.inputs.items():
         changes[path] = signal(scenario, path, channel, begin, end)
     if scenario.rig is None:
-        raise InputError(["the machine: schema = 1: a fit to --logs needs a machine (schema = 2)"])
+        raise InputError(["the machine: schema = 1: a fit to recordings needs a machine (schema = 2)"])
     known = [c.name for c in scenario.rig.machine.columns]
     for name in recording.outputs:
         if name not in known:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import judge
 from stribeck.identify.actuator.estimate import beyond_noise, estimate, traces
 from stribeck.identify.actuator.recordings import Logs
@@ -22,7 +22,7 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> dict[str, Any]
         try:
             made(fit.scenario, recording, i)
         except InputError as error:
-            problems += [f"--transfer: {line}" for line in error.problems]
+            problems += [f"{arg('transfer')}: {line}" for line in error.problems]
     if problems:
         raise InputError(problems)
     sought = [c for c in fit.sought if c.log is None]
