@@ -4,6 +4,9 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
+# bytecode is kept: each command of the tests would compile its libraries anew
+unexport PYTHONDONTWRITEBYTECODE
+
 .PHONY: setup demo test bench fuzz proofs clean
 
 # install EXTRA: the package with an extra, by uv where there is one
