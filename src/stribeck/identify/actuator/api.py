@@ -156,7 +156,7 @@ class Fitting:
         elif missed:
             status, reason = "missed", f"the machine does not follow its recordings ({'; '.join(missed)}): no intervals"
             notes += checks.hypotheses(best)
-        coarse = beyond_noise(best.problem, best.u) if status == "done" else []
+        coarse = beyond_noise(best.problem, best.u, best.found.agreeing) if status == "done" else []
         if coarse:
             why = "the model errs, or there is a better minimum: no intervals (more starts, or another law, may help)"
             notes.append(f"{'; '.join(coarse)}: {why}")

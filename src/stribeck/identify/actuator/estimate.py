@@ -23,6 +23,8 @@ _FIRST = 0.05  # of a column's changes: the noise to begin with
 _WEIGHTINGS = 2
 _SETTLED = 0.05
 _BEYOND = 10.0  # times a column's noise: more is no noise, and an interval of noise would be wrong
+_DOUBTED = 2.0  # times: more may be another minimum, unless so many starts came to this one
+_AGREEING = 3
 _STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
 _SHORTEST = 0.2  # s
 _ROUGH = 12  # steps of the search in stretches
@@ -58,14 +60,16 @@ class Estimate:
         return told
 
 
-def beyond_noise(problem: Problem, u: Array) -> list[str]:
-    """The columns of which far more is left than their noise, in words: the model errs, or the minimum is another."""
+def beyond_noise(problem: Problem, u: Array, agreeing: int) -> list[str]:
+    """The columns of which far more is left than their noise, in words: the model errs, or the minimum is another. With
+    few starts ``agreeing`` on the minimum, what is left of twice the noise is enough to doubt it."""
+    most = _BEYOND if agreeing >= _AGREEING else _DOUBTED
     told = []
     for column, (left, _) in leftovers(problem, u).items():
         rough = [np.diff(t.x, 3) for run in problem.runs for t in run.targets if t.column == column]
         noise = float(np.sqrt(np.mean(np.concatenate(rough) ** 2) / 20))  # a third difference has 1 + 9 + 9 + 1 of them
         least = max(noise, floor_of(problem, column))
-        if least > 0 and left > _BEYOND * least:
+        if least > 0 and left > most * least:
             told.append(f"{column}: {left:.2g} is left, {left / least:.0f} times what changes from sample to sample")
     return told
 

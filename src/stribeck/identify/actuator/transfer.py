@@ -30,7 +30,9 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> dict[str, Any]
     numbered = list(enumerate(other.recordings))
     logs = [LogResult(r.file, True, traces(fit.scenario, r, i, sought, values)) for i, r in numbered]
     own = estimate(fit.scenario, numbered, sought, 1, 0, fit.work, values)
-    found = judge.judged(own, fit.scenario, not (own.stopped or own.missed() or beyond_noise(own.problem, own.u)))
+    found = judge.judged(
+        own, fit.scenario, not (own.stopped or own.missed() or beyond_noise(own.problem, own.u, own.found.agreeing))
+    )
     moved, same, open_ = [], [], []
     for name, there in found.parameters.items():
         here = result.parameters[name]
