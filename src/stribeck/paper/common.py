@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from typing import Any
 
 from stribeck import examples
-from stribeck.errors import StribeckError
+from stribeck.errors import StribeckError, StribeckNote
 from stribeck.report.page import Chapter
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
@@ -50,7 +51,10 @@ def solve(wanted: Scenario, label: str = "") -> Solution:
     Raises:
         StribeckError: the simulation failed.
     """
-    solution = simulate(wanted)
+    with warnings.catch_warnings():
+        # laws without damping are shown as they are: nobody who makes the report can tighten their tolerance
+        warnings.simplefilter("ignore", StribeckNote)
+        solution = simulate(wanted)
     if solution.reason:
         raise StribeckError(f"{wanted.name} under {label or wanted.law.name} failed: {solution.reason}")
     return solution
