@@ -13,7 +13,7 @@ from stribeck.report.design import sentence
 
 _KINDS = {
     "none": "none", "reference": "feedforward of the steady curve at the signal's speed",
-    "measured": "the law as an observer at the measured speed", "dither": "dither",
+    "measured": "the law as an observer at the measured speed",
 }  # fmt: skip
 
 

@@ -13,14 +13,13 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.loops.judge import judge
-from stribeck.loops.loop import Loop
+from stribeck.loops.loop import Loop, controller_of
 from stribeck.loops.moves import reversal_errors
 from stribeck.scenario import Scenario
 
-KINDS = ("none", "reference", "measured", "dither")
+KINDS = ("none", "reference", "measured")
 _SHARES = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5])
 _ROUNDS = 4
-_DITHER = 20.0  # waves of the dither in the loop's fastest named time: period, or the slowest time constant
 
 
 @dataclass(frozen=True)
@@ -29,14 +28,13 @@ class Compensation:
 
     Attributes:
         kind: "none"; "reference": the steady curve at the signal's speed; "measured": the law as an observer at the
-            measured speed; "dither": a fast sine of a share of F_c at the measured body.
+            measured speed.
         share: of the friction that is made up for in ``reversal_error``: 1, or what stays quiet of it.
         largest_quiet_share: up to which the loop is quiet with every sample of the friction; None where it is not even
             quiet without, 1.5 where all shares looked at are.
         reversal_error: the largest error after a reversal of the standard sine, with the friction as in the file.
         worst_error: the same with the worst sample.
         loop: the machine with it.
-        share_path: the path of the share.
     """
 
     kind: str
@@ -45,7 +43,6 @@ class Compensation:
     reversal_error: float
     worst_error: float
     loop: Loop
-    share_path: str | None
 
     def row(self) -> dict[str, Any]:
         """What is told of it."""
@@ -63,7 +60,7 @@ def contact_of(loop: Loop, controller: str) -> str:
     """
     rig = loop.scenario.rig
     assert rig is not None
-    each = next(c for c in rig.machine.controllers if c.name == controller)
+    each = controller_of(loop.scenario, controller)
     for contact in rig.machine.contacts:
         span = contact.span
         if span.start == each.measures and span.end is None and rig.values.get((contact.path, "ratio"), 1.0) == 1:
@@ -82,30 +79,12 @@ def with_compensation(scenario: Scenario, controller: str, contact: str, kind: s
     if kind in ("reference", "measured"):
         law = own.get("law") or data["contacts"][contact]["law"]
         table["compensation"] = {"speed": kind, "law": deepcopy(law), "share": share}
-    elif kind == "dither":
-        loads = data.setdefault("loads", {})
-        loads["dither"] = {
-            "on": table.get("measures", table["on"]),
-            "kind": "signal",
-            "signal": _dither(scenario, contact, share),
-        }
     return Scenario(data, folder=scenario.folder, trust=True)
 
 
-def _dither(scenario: Scenario, contact: str, share: float) -> dict[str, Any]:
-    rig = scenario.rig
-    assert rig is not None
-    law = rig.laws[f"contacts.{contact}.law"]
-    scales = law.scales(law.p)
-    period = min((x for (_, n), x in rig.values.items() if n == "period"), default=None)
-    frequency = 0.25 / period if period else _DITHER * scales.speed / scales.length / (2 * np.pi)
-    return {"kind": "sine", "amplitude": share * law.machine.get("F_c", scales.force), "frequency": frequency}
-
-
 def compare(
-    loop: Loop, controller: str, samples: dict[str, Array], kinds: tuple[str, ...] = ("none", "reference", "measured"),
-    tell: Callable[[float], None] | None = None,
-) -> list[Compensation]:  # fmt: skip
+    loop: Loop, controller: str, samples: dict[str, Array], tell: Callable[[float], None] | None = None
+) -> list[Compensation]:
     """Each kind with its largest quiet share and the error that it leaves.
 
     Raises:
@@ -113,7 +92,7 @@ def compare(
     """
     contact = contact_of(loop, controller)
     found = []
-    for i, kind in enumerate(kinds):
+    for i, kind in enumerate(KINDS):
         made = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, kind, 1.0))
         path = f"controllers.{controller}.compensation.share" if kind in ("reference", "measured") else None
         largest = _largest(made, path, samples)
@@ -123,9 +102,9 @@ def compare(
         wide = {**samples, **{p: np.full(count, x) for p, x in given.items()}}
         own = float(reversal_errors(made, controller, {p: np.array([x]) for p, x in given.items()})[0])
         worst = float(np.nanmax(reversal_errors(made, controller, wide)))
-        found.append(Compensation(kind, share, largest, own, worst, made, path))
+        found.append(Compensation(kind, share, largest, own, worst, made))
         if tell is not None:
-            tell((i + 1) / len(kinds))
+            tell((i + 1) / len(KINDS))
     return found
 
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.arrays import Array
-from stribeck.loops.loop import Loop, a_number
+from stribeck.loops.loop import Loop, a_number, resolution_of
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 
 STAYS = 100  # slowest time constants that a body has to stay at rest
@@ -23,7 +23,6 @@ _AT_LIMIT = 0.999
 _OFTEN = 0.02  # of the window at the limit: the limit is what holds the oscillation
 _ONE_WAY = 0.9  # of all that moved, gone one way
 _GROWS = 1.15  # from one third of the window to the next
-_WORST = ("quiet", "creeping", "hunting", "unstable")
 
 WINDS = "an integral still winds up behind friction that holds"
 
@@ -75,11 +74,6 @@ def judge(loop: Loop, values: Mapping[str, ArrayLike] | None = None, tell: Tell 
         if not len(left):
             break
     return [each for each in found if each is not None]
-
-
-def worst(found: list[Judgement]) -> Judgement:
-    """The one that moves most."""
-    return max(found, key=lambda j: _WORST.index(j.verdict) if j.verdict in _WORST else len(_WORST))
 
 
 def window(loop: Loop, windows: int = 2) -> tuple[float, float, float]:
@@ -142,7 +136,7 @@ def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
     assert rig is not None
     rest = {name: TRAVEL * x for name, x in travel.items()}
     for each in rig.machine.controllers:
-        step = rig.values.get((f"{each.path}.sampling", "resolution"), 0.0)
+        step = resolution_of(loop.scenario, each)
         name = rig.machine.leader(each.measures).name
         if step and travel.get(name):
             for other, x in travel.items():

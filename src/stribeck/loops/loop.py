@@ -11,6 +11,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
+from stribeck.machine.parts import ControllerPart
 from stribeck.scenario import Scenario
 from stribeck.signals import KINDS, Signal
 from stribeck.signals.trajectories import Curve
@@ -155,20 +156,26 @@ def _sliding(scenario: Scenario) -> Array:
     return np.array([state[s.name] for s in machine.states])
 
 
-def replaced(scenario: Scenario, controller: str, signal: dict[str, Any] | None, **tables: Any) -> Scenario:
-    """The machine with another signal for a controller, or other tables of it (None: taken away)."""
+def replaced(scenario: Scenario, controller: str, signal: dict[str, Any]) -> Scenario:
+    """The machine with another signal for a controller."""
     data = deepcopy(scenario.data)
     table = data["controllers"][controller]
-    if signal is not None:
-        table["signal"] = signal
-        if KINDS[signal["kind"]].smooth is False:
-            table.pop("feedforward", None)  # it needs a second derivative
-    for name, value in tables.items():
-        if value is None:
-            table.pop(name, None)
-        else:
-            table[name] = value
+    table["signal"] = signal
+    if not KINDS[signal["kind"]].smooth:
+        table.pop("feedforward", None)  # it needs a second derivative
     return Scenario(data, folder=scenario.folder, trust=True)
+
+
+def controller_of(scenario: Scenario, name: str) -> ControllerPart:
+    """The controller of that name."""
+    assert scenario.rig is not None
+    return next(c for c in scenario.rig.machine.controllers if c.name == name)
+
+
+def resolution_of(scenario: Scenario, controller: ControllerPart) -> float:
+    """The step of a controller's encoder, 0 where it has none."""
+    assert scenario.rig is not None
+    return scenario.rig.values.get((f"{controller.path}.sampling", "resolution"), 0.0)
 
 
 def a_number(scenario: Scenario) -> dict[str, float]:

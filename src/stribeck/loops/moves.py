@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
-from stribeck.loops.loop import Loop, a_number, replaced, rests_at
+from stribeck.loops.loop import Loop, a_number, controller_of, replaced, resolution_of, rests_at
 from stribeck.scenario import Scenario
 from stribeck.simulation.ensemble import simulate_ensemble
 from stribeck.simulation.single import simulate
@@ -39,12 +39,12 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     slowest time constants where the signal jumps or stands."""
     rig = loop.scenario.rig
     assert rig is not None
-    each = next(c for c in rig.machine.controllers if c.name == controller)
+    each = controller_of(loop.scenario, controller)
     signal = rig.signals[each.signal]
     end = max(loop.scenario.solve.t_end, min(rests_at(signal), 1e6))
     t = np.linspace(0.0, end, 4001)
     r = signal.at(t)
-    step = rig.values.get((f"{each.path}.sampling", "resolution"), 0.0)
+    step = resolution_of(loop.scenario, each)
     amplitude = float(np.ptp(r)) / 2 or 1e3 * step or rig.scales[rig.machine.leader(each.measures).name].length * 100
     rates = np.abs(np.diff(r)) / (t[1] - t[0])
     fastest = float(np.quantile(rates, 0.98)) if not signal.smooth else float(rates.max())
@@ -64,13 +64,11 @@ def signals_of(moves: Moves) -> dict[str, tuple[dict[str, Any], float]]:
     }
 
 
-def reversal_errors(
-    loop: Loop, controller: str, values: Mapping[str, ArrayLike] | None = None, scenario: Scenario | None = None
-) -> Array:
+def reversal_errors(loop: Loop, controller: str, values: Mapping[str, ArrayLike] | None = None) -> Array:
     """The largest error within an eighth of a period after the reversals of the standard sine, for each lane."""
     moves = moves_of(loop, controller)
     signal, end = signals_of(moves)["sine"]
-    changed = replaced(scenario or loop.scenario, controller, signal)
+    changed = replaced(loop.scenario, controller, signal)
     lanes = simulate_ensemble(changed, values or a_number(changed), t_end=end, step=end / _ROWS)
     error = _error(changed, controller, lanes)
     if error.ndim == 1:
@@ -133,14 +131,12 @@ def _settling(t: Array, e: Array, tolerance: float) -> float | None:
 
 
 def _tolerance(loop: Loop, controller: str, amplitude: float) -> float:
-    assert loop.scenario.rig is not None
-    step = loop.scenario.rig.values.get((f"controllers.{controller}.sampling", "resolution"), 0.0)
+    step = resolution_of(loop.scenario, controller_of(loop.scenario, controller))
     return max(2 * step, _SETTLED * amplitude)
 
 
 def _error(scenario: Scenario, controller: str, columns: Any) -> Array:
-    assert scenario.rig is not None
-    each = next(c for c in scenario.rig.machine.controllers if c.name == controller)
+    each = controller_of(scenario, controller)
     return np.asarray(np.asarray(columns[f"{controller}.r"]) - columns[f"{each.measures}.y"], float)
 
 

@@ -90,8 +90,8 @@ def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: st
 def _verdict(found: Design) -> Chapter:
     j = found.judgement
     text = [
-        f"Judged over the last hundred of the loop's slowest time constants ({found.loop.slowest:.3g} s while all contacts "
-        "slide), after the signals have come to rest: by simulation of the loop as it is in the file.",
+        "Judged after the signals have come to rest, by simulation of the loop as it is in the file over two hundred of its "
+        f"slowest time constants ({found.loop.slowest:.3g} s while all contacts slide) or more.",
         f"Proof: {'it cannot hunt' if found.proof['holds'] else 'none'}: {found.proof['why']}.",
     ]
     if j.note:
