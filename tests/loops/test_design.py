@@ -225,3 +225,21 @@ def test_the_commands_of_the_page(tmp_path, monkeypatch):
     assert [_status(command.split()[1:]) for command in commands] == [0, 0, 0]
     assert json.loads(Path("design/summary.json").read_text())["verdict"] == "quiet"
     assert "quiet: it comes to rest" in page
+
+
+def test_a_set_in_a_file_is_found_from_the_folder_of_the_machine_that_is_written(tmp_path):
+    """The command left a machine that looked for it beside itself."""
+    import tomli_w
+
+    from stribeck.cli import _status
+
+    data = axis()
+    numbers = data["contacts"]["guide"]["law"]["parameters"]
+    (tmp_path / "guide.toml").write_text(tomli_w.dumps({"parameters": numbers}))
+    data["contacts"]["guide"]["law"]["parameters"] = "guide.toml"
+    (tmp_path / "axis.toml").write_text(tomli_w.dumps(data))
+    assert (
+        _status(["design", str(tmp_path / "axis.toml"), "--no-compensations", "--out", str(tmp_path / "deep" / "out")])
+        == 0
+    )
+    assert _status(["run", str(tmp_path / "deep" / "out" / "machine.toml")]) == 0

@@ -30,7 +30,9 @@ def fit(
         )
     summary: dict[str, Any] = {**found.to_json(), "files": []}
     if out is not None:
-        summary["files"] = write(found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}")
+        summary["files"] = write(
+            found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}", scenario.folder
+        )
     if json:
         show.print_json(summary)
     else:

@@ -17,6 +17,7 @@ from stribeck.loops.compensation import Compensation, with_compensation
 from stribeck.report import chapters, plots
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.scenario.moved import moved
 
 _MEANING = {
     "quiet": "comes to rest and stays there",
@@ -32,7 +33,7 @@ def write(found: Design, summary: dict[str, Any], folder: Path, command: str = "
     """Write machine.toml (with the best compensation and tuned gains, ready to run), the figures and the page, and, last,
     summary.json; the paths."""
     with together(folder) as place:
-        paths = [_machine(found, place)]
+        paths = [_machine(found, place, folder)]
         with left_out("the plots and the page"):
             figures = [_line(line, i) for i, line in enumerate(found.lines)]
             if found.compensations:
@@ -52,8 +53,8 @@ def best(found: Design) -> Compensation | None:
     return min(quiet, key=lambda c: c.worst_error) if quiet else None
 
 
-def _machine(found: Design, folder: Path) -> Path:
-    """The machine as a file: with what is best of what was compared."""
+def _machine(found: Design, place: Path, folder: Path) -> Path:
+    """The machine as a file that will stand in ``folder``: with what is best of what was compared."""
     from stribeck.loops.compensation import contact_of
 
     scenario, chosen = found.loop.scenario, best(found)
@@ -62,9 +63,9 @@ def _machine(found: Design, folder: Path) -> Path:
         scenario = with_compensation(scenario, found.controller, contact, chosen.kind, chosen.share)
     if found.tuned is not None:
         scenario = scenario.with_changes(found.tuned.gains)
-    path = folder / "machine.toml"
+    path = place / "machine.toml"
     head = "# Written by 'stribeck design': the machine with the compensation and the gains that were best.\n"
-    write_text(path, head + tomli_w.dumps(scenario.data))
+    write_text(path, head + tomli_w.dumps(moved(scenario.data, scenario.folder, folder)))
     return path
 
 

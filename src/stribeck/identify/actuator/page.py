@@ -13,6 +13,7 @@ from stribeck.identify.actuator.intervals import THRESHOLD
 from stribeck.identify.actuator.result import LogResult, MachineFit, Parameter
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.report.plots import figure, finish, legend, line, style, thin
+from stribeck.scenario.moved import moved
 from stribeck.version import __version__
 
 _ZOOM = 0.15  # of a recording: the part shown larger
@@ -20,23 +21,17 @@ _PROFILES = 12
 _HIGHEST = 12.0  # of a profile, as far as it is drawn
 
 
-def write(fit: MachineFit, folder: Path, command: str, title: str) -> list[str]:
-    """Write what was found into a folder; the paths."""
+def write(fit: MachineFit, folder: Path, command: str, title: str, origin: Path = Path()) -> list[str]:
+    """Write what was found into a folder; the paths. ``origin`` is the folder of the machine's file."""
     folder.mkdir(parents=True, exist_ok=True)
     page, parameters, machine = (folder / name for name in ("report.html", "parameters.toml", "machine.toml"))
     write_text(page, report(fit, command, title))
     write_text(parameters, toml(fit, command))
     written = [str(page), str(parameters)]
     if fit.status == "done":
-        write_text(machine, f"# Found by: {command}\n" + tomli_w.dumps(_clean(fit.data)))
+        write_text(machine, f"# Found by: {command}\n" + tomli_w.dumps(moved(fit.data, origin, folder)))
         written.append(str(machine))
     return written
-
-
-def _clean(data: Any) -> Any:
-    if isinstance(data, dict):
-        return {k: _clean(x) for k, x in data.items() if x is not None}
-    return [_clean(x) for x in data] if isinstance(data, list) else data
 
 
 def toml(fit: MachineFit, command: str) -> str:
@@ -44,8 +39,8 @@ def toml(fit: MachineFit, command: str) -> str:
     told = {"version": __version__, "command": command, "status": fit.status}
     if fit.reason:
         told["reason"] = fit.reason
-    rows = {name: _clean(finite(p.to_json())) for name, p in fit.parameters.items()}
-    rows = {name: {k: x for k, x in row.items() if x != ""} for name, row in rows.items()}
+    rows = {name: finite(p.to_json()) for name, p in fit.parameters.items()}
+    rows = {name: {k: x for k, x in row.items() if x is not None and x != ""} for name, row in rows.items()}
     return tomli_w.dumps({**told, "parameters": rows})
 
 

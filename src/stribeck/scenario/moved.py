@@ -1,0 +1,30 @@
+"""A scenario's tables for a file in another folder: what they name by relative paths is still found from there."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+from stribeck.scenario.trust import in_a_file
+
+
+def moved(data: Any, folder: Path, to: Path) -> Any:
+    """The tables with every relative path (a parameter set, a recorded signal, a law in a file) seen from ``to`` instead
+    of ``folder``; what is None is left out, for TOML has no such value."""
+    if isinstance(data, dict):
+        return {k: _seen(k, x, folder, to) for k, x in data.items() if x is not None}
+    return [moved(x, folder, to) for x in data] if isinstance(data, list | tuple) else data
+
+
+def _seen(key: str, value: Any, folder: Path, to: Path) -> Any:
+    if not isinstance(value, str):
+        return moved(value, folder, to)
+    path, colon, name = value.rpartition(":") if key in ("name", "kind") and in_a_file(value) else (value, "", "")
+    if not (colon or (key == "parameters" and value.endswith(".toml")) or key == "path") or Path(path).is_absolute():
+        return value
+    try:
+        path = os.path.relpath((folder / path).absolute(), to.absolute())
+    except ValueError:  # on another drive of Windows
+        path = str((folder / path).absolute())
+    return f"{Path(path).as_posix()}{colon}{name}"
