@@ -8,8 +8,8 @@ from typing import Any
 from stribeck.cli import show
 from stribeck.cli.text import say
 from stribeck.loops import Design, design
-from stribeck.report.chapters import digits as number
 from stribeck.report.design import sentence
+from stribeck.report.quantities import human
 
 _KINDS = {
     "none": "none", "reference": "feedforward of the steady curve at the signal's speed",
@@ -53,12 +53,12 @@ def _print(found: Design) -> None:
     unit = "rad" if machine.body[each.measures].rotary else "m"
     for name, row in found.errors.items():
         told = [
-            f"{key} {number(x)} {'s' if key == 'settling' else unit}"
+            f"{key} {human(x, 's' if key == 'settling' else unit)}"
             for key, x in row.items() if x is not None and key in ("peak", "rms", "reversal", "standstill", "settling")
         ]  # fmt: skip
         if row.get("settling", 0.0) is None:
             told.append(
-                f"does not settle within {number(row.get('tolerance') or 0.0)} {unit}"
+                f"does not settle within {human(row.get('tolerance') or 0.0, unit)}"
                 if "tolerance" in row
                 else "does not settle"
             )
@@ -77,8 +77,8 @@ def _print(found: Design) -> None:
         gains = ", ".join(f"{path} = {x:g}" for path, x in found.tuned.gains.items())
         t = found.tuned
         say(
-            f"gains: {gains}: worst error after a reversal {number(t.worst_error)} {unit} instead of "
-            f"{number(t.error_before)} ({t.quiet} of {t.tried} tried were quiet)", 4, "  ",
+            f"gains: {gains}: worst error after a reversal {human(t.worst_error, unit)} instead of "
+            f"{human(t.error_before, unit)} ({t.quiet} of {t.tried} tried were quiet)", 4, "  ",
         )  # fmt: skip
     if j.note and found.verdict != "failed":
         say(f"note: {j.note}", 4, "  ")
@@ -95,6 +95,6 @@ def _print_compensations(found: Design, unit: str) -> None:
         )
         quiet = ("quiet" if c.largest_quiet_share is not None else "not quiet") if c.kind == "none" else share
         say(
-            f"{_KINDS[c.kind]}: {quiet}; error after a reversal {number(c.reversal_error)} {unit} at share {c.share:.2f}, "
-            f"at worst {number(c.worst_error)}", 6, "    ",
+            f"{_KINDS[c.kind]}: {quiet}; error after a reversal {human(c.reversal_error, unit)} at share {c.share:.2f}, "
+            f"at worst {human(c.worst_error, unit)}", 6, "    ",
         )  # fmt: skip

@@ -6,7 +6,6 @@ import contextlib
 import ctypes
 import importlib.util
 import os
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Sequence
@@ -17,7 +16,7 @@ from typing import Any
 
 from stribeck.errors import BuildError, MissingExtra
 from stribeck.files import write_with
-from stribeck.simulation import cache
+from stribeck.simulation import cache, compiler
 from stribeck.simulation.native import Run
 
 _FLAGS = (
@@ -35,12 +34,12 @@ def modules(sources: Sequence[str], progress: Callable[[float], None] | None = N
         MissingExtra: ziglang is not installed.
         BuildError: the compiler failed.
     """
-    compiler = _compiler()
+    identity = _compiler()
     done = 0
 
     def one(source: str) -> bytes:
         nonlocal done
-        module = _module(source, compiler)
+        module = _module(source, identity)
         done += 1
         if progress is not None:
             progress(done / len(sources))
@@ -80,8 +79,8 @@ def _compiler() -> str:
     return f"ziglang {version('ziglang')}"
 
 
-def _module(source: str, compiler: str) -> bytes:
-    key = sha256("\0".join((compiler, *_FLAGS, source)).encode()).hexdigest()[:32]
+def _module(source: str, identity: str) -> bytes:
+    key = sha256("\0".join((identity, *_FLAGS, source)).encode()).hexdigest()[:32]
     home = cache.folder()
     closed = cache.distrusted(home) is None
     kept = home / f"{key}.wasm"
@@ -107,15 +106,7 @@ def _build(source: str) -> bytes:
         code, built = Path(work) / "system.c", Path(work) / "system.wasm"
         code.write_text(source, encoding="utf-8")
         command = [sys.executable, "-m", "ziglang", "cc", *_FLAGS, "-o", str(built), str(code)]
-        try:
-            result = subprocess.run(
-                command, capture_output=True, text=True, timeout=_TIME_LIMIT, check=False, errors="replace",
-                stdin=subprocess.DEVNULL,
-            )  # fmt: skip
-        except subprocess.TimeoutExpired:
-            raise BuildError(f"zig cc did not finish within {_TIME_LIMIT} s") from None
-        except OSError as error:
-            raise BuildError(f"zig cc cannot be run: {error.strerror}") from None
+        result = compiler.called(command, "zig cc", _TIME_LIMIT)
         content = built.read_bytes() if built.is_file() else b""
         if result.returncode or not content.startswith(_MAGIC):
             lines = [line.strip() for line in result.stderr.splitlines() if "error" in line.lower()]

@@ -12,6 +12,7 @@ from stribeck.laws.terms import S_0, m
 from stribeck.paper.common import STEEPNESSES, Done
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.report.quantities import prefixed
 
 
 def chapter(done: Done) -> Chapter:
@@ -24,7 +25,7 @@ def chapter(done: Done) -> Chapter:
         "The paper's smooth versions of |v| (a) and of sgn v (b). Good approximations need a large k_v; v S_0(v) lies "
         "below |v| everywhere, which is what leaves z without a bound in the first smooth law.",
         v, steep, labels, "exact: |v|, sgn v",
-        Panel("v S_0(v) (m/s)", "(a) m(v) = v S_0(v)", abs, lambda p, v: v * S_0(p, v)),
+        Panel("v S_0(v)", "(a) m(v) = v S_0(v)", abs, lambda p, v: v * S_0(p, v), is_speed=True),
         Panel("S_0(v)", "(b) S_0(v)", np.sign, S_0),
     )  # fmt: skip
     three = _beside(
@@ -33,7 +34,7 @@ def chapter(done: Done) -> Chapter:
         "loses its stiffness there. The majorant law keeps the factor 1 and lifts |v| instead (right).",
         v, steep, labels, "exact: 1, |v|",
         Panel("S_1(v)", "S_1(v) = S_0(v)^2", np.ones_like, lambda p, v: S_0(p, v) ** 2),
-        Panel("m(v) (m/s)", "for comparison: this project's majorant of |v|", abs, m),
+        Panel("m(v)", "for comparison: this project's majorant of |v|", abs, m, is_speed=True),
     )  # fmt: skip
     off = {labels[k]: [float(1 - S_0(p, x) ** 2) for x in (1e-6, 1e-4)] for k, p in steep.items()}
     rows = [[label, *(f"{x:.2e}" for x in values)] for label, values in off.items()]
@@ -51,18 +52,22 @@ class Panel(NamedTuple):
     title: str
     exact: Callable[[Any], Any]
     smooth: Callable[[Any, Any], Any]
+    is_speed: bool = False
 
 
 def _beside(
     name: str, caption: str, v: Any, steep: dict[float, Any], labels: dict[float, str], exact: str, *panels: Panel
 ) -> FigureSvg:
     """Two panels, each with the exact function and the smooth one for every steepness."""
+    factor, unit = prefixed("m/s", float(v.max()))
     with plots.style():
         made, axes = plots.figure([["left", "right"]], 3.1)
         for axis, panel in zip((axes["left"], axes["right"]), panels, strict=True):
-            plots.line(axis, 0, v, panel.exact(v), exact)
+            tall = factor if panel.is_speed else 1.0
+            plots.line(axis, 0, v / factor, panel.exact(v) / tall, exact)
             for i, (k_v, p) in enumerate(steep.items(), start=1):
-                plots.line(axis, i, v, panel.smooth(p, v), labels[k_v])
-            axis.set(xlabel="v (m/s)", ylabel=panel.name, title=panel.title)
+                plots.line(axis, i, v / factor, panel.smooth(p, v) / tall, labels[k_v])
+            name = f"{panel.name} ({unit})" if panel.is_speed else panel.name
+            axis.set(xlabel=f"v ({unit})", ylabel=name, title=panel.title)
         plots.legend(made, axes["left"])
         return plots.finish(made, name, caption)

@@ -8,6 +8,7 @@ from stribeck.laws import law
 from stribeck.paper.common import PAPER, PROPOSED, REFERENCE, Done
 from stribeck.report import plots
 from stribeck.report.page import Chapter, Table
+from stribeck.report.quantities import prefixed
 
 
 def chapter(done: Done) -> Chapter:
@@ -16,12 +17,13 @@ def chapter(done: Done) -> Chapter:
     v_s = laws[REFERENCE].machine["v_s"]
     half = np.concatenate([np.geomspace(1e-9, 1e-5, 100), np.linspace(1e-5, 5 * v_s, 300)])
     v = np.concatenate([-half[::-1], half])
+    factor, unit = prefixed("m/s", float(v.max()))
     with plots.style():
         made, axes = plots.figure([["F", "near"]], 3.1)
         for i, (label, each) in enumerate(laws.items()):
-            plots.line(axes["F"], i, v, each.steady_force(v), label)
+            plots.line(axes["F"], i, v / factor, each.steady_force(v), label)
             plots.line(axes["near"], i, half, each.steady_force(half), label)
-        axes["F"].set(xlabel="v (m/s)", ylabel="F (N)", title="(a) static relationship")
+        axes["F"].set(xlabel=f"v ({unit})", ylabel="F (N)", title="(a) static relationship")
         axes["near"].set(xlabel="v (m/s)", ylabel="F (N)", xscale="log", title="(b) near rest")
         plots.legend(made, axes["F"])
         figure = plots.finish(

@@ -154,10 +154,6 @@ class Model:
     def _positive(self, node: Expr) -> Expr:
         return positive(node, self.values)
 
-    def sided(self, expr: Expr, side: int) -> Expr:
-        """The expression with v = side u, u > 0."""
-        return rewrite(substitute([expr], {V: U if side > 0 else -U}), self._positive)[0]
-
 
 def _sided(x: Expr, side: int) -> Expr:
     return REST if side == 0 else x if side > 0 else -x

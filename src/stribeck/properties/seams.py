@@ -9,7 +9,7 @@ from fractions import Fraction
 from stribeck.expressions.graph import Expr, derivative, ordered, rewrite, substitute, wrap
 from stribeck.properties.certificate import Claim
 from stribeck.properties.claims import NULL, Claims
-from stribeck.properties.model import REST, SIGNS, Model, U, W, depends, rational_of
+from stribeck.properties.model import REST, SIGNS, Model, U, W, depends
 
 EVERYWHERE: dict[str, tuple[Fraction, Fraction | None]] = {"u": (NULL, None), "w": (NULL, None)}
 
@@ -111,15 +111,3 @@ class Joints:
 
 def _present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
     return {n: r for n, r in EVERYWHERE.items() if depends(expr, {"u": U, "w": W}[n])}
-
-
-def constant_of(model: Model, expr: Expr) -> Fraction | None:
-    """The rational number that an expression of the constants is."""
-    from stribeck.properties.prover.leaf import Leaf, Rules
-    from stribeck.properties.prover.region import Region
-    from stribeck.properties.prover.ring import Unclear
-
-    try:
-        return rational_of(Leaf(model.ring, Region((), ()), Rules(opaque=True), model.inputs).convert(expr))
-    except Unclear:
-        return None

@@ -17,6 +17,7 @@ from stribeck.loops.compensation import Compensation, with_compensation
 from stribeck.report import chapters, plots
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.report.quantities import human
 from stribeck.scenario.moved import moved
 
 _MEANING = {
@@ -173,6 +174,11 @@ def sentence(found: Design) -> str:
     j = found.judgement
     text = f"{found.verdict}: it {_MEANING[found.verdict]}"
     if found.verdict == "hunting":
-        every = f" every {chapters.digits(j.period)} s" if j.period == j.period else ""
-        text += f", {j.body} by {chapters.digits(j.amplitude)}{every}"
+        every = f" every {human(j.period, 's')}" if j.period == j.period else ""
+        text += f", {j.body} by {human(j.amplitude, _unit(found, j.body))}{every}"
     return text
+
+
+def _unit(found: Design, body: str) -> str:
+    rig = found.loop.scenario.rig
+    return "rad" if rig is not None and rig.machine.body[body].rotary else "m"

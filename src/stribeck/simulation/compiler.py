@@ -50,20 +50,29 @@ class Compiler:
         complaint = ""
         for target in (("-march=native",), ()):  # not every compiler knows its own machine
             command = [*self.command, *_FLAGS, *self.options, *target, "-o", str(library), str(source), "-lm"]
-            try:
-                result = subprocess.run(
-                    command, capture_output=True, text=True, timeout=_TIME_LIMIT, check=False, errors="replace",
-                    stdin=subprocess.DEVNULL,
-                )  # fmt: skip
-            except subprocess.TimeoutExpired:
-                raise BuildError(f"{self.command[0]} did not finish within {_TIME_LIMIT} s") from None
-            except OSError as error:
-                raise BuildError(f"{self.command[0]} cannot be run: {error.strerror}") from None
+            result = called(command, self.command[0], _TIME_LIMIT)
             if result.returncode == 0 and library.is_file():
                 return
             silent = f"exit status {result.returncode}, no message" if result.returncode else "it wrote no library"
             complaint = complaint or _first_complaint(result.stderr) or silent
         raise BuildError(f"{Path(self.command[0]).name} failed: {complaint}")
+
+
+def called(command: list[str], name: str, limit: float) -> subprocess.CompletedProcess[str]:
+    """What a compiler's command ended with; ``name`` is what messages call it, ``limit`` how long it may take, s.
+
+    Raises:
+        BuildError: it did not end in time, or cannot be run.
+    """
+    try:
+        return subprocess.run(
+            command, capture_output=True, text=True, timeout=limit, check=False, errors="replace",
+            stdin=subprocess.DEVNULL,
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        raise BuildError(f"{name} did not finish within {limit:g} s") from None
+    except OSError as error:
+        raise BuildError(f"{name} cannot be run: {error.strerror}") from None
 
 
 def find() -> Compiler | None:

@@ -15,7 +15,7 @@ from stribeck.identify.actuator import checks, choice, judge, transfer
 from stribeck.identify.actuator.coordinates import Coordinate, coordinates
 from stribeck.identify.actuator.estimate import Estimate, beyond_noise, estimate, traces
 from stribeck.identify.actuator.kept import Kept
-from stribeck.identify.actuator.recordings import Logs, Recording, read_logs
+from stribeck.identify.actuator.recordings import Logs, read_logs
 from stribeck.identify.actuator.result import LogResult, MachineFit
 from stribeck.identify.actuator.runs import made
 from stribeck.identify.work import Stopped, Work
@@ -203,8 +203,3 @@ def filled(scenario: Scenario, sought: Sequence[Coordinate], values: Mapping[str
         for path, scale in c.targets.items()
     }  # fmt: skip
     return changed(scenario.data, changes, scenario.folder)
-
-
-def recordings_of(logs: Logs) -> list[tuple[int, Recording]]:
-    """The recordings with their numbers."""
-    return list(enumerate(logs.recordings))

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any
 
 from flint import fmpq
 from flint.utils.flint_exceptions import DomainError
@@ -73,7 +72,6 @@ class Leaf:
         self.ring = Ring([*variables, *shares])
         self.values: dict[Node, Quotient] = {}
         self._open: set[Node] = set()
-        self._resolved: dict[int, list[Any]] = {}
         made: dict[str, Quotient] = {}
         for i, (name, (lo, hi)) in enumerate(axes):
             assert lo is not None
