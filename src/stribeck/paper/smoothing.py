@@ -67,7 +67,7 @@ def _beside(
             plots.line(axis, 0, v / factor, panel.exact(v) / tall, exact)
             for i, (k_v, p) in enumerate(steep.items(), start=1):
                 plots.line(axis, i, v / factor, panel.smooth(p, v) / tall, labels[k_v])
-            name = f"{panel.name} ({unit})" if panel.is_speed else panel.name
-            axis.set(xlabel=f"v ({unit})", ylabel=name, title=panel.title)
+            label = f"{panel.name} ({unit})" if panel.is_speed else panel.name
+            axis.set(xlabel=f"v ({unit})", ylabel=label, title=panel.title)
         plots.legend(made, axes["left"])
         return plots.finish(made, name, caption)
