@@ -105,10 +105,9 @@ def _compute(progress: Callable[[float, str], None] | None) -> dict[str, Chapter
                         len(done) / len(CHAPTERS), f"{len(done)} of {len(CHAPTERS)} chapters, {futures[future]} done"
                     )
         except BaseException:  # Ctrl-C too: a chapter takes up to a minute, and nobody waits for it any more
-            pool.shutdown(wait=False, cancel_futures=True)
             for child in set(active_children()) - others:
                 child.kill()
-            raise
+            raise  # out of the pool, which waits for its thread: left running it could trip over the interpreter's end
     for name in _READS_OTHERS:
         done[name] = _chapter(name, done)
     return {name: done[name] for name in CHAPTERS}
