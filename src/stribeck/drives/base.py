@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import ClassVar
 
 from stribeck.constants import Constant, rotary_unit, rotary_words
 from stribeck.expressions.ops import Value
@@ -37,16 +38,16 @@ class Drive:
     sets_velocity: ClassVar[bool] = False
 
     @staticmethod
-    def force(p: Any, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
+    def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
         """The force on the body, N."""
         raise NotImplementedError
 
     @staticmethod
-    def rates(p: Any, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> tuple[Value, ...]:
+    def rates(p: SimpleNamespace, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> tuple[Value, ...]:
         """The time derivatives of the drive's own states."""
         return ()
 
     @staticmethod
-    def state_scales(p: Any, length: float, force: float) -> tuple[float, ...]:
+    def state_scales(p: SimpleNamespace, length: float, force: float) -> tuple[float, ...]:
         """Natural magnitudes of the drive's own states, for the default tolerances."""
         return ()

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value
@@ -17,11 +18,16 @@ class Mass:
     }
 
     @staticmethod
-    def acceleration(p: Any, u: Value, F: Value) -> Value:
-        """dv/dt in m/s^2 under the drive's force u and the friction force F, N."""
-        return (u - F) / p.mass
+    def net_force(u: Value, F: Value) -> Value:
+        """What accelerates the body, N: the drive's force u less the friction force F."""
+        return u - F
 
     @staticmethod
-    def kinetic_energy(p: Any, v: Value) -> Value:
+    def acceleration(p: SimpleNamespace, u: Value, F: Value) -> Value:
+        """dv/dt in m/s^2 under the drive's force u and the friction force F, N."""
+        return Mass.net_force(u, F) / p.mass
+
+    @staticmethod
+    def kinetic_energy(p: SimpleNamespace, v: Value) -> Value:
         """Kinetic energy, J."""
         return p.mass * v**2 / 2
