@@ -96,6 +96,7 @@ def test_doctor_passes_its_self_test(stribeck):
     assert "self-test  passed" in stribeck("doctor").out
 
 
+@pytest.mark.pictures
 def test_paper_leaves_a_self_contained_page(stribeck, tmp_path):
     result = stribeck("paper", "--out", tmp_path / "report", "--json")
     data = json.loads(result.out)
