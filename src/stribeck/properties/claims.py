@@ -9,15 +9,15 @@ from typing import Any
 from stribeck.expressions.graph import Expr, derivative, substitute, symbol
 from stribeck.properties.certificate import Claim
 from stribeck.properties.model import SIGNS, Model, U, W, Z
-from stribeck.properties.prover.region import End
+from stribeck.properties.prover.region import End, ExactRange
 from stribeck.properties.prover.search import Work
 
-Ranges = Mapping[str, tuple[Fraction, End]]
+Ranges = Mapping[str, ExactRange]
 NULL = Fraction(0)
 _NUMBER = "k."  # prefix of numbers that a claim brings along
 
 
-class Claims:
+class ClaimProver:
     """Builds the expressions of claims and proves them."""
 
     def __init__(self, model: Model, work: Work) -> None:
@@ -125,7 +125,7 @@ class Claims:
         tree = self._shown(a - b, "=0", kept)
         if tree is None:
             return None
-        return Claim("seam", "=0", *sides, kept, tree, {**extra, "a": a, "b": b})
+        return Claim("switching", "=0", *sides, kept, tree, {**extra, "a": a, "b": b})
 
     def divisor(self, sides: tuple[int, int], expr: Expr, relation: str, ranges: Ranges) -> Claim | None:
         """An expression that must not be 0, on closed ranges."""
