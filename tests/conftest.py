@@ -11,7 +11,9 @@ def _cache_folder(tmp_path_factory):
         yield
 
 
-BLANK = '<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="9pt" height="9pt" viewBox="0 0 9 9"></svg>\n'
+BLANK = (
+    '<?xml version="1.0"?>\n<svg xmlns="http://www.w3.org/2000/svg" width="9pt" height="9pt" viewBox="0 0 9 9"></svg>\n'
+)
 
 
 @pytest.fixture(autouse=True)
