@@ -25,7 +25,7 @@ from stribeck.properties.claims import NULL, Claims
 from stribeck.properties.model import SIGNS, Model, Unreadable
 from stribeck.properties.prover.search import Work
 from stribeck.properties.storage import own_speeds
-from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, proved, undecided
+from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
 from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
 
 _PROVED = (
@@ -157,7 +157,7 @@ class _Decided:
         assert verdict.certificate is not None
         verdict.certificate = {**verdict.certificate, "level": self.varied.exactly()}
         self.proofs[name] = law
-        return verdict
+        return accepted(verdict, law, name, self.v_max)
 
     def same(self, name: str) -> Verdict:
         """Unique, smooth, drift_free: what holds at the lowest level holds at all, for the laws of this package."""
