@@ -5,12 +5,12 @@ from html.parser import HTMLParser
 
 
 class Page(HTMLParser):
-    """A page as a reader sees it.
+    """A page as a reader sees it, or one of its sections.
 
     ``headings``: of its chapters, ``tables``: each a list of rows, ``pictures``: how many, ``text``: all that is read.
     """
 
-    def __init__(self, path):
+    def __init__(self, path, section=None):
         super().__init__()
         self.tables, self.headings, self.cell, self.inside, self.pictures, self.words = [], [], None, None, 0, []
         self.hidden = 0
@@ -18,7 +18,7 @@ class Page(HTMLParser):
         assert re.findall(r'(?:src|href)="(?!#)([^"]+)"|url\((?!#)([^)]+)\)|@import', source) == []  # it stands alone
         ids = re.findall(r'\bid="([^"]+)"', source)
         assert len(ids) == len(set(ids))
-        self.feed(source)
+        self.feed(source if section is None else re.search(rf'<section id="{section}">.*?</section>', source, re.S)[0])
 
     @property
     def text(self):

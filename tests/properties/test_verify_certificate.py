@@ -78,7 +78,7 @@ FALSE = {
     "a smaller Z": (by_hand.bounded, ("Z",), "1/100000"),
     "another relation": (by_hand.bounded, ("claims", 0, "relation"), "!=0"),
     "no relation": (by_hand.bounded, ("claims", 0, "relation"), ""),
-    "a slope that is too small": (by_hand.unique, ("claims", 1, "b"), "99999"),
+    "a slope that is too small": (by_hand.unique, ("claims", 1, "b"), "49999"),
     "a negative slope": (by_hand.unique, ("claims", 0, "a"), "-1"),
     "an atom's range that is too small": (by_hand.bounded, ("claims", 0, "tree", 1, 0, 2), "1/2"),
     "an atom's range that is too small above": (by_hand.bounded, ("claims", 0, "tree", 1, 0, 3), "1/2"),

@@ -111,7 +111,10 @@ def _moved_at(law: Law, speed: float) -> tuple[dict[str, Any], dict[str, Any]] |
         times += [times[-1] + fall, times[-1] + fall + rise]
     loads += [0.0, 0.0]
     times += [times[-1] + fall, times[-1] + fall + rise]
-    mass = stiffness * (fall / _STIFF) ** 2
+    with np.errstate(all="ignore"):
+        mass = float(stiffness * np.square(fall / _STIFF))
+    if not 0 < mass < np.inf:
+        return None
     drive = {"kind": "force", "signal": {"kind": "points", "t": times, "value": loads}}
     tables = replay.scenario_of(law, "drift_free", drive, times[-1], {"mass": mass})
     solution = replay.run(tables)

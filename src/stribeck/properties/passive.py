@@ -12,7 +12,7 @@ from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, wrap
 from stribeck.expressions.ops import where
-from stribeck.properties import cycles, enclosed, fitted, replay
+from stribeck.properties import cycles, damped, enclosed, fitted, replay
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.endless import steady_gain, without_limit
@@ -45,7 +45,11 @@ def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refut
     v_max = float(model.v_max) if model.v_max is not None else None
     reach = float(model.bound[1]) if bounded is not None else None
     storage = Storage(model.law, v_max, reach)
-    found = _proved(model, claims, storage, bounded) if storage.exists else None
+    small = damped.prove(model, claims)
+    if small is not None:
+        found: Verdict | None = proved(model, small, damped.METHOD, {"storage": _STORED, "z_within": None})
+    else:
+        found = _proved(model, claims, storage, bounded) if storage.exists else None
     if found is None or found.holds is None:
         within = Storage(model.law, v_max, None if refuted else float(model.bound[0]))
         no = _refuted(model, claims, within, refuted) if found is None or not within.exists or refuted else None

@@ -303,12 +303,16 @@ class Leaf:
                 sides = [ring.add(self(x.args[1]), self(x.args[0]), -1) for x in (a, b)]
             except Refused:
                 return all(self._same_value(x, y) for x, y in zip(a.args, b.args, strict=True))
-            return sides[0].same(sides[1])
+            return sides[0].same(sides[1]) or self._positive_multiple(*sides)
         if a.op in CONDITIONS:
             return all(self._equal(x, y) for x, y in zip(a.args, b.args, strict=True))
         if a.op in FUNCTIONS or a.op in ("sign", "abs", "where"):
             return all(self._same_value(x, y) for x, y in zip(a.args, b.args, strict=True))
         return False
+
+    def _positive_multiple(self, a: Quotient, b: Quotient) -> bool:
+        """Whether a is b times something > 0, such as u: then a < 0 and b < 0 are one condition."""
+        return bool(a.above != 0 and b.above != 0) and self.ring.sign(self.ring.div(a, b)) == (1, True)
 
     def _same_value(self, a: Node, b: Node) -> bool:
         """Whether two arguments are equal: as quotients, else as they are written."""
