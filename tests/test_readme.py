@@ -9,6 +9,7 @@ import pytest
 
 from stribeck.cli import _status
 
+pytestmark = pytest.mark.pictures
 README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
 
 

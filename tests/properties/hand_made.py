@@ -80,7 +80,7 @@ def smooth(rate: Any = ROOT) -> dict[str, Any]:
         claim("divisor", s, t, ">0", expression=["add", ["mul", "u", "u"], SMALL], **closed)
         for s, t in product((1, -1), (1, -1))
     ]
-    return certificate("smooth", "seams", claims, rate)
+    return certificate("smooth", "switching", claims, rate)
 
 
 RAMP = ["div", ["sub", ["abs", "z"], "1/200000"], "1/200000"]

@@ -10,16 +10,16 @@ from stribeck.expressions.graph import Expr, derivative, substitute, symbol
 from stribeck.expressions.ops import exp
 from stribeck.properties.certificate import Claim
 from stribeck.properties.model import SIGNS, Model, U, V, W, Z
-from stribeck.properties.prover.region import End
+from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.prover.search import Work
 
-Ranges = Mapping[str, tuple[Fraction, End]]
+Ranges = Mapping[str, ExactRange]
 NULL = Fraction(0)
 _NUMBER = "k."  # prefix of numbers that a claim brings along
 _QUADRANT: Ranges = {"u": (NULL, None), "w": (NULL, None)}
 
 
-class Claims:
+class ClaimProver:
     """Builds the expressions of claims and proves them."""
 
     def __init__(self, model: Model, work: Work) -> None:
@@ -46,7 +46,7 @@ class Claims:
 
     # -- one kind of claim each ------------------------------------------------------------------------------------
 
-    def inward(self, w: tuple[Fraction, End]) -> list[Claim] | None:
+    def inward(self, w: ExactRange) -> list[Claim] | None:
         """-sgn(z) dz/dt >= 0 for |z| in w and every v."""
         return every(
             self._claim("inward", ">=0", (s, t), {"u": (NULL, None), "w": w}, self.model.form(s, t) * -t)
@@ -54,9 +54,7 @@ class Claims:
             for t in SIGNS
         )
 
-    def power(
-        self, slope: Expr, u: tuple[Fraction, End], w: tuple[Fraction, End], z_sides: Iterable[int]
-    ) -> list[Claim] | None:
+    def power(self, slope: Expr, u: ExactRange, w: ExactRange, z_sides: Iterable[int]) -> list[Claim] | None:
         """F v - S' dz/dt >= 0; S' is an expression of z."""
         lost = self.model.power_force * V - slope * self.model.rate
         return every(
@@ -65,16 +63,14 @@ class Claims:
             for s in (0, *SIGNS)
         )
 
-    def rising(self, slope: Expr, w: tuple[Fraction, End]) -> list[Claim] | None:
+    def rising(self, slope: Expr, w: ExactRange) -> list[Claim] | None:
         """S' sgn z >= 0."""
         return every(
             self._claim("slope sign", ">=0", (0, t), {"w": w}, self.model.form_of(slope, 0, t) * t, slope=slope)
             for t in SIGNS
         )
 
-    def lipschitz(
-        self, sides: tuple[int, int], w: tuple[Fraction, End], growth: Mapping[str, Any], sign: int
-    ) -> Claim | None:
+    def lipschitz(self, sides: tuple[int, int], w: ExactRange, growth: Mapping[str, Any], sign: int) -> Claim | None:
         """sign d(dz/dt)/dw <= (a + b u^k)(1 + (w/l)^m)."""
         a, b, length = (self.number(growth[n]) for n in "abl")
         most = (a + b * U ** growth["k"]) * (1 + (W / length) ** growth["m"])
@@ -108,7 +104,7 @@ class Claims:
             a + b * u ** growth["k"] - self.model.form(v_side, 0) * sign, sign=sign, **extra,
         )  # fmt: skip
 
-    def elastic(self, w: tuple[Fraction, End]) -> list[Claim] | None:
+    def elastic(self, w: ExactRange) -> list[Claim] | None:
         """dz/dt = v."""
         return every(
             self._claim(
@@ -153,7 +149,7 @@ class Claims:
         tree = self._shown(a - b, "=0", kept)
         if tree is None:
             return None
-        return Claim("seam", "=0", *sides, kept, tree, {**extra, "a": a, "b": b})
+        return Claim("switching", "=0", *sides, kept, tree, {**extra, "a": a, "b": b})
 
     def divisor(self, sides: tuple[int, int], expr: Expr, relation: str, ranges: Ranges) -> Claim | None:
         """An expression that must not be 0, on closed ranges."""

@@ -9,7 +9,7 @@ from typing import Any
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
 from stribeck.properties.certificate import Certificate
-from stribeck.properties.claims import Claims, every
+from stribeck.properties.claims import ClaimProver, every
 from stribeck.properties.model import SIGNS, Model
 
 METHOD = (
@@ -42,7 +42,7 @@ def suffices(law: Law | None) -> bool:
     return small_enough(sigma_1, v_d, excess(law), min(newtons))
 
 
-def prove(model: Model, claims: Claims) -> Certificate | None:
+def prove(model: Model, claims: ClaimProver) -> Certificate | None:
     """The certificate; None where the condition does not hold, or the law is of another form."""
     if not suffices(model.law):
         return None

@@ -12,7 +12,7 @@ from stribeck.expressions.graph import wrap
 from stribeck.laws.base import Law
 from stribeck.properties import replay
 from stribeck.properties.certificate import Certificate
-from stribeck.properties.claims import NULL, Claims
+from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
 from stribeck.properties.prover.search import Work
 from stribeck.properties.storage import own_speeds
@@ -28,7 +28,7 @@ _VISIBLE = 0.01  # of the elastic displacement: enough to show
 _NOISE = 1e-6  # of the elastic displacement: a smaller one would be rounding
 
 
-def decide(model: Model, claims: Claims) -> Verdict:
+def decide(model: Model, claims: ClaimProver) -> Verdict:
     """dz/dt = v for |z| <= z_0; or a load that moves the body for good."""
     law = model.law
     for z_0 in _candidates(law):

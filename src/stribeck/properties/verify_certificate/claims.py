@@ -1,4 +1,4 @@
-"""Elementary claims of a certificate: what each is about, the trees that prove them, and seams."""
+"""Elementary claims of a certificate: what each is about, the trees that prove them, and switching surfaces."""
 
 from __future__ import annotations
 

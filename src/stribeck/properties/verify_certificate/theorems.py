@@ -30,7 +30,7 @@ from stribeck.properties.verify_certificate.expressions import (
 from stribeck.properties.verify_certificate.identities import Normal
 from stribeck.properties.verify_certificate.intervals import Range
 from stribeck.properties.verify_certificate.leaf import Leaf, Region
-from stribeck.properties.verify_certificate.meeting import Form, Place, agree_on_axis, depends, meets
+from stribeck.properties.verify_certificate.meeting import Cases, Place, agree_on_axis, depends, meets
 
 FORMAT = 1
 UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, IndexError, RecursionError)
@@ -192,7 +192,7 @@ def _continuous_in_z(case: Case, reach: Range) -> None:
     for s in SIGNS:
         forms = []
         for t in (1, -1):
-            form = Form(case.law.rate(s, t))
+            form = Cases(case.law.rate(s, t))
             domain = {n: r for n, r in (("u", ENDLESS), ("w", reach)) if n == "w" or s != 0}
             meets(form, [W], list(_places(case, s, t)), [x for x, _ in _divisors(case, False)], domain)
             forms.append((form, t))
@@ -201,7 +201,7 @@ def _continuous_in_z(case: Case, reach: Range) -> None:
 
 def _places(case: Case, s: int, t: int) -> Iterator[Place]:
     for c in case.claims:
-        if c.about == "seam" and (c.s, c.t) == (s, t):
+        if c.about in ("switching", "seam") and (c.s, c.t) == (s, t):
             for what, to in c.data.get("there", []):
                 yield Place(*(read(x, {"u": U, "w": W, "pi": PI}) for x in (what, to)))
 
@@ -230,14 +230,14 @@ def smooth(case: Case) -> None:
         forms = {}
         for s in (1, -1):
             for t in (1, -1):
-                form = forms[s, t] = Form(build(s, t), order=1)
+                form = forms[s, t] = Cases(build(s, t), order=1)
                 _singular_nowhere(form.value, shown)
                 meets(form, [U, W], list(_places(case, s, t)), not_zero, quadrant)
         for s in (1, -1):
             agree_on_axis([(forms[s, 1], 1), (forms[s, -1], -1)], W, build(s, 0))
         for t in (1, -1):
             agree_on_axis([(forms[1, t], 1), (forms[-1, t], -1)], U, build(0, t))
-        agree_on_axis([(Form(build(0, t)), t) for t in (1, -1)], W, build(0, 0))
+        agree_on_axis([(Cases(build(0, t)), t) for t in (1, -1)], W, build(0, 0))
 
 
 def _singular_nowhere(top: Node, shown: list[tuple[Node, bool]]) -> None:
@@ -381,7 +381,8 @@ THEOREMS: dict[tuple[str, str], Callable[[Case], None]] = {
     ("bounded", "outside"): outside,
     ("bounded", "edge"): edge,
     ("unique", "lipschitz"): lipschitz,
-    ("smooth", "seams"): smooth,
+    ("smooth", "switching"): smooth,
+    ("smooth", "seams"): smooth,  # its name in certificates of earlier versions
     ("passive", "storage"): storage,
     ("passive", "damped"): damped,
     ("drift_free", "elastic"): elastic,
