@@ -15,7 +15,9 @@ IDS = ["_".join((law.name, *form.words)) for law, form in VARIANTS]
 
 def systems(law, form, energy=(False, True)):
     """The systems of a law: under each drive, with both sorts of signal, without and with energy."""
-    return [System(law, form, drive, signal, on) for drive, signal, on in product(KINDS.values(), (None, Sine), energy)]
+    return [
+        System(law, form, drive(), signal, on) for drive, signal, on in product(KINDS.values(), (None, Sine), energy)
+    ]
 
 
 def one_signal_each(law, form):
