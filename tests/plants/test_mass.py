@@ -13,12 +13,12 @@ P = SimpleNamespace(mass=2.5)
 
 def test_the_drive_less_the_friction_accelerates_the_body():
     assert Mass.acceleration(P, 7.0, 2.0) == pytest.approx(2.0, rel=1e-15)
-    assert Mass.kinetic_energy(P, 4.0) == pytest.approx(20.0, rel=1e-15)
+    assert Mass.stored_energy(P, 0.0, 4.0, ()) == pytest.approx(20.0, rel=1e-15)
 
 
 def test_the_power_of_the_net_force_is_what_the_kinetic_energy_gains():
     v, u, F = symbol("v"), symbol("u"), symbol("F")
-    gained = derivative(wrap(Mass.kinetic_energy(SimpleNamespace(mass=symbol("m")), v)), v)
+    gained = derivative(wrap(Mass.stored_energy(SimpleNamespace(mass=symbol("m")), symbol("y"), v, ())), v)
     rate = gained * Mass.acceleration(SimpleNamespace(mass=symbol("m")), u, F)
     from stribeck.expressions.emit import python_function
 

@@ -105,7 +105,7 @@ def test_small_damping_is_confirmed_up_to_its_threshold(name):
         value = Fraction(other["data"][number])
         other["data"][number] = str(value * Fraction(factor) if value else Fraction(1, 10**6))
         assert verify(other) != [], number
-    for i in range(len(verdict.certificate["claims"])):
+    for i in random.Random(2).sample(range(len(verdict.certificate["claims"])), 5):
         less = copy.deepcopy(verdict.certificate)
         del less["claims"][i]
         assert verify(less) != [], i

@@ -63,11 +63,12 @@ class Leaf:
         axes = list(region.axes.items())
         variables = [Variable(unit=hi is not None, strict=region.open and lo == 0) for _, (lo, hi) in axes]
         self.atoms: list[Atom] = []
+        seen: dict[int, Node] = {}
         for i, atom in enumerate(atoms):
             if not isinstance(atom, list) or len(atom) < 2:
                 raise Refused(f"no atom: {str(atom)[:80]}")
             expression, rule, *rest = atom
-            self.atoms.append(Atom(read(expression, self.names), str(rule), rest, len(axes) + i))
+            self.atoms.append(Atom(read(expression, self.names, seen), str(rule), rest, len(axes) + i))
         shares = [Variable(unit=atom.rule not in ENDLESS_RULES, strict=False) for atom in self.atoms]
         self.ring = Ring([*variables, *shares])
         self.values: dict[Node, Quotient] = {}

@@ -33,6 +33,7 @@ from stribeck.properties.verify_certificate.leaf import Leaf, Region
 from stribeck.properties.verify_certificate.meeting import Cases, Place, agree_on_axis, depends, meets
 
 FORMAT = 1
+UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, IndexError, RecursionError)
 SIGNS = (1, -1, 0)
 ENDLESS: Range = (fmpq(0), None)
 _DEEPEST = 4  # certificates within certificates
@@ -103,7 +104,7 @@ def confirm(data: Any, depth: int = 0) -> Case:
         if theorem is None:
             raise Refused(f"no theorem {data.get('theorem')!r} for {data.get('property')!r}")
         theorem(case)
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError, RecursionError) as error:
+    except UNREADABLE as error:
         raise Refused(f"the certificate cannot be read: {type(error).__name__}: {error}") from None
     return case
 
