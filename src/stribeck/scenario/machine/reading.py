@@ -11,10 +11,10 @@ from stribeck.constants import show
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
+from stribeck.laws.own import find_class
 from stribeck.machine import controllers
 from stribeck.machine.element import Element
 from stribeck.machine.links import Link
-from stribeck.machine.own import find_element
 from stribeck.machine.parts import (
     SignalUse,
 )  # fmt: skip
@@ -127,7 +127,7 @@ class Reading:
             if not self.executes:
                 return None
             try:
-                return find_element(kind, self.folder, base)
+                return find_class(kind, self.folder, base)
             except InputError as error:
                 self.problems += [(f"{path}.kind", text) for text in error.problems]
                 return None
