@@ -89,7 +89,7 @@ def derive() -> QuadraticForm:
     e, s = Cascade.errors(c, path, y, v)
     found = observe(Linear, p, c.K, v, s, {"z_hat": z_hat})
     dz_dt = Linear.dz_dt(p, v, z)
-    acceleration = Cylinder.acceleration(m, p_1, p_2, Linear.friction(p, v, z, dz_dt))
+    acceleration = Cylinder.acceleration(m, 0.0, Linear.friction(p, v, z, dz_dt), (p_1, p_2))
     p_d = Cascade.desired_pressure(c, m, path, v, s, found.F)
     motion = {y: v, v: acceleration, z: dz_dt, z_hat: found.rates["z_hat"], **dict(pairwise(path))}
 
