@@ -172,6 +172,7 @@ def fit_motion(
             )
             problem, optimum = followed.problem, followed.optimum
             expected = float(np.hypot(noise, problem.input_noise(optimum.point, force_noise)))
+            farther = followed.farther
         else:
             # a start in the right place comes from the other way round, which costs a tenth
             work.section(0.4)
@@ -179,12 +180,12 @@ def fit_motion(
             work.section(0.7)
             problem = RigProblem(inverse, drive, output)
             optimum = multistart(problem, starting_points(problem, there, low, high, starts, seed), work)
-            expected = noise
+            expected, farther = noise, 0.0
         if problem.misfit(optimum.point) is None:
             raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
         work.section(1.0)
         alone = optimum.agreeing < 2 and not optimum.exhausted
-        judged = judged_of(problem, optimum, log, profiles, Noise(noise, expected, _MISSED, alone), work)
+        judged = judged_of(problem, optimum, log, profiles, Noise(noise, expected, _MISSED, alone, farther), work)
         values = {**inverse.values(first), **problem.values(judged.point)}
         found = fit_of(inverse, inverse.point(values), judged, optimum, log, work)
         work.done(1.0)
