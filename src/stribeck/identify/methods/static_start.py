@@ -19,6 +19,7 @@ from stribeck.laws.base import Law
 
 _STEEP = 10.0  # over the Stribeck velocity: a sign that is steep beside it, whatever the unit of the speed
 _SHARP = 1e9  # s/m
+_SHARPEST = 1e6  # over the largest speed: for motion of micrometres per second
 _DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
 
 
@@ -65,7 +66,7 @@ def model(
     free = _with_steepness(law, given, free, body, held_terms, notes)
     wanted = free_constants(law, given, {}, free)
     if "k_v" in given and "k_v" not in fixed:  # a default: the force changes sign at once then, as in the literature
-        given["k_v"] = _SHARP
+        given["k_v"] = max(_SHARP, _SHARPEST / float(np.max(abs(rows.log.velocity))))
     sizes = scales(thinned(rows.log), mass or 0.0)
     sliding = Sliding(law, given, _typical(law, sizes, given))
     own = law.own_constants()
