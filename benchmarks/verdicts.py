@@ -7,6 +7,7 @@ conditions of docs/theory.md, evaluated here with rational numbers. A counterexa
     python benchmarks/verdicts.py --builtin --results benchmarks/results/verdicts.json --seconds 150   # again until it is done
 
 prints a table: laws, verdicts, wrong ones, crashes, undecided (of natural laws and ordinary sets apart), CPU seconds.
+Every yes is given to the second checker, and counts as wrong where that one refuses its certificate.
 With ``--results`` a run goes on where the last one with the same sources of the check, sets and seed stopped.
 """
 
@@ -32,6 +33,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from tests.properties.nasty import PROPERTIES, cases
 
 import stribeck
+from stribeck.properties.verify_certificate import verify
 
 MAJORANTS = [f"{law}/{m}" for law in ("lugre_majorant", "elastoplastic_majorant") for m in ("atan", "sqrt", "compact")]
 BUILTIN = ["lugre", "lugre_arctan", "lugre_sobczyk", "elastoplastic", "elastoplastic_sobczyk", "dahl", *MAJORANTS]
@@ -76,6 +78,8 @@ class Row:
                     self.crashes.append(f"{name}: {what}: {verdict.evidence['reason']}")
             elif truth[what] is not None and verdict.holds is not truth[what]:
                 self.wrong.append(f"{name}: {what}: {verdict.holds} ({verdict.method})")
+            elif verdict.holds and (refused := verify(verdict.certificate or {}, law, what)):
+                self.wrong.append(f"{name}: {what}: its certificate is refused: {refused[0]}")
             elif what == "passive" and verdict.holds is False and (text := replayed(law, verdict.evidence)):
                 self.wrong.append(f"{name}: {what}: {text}")
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
+from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.expressions.graph import Expr, symbol
@@ -101,6 +103,10 @@ class Equations(ABC):
     def samples(self, called: Names | None = None) -> list[Sample]:
         """What the sampled controllers do at their instants, in the order of :attr:`held`."""
         return []
+
+    def ended(self, values: Mapping[tuple[str, str], float], t: float, x: Array) -> str | None:
+        """Why the equations end in the state x, where they say so."""
+        return None
 
     def moved_energy(self) -> Expr | None:
         """The energy that changes where a signal jumps, which then is put in (state ``E_in``)."""

@@ -1,21 +1,27 @@
-"""law + plant + drive -> one system of equations, for simulation, code and output columns alike."""
+"""law + plant + drive -> one system of equations, for simulation, code and output columns alike.
+
+A single body under a force and a pneumatic cylinder under a sampled controller with an observer are the same to it.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from types import SimpleNamespace
 from typing import Any
 
+from stribeck.arrays import Array
 from stribeck.constants import Constant
-from stribeck.drives.base import Column, Drive
+from stribeck.drives.base import Action, Column, Course, Drive, Motion, course
 from stribeck.equations import Equations
+from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.names import Names
-from stribeck.expressions.ops import Value
+from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
-from stribeck.plants.mass import Mass
+from stribeck.plants import Mass, Plant
 from stribeck.signals import Segment, Signal
 
 _Y, _V = Column("y", "m", "position"), Column("v", "m/s", "velocity")
@@ -38,94 +44,170 @@ class Groups:
 
 @dataclass(frozen=True)
 class System(Equations):
-    """The structure of a simulation: which law, drive and kind of signal, without any values.
+    """The structure of a simulation: which law, plant, drive and kind of signal, without any values.
 
     Two scenarios that differ in numbers only have equal systems, and share compiled code.
     """
 
     law: type[Law]
     form: Form  # of the law's equations
-    drive: type[Drive]
+    drive: Drive
     signal: type[Signal] | None  # None: made of straight pieces
     energy: bool = False
+    plant: type[Plant] = Mass
+
+    @property
+    def _moved(self) -> type[Plant]:
+        """The plant, or none where the drive sets the velocity."""
+        return Nothing if self.drive.sets_velocity else self.plant
 
     @cached_property
     def states(self) -> tuple[Column, ...]:
         """The states in the order in which they are integrated."""
         body = (_Y,) if self.drive.sets_velocity else (_Y, _V)
         bristle = (_Z,) if self.law.has_z else ()
-        return (*body, *bristle, *self.drive.states, *((_E_IN, _E_OUT) if self.energy else ()))
+        energy = (_E_IN, _E_OUT) if self.energy else ()
+        return (*body, *self._moved.states, *bristle, *self.drive.kept, *energy)
 
     @cached_property
     def columns(self) -> tuple[Column, ...]:
         """The columns of the output after t."""
-        first = (_Y, _V, _Z, _F)
-        signal = () if self.drive.sets_velocity else (self.drive.signal,)
         energy = (_E_IN, _E_STORED, _E_OUT) if self.energy else ()
-        return (*first, *signal, *self.drive.columns, *self.drive.states, *energy)
+        return (*self.drive.listed((_Y, _V, _Z, _F), self._moved.states), *energy)
+
+    @cached_property
+    def groups(self) -> dict[str, dict[str, Constant]]:
+        """The declarations of the run-time constants by owner."""
+        signal = self.signal.constants if self.signal and self.drive.follows else {}
+        law = self.law.numbers(self.form)
+        return {"law": law, "plant": self._moved.constants, **self.drive.tables, "signal": signal}
 
     @cached_property
     def parameters(self) -> tuple[tuple[str, str], ...]:
         """(group, name) of each run-time constant, in the order in which compiled code takes them."""
-        names = [("law", n) for n in self.law.numbers(self.form)]
-        names += [] if self.drive.sets_velocity else [("plant", n) for n in Mass.constants]
-        names += [("drive", n) for n in self.drive.constants]
-        return (*names, *(("signal", n) for n in (self.signal.constants if self.signal else ())))
+        return tuple((owner, name) for owner, constants in self.groups.items() for name in constants)
 
     def constant(self, owner: str, name: str) -> Constant:
         """The declaration of a run-time constant."""
-        tables = {"law": self.law.constants(), "plant": Mass.constants, "drive": self.drive.constants}
-        return {**tables, "signal": self.signal.constants if self.signal else {}}[owner][name]
+        return self.groups[owner][name]
 
     @property
     def heading(self) -> tuple[str, ...]:
         """What this is, for the head of the generated code."""
-        law, drive = self.law, self.drive
-        return (
-            f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", f"Drive: {drive.kind}; {drive.meaning}."
-        )  # fmt: skip
+        law = self.law
+        return (f"Law: {law.name}. {law.__doc__}", f"Source: {law.source}", *self.drive.heading)
+
+    # -- equations -------------------------------------------------------------------------------------------------
 
     def symbolic(self, called: Names | None = None) -> Groups:
         """The constants as symbols named ``group.name``; ``called`` takes the names of the law's terms."""
 
         def group(owner: str) -> SimpleNamespace:
-            return SimpleNamespace(**{n: symbol(f"{o}.{n}") for o, n in self.parameters if o == owner})
+            return SimpleNamespace(**{n: symbol(f"{owner}.{n}") for n in self.groups[owner]})
 
         on_term = None if called is None else called.term
         law = self.law.symbolic(lambda n: symbol(f"law.{n}"), self.form, on_term)
         piece = Segment(*(symbol(f"segment.{n}") for n in ("start", "value", "slope")))
-        return Groups(law, group("plant"), group("drive"), group("signal") if self.signal else piece)
+        return Groups(law, group("plant"), group("drive"), self._signal if self.signal else piece)
+
+    @property
+    def _signal(self) -> SimpleNamespace:
+        assert self.signal is not None
+        return SimpleNamespace(**{n: symbol(f"signal.{n}") for n in self.signal.constants})
+
+    def reference(self, t: Expr) -> Course:
+        """The smooth signal at time t and its first three derivatives."""
+        assert self.signal is not None
+        return course(wrap(self.signal.equation(self._signal, t)), t)
 
     def quantities(self, q: Groups, r: Value, x: dict[str, Value], called: Names | None = None) -> dict[str, Value]:
         """Every named quantity from the signal's value r and the states."""
+        return self._quantities(q, r, x, called)[0]
+
+    def _quantities(
+        self, q: Groups, r: Value, x: dict[str, Value], called: Names | None
+    ) -> tuple[dict[str, Value], Motion, Action]:
+        """The same, what the drive is told, and what it does."""
+        plant, drive = self._moved, self.drive
         y, z = x["y"], x["z"] if self.law.has_z else 0.0 * x["y"]
-        v = r if self.drive.sets_velocity else x["v"]
-        own = tuple(x[state.name] for state in self.drive.states)
+        v = r if drive.sets_velocity else x["v"]
+        inner, own = (tuple(x[s.name] for s in states) for states in (plant.states, drive.kept))
         dz_dt = self.law.dz_dt(q.law, v, z)
         F = self.law.friction(q.law, v, z, dz_dt)
-        u = F if self.drive.sets_velocity else self.drive.force(q.drive, r, y, v, own)
-        found = {self.drive.signal.name: r, **x, "y": y, "v": v, "z": z, "F": F, "dz_dt": dz_dt, "u": u}
-        for name, value in (("dz_dt", dz_dt), ("F", F), ("u", u)):
+        # what the drive measures must not depend on what it does at the same instant
+        before = plant.acceleration(q.plant, 0.0, F, inner) if plant.states else 0.0
+        for name, value in (("dz_dt", dz_dt), ("F", F), ("acceleration", before)):
             if called is not None:
                 called.give(value, name)
+        m = Motion(r, y, v, inner, own, z if self.law.has_z else None, F, before, q.plant, q.law)
+        action = drive.act(q.drive, m, called)
+        found = {drive.signal.name: r, **x, "y": y, "v": v, "z": z, "F": F, "dz_dt": dz_dt, "u": action.u}
         if self.energy:
-            kinetic = 0.0 if self.drive.sets_velocity else Mass.kinetic_energy(q.plant, v)
-            found["E_stored"] = self.law.stored_energy(q.law, z) + kinetic
-        return found
+            found["E_stored"] = self.law.stored_energy(q.law, z) + plant.stored_energy(q.plant, y, v, inner)
+        return {**found, **action.shown}, m, action
 
     def rates(self, called: Names | None = None) -> list[Expr]:
         """The time derivatives of the states as expressions of ``t``, the states' names and the constants' symbols."""
         q, t, x = self.symbolic(called), symbol("t"), {state.name: symbol(state.name) for state in self.states}
-        r = (self.signal.equation if self.signal else Segment.equation)(q.signal, t)
-        k = self.quantities(q, r, x, called)
-        own = tuple(x[state.name] for state in self.drive.states)
-        rates = dict(
-            zip((s.name for s in self.drive.states), self.drive.rates(q.drive, r, k["y"], k["v"], own), strict=True)
-        )
-        rates |= {"y": k["v"], "z": k["dz_dt"]}
-        if not self.drive.sets_velocity:
-            rates["v"] = Mass.acceleration(q.plant, k["u"], k["F"])
+        r = self.signal.equation(q.signal, t) if self.signal else Segment.equation(q.signal, t)
+        k, m, action = self._quantities(q, r, x, called)
+        plant, p, u = self._moved, self.drive.obeyed(q.plant, q.drive), action.u
+        rates = {"y": m.v, "z": k["dz_dt"], "v": plant.acceleration(p, u, m.F, m.plant)}
+        if (inside := plant.inside(p, m.y)) is not None:
+            rates["v"] = where(inside, rates["v"], float("nan"))
+        rates |= zip((s.name for s in plant.states), plant.rates(p, m.y, m.v, u, m.F, m.plant), strict=True)
+        rates |= zip((s.name for s in self.drive.kept), action.rates, strict=True)
         if self.energy:
             stored_by_z = derivative(wrap(self.law.stored_energy(q.law, x["z"])), x["z"]) if self.law.has_z else 0.0
-            rates |= {"E_in": k["u"] * k["v"], "E_dissipated": k["F"] * k["v"] - stored_by_z * k["dz_dt"]}
+            lost = plant.lost_power(p, m.y, m.v, u, m.plant)
+            rates |= {"E_in": u * m.v, "E_dissipated": m.F * m.v - stored_by_z * k["dz_dt"] + lost}
         return [wrap(rates[state.name]) for state in self.states]
+
+    def acceleration(self) -> Expr:
+        """dv/dt without the drive, of a plant that stands between it and the body."""
+        x: dict[str, Value] = {state.name: symbol(state.name) for state in self.states}
+        return wrap(self._quantities(self.symbolic(), symbol("t"), x, None)[1].acceleration)
+
+    def ended(self, values: Mapping[tuple[str, str], float], t: float, x: Array) -> str | None:
+        """Why the plant's equations end in the state x."""
+        p = SimpleNamespace(**{name: value for (owner, name), value in values.items() if owner == "plant"})
+        at = {state.name: float(x[i]) for i, state in enumerate(self.states)}
+        return None if self.drive.sets_velocity else self.plant.ended(p, t, at["y"], at["v"])
+
+    # -- the columns of the output ---------------------------------------------------------------------------------
+
+    @cached_property
+    def outputs(self) -> dict[str, Expr]:
+        """Every column as an expression of t, the states (and what a sampled controller holds) and the constants."""
+        names = (*(state.name for state in self.states), *self.drive.held)
+        q, x = self.symbolic(), {name: symbol(name) for name in names}
+        r = self.signal.equation(q.signal, symbol("t")) if self.signal else Segment.equation(q.signal, symbol("t"))
+        k = self.quantities(q, r, x)
+        return {column.name: wrap(k[column.name]) for column in self.columns}
+
+    def table(self, values: dict[tuple[str, str], Any], t: Array, states: dict[str, Array]) -> dict[str, Any]:
+        """Every column of the output by name, from the constants' values (or arrays over time) and the states."""
+        names = [f"{owner}.{name}" for owner, name in values]
+        function = _columns(self, (*names, "t", *states))
+        return dict(zip(self.outputs, function(*values.values(), t, *states.values()), strict=True))
+
+
+@lru_cache(maxsize=32)
+def _columns(system: System, names: tuple[str, ...]) -> Any:
+    return python_function(names, list(system.outputs.values()))
+
+
+class Nothing(Plant):
+    """What stands under a drive that sets the velocity."""
+
+    kind = "nothing"
+
+    @staticmethod
+    def acceleration(p: Any, u: Value, F: Value, x: tuple[Value, ...] = ()) -> Value:
+        """Not a state's."""
+        return 0.0
+
+    @staticmethod
+    def stored_energy(p: Any, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
+        """None."""
+        return 0.0

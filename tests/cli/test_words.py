@@ -77,7 +77,7 @@ def test_gains_and_export_tell_forms_of_a_law_apart(stribeck, tmp_path):
     alike = json.loads(stribeck("gains", examples.path("servo"), *changes[:-2], *short, "--json").out)
     assert not any(text.startswith("plant and observer differ") for text in alike["not_covered"])
     scenario = library.Scenario.load(examples.path("servo"), dict(change.split("=") for change in FORMS))
-    other = library.law("lugre_majorant", scenario.servo.observer.machine, k_v=1e6)
+    other = library.law("lugre_majorant", scenario.settings.observer.machine, k_v=1e6)
     with pytest.raises(InputError, match=r"^law: 'lugre_majorant': must be left out"):
         export(other, "c", tmp_path / "out", part="cascade", scenario=scenario)
 

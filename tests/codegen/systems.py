@@ -15,7 +15,16 @@ IDS = ["_".join((law.name, *form.words)) for law, form in VARIANTS]
 
 def systems(law, form, energy=(False, True)):
     """The systems of a law: under each drive, with both sorts of signal, without and with energy."""
-    return [System(law, form, drive, signal, on) for drive, signal, on in product(KINDS.values(), (None, Sine), energy)]
+    return [
+        System(law, form, drive(), signal, on) for drive, signal, on in product(KINDS.values(), (None, Sine), energy)
+    ]
+
+
+def one_signal_each(law, form):
+    """A system with energy under each drive, the sorts of signal in turn: neighbouring variants have the other one."""
+    turn = IDS.index("_".join((law.name, *form.words)))
+    sorts = (None, Sine)
+    return [System(law, form, drive, sorts[(turn + i) % 2], True) for i, drive in enumerate(KINDS.values())]
 
 
 # of the order of 1, so that finite differences are exact to many digits

@@ -47,7 +47,7 @@ def rig(case="sine", **more):
 
 def cascade(case):
     chosen = rig(case)
-    return ControllerCode(Request(chosen.servo.observer or chosen.law, "cascade", chosen))
+    return ControllerCode(Request(chosen.settings.observer or chosen.law, "cascade", chosen))
 
 
 class Controller:
@@ -272,7 +272,7 @@ def test_fmu_replays_the_simulation(case, fmi, fmu, fmpy, monkeypatch):
     assert float(description.defaultExperiment.stepSize) == 1e-3
     known = {v.name: v for v in description.modelVariables if v.causality == "parameter"}
     assert known["drive.K_D"].unit == "N s/m"
-    assert float(known["model.mass"].start) == rig(case).servo.model["mass"]
+    assert float(known["model.mass"].start) == rig(case).settings.model["mass"]
     rows, _ = recorded(rig(case, **{"solve.t_end": 0.4}), monkeypatch)
     table = np.array([measured for _, measured, _, _ in rows])
     inputs = np.zeros(len(table), dtype=[(name, float) for name in ("time", *(i.name for i in INPUTS))])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, StribeckNote, examples, simulate
+from stribeck.scenario.cascade import _reversals
 from stribeck.simulation import native
-from stribeck.simulation.single import _reversals
 from tests.simulation.rig import needs_compiler, rig
 
 pytestmark = needs_compiler

@@ -15,7 +15,7 @@ from stribeck.control.gains import GainVerdict, Proof, Staying, judge, prove, st
 from stribeck.control.proof import derive
 from stribeck.errors import InputError, arg
 from stribeck.scenario import Scenario
-from stribeck.scenario.servo import not_linear
+from stribeck.scenario.cascade import CascadeSettings, controller_of, not_linear
 from stribeck.simulation import Solution, simulate
 
 
@@ -71,51 +71,47 @@ def gains(
         StribeckError: SymPy is not installed.
     """
     rig = Scenario.of(scenario)
-    check_servo(rig, v_max)
+    controller = check_servo(rig, v_max)
     solution = simulate(rig, progress)
-    servo, d = rig.servo, rig.drive_values
-    assert servo is not None
-    assert servo.observer is not None
+    observer, d = controller.observer, rig.drive_values
+    assert observer is not None
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
-    verdict, proof = judge(servo.observer, d, speed), prove(servo.observer, d, (-speed, speed))
+    verdict, proof = judge(observer, d, speed), prove(observer, d, (-speed, speed))
     if not len(solution.t):
-        return Gains(solution, verdict, proof, None, None, doubts(rig))
-    return Gains(solution, verdict, proof, along(solution), _staying(rig, solution, speed), doubts(rig))
+        return Gains(solution, verdict, proof, None, None, doubts(rig, controller))
+    return Gains(solution, verdict, proof, along(solution), _staying(rig, solution, speed), doubts(rig, controller))
 
 
-def check_servo(scenario: Scenario, v_max: float | None) -> None:
-    """Refuse what has no V, and a speed that is none."""
+def check_servo(scenario: Scenario, v_max: float | None) -> CascadeSettings:
+    """The controller; what has no V is refused, and a speed that is none."""
     if v_max is not None and not 0 < v_max < np.inf:
         raise InputError(f"{arg('v_max')}: {show(v_max)}: must be a finite speed > 0, m/s")
-    if scenario.servo is None:
+    if (controller := controller_of(scenario)) is None:
         raise InputError(f"drive.kind: {scenario.drive.kind!r}: 'stribeck gains' needs a servo, drive.kind = 'cascade'")
-    if text := not_linear(scenario.servo.observer):
+    if text := not_linear(controller.observer):
         raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
+    return controller
 
 
 def _staying(scenario: Scenario, solution: Solution, v_max: float) -> Staying:
     """Whether the speed stays where the gains are good; the path's speed is that of the rows, dy_d/dt = v - s + lambda e."""
     lag = scenario.drive_values["lambda"] * solution["e"]
     path = float(np.max(np.abs(solution["v"] - solution["s"] + lag)))
-    assert scenario.servo is not None
-    return staying(v_max, scenario.servo.plant["mass"], path, float(solution["V"][0]), float(lag[0]))
+    return staying(v_max, scenario.plant_values["mass"], path, float(solution["V"][0]), float(lag[0]))
 
 
-def doubts(scenario: Scenario) -> tuple[str, ...]:
+def doubts(scenario: Scenario, controller: CascadeSettings) -> tuple[str, ...]:
     """What of the scenario the proof does not cover."""
-    servo, observer = scenario.servo, scenario.servo.observer if scenario.servo else None
-    assert servo is not None
-    assert observer is not None
     found = []
-    if not observer.same_as(scenario.law):
+    if controller.observer is not None and not controller.observer.same_as(scenario.law):
         found.append(
             "plant and observer differ: dV/dt gains sigma_1 d s + d z_err/K, the errors stay of the order of d"
         )
-    if servo.model != servo.plant:
+    if controller.model != scenario.plant_values:
         found.append("the controller knows another plant")
-    if servo.sampling is not None:
+    if controller.sampling is not None:
         found.append("the controller is sampled")
-    if servo.adaptation is not None:
+    if controller.adaptation is not None:
         found.append("adapted parameters: V has further terms (docs/servo.md)")
     if scenario.drive_values.get("supply_droop"):
         found.append("the supply droops")

@@ -62,11 +62,13 @@ def hunting(scenario: Scenario, of: str = "law") -> Hunting:
     sticks and slips. Friction's cycles are far from sinusoidal: compare with the simulation.
 
     Raises:
-        InputError: the scenario's drive is not a PID controller, or ``of`` is neither.
+        InputError: the scenario's drive is not a PID controller, its plant not a single mass, or ``of`` is neither.
         StribeckError: a simulation failed.
     """
     if scenario.drive is not Pid:
         raise InputError(f"drive.kind: {scenario.drive.kind!r}: must be 'pid' to hunt")
+    if scenario.plant is not Mass:
+        raise InputError(f"plant.kind: {scenario.data['plant']['kind']!r}: must be {Mass.kind!r} to hunt")
     if of not in ("law", "body"):
         raise InputError(f"of: {show(of)}: must be 'law' or 'body'")
     with needed("hunting()"):

@@ -10,13 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
+from stribeck.control.cascade import Cascade
 from stribeck.control.gains import at_speed, damping, decay
 from stribeck.control.proof import ERRORS, derive
-from stribeck.control.servo_system import ServoSystem
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, symbol, total_derivative
+from stribeck.laws.base import Law
 from stribeck.simulation import Solution
+from stribeck.system import System
 
 RISE = 1e-9  # of V(0): what is less is the solver's
 _TOLERANCE = 1e-6  # of the largest |dV/dt|
@@ -62,12 +64,12 @@ def along(solution: Solution) -> Along:
         StribeckError: the solution is no servo's, or has no rows.
     """
     scenario = solution.scenario
-    system, servo = scenario.system, scenario.servo
-    if not isinstance(system, ServoSystem) or servo is None or not len(solution.t):
+    system = scenario.system
+    if not isinstance(system, System) or not isinstance(system.drive, Cascade) or not len(solution.t):
         raise StribeckError(f"{scenario.name}: V needs the solution of a servo, with rows")
     saturated = np.abs(solution["u"]) >= scenario.drive_values["u_max"] * (1 - 1e-9)
-    observer = servo.observer
-    if system.sampled or observer is None or not observer.has_z or system.adaptive:
+    drive, observer = system.drive, scenario.settings.observer
+    if drive.sampled or observer is None or not observer.has_z or drive.adaptive:
         return Along(solution.t, solution["V"], None, None, saturated)
     values = {f"{owner}.{name}": x for (owner, name), x in scenario.values().items()}
     values |= {f"signal.{name}": x for name, x in scenario.signal.values_at(solution.t).items()}
@@ -77,17 +79,15 @@ def along(solution: Solution) -> Along:
     function = python_function([*values, "t", *states], [derivative])
     with np.errstate(all="ignore"):
         dV_dt = function(*values.values(), solution.t, *(solution[name] for name in states))[0]
-        bound = _bound(solution, scenario.drive_values)
+        bound = _bound(solution, observer, scenario.drive_values)
     return Along(solution.t, solution["V"], np.asarray(dV_dt), bound, saturated)
 
 
-def _bound(solution: Solution, gains: Mapping[str, float]) -> Array:
+def _bound(solution: Solution, observer: Law, gains: Mapping[str, float]) -> Array:
     """Eq. 19 with the errors and speeds of the rows."""
     with needed("the proof of a servo's gains"):
         import sympy
 
-    observer = solution.scenario.servo.observer  # type: ignore[union-attr]
-    assert observer is not None
     w, sigma_1 = (at_speed(observer, of)(solution["v"]) for of in (decay(observer), damping(observer)))
     expr = derive().derivative
     names = sorted(map(str, expr.free_symbols - set(sympy.symbols((*ERRORS, "w"), real=True))))

@@ -12,6 +12,7 @@ from stribeck.cli.show import print_json
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario, parse_assignment
+from stribeck.scenario.cascade import controller_of
 
 
 def export(
@@ -66,10 +67,10 @@ def _summary(law: Law | None, rig: Scenario | None) -> dict[str, Any]:
     assert rig is not None
     if rig.rig is not None:
         return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.values().items()}}
-    assert rig.servo is not None
+    observer = rig.settings.observer
     values = {key: x for key, x in rig.values().items() if key[0] not in ("law", "plant")}
     return {
-        "law": rig.servo.observer.name if rig.servo.observer else None,
+        "law": observer.name if observer else None,
         "parameters": {group: {n: x for (g, n), x in values.items() if g == group} for group, _ in values},
     }
 
@@ -93,8 +94,8 @@ def _controlled(
     if rig is None:
         return None
     rig = rig.with_changes(dict(parse_assignment(text) for text in assignments))
-    observer = rig.servo.observer if rig.servo is not None else None
-    if law is not None and rig.servo is not None and law != (name := observer.name if observer else "none"):
+    controller = controller_of(rig)
+    if law is not None and controller is not None and law != (name := controller.law_name):
         raise InputError(f"LAW: {law!r}: must be left out, or that of the scenario's [drive.observer], {name!r}")
     return rig
 

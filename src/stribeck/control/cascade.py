@@ -2,23 +2,66 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from stribeck.constants import Constant
-from stribeck.drives.base import Column
-from stribeck.expressions.ops import Value
+from stribeck.control.observer import ETA, SCALES, Z_HAT, Adaptation, Observed, adapt, observe
+from stribeck.drives.base import Action, Column, Course, Drive, Motion, course
+from stribeck.expressions.graph import ONE, Expr, substitute, symbol, total_derivative, wrap
+from stribeck.expressions.names import Names
+from stribeck.expressions.ops import Value, sqrt, where
+from stribeck.laws.base import Law
+from stribeck.laws.form import USUAL, Form
+from stribeck.laws.values import Constants
 from stribeck.plants.cylinder import Cylinder
 
 Path = tuple[Value, Value, Value, Value]  # the desired position and its first three derivatives
+MEASURED = ("t", "y", "v", "p_1", "p_2", "acceleration")  # what the controller measures
+
+_HELD = ("u", "F_hat", "p_d", "z_hat")  # what a sampled one computes, in this order
+_E = Column("e", "m", "position error y - y_d")
+_COMPUTED = (
+    Column("s", "m/s", "de/dt + lambda e"),
+    Column("p_err", "Pa", "error of the pressure difference"),
+    Cylinder.takes,
+)
+_F_HAT = Column("F_hat", "N", "friction force that the controller assumes")
+_V = Column("V", "J", "Lyapunov function")
+_ADAPTED = (
+    Column("sigma_0_hat", "N/m", "adapted bristle stiffness"),
+    Column("sigma_1_hat", "N s/m", "adapted bristle damping"),
+    Column("sigma_2_hat", "N s/m", "adapted viscous friction"),
+    Column("F_c_hat", "N", "adapted Coulomb friction force"),
+)
 
 
-class Cascade:
-    """A tracking law for the piston that asks for a pressure difference, and one for the valve that provides it."""
+@dataclass(frozen=True)
+class Cascade(Drive):
+    """A tracking law for the piston that asks for a pressure difference, and one for the valve that provides it.
 
-    kind = "cascade"
-    meaning = "the signal is the desired position of a pneumatic servo under cascade control, m"
-    signal = Column("y_d", "m", "desired position")
-    sets_velocity = False
+    Attributes:
+        observer: the law that compensates friction, in its form; None: no compensation.
+        droop: the supply loses pressure by flow, which the controller does not know.
+        adaptive: the observer's parameters are adapted.
+        sampled: the controller is not part of the differential equations; the valve voltage is the constant drive.u.
+    """
+
+    observer: type[Law] | None = None
+    observer_form: Form = USUAL
+    droop: bool = False
+    adaptive: bool = False
+    sampled: bool = False
+
+    kind: ClassVar[str] = "cascade"
+    meaning: ClassVar[str] = "the signal is the desired position of a pneumatic servo under cascade control, m"
+    signal: ClassVar[Column] = Column("y_d", "m", "desired position")
+    gives: ClassVar[Column] = Cylinder.takes
+    differentiates: ClassVar[bool] = True
+    starts: ClassVar[dict[str, float]] = {scale.name: 1.0 for scale in SCALES}
+    no_energy: ClassVar[str] = "for a servo, whose energy is the column V"
     constants: ClassVar[dict[str, Constant]] = {
         "K_D": Constant("N s/m", "gain of the tracking error s", above=0, example=60.0),
         "K_p": Constant("1/s", "gain of the pressure error", above=0, example=60.0),
@@ -53,3 +96,139 @@ class Cascade:
     def energy(c: Any, mass: Value, s: Value, p_err: Value, z_err: Value) -> Value:
         """V in J, eq. 17; z_err is z_hat - z."""
         return (mass * s**2 + c.rho * p_err**2 + z_err**2 / c.K) / 2
+
+    # -- what a system asks ----------------------------------------------------------------------------------------
+
+    @property
+    def remembered(self) -> tuple[Column, ...]:
+        """The states that the controller keeps, whether in the differential equations or from sample to sample."""
+        if self.observer is None or not self.observer.has_z:
+            return ()
+        return (Z_HAT, ETA, *SCALES) if self.adaptive else (Z_HAT,)
+
+    @property
+    def kept(self) -> tuple[Column, ...]:
+        """The states that are integrated: none of a sampled controller."""
+        return () if self.sampled else self.remembered
+
+    @property
+    def tables(self) -> dict[str, dict[str, Constant]]:
+        """The constants by owner: the gains, the observer's, the plant's as it is known, and the adaptation's."""
+        own = {n: c for n, c in self.constants.items() if not c.optional or self.droop}
+        if self.sampled:
+            return {"drive": {**own, "u": Constant("V", "valve voltage, held")}}
+        observer = self.observer.numbers(self.observer_form) if self.observer else {}
+        adaptation = Adaptation.constants if self.adaptive else {}
+        return {"drive": own, "observer": observer, "model": Cylinder.constants, "adaptation": adaptation}
+
+    @property
+    def follows(self) -> bool:
+        """Whether the desired course is part of the differential equations."""
+        return not self.sampled
+
+    @property
+    def held(self) -> tuple[str, ...]:
+        """What a sampled controller holds, by the names of columns and states."""
+        names = (*_HELD, *(state.name for state in self.remembered if state is not Z_HAT))
+        return names if self.sampled else ()
+
+    @property
+    def heading(self) -> tuple[str, ...]:
+        """With the friction observer."""
+        observer = self.observer.name if self.observer else "none"
+        return (f"Drive: {self.kind}; {self.meaning}; friction observer: {observer}.",)
+
+    def listed(self, motion: tuple[Column, ...], plant: tuple[Column, ...]) -> tuple[Column, ...]:
+        """The columns: the motion, what the controller computes, the friction force beside its estimate, and V."""
+        y, v, z, F = motion
+        return (y, v, *plant, z, Z_HAT, _E, *_COMPUTED, F, _F_HAT, _V, *(_ADAPTED if self.adaptive else ()))
+
+    def obeyed(self, plant: Any, p: Any) -> Any:
+        """The cylinder is fed by the supply that droops."""
+        return SimpleNamespace(**vars(plant), supply_droop=p.supply_droop) if self.droop else plant
+
+    def scales(self, p: Any, length: float, force: float) -> dict[str, float]:
+        """Deflections are lengths, scales are of the order of 1."""
+        return {state.name: length if state in (Z_HAT, ETA) else 1.0 for state in self.kept}
+
+    def act(self, p: Any, m: Motion, called: Names | None = None) -> Action:
+        """The valve voltage now; of a sampled controller that which it holds."""
+        t = symbol("t")
+        if self.sampled:
+            held = {name: symbol(name) for name in _HELD}
+            e, s = self.errors(p, course(wrap(m.r), t), m.y, m.v)
+            p_err = m.plant[0] - m.plant[1] - held["p_d"]
+            found, rates, u = {"e": e, "s": s, "p_err": p_err, **held}, (), symbol("drive.u")
+        else:
+            measured = self.controller(course(wrap(m.r), t), {t: ONE})
+            known = substitute(measured.values(), {symbol("acceleration"): wrap(m.acceleration)})
+            found = dict(zip(measured, known, strict=True))
+            rates, u = tuple(found[f"rate.{state.name}"] for state in self.kept), found["u"]
+        shown: dict[str, Value] = {n: found[n] for n in ("e", "s", "p_err", "u", "F_hat", "z_hat")}
+        shown["V"] = self._lyapunov(p, m, found["s"], found["p_err"])
+        if self.adaptive:
+            o = self._observer_constants(None)
+            shown |= {f"sigma_{i}_hat": symbol(f"observer.sigma_{i}") * symbol(f"a_{i}") for i in range(3)}
+            shown["F_c_hat"] = o.F_c * symbol("a_0") / symbol("a_g")
+        return Action(u, rates, shown)
+
+    # -- the equations as graphs -----------------------------------------------------------------------------------
+
+    def _observer_constants(self, called: Names | None) -> Constants:
+        assert self.observer is not None
+        on_term = None if called is None else called.term
+        return self.observer.symbolic(lambda n: symbol(f"observer.{n}"), self.observer_form, on_term)
+
+    def controller(self, path: Course, moving: dict[Expr, Expr], called: Names | None = None) -> dict[str, Expr]:
+        """Eqs 12 to 15 as expressions of what is measured and of the controller's states (``rate.NAME``: their rates).
+
+        dp_d/dt is the total derivative of p_d along the rates: of the desired position (``moving``: of time, or of the
+        symbols that ``path`` is made of), of the motion, and of the states themselves.
+        """
+        c, m = _symbols("drive", self.constants), _symbols("model", Cylinder.constants)
+        _, y, v, p_1, p_2, acceleration = (symbol(n) for n in MEASURED)
+        e, s = self.errors(c, path, y, v)
+        found = self._observe(c, v, s, called)
+        p_d = self.desired_pressure(c, m, path, v, s, found.F)
+        rates = {n: wrap(rate) for n, rate in found.rates.items()}
+        along = {**moving, y: v, v: acceleration, **{symbol(n): rate for n, rate in rates.items()}}
+        p_err = p_1 - p_2 - p_d
+        dp_d = total_derivative(wrap(p_d), along)
+        u_hat = self.pressure_demand(c, m, y, v, p_1, p_2, s, p_err, dp_d)
+        u = Cylinder.voltage(m, y, p_1, p_2, u_hat, c.u_max)
+        named = {"e": e, "s": s, "p_d": p_d, "p_err": p_err, "u": u, "F_hat": found.F, "z_hat": found.z}
+        return {n: wrap(x) for n, x in named.items()} | {f"rate.{n}": rate for n, rate in rates.items()}
+
+    def measured(self, path: Course, called: Names | None = None) -> dict[str, Expr]:
+        """The controller under a desired position and derivatives that are symbols."""
+        return self.controller(path, dict(pairwise(path)), called)
+
+    def _observe(self, c: Any, v: Expr, s: Value, called: Names | None) -> Observed:
+        x: dict[str, Value] = {state.name: symbol(state.name) for state in self.remembered}
+        p = self._observer_constants(called) if self.observer else None
+        if self.adaptive:
+            assert self.observer is not None
+            return adapt(self.observer, p, _symbols("adaptation", Adaptation.constants), c.K, v, s, x)
+        return observe(self.observer, p, c.K, v, s, x)
+
+    def _lyapunov(self, c: Any, m: Motion, s: Value, p_err: Value) -> Value:
+        """V along the loop: with the plant's own mass and deflection, and the errors of adapted parameters."""
+        known = m.z is not None and self.observer is not None and self.observer.has_z
+        z_err: Value = symbol("z_hat") - m.z if known else 0.0
+        errors: Value = 0.0
+        if self.adaptive:
+            a, o, q = _symbols("adaptation", Adaptation.constants), self._observer_constants(None), m.law
+            true = {
+                "a_0": q.sigma_0 / o.sigma_0, "a_1": q.sigma_1 / o.sigma_1, "a_2": q.sigma_2 / o.sigma_2,
+                "a_g": (o.F_c / o.sigma_0) / (q.F_c / q.sigma_0),
+            }  # fmt: skip
+            off = {n: symbol(n) - value for n, value in true.items()}
+            gains = {"a_0": a.gamma_0, "a_1": a.gamma_1, "a_2": a.gamma_2, "a_g": a.gamma_g}
+            # a parameter that is not adapted has no part in V
+            errors = sum(where(gains[n] > 0, off[n] ** 2 / gains[n], 0.0) for n in off) / 2
+            z_err = (z_err - symbol("eta") * off["a_g"]) * sqrt(true["a_0"])
+        return self.energy(c, m.p.mass, s, p_err, z_err) + errors
+
+
+def _symbols(owner: str, names: Any) -> SimpleNamespace:
+    return SimpleNamespace(**{n: symbol(f"{owner}.{n}") for n in names})

@@ -11,11 +11,13 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.control.cascade import MEASURED, Cascade
 from stribeck.control.observer import START
-from stribeck.control.servo_system import MEASURED, ServoSystem
+from stribeck.drives.base import Course
 from stribeck.expressions.emit import python_function
-from stribeck.expressions.graph import Expr, derivative, symbol
+from stribeck.expressions.graph import ONE, Expr, derivative, symbol
 from stribeck.signals import Signal
+from stribeck.system import System
 
 Interval = tuple[float, dict[tuple[str, str], float]]  # until when, and the constants that change at its begin
 _COMPUTED = ("u", "F_hat", "p_d", "z_hat")
@@ -82,15 +84,17 @@ def phi_1(x: float) -> float:
 class Controller:
     """The controller's equations at an instant, and its states from one sample to the next."""
 
-    def __init__(self, system: ServoSystem, values: Mapping[tuple[str, str], float]) -> None:
-        self.states = [state.name for state in system.controller_states]
-        found = system.controller()
+    def __init__(
+        self, cascade: Cascade, course: Course, values: Mapping[tuple[str, str], float], signal: Signal
+    ) -> None:
+        self.states = [state.name for state in cascade.remembered]
+        found = cascade.controller(course, {symbol("t"): ONE})
         rates = [found[f"rate.{name}"] for name in self.states]
         slopes = [derivative(rate, symbol(name)) for rate, name in zip(rates, self.states, strict=True)]
         outputs: list[Expr] = [found[name] for name in _COMPUTED]
-        signal = [("signal", name) for name in system.signal.constants]
         fixed = [key for key in values if key[0] != "signal"]
-        names = [*(f"{o}.{n}" for o, n in (*fixed, *signal)), *MEASURED, *self.states]
+        names = [f"{o}.{n}" for o, n in fixed] + [f"signal.{n}" for n in signal.constants]
+        names += [*MEASURED, *self.states]
         self._function: Callable[..., Any] = python_function(names, [*outputs, *rates, *slopes])
         self._fixed = [values[key] for key in fixed]
         self.x = [START[name] for name in self.states]
@@ -109,10 +113,12 @@ class Controller:
 
 
 def intervals(
-    system: ServoSystem, sampling: Sampling, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Held
+    system: System, sampling: Sampling, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Held
 ) -> Generator[Interval, Array, None]:  # fmt: skip
     """The stretches of a run in which the voltage is held; what is sent back is the plant's state at the end of each."""
-    controller, random = Controller(system, values), np.random.default_rng(sampling.seed)
+    assert isinstance(system.drive, Cascade)
+    controller = Controller(system.drive, system.reference(symbol("t")), values, signal)
+    random = np.random.default_rng(sampling.seed)
     acceleration = _acceleration(system, values)
     T, u = sampling.time, 0.0
     waiting: deque[tuple[float, float]] = deque()  # when a voltage takes effect, and which
@@ -145,8 +151,8 @@ def intervals(
             x = yield after, {("drive", "u"): u}
 
 
-def _acceleration(system: ServoSystem, values: Mapping[tuple[str, str], float]) -> Callable[[Array], float]:
+def _acceleration(system: System, values: Mapping[tuple[str, str], float]) -> Callable[[Array], float]:
     """The plant's acceleration at a state."""
     known = {f"{owner}.{name}": x for (owner, name), x in values.items() if owner in ("law", "plant")}
-    function = python_function([*known, *(state.name for state in system.states)], [system.motion()["acceleration"]])
+    function = python_function([*known, *(state.name for state in system.states)], [system.acceleration()])
     return lambda x: float(function(*known.values(), *x)[0])

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from stribeck.drives.base import Column, Drive
+from typing import Any
+
+from stribeck.drives.base import Action, Column, Drive, Motion
+from stribeck.expressions.names import Names
 
 
 class Velocity(Drive):
@@ -11,3 +14,7 @@ class Velocity(Drive):
     kind, meaning = "velocity", "the signal is the velocity of the body, m/s"
     signal = Column("v", "m/s", "velocity")
     sets_velocity = True
+
+    def act(self, p: Any, m: Motion, called: Names | None = None) -> Action:
+        """Whatever force is needed."""
+        return Action(m.F)

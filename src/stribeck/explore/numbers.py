@@ -7,11 +7,9 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from stribeck.constants import Constant
-from stribeck.drives import Drive
 from stribeck.laws.base import PARAMETERS
-from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
-from stribeck.scenario.tables import Initial, InitialAtVelocity, Output, Solve
+from stribeck.scenario.tables import Output, Solve, initial_table
 from stribeck.signals import File, Points
 
 _MOST_POINTS = 12  # a signal of more points is a curve, not a set of numbers to turn
@@ -65,18 +63,17 @@ def of_law(scenario: Scenario) -> list[Number]:
 
 def _others(scenario: Scenario) -> Iterator[Number]:
     rotary, scales = scenario.rotary, scenario.law.scales(scenario.law.p)
-    assert issubclass(scenario.drive, Drive)
-    if scenario.mass is not None and not scenario.drive.sets_velocity:
-        constant = Mass.constants["mass"].of_motion(rotary)
-        yield _number("plant", "mass", scenario.mass, constant, 0.0, "plant.mass")
-    table = InitialAtVelocity if scenario.drive.sets_velocity else Initial
+    for name, value in scenario.plant_values.items():
+        constant = scenario.plant.constants[name].of_motion(rotary)
+        yield _number("plant", name, value, constant, 0.0, f"plant.{name}")
+    table = initial_table(scenario.plant, scenario.drive.sets_velocity)
     sizes = {"y": 10 * scales.length, "v": 10 * scales.speed, "z": scales.length}
     for name, field in table.model_fields.items():
         if name == "z" and not scenario.law.has_z:
             continue
         words, _, unit = str(field.description).partition(", ")
         constant = Constant(unit, f"{words} at t = 0").of_motion(rotary)
-        yield _number("plant.initial", name, scenario.initial.get(name, 0.0), constant, sizes[name], "")
+        yield _number("plant.initial", name, scenario.initial.get(name, 0.0), constant, sizes.get(name, 1.0), "")
     for name, constant in scenario.drive.constants.items():
         value = scenario.drive_values[name]
         yield _number("drive", name, value, constant.of_motion(rotary), 1.0, f"drive.{name}")
@@ -97,7 +94,6 @@ def _others(scenario: Scenario) -> Iterator[Number]:
 def _of_signal(scenario: Scenario) -> Iterator[Number]:
     signal, group = scenario.signal, "drive.signal"
     drive = scenario.drive
-    assert issubclass(drive, Drive)
     unit = drive.signal.of_motion(scenario.rotary).unit
     table = scenario.data["drive"]["signal"]
     for name, constant in signal.constants.items():

@@ -11,7 +11,6 @@ from stribeck import examples, laws, parameter_sets
 from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
-from stribeck.scenario.servo import Servo
 from stribeck.signals import Curve
 
 _SET = "canudas1995"  # what a law takes whose parameters the scenario does not hold
@@ -50,7 +49,7 @@ def unfit(scenario: Scenario) -> str | None:
     """Why the page cannot show a scenario, or None."""
     if scenario.rig is not None:
         return "schema = 2: must be 1: a page of a machine is not made yet; 'stribeck run' draws its curves"
-    if isinstance(scenario.servo, Servo):
+    if scenario.drive.differentiates:
         return "drive.kind: 'cascade': must be force, spring, pid or velocity; 'stribeck run' draws a servo's curves"
     if isinstance(scenario.signal, Curve):
         kind = scenario.signal.kind

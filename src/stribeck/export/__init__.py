@@ -14,6 +14,7 @@ from stribeck.export.request import Request, Target
 from stribeck.files import together, trouble, write_with
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
+from stribeck.scenario.cascade import controller_of
 
 __all__ = ["PARTS", "TARGETS", "Target", "export"]
 
@@ -141,11 +142,11 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
                 else f"{arg('law')}: missing: must be given, unless {arg('scenario')} names it"
             )
         return law
-    servo = scenario.servo if part == "cascade" else None
-    if servo is None and law is not None:
+    controller = controller_of(scenario) if part == "cascade" else None
+    if controller is None and law is not None:
         return law
-    own = servo.observer if servo is not None and servo.observer is not None else scenario.law
-    if servo is not None and law is not None and not law.same_as(own):
+    own = (controller.observer if controller is not None else None) or scenario.law
+    if controller is not None and law is not None and not law.same_as(own):
         text = "must be left out: part 'cascade' has the law of the scenario's [drive.observer]"
         raise InputError(f"{arg('law')}: {law.name!r}: {text}, {own.name!r}")
     return law or own

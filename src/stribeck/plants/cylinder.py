@@ -2,18 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from stribeck.constants import Constant
-from stribeck.expressions.ops import Value, atan, clip, cos, sin, where
+from stribeck.constants import Constant, show
+from stribeck.drives.base import Column
+from stribeck.expressions.ops import Value, atan, both, clip, cos, sin, where
+from stribeck.plants.base import Own, Plant
 
 _LEAST_GAIN = 1.0  # Pa/s by opening; an open valve gives some 1e6
+_AT_COVER = 1e-6  # share of the stroke within which the piston is at a cover
 
 
-class Cylinder:
+class Cylinder(Plant):
     """A piston between two chambers of gas, which a valve fills from the supply and empties to the atmosphere."""
 
-    kind = "pneumatic"
+    kind, meaning = "pneumatic", "a pneumatic cylinder with a servo-valve"
+    takes = Column("u", "V", "valve voltage")
+    states = (Column("p_1", "Pa", "pressure in chamber 1"), Column("p_2", "Pa", "pressure in chamber 2"))
+    must_start = ("y", "p_1", "p_2")
+    straight = "the piston of a cylinder does not turn"
     constants: ClassVar[dict[str, Constant]] = {
         "mass": Constant("kg", "mass of piston and load", above=0, example=2.9),
         "area": Constant("m^2", "cross-section of the piston", above=0, example=4.19e-4),
@@ -30,9 +38,48 @@ class Cylinder:
     }
 
     @staticmethod
-    def acceleration(p: Any, p_1: Value, p_2: Value, F: Value) -> Value:
+    def acceleration(p: Any, u: Value, F: Value, x: Own = ()) -> Value:
         """dv/dt in m/s^2 under the chambers' pressures and the friction force F (the paper's eq. 10)."""
+        p_1, p_2 = x
         return (p.area * (p_1 - p_2) - F) / p.mass
+
+    @staticmethod
+    def rates(p: Any, y: Value, v: Value, u: Value, F: Value, x: Own) -> Own:
+        """dp_1/dt and dp_2/dt at the valve voltage u, Pa/s; ``p.supply_droop`` where the supply is not constant."""
+        p_1, p_2 = x
+        q_1, q_2 = Cylinder.flows(p, p_1, p_2, u, getattr(p, "supply_droop", 0.0))
+        return Cylinder.pressure_rates(p, y, v, p_1, p_2, q_1, q_2)
+
+    @staticmethod
+    def inside(p: Any, y: Value) -> Value | None:
+        """The equations end where the piston meets a cover."""
+        return both(y >= 0, y <= p.stroke)
+
+    @staticmethod
+    def ended(p: Any, t: float, y: float, v: float) -> str | None:
+        """At which cover the piston is."""
+        cover = 0.0 if v < 0 else p.stroke
+        if abs(y - cover) > _AT_COVER * p.stroke:
+            return None
+        return f"the piston reached the end of its stroke, y = {cover:g} m, at t = {t:.6g} s with v = {v:.4g} m/s"
+
+    @classmethod
+    def state_scales(cls, p: Any, length: float, speed: float, force: float) -> tuple[float, ...]:
+        """The pressures that make the friction force."""
+        return (force / p.area, force / p.area)
+
+    @staticmethod
+    def problems(p: Any, initial: Mapping[str, float]) -> list[tuple[str, str]]:
+        """A start outside the stroke, and pressures that cannot be."""
+        found = []
+        for name, highest in (("y", p.stroke), ("p_1", float("inf")), ("p_2", float("inf"))):
+            if not 0 <= initial[name] <= highest:
+                allowed = f"within the stroke, 0 to {p.stroke:g} m" if name == "y" else "an absolute pressure >= 0 Pa"
+                found.append((f"initial.{name}", f"{show(initial[name])}: must be {allowed}"))
+        if p.supply_pressure <= p.atmospheric_pressure:
+            text = f"must be above plant.atmospheric_pressure ({p.atmospheric_pressure:g} Pa)"
+            found.append(("supply_pressure", f"{show(p.supply_pressure)}: {text}"))
+        return found
 
     @staticmethod
     def volumes(p: Any, y: Value) -> tuple[Value, Value]:

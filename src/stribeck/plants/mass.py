@@ -6,22 +6,28 @@ from typing import Any, ClassVar
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value
+from stribeck.plants.base import Own, Plant
 
 
-class Mass:
+class Mass(Plant):
     """A rigid body that a drive pushes and friction holds back."""
 
-    kind = "mass"
+    kind, meaning = "mass", "a single body"
     constants: ClassVar[dict[str, Constant]] = {
         "mass": Constant("kg", "mass of the body", above=0, rotary_unit="kg m^2")
     }
 
     @staticmethod
-    def acceleration(p: Any, u: Value, F: Value) -> Value:
+    def acceleration(p: Any, u: Value, F: Value, x: Own = ()) -> Value:
         """dv/dt in m/s^2 under the drive's force u and the friction force F, N."""
         return (u - F) / p.mass
 
     @staticmethod
-    def kinetic_energy(p: Any, v: Value) -> Value:
+    def stored_energy(p: Any, y: Value, v: Value, x: Own) -> Value:
         """Kinetic energy, J."""
         return p.mass * v**2 / 2
+
+    @staticmethod
+    def inertia(p: Any) -> Any:
+        """The mass; None where none is given, as a drive that sets the velocity needs none."""
+        return getattr(p, "mass", None)

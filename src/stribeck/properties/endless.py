@@ -10,7 +10,7 @@ import numpy as np
 from stribeck.expressions.graph import wrap
 from stribeck.expressions.ranges import Box, Range
 from stribeck.properties import cycles, replay
-from stribeck.properties.claims import Claims
+from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
 from stribeck.properties.prover.search import Work
 from stribeck.properties.storage import Storage, own_speeds
@@ -47,7 +47,7 @@ def steady_gain(model: Model, storage: Storage) -> Verdict | None:
     return None
 
 
-def without_limit(model: Model, claims: Claims, storage: Storage, unrestricted: bool) -> Verdict | None:
+def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestricted: bool) -> Verdict | None:
     """A range of z on which unwinding gives back the more energy the faster it is, without end."""
     law = model.law
     fast = own_speeds(law)[-1] * 1e4
@@ -65,7 +65,7 @@ def without_limit(model: Model, claims: Claims, storage: Storage, unrestricted: 
 
 
 def unwinding(
-    model: Model, claims: Claims, sides: tuple[int, int], fast: float, top: float, share: float
+    model: Model, claims: ClaimProver, sides: tuple[int, int], fast: float, top: float, share: float
 ) -> Verdict | None:
     """From z = t ``top`` down to (1 - ``share``) of it at v = s u, u >= ``fast``: energy shown to be given back, like u."""
     law, (s, t) = model.law, sides

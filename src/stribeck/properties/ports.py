@@ -8,12 +8,12 @@ from time import process_time
 from typing import Any
 
 from stribeck.constants import Constant, show
-from stribeck.drives import KINDS as DRIVES
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.graph import wrap
 from stribeck.laws.base import Law
 from stribeck.machine.links import Link
 from stribeck.machine.loads import Pendulum
+from stribeck.plants import Mass
 from stribeck.properties import WORK, check
 from stribeck.properties.claims import NULL
 from stribeck.properties.level import check_varied
@@ -177,7 +177,7 @@ def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerd
     drive = f"{scenario.drive.kind}: {scenario.drive.meaning}"
     found = MachineVerdicts(scenario.name, {ONLY: _of_law(Varied(law, {}), v_max, work)}, {ONLY: {}})
     found.ports = {"drive": drive}
-    _judge(found, alone=scenario.servo is None and scenario.drive.kind in DRIVES)
+    _judge(found, alone=scenario.plant is Mass)
     return found
 
 

@@ -10,6 +10,8 @@ import numpy as np
 
 from stribeck.analysis.comparison import compared
 from stribeck.constants import rotary_words
+from stribeck.control import Cascade
+from stribeck.drives import Drive
 from stribeck.report import machines, plots
 from stribeck.report.page import FigureSvg
 from stribeck.report.panels import ENERGY, Panel
@@ -30,7 +32,7 @@ _FRICTION = (
     Panel("F", "friction against velocity", x="v", near_rest=True),
     Panel("F", "friction against position", x="y"),
 )
-_SERVO = (
+_CASCADE = (
     Panel("y", "position", also=", and its desired course", beside=("y_d",)),
     Panel("e", "position error after the transient", settled=True),
     Panel("p_1", "pressure in chamber 1"),
@@ -40,6 +42,7 @@ _SERVO = (
     Panel("F", "friction force", also=", and what the controller assumes", beside=("F_hat",), alone=True),
     Panel("F", "friction against velocity", x="v", near_rest=True),
 )
+_OF_DRIVE: dict[type[Drive], tuple[Panel, ...]] = {Cascade: _CASCADE}  # where a drive has more to see than a force
 
 
 def panels(solution: Solution) -> tuple[Panel, ...]:
@@ -47,8 +50,8 @@ def panels(solution: Solution) -> tuple[Panel, ...]:
     known = {"t", *(column.name for column in solution.columns)}
     if solution.scenario.rig is not None:
         return machines.panels(solution.scenario.rig.machine)
-    if solution.scenario.servo is not None:
-        return _SERVO
+    if (own := _OF_DRIVE.get(solution.scenario.drive)) is not None:
+        return own
     if "I" in known:
         error = Panel("e", "control error after the transient", settled=True)
         first = [Panel("y", "position", also=", and its setpoint", beside=("r",)), error]

@@ -83,7 +83,7 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
     found |= {c.name: Quantity(c.name, c.unit, c.meaning, solution[c.name]) for c in solution.columns}
     if "r" in found and "I" in found:
         found["e"] = Quantity("e", found["y"].unit, "control error y - r", solution["y"] - solution["r"])
-    elif "e" in found and solution.scenario.servo is not None:
+    elif "e" in found:
         found["y_d"] = Quantity("y_d", found["y"].unit, "desired position", solution["y"] - solution["e"])
     return found
 

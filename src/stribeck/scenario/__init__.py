@@ -13,17 +13,16 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import kind_of
-from stribeck.control.cascade import Cascade
-from stribeck.control.servo_system import ServoSystem
 from stribeck.drives import Drive
 from stribeck.equations import Equations
 from stribeck.errors import InputError, printable
 from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
-from stribeck.scenario import memory, servo, tables
+from stribeck.plants import Plant
+from stribeck.scenario import memory, tables
 from stribeck.scenario.changes import changed, parse_assignment, plain, unfolds
-from stribeck.scenario.reader import Parts, Reader
-from stribeck.scenario.servo import Servo
+from stribeck.scenario.parts import Parts, Settings
+from stribeck.scenario.reader import Reader
 from stribeck.scenario.trust import named
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, pieces
@@ -90,6 +89,8 @@ class Scenario:
     def with_values(self, **values: Any) -> Scenario:
         """This scenario with other values of law, mass, initial state or signal, of the same structure; not judged. Its
         ``data`` stay as they are."""
+        if "mass" in values:
+            values["plant_values"] = {**self.plant_values, "mass": values.pop("mass")}
         other = object.__new__(Scenario)
         other._set(self.data, self.folder, dataclasses.replace(self.parts, **values))
         return other
@@ -149,11 +150,12 @@ class Scenario:
     data: dict[str, Any]
     folder: Path
     parts: Parts
-    drive: type[Drive] | type[Cascade]
+    plant: type[Plant]
+    plant_values: dict[str, float]
+    drive: type[Drive]
     signal: Signal
     rig: Rig | None = None  # a machine (schema = 2) with its values; it has no law, drive and signal of its own
-    mass: float | None = None
-    servo: Servo | None = None  # what a servo has beside law, drive constants and signal
+    settings: Settings = Settings()  # what the drive has beside its constants and its signal
     initial: dict[str, float]
     drive_values: dict[str, float]
     solve: tables.Solve
@@ -180,11 +182,22 @@ class Scenario:
 
     def __getattr__(self, name: str) -> Any:
         """What only a law on a single body has, asked of a machine."""
-        if name in ("drive", "drive_values", "signal") and self.__dict__.get("rig") is not None:
+        if (
+            name in ("drive", "drive_values", "plant", "plant_values", "signal")
+            and self.__dict__.get("rig") is not None
+        ):
             raise InputError(
                 f"{self.name}: schema = 2: is a machine, and this takes a law on a single body (schema = 1)"
             )
         raise AttributeError(f"'Scenario' object has no attribute {name!r}")
+
+    @property
+    def mass(self) -> float | None:
+        """The mass that the drive moves without anything between, kg (kg m^2); None where there is none."""
+        if self.rig is not None:
+            return None
+        mass: float | None = self.plant.inertia(SimpleNamespace(**self.plant_values))
+        return mass
 
     @property
     def subject(self) -> str:
@@ -227,11 +240,7 @@ class Scenario:
         """The structure of the equations, without values."""
         if self.rig is not None:
             return self.rig.machine
-        if self.servo is not None:
-            return self.servo.system(self.law, type(self.signal), "supply_droop" in self.drive_values)
-        assert issubclass(self.drive, Drive)
-        smooth = type(self.signal) if self.signal.smooth else None
-        return System(type(self.law), self.law.form, self.drive, smooth, self.output.energy)
+        return self.parts.system()
 
     @cached_property
     def threshold(self) -> float:
@@ -264,14 +273,14 @@ class Scenario:
         system = self.system
         if self.rig is not None:
             return self.rig.columns(t, states, held or {}, self.end)
-        assert isinstance(system, System | ServoSystem)
-        if isinstance(system, ServoSystem):
+        assert isinstance(system, System)
+        if system.drive.differentiates:
             return system.table({**self.values(), **self.signal_values(t)}, t, states)
         return system.quantities(self.groups(), self.signal.at(t), states)
 
     def groups(self) -> Groups:
         """The constants by owner, for evaluating the system's equations with NumPy."""
-        plant, drive = SimpleNamespace(mass=self.mass), SimpleNamespace(**self.drive_values)
+        plant, drive = SimpleNamespace(**self.plant_values), SimpleNamespace(**self.drive_values)
         return Groups(self.law.p, plant, drive, SimpleNamespace(**self.signal.values))
 
     def signal_values(self, t: Array) -> dict[tuple[str, str], Any]:
@@ -285,8 +294,8 @@ class Scenario:
         found = {("law", n): v for n, v in self.law.p.numbers.items()}
         found |= {("drive", n): v for n, v in self.drive_values.items()}
         found |= {("signal", n): v for n, v in self.signal.values.items()} if self.signal.smooth else {}
-        found |= self.servo.values() if self.servo else {}
-        return found if self.mass is None else {**found, ("plant", "mass"): self.mass}
+        found |= {("plant", n): v for n, v in self.plant_values.items()}
+        return found | self.settings.values()
 
     def atol(self, constants: Groups | None = None) -> dict[str, float]:
         """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale.
@@ -300,11 +309,10 @@ class Scenario:
         scales = self.law.scales(q.law)
         natural = {"y": scales.length, "v": scales.speed, "z": scales.length}
         natural |= dict.fromkeys(("E_in", "E_dissipated"), scales.force * scales.length)
-        if self.servo is not None:
-            natural |= servo.atol_scales(self.servo, self.law)
-        elif issubclass(self.drive, Drive):
-            own = self.drive.state_scales(q.drive, scales.length, scales.force)
-            natural |= dict(zip((s.name for s in self.drive.states), own, strict=True))
+        assert isinstance(self.system, System)
+        own = self.plant.state_scales(q.plant, scales.length, scales.speed, scales.force)
+        natural |= dict(zip((s.name for s in self.plant.states), own, strict=True))
+        natural |= self.system.drive.scales(q.drive, scales.length, scales.force)
         return {s.name: self.solve.atol.get(s.name, _ATOL_SHARE * rtol * natural[s.name]) for s in self.system.states}
 
     def atol_of(self, rig: Rig) -> dict[str, float]:

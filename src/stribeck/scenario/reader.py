@@ -3,43 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from types import SimpleNamespace
+from typing import Any
 
 from stribeck.constants import kind_of, show
-from stribeck.control.cascade import Cascade
-from stribeck.control.observer import SCALES
-from stribeck.drives import Drive
-from stribeck.equations import Equations
 from stribeck.errors import nearest
-from stribeck.laws.base import Law
-from stribeck.scenario import memory, servo, tables, trust
+from stribeck.plants import Mass
+from stribeck.scenario import memory, tables, trust
+from stribeck.scenario.drives import DRIVES, drive_table, find_plant, settings
 from stribeck.scenario.law import LawReader, no_table, unknown
+from stribeck.scenario.parts import Parts
 from stribeck.scenario.signal import read_signal
-from stribeck.signals import Signal
-from stribeck.system import System
-
-if TYPE_CHECKING:
-    from stribeck.scenario.machine import Rig
 
 _TABLES = ("law", "plant", "drive", "solve", "output")
-
-
-@dataclass(frozen=True)
-class Parts:
-    """What a scenario is made of; None where there is no such part, or none that is valid."""
-
-    law: Law | None = None
-    drive: type[Drive] | type[Cascade] | None = None
-    drive_values: dict[str, float] | None = None
-    signal: Signal | None = None
-    mass: float | None = None
-    servo: servo.Servo | None = None
-    rig: Rig | None = None
-    initial: dict[str, float] | None = None
-    solve: tables.Solve | None = None
-    output: tables.Output | None = None
 
 
 class Reader:
@@ -157,17 +135,17 @@ class Reader:
     def _drive(self) -> None:
         table = self.data.get("drive")
         if not isinstance(table, dict):
-            kinds = ", ".join(tables.DRIVES)
+            kinds = ", ".join(DRIVES)
             text = f"missing: the table [drive] must be given (with kind, one of {kinds}, and signal)"
             self.problems.append(("drive", text if table is None else no_table(table)))
             return
-        kind = self._kind(table, "drive", tables.DRIVES, tables.drive_table)
+        kind = self._kind(table, "drive", DRIVES, drive_table)
         if kind is not None:
-            values, found = tables.validate(tables.drive_table(kind), table, "drive")
+            values, found = tables.validate(drive_table(kind), table, "drive")
             self.problems += [p for p in found if p[0] != "drive.signal" or "signal" not in table]
-            self._found(drive=tables.DRIVES[kind])
+            self._found(drive=DRIVES[kind])
             if values is not None:
-                given = {n: getattr(values, n) for n in tables.DRIVES[kind].constants}
+                given = {n: getattr(values, n) for n in DRIVES[kind].constants}
                 self._found(drive_values={n: x for n, x in given.items() if x is not None})
                 self.drive_table = values
         if "signal" in table:
@@ -212,53 +190,46 @@ class Reader:
             self.data["plant"] = {}
         if drive is None:  # whether a mass must be given depends on the drive
             if "plant" in self.data:
-                found = tables.validate(tables.plant_table(True), self.data["plant"], "plant")[1]
+                found = tables.validate(tables.plant_table(Mass, False), self.data["plant"], "plant")[1]
                 self.problems += [p for p in found if not p[1].startswith("missing")]
             return
-        if drive is Cascade:
-            if self.data.get("rotary") is True:
-                self.problems.append(("rotary", "true: must be left out: the piston of a cylinder does not turn"))
-            self._servo()
+        given = self.data.get("plant")
+        name = given.get("kind") if isinstance(given, dict) else None
+        if trust.in_a_file(name) and not self.executes:
+            return  # what it takes is not known yet
+        plant, text = find_plant(name, drive, self.folder)
+        if text is not None:
+            self.problems.append(("plant.kind", text))
             return
-        table = self._table(tables.plant_table(not moved), "plant")
+        if self.data.get("rotary") is True and plant.straight:
+            self.problems.append(("rotary", f"true: must be left out: {plant.straight}"))
+        own = str(name) if trust.in_a_file(name) else ""
+        table = self._table(tables.plant_table(plant, moved, own), "plant")
         if table is not None:
-            self._found(mass=None if moved else table.mass, initial={"v": 0.0, **dict(table.initial)})
-
-    def _servo(self) -> None:
-        """The plant and the controller of a servo."""
-        values, table = self.drive_table, self.data["drive"].get("observer")
-        plant = self._table(tables.cylinder_table(), "plant")
-        law = self.parts.law
-        observer, found, known = None, list[tables.Problem](), True
-        if isinstance(table, dict):
-            known = self.executes or not trust.in_a_file(table.get("name"))
-            observer, found = servo.read_observer(table, law, self.folder) if known else (None, [])
-        found += servo.misplaced(values, observer if known and not found else ...) if values is not None else []
-        self.problems += found
-        if plant is not None and values is not None and not found:
-            initial = {**dict(plant.initial), **{scale.name: 1.0 for scale in SCALES}}
-            self._found(initial=initial, servo=servo.assembled(observer, plant, values))
+            values = {} if moved else {n: getattr(table, n) for n in plant.constants}
+            self._found(plant=plant, plant_values=values, initial={**drive.starts, "v": 0.0, **dict(table.initial)})
+        read = settings(drive).read
+        beside, problems = read(self.drive_table, self.data["drive"], self.parts.law, table, self.folder, self.executes)
+        self.problems += problems
+        self._found(settings=beside)
 
     def _together(self) -> None:
         """What can only be judged with several tables in hand, as far as they are valid."""
         s = self.parts
-        law, drive, initial = s.law, s.drive, s.initial or {}
+        law, drive, plant, initial = s.law, s.drive, s.plant, s.initial or {}
         if law is not None and not law.has_z and initial.get("z"):
             self.problems.append(("plant.initial.z", f"{initial['z']}: law '{law.name}' has no z; leave it out"))
         if law is None or drive is None:
             return
-        energy = s.output is not None and s.output.energy
-        system: Equations
-        if issubclass(drive, Cascade):
-            if energy:
-                self.problems.append(("output.energy", "true: must be false for a servo, whose energy is the column V"))
-            if s.servo is None or s.signal is None or self.problems:
-                return
-            system = s.servo.system(law, type(s.signal), "supply_droop" in (s.drive_values or {}))
-            if s.solve:
-                self.problems += servo.judge(s.servo, law, s.signal, s.solve.t_end, initial)
-        else:
-            system = System(type(law), law.form, drive, None, energy)
+        if s.output is not None and s.output.energy and drive.no_energy:
+            self.problems.append(("output.energy", f"true: must be false {drive.no_energy}"))
+        if s.settings is None:
+            return
+        if not self.problems and s.signal is not None and s.solve is not None and plant is not None:
+            whole = SimpleNamespace(**s.plant_values or {})
+            self.problems += [(f"plant.{key}", text) for key, text in plant.problems(whole, initial)]
+            self.problems += s.settings.judge(s)
+        system = s.system()
         self._tolerances([state.name for state in system.states])
         if law.jumps_at_rest and not drive.sets_velocity:
             smooth = "k_v" in law.constants()

@@ -9,19 +9,18 @@ import json
 from pathlib import Path
 from typing import Any
 
-from stribeck import drives, laws, parameter_sets
+from stribeck import drives, laws, parameter_sets, plants
 from stribeck.constants import Constant
-from stribeck.control.cascade import Cascade
-from stribeck.control.servo_system import ServoSystem
+from stribeck.drives.base import FORCE
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.form import USUAL
 from stribeck.machine import controllers as machine_controllers
 from stribeck.machine import loads as machine_loads
 from stribeck.machine.links import Link
 from stribeck.scenario import tables
+from stribeck.scenario.cascade import NONE
+from stribeck.scenario.drives import DRIVES, drive_table, plants_of, settings
 from stribeck.scenario.machine import tables as machine_tables
-from stribeck.scenario.servo import NONE
-from stribeck.signals import Sine
 from stribeck.system import System
 
 Node = dict[str, Any]
@@ -61,9 +60,6 @@ def _common(version: int) -> Node:
 
 def _body() -> Node:
     """A law on a single body: schema = 1."""
-    moved = {"properties": {"drive": {"properties": {"kind": {"const": _moving()}}, "required": ["kind"]}}}
-    velocity_is_set = {"properties": {"plant": {"properties": {"initial": {"properties": {"v": False}}}}}}
-    mass_is_needed = {"properties": {"plant": {"required": ["mass"]}}, "required": ["plant"]}
     return {
         **_object(
             {
@@ -71,21 +67,41 @@ def _body() -> Node:
                 "rotary": {"type": "boolean", "description": "the machine turns: N m for N, rad for m, kg m^2 for kg"},
                 "law": {"$ref": "#/$defs/law"},
                 "plant": {"description": "what friction acts on"},
-                "drive": {"oneOf": [_drive(kind) for kind in tables.DRIVES], "description": "what moves it"},
+                "drive": {"oneOf": [_drive(kind) for kind in DRIVES], "description": "what moves it"},
                 "solve": _solve(),
                 "output": _model(tables.Output),
             },
             ["schema", "law", "drive", "solve", "output"],
         ),
-        "if": {"properties": {"drive": {"properties": {"kind": {"const": Cascade.kind}}, "required": ["kind"]}}},
-        "then": {"properties": {"plant": _model(tables.cylinder_table())}, "required": ["plant"]},
-        "else": {
-            "properties": {"plant": {**_model(tables.plant_table(True)), "required": []}},
-            "if": moved,
-            "then": velocity_is_set,
-            "else": mass_is_needed,
-        },
+        **_plants(),
     }
+
+
+def _plants() -> Node:
+    """[plant], which depends on the drive."""
+
+    def driven_by(kind: str) -> Node:
+        return {"properties": {"drive": {"properties": {"kind": {"const": kind}}, "required": ["kind"]}}}
+
+    own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
+    others = [plant for plant in plants.KINDS.values() if plant.takes == FORCE and plant is not plants.Mass]
+    pushed = [*(_model(tables.plant_table(plant, False)) for plant in others), own]
+    mass = {**_model(tables.plant_table(plants.Mass, False)), "required": []}
+    velocity_is_set = {"properties": {"plant": {"properties": {"initial": {"properties": {"v": False}}}}}}
+    other_kind = {"required": ["kind"], "properties": {"kind": {"not": {"const": plants.Mass.kind}}}}
+    mass_is_needed = {"properties": {"plant": {"anyOf": [{"required": ["mass"]}, other_kind]}}, "required": ["plant"]}
+    found: Node = {
+        "properties": {"plant": {"anyOf": [mass, *pushed]}},
+        "if": driven_by(_moving()),
+        "then": velocity_is_set,
+        "else": mass_is_needed,
+    }
+    for kind, drive in DRIVES.items():
+        if drive.gives != FORCE:
+            nodes = [_model(tables.plant_table(plant, False)) for plant in plants_of(drive).values()]
+            then = {"properties": {"plant": {"anyOf": [*nodes, own]}}, "required": ["plant"]}
+            found = {"if": driven_by(kind), "then": then, "else": found}
+    return found
 
 
 def machine_schema() -> Node:
@@ -245,22 +261,25 @@ def _somewhere(name: str) -> Node:
 
 
 def _drive(kind: str) -> Node:
-    node, signal = _model(tables.drive_table(kind)), tables.DRIVES[kind].signal
-    if kind == Cascade.kind:
+    drive = DRIVES[kind]
+    node = _model(drive_table(kind))
+    for key in settings(drive).laws:
         without = _object({"name": {"const": NONE, "description": "no compensation"}}, ["name"])
         observers = [_observer(law) for law in laws.builtin().values() if law.claims.smooth is not False]
-        node["properties"]["observer"] = {"oneOf": [without, *observers, _own_law()]}
-    node["properties"]["signal"] = {"$ref": "#/$defs/signal", "description": f"{signal.meaning}, {signal.unit}"}
+        node["properties"][key] = {"oneOf": [without, *observers, _own_law()]}
+    about = f"{drive.signal.meaning}, {drive.signal.unit}"
+    node["properties"]["signal"] = {"$ref": "#/$defs/signal", "description": about}
     return node
 
 
 def _solve() -> Node:
     node = _model(tables.Solve)
-    systems: list[System | ServoSystem] = [
-        System(laws.BristleLaw, USUAL, drive, None, energy=True) for drive in drives.KINDS.values()
-    ]
-    systems.append(ServoSystem(laws.BristleLaw, USUAL, laws.BristleLaw, USUAL, Sine, adaptive=True))
-    states = dict.fromkeys(state.name for system in systems for state in system.states)
+    states: dict[str, None] = {}
+    for drive in DRIVES.values():
+        fullest = settings(drive).fullest(drive)
+        for plant in plants_of(drive).values():
+            system = System(laws.BristleLaw, USUAL, fullest, None, not drive.no_energy, plant)
+            states |= dict.fromkeys(state.name for state in system.states)
     node["properties"]["atol"]["propertyNames"] = {"enum": sorted(states)}
     return node
 

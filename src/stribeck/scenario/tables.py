@@ -8,20 +8,18 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
-from stribeck import drives, signals
+from stribeck import signals
 from stribeck.constants import Constant, kind_of, show
-from stribeck.control.cascade import Cascade
-from stribeck.control.observer import Adaptation
+from stribeck.drives.base import Column
 from stribeck.errors import nearest
-from stribeck.plants.cylinder import Cylinder
-from stribeck.plants.mass import Mass
+from stribeck.plants import Mass, Plant
 
 Problem = tuple[str, str]  # path, message
 
-DRIVES: dict[str, type[drives.Drive] | type[Cascade]] = {**drives.KINDS, Cascade.kind: Cascade}
 SIGNALS: dict[str, type[signals.Signal]] = signals.KINDS
 
 RTOL_SMALLEST, RTOL_LARGEST = 1e-13, 0.1
+_Y, _V, _Z = Column("y", "m", "position"), Column("v", "m/s", "velocity"), Column("z", "m", "bristle deflection")
 
 
 class Table(BaseModel):
@@ -50,31 +48,6 @@ class Output(Table):
     energy: bool = Field(False, description="add the columns E_in, E_stored and E_dissipated, J")
 
 
-class Initial(Table):
-    """The state at t = 0."""
-
-    y: float = Field(0.0, description="position, m")
-    v: float = Field(0.0, description="velocity, m/s")
-    z: float = Field(0.0, description="bristle deflection, m")
-
-
-class InitialAtVelocity(Table):
-    """The state at t = 0 where the drive sets the velocity."""
-
-    y: float = Field(0.0, description="position, m")
-    z: float = Field(0.0, description="bristle deflection, m")
-
-
-class InitialServo(Table):
-    """The state of a servo at t = 0."""
-
-    y: float = Field(description="position, m")
-    v: float = Field(0.0, description="velocity, m/s")
-    z: float = Field(0.0, description="bristle deflection, m")
-    p_1: float = Field(description="pressure in chamber 1, Pa")
-    p_2: float = Field(description="pressure in chamber 2, Pa")
-
-
 def number(constant: Constant, left_out: bool = False) -> tuple[Any, Any]:
     """A constant's declaration as a pydantic field; ``left_out``: None where it is not given."""
     unit = f", {constant.unit}" if constant.unit else ""
@@ -85,75 +58,48 @@ def number(constant: Constant, left_out: bool = False) -> tuple[Any, Any]:
     return (float | None if left_out or constant.optional else float, field)
 
 
-@cache
-def plant_table(mass_needed: bool) -> type[Table]:
-    """The model of [plant]."""
-    mass: Any = number(Mass.constants["mass"])
-    if not mass_needed:
-        mass = (float | None, Field(None, gt=0, description=f"{Mass.constants['mass'].meaning}, kg (not used)"))
-    initial: Any = Initial if mass_needed else InitialAtVelocity
+def initial_table(plant: type[Plant], moved: bool) -> type[Table]:
+    """The model of [plant.initial]; ``moved``: by a drive that sets the velocity."""
+    columns = [_Y, *(() if moved else (_V,)), _Z, *plant.states]
     fields: dict[str, Any] = {
-        "kind": (Literal["mass"], Field("mass", description="a single body")),
-        "mass": mass,
-        "initial": (initial, Field(default_factory=initial)),
+        c.name: (float, Field(... if c.name in plant.must_start else 0.0, description=f"{c.meaning}, {c.unit}"))
+        for c in columns
+    }
+    return create_model("Initial", __base__=Table, __doc__="The state at t = 0.", **fields)
+
+
+def plant_table(plant: type[Plant], moved: bool, name: str = "") -> type[Table]:
+    """The model of [plant]; ``moved``: by a drive that sets the velocity, which needs no mass; ``name``: what the kind is
+    called in the file, if not its name."""
+    kind: Any = plant
+    return _plant_table(kind, moved, name or plant.kind)
+
+
+@cache
+def _plant_table(plant: Any, moved: bool, name: str) -> type[Table]:
+    initial: Any = initial_table(plant, moved)
+    if needed := plant.must_start:
+        text = f"the state at t = 0, with {', '.join(needed[:-1])} and {needed[-1]}"
+        start = (initial, Field(description=text))
+    else:
+        start = (initial, Field(default_factory=initial))
+    fields: dict[str, Any] = {
+        "kind": (Literal[name], Field(name if plant is Mass else ..., description=plant.meaning)),
+        **{name: _unused(constant) if moved else number(constant) for name, constant in plant.constants.items()},
+        "initial": start,
     }
     return create_model("Plant", __base__=Table, **fields)
 
 
-@cache
-def cylinder_table() -> type[Table]:
-    """The model of [plant] for a pneumatic cylinder."""
-    fields: dict[str, Any] = {
-        "kind": (Literal[Cylinder.kind], Field(description="a pneumatic cylinder with a servo-valve")),
-        **{name: number(constant) for name, constant in Cylinder.constants.items()},
-        "initial": (InitialServo, Field(description="the state at t = 0, with y, p_1 and p_2")),
-    }
-    return create_model("CylinderPlant", __base__=Table, **fields)
+def _unused(constant: Constant) -> tuple[Any, Any]:
+    return (float | None, Field(None, gt=constant.above, description=f"{constant.meaning}, {constant.unit} (not used)"))
 
 
-def _given(name: str, about: str, constants: dict[str, Constant], all_optional: bool) -> Any:
+def given_table(name: str, about: str, constants: dict[str, Constant], all_optional: bool) -> Any:
     """A table of constants that may be left out."""
     fields: dict[str, Any] = {n: number(c, left_out=all_optional) for n, c in constants.items()}
     model: Any = create_model(name, __base__=Table, __doc__=about, **fields)
     return (model, Field(default_factory=model, description=about))
-
-
-def _cascade_fields() -> dict[str, Any]:
-    """What the drive of a servo has beside its constants."""
-    known, adapted = (
-        "plant constants that the controller takes for true",
-        "gains of the adaptation, with adaptive = true",
-    )
-    noise = "standard deviation of the measured position, m"
-    return {
-        "sample_time": (float | None, Field(None, gt=0, description="the controller computes every so many s; off: always")),
-        "delay": (float, Field(0.0, ge=0, description="time from measuring to acting, s")),
-        "noise": (float, Field(0.0, ge=0, description=noise)),
-        "quantisation": (float, Field(0.0, ge=0, description="step of the measured position, m")),
-        "bandwidth": (
-            float | None, Field(None, gt=0, description="of the filter that estimates velocity and acceleration, rad/s")
-        ),
-        "seed": (int, Field(0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise")),
-        "adaptive": (bool, Field(False, description="adapt sigma_0, sigma_1, sigma_2 and the level F_c on line")),
-        "adaptation": _given("Adaptation", adapted, Adaptation.constants, False),
-        "model": _given("Model", known, Cylinder.constants, True),
-        "observer": (
-            dict[str, Any],
-            Field(description="the law that the controller takes for true: name ('none' for no compensation), its own "
-                  "constants, and parameters where they differ from the plant's"),
-        ),
-    }  # fmt: skip
-
-
-@cache
-def drive_table(kind: str) -> type[Table]:
-    """The model of [drive] for a kind of drive; its signal is a table of its own."""
-    drive = DRIVES[kind]
-    fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=drive.meaning))}
-    fields |= {name: number(constant) for name, constant in drive.constants.items()}
-    fields |= _cascade_fields() if drive is Cascade else {}
-    fields["signal"] = (dict[str, Any], Field(description=f"{drive.signal.meaning}, {drive.signal.unit}"))
-    return create_model(f"{kind.capitalize()}Drive", __base__=Table, __doc__=drive.meaning, **fields)
 
 
 @cache

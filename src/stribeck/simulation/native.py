@@ -88,19 +88,17 @@ def damping_ratio(scenario: Scenario) -> float:
     """Of a body on its bristles, at rest; infinite where there is no such thing."""
     if scenario.rig is not None:  # a machine has many bodies and contacts
         return float("inf")
-    return float(damping_of(scenario, scenario.groups() if scenario.servo is None else None))
+    return float(damping_of(scenario, scenario.groups()))
 
 
-def damping_of(scenario: Scenario, constants: Groups | None) -> Value:
-    """The damping ratio of the scenario's body with other values (None: its own), as numbers or as expressions."""
-    p = scenario.law.p if constants is None else constants.law
-    mass = scenario.mass if constants is None else getattr(constants.plant, "mass", None)
+def damping_of(scenario: Scenario, constants: Groups) -> Value:
+    """The damping ratio of the scenario's body with these values, as numbers or as expressions."""
+    p, mass = constants.law, scenario.plant.inertia(constants.plant)
     sigma_0 = getattr(p, "sigma_0", None)
     if sigma_0 is None or mass is None or scenario.drive.sets_velocity or not scenario.law.has_z:
         return float("inf")
     given = [getattr(p, name, None) for name in ("sigma_1", "sigma_2")]
-    K_d = scenario.drive_values.get("K_d", 0.0) if constants is None else getattr(constants.drive, "K_d", 0.0)
-    return (sum(x for x in given if x is not None) + K_d) / (2 * sqrt(sigma_0 * mass))
+    return (sum(x for x in given if x is not None) + getattr(constants.drive, "K_d", 0.0)) / (2 * sqrt(sigma_0 * mass))
 
 
 def check(library: ctypes.CDLL) -> None:

@@ -11,9 +11,8 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.control.sampled import Held, Interval
-from stribeck.control.sampled import intervals as sampled_intervals
-from stribeck.control.servo_system import ServoSystem
 from stribeck.scenario import Scenario
+from stribeck.system import System
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tup
     every = [each for lane in lanes for each in lane]
     if not every:
         return 1, np.zeros((0, 0))
-    room = max(ceil(each["delay"] / each["period"]) for each in every) + 2
+    room = max(ceil(min(each["delay"], end) / each["period"]) for each in every) + 2  # later ones never act
     count = max((floor(end / each["period"]) + 2 for each in every if each["noise"]), default=0)
     noise = [np.random.default_rng(int(each["seed"])).standard_normal(count) for each in lanes[0]]
     return room, np.array(noise)
@@ -58,20 +57,10 @@ def intervals(scenario: Scenario, log: Held) -> Generator[Interval, Array, None]
     if scenario.rig is not None:
         yield scenario.end, {}
         return
-    system, signal = scenario.system, scenario.signal
-    if scenario.servo is not None and scenario.servo.sampling is not None:
-        assert isinstance(system, ServoSystem)
-        yield from sampled_intervals(system, scenario.servo.sampling, scenario.values(), signal, scenario.end, log)
-    elif not signal.smooth:
-        yield scenario.end, {}
-    else:
-        pieces = [(start, values) for start, values in signal.pieces if start < scenario.end]
-        ends = [*(start for start, _ in pieces[1:]), scenario.end]
-        for (_, values), end in zip(pieces, ends, strict=True):
-            yield end, {("signal", name): value for name, value in values.items()}
+    assert isinstance(scenario.system, System)
+    yield from scenario.settings.stretches(scenario.system, scenario.values(), scenario.signal, scenario.end, log)
 
 
 def ended(scenario: Scenario, t: float, x: Array) -> str | None:
     """Why equations that are no longer finite ended, where the plant says why."""
-    system = scenario.system
-    return system.ended(scenario.values(), t, x) if isinstance(system, ServoSystem) else None
+    return scenario.system.ended(scenario.values(), t, x)

@@ -7,18 +7,13 @@ from pathlib import Path
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-
 from stribeck.codegen import source
-from stribeck.control.sampled import Held
 from stribeck.errors import BuildError, note
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import cache, compiler, fallback, native
 from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
-
-_SWING, _MOST_SWINGS = 0.02, 25  # of the valve's limit; turns in a quarter of a run that need no word
 
 
 def simulate(
@@ -68,45 +63,10 @@ def simulate(
         {"built": built, "build_seconds": build_seconds, "seconds": perf_counter() - started - build_seconds}
     )
     solution = Solution(scenario, result)
-    if scenario.servo is not None and solution.reason is None:
-        _say_if_limited(solution)
-        if result.log is not None:
-            _say_if_it_swings(solution, result.log)
+    if solution.reason is None:
+        for text in scenario.settings.remarks(scenario, solution, result.log):
+            note(text)
     return solution
-
-
-def _say_if_it_swings(solution: Solution, log: Held) -> None:
-    """Say that a sampled servo oscillates, when its valve goes to and fro to the end far more often than its path."""
-    scenario, end = solution.scenario, solution.scenario.end
-    swing = _SWING * scenario.drive_values["u_max"]
-    swings = _reversals([u for t, u in log.voltage if t >= 0.75 * end], swing)
-    waves = 0.25 * end / (8 * scenario.signal.longest_step)
-    if swings > max(_MOST_SWINGS, 6 * waves):
-        text = f"the valve goes to and fro {swings} times by more than {swing:g} V in the last quarter of the run"
-        note(f"{scenario.name}: {text}: sample_time, delay or noise are too large for these gains")
-
-
-def _reversals(values: list[float], swing: float) -> int:
-    """How often a sequence turns back by more than ``swing``."""
-    count, extreme, rising = 0, values[0] if values else 0.0, 0
-    for x in values:
-        if (x - extreme) * rising > 0 or (not rising and abs(x - extreme) > swing):
-            rising, extreme = (1 if x > extreme else -1), x
-        elif rising and abs(x - extreme) > swing:
-            count, rising, extreme = count + 1, -rising, x
-    return count
-
-
-def _say_if_limited(solution: Solution) -> None:
-    """Say that the valve of a servo ends at its limit, when it has been there for a tenth of the run."""
-    limit = solution.scenario.drive_values["u_max"]
-    free = np.flatnonzero(np.abs(solution["u"]) < limit * (1 - 1e-9))
-    first = free[-1] + 1 if len(free) else 0
-    if len(solution.t) - first > 0.1 * len(solution.t):
-        since = f"from t = {solution.t[first]:.4g} s to the end"
-        note(
-            f"{solution.scenario.name}: the valve is at its limit of {limit:g} V {since}: it cannot do what is asked of it"
-        )
 
 
 def _solve(library: object, scenario: Scenario, progress: Callable[[float], None] | None) -> Result:

@@ -15,7 +15,6 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
-from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces
@@ -53,7 +52,7 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
         from stribeck.simulation.machines import vary_machine
 
         return vary_machine(scenario, values)
-    simple = isinstance(scenario.system, System) and len(scenario.signal.pieces if scenario.signal.smooth else ()) <= 1
+    simple = not scenario.drive.differentiates and len(scenario.signal.pieces if scenario.signal.smooth else ()) <= 1
     return (Variations if simple else LaneByLane)(scenario, values)
 
 
@@ -209,7 +208,7 @@ class Variations:
         s = self.scenario
         tables: dict[str, Mapping[str, Constant]] = {
             "law": {**PARAMETERS, **s.law.constants()}, "drive": s.drive.constants, "signal": s.signal.constants,
-            "plant": Mass.constants, "initial": {},
+            "plant": s.plant.constants, "initial": {},
         }  # fmt: skip
         return tables[owner].get(name, Constant("", ""))
 
@@ -298,9 +297,10 @@ def _places(scenario: Scenario) -> dict[str, Place]:
     inside = {*PARAMETERS, *(table if isinstance(table, dict) else ())}
     names = [*s.law.values, *(name for name in s.law.machine if name not in s.law.values)]
     places: dict[str, Place] = {f"law.{'parameters.' if n in inside else ''}{n}": ("law", n) for n in names}
-    if s.mass is not None:
-        places["plant.mass"] = ("plant", "mass")
-    allowed = [state.name for state in s.system.states if state.name in ("y", "v", "z")]
+    places |= {f"plant.{name}": ("plant", name) for name in s.plant_values}
+    allowed = [
+        state.name for state in s.system.states if state.name in ("y", "v", "z", *(x.name for x in s.plant.states))
+    ]
     places |= {f"plant.initial.{name}": ("initial", name) for name in allowed}
     places |= {f"drive.{name}": ("drive", name) for name in s.drive.constants}
     return places | {f"drive.signal.{name}": ("signal", name) for name in s.signal.constants}

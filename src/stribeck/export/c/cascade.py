@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Any
 
 from stribeck.constants import Constant
+from stribeck.control.cascade import MEASURED, Cascade
 from stribeck.control.observer import START, Z_HAT
-from stribeck.control.servo_system import MEASURED, ServoSystem
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, condition, render, statements
@@ -18,7 +18,8 @@ from stribeck.expressions.names import Names
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
 from stribeck.scenario import Scenario
-from stribeck.scenario.servo import Servo
+from stribeck.scenario.cascade import CascadeSettings, controller_of
+from stribeck.system import System
 
 PATH = (
     Column("y", "m", "desired position"),
@@ -64,47 +65,56 @@ class ControllerCode:
 
     @cached_property
     def scenario(self) -> Scenario:
-        """The servo.
+        """The scenario with the controller.
 
         Raises:
-            InputError: there is no scenario, or it is not of a servo.
+            InputError: there is no scenario, or its drive is no cascade.
         """
         scenario = self.request.scenario
-        if scenario is None or scenario.servo is None:
+        if scenario is None or controller_of(scenario) is None:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'cascade' needs one with drive.kind = 'cascade'")
         return scenario
 
     @cached_property
-    def servo(self) -> Servo:
+    def settings(self) -> CascadeSettings:
         """What the controller is made of."""
-        assert self.scenario.servo is not None
-        return self.scenario.servo
+        found = controller_of(self.scenario)
+        assert found is not None
+        return found
 
     @cached_property
-    def system(self) -> ServoSystem:
+    def system(self) -> System:
         """The equations, with the controller's constants as parameters whether the scenario is sampled or not."""
-        assert isinstance(self.scenario.system, ServoSystem)
-        return replace(self.scenario.system, sampled=False)
+        system = self.scenario.system
+        assert isinstance(system, System)
+        return replace(system, drive=self.controller)
+
+    @cached_property
+    def controller(self) -> Cascade:
+        """The controller's equations."""
+        drive = self.settings.drive(self.scenario.drive, self.scenario.drive_values)
+        assert isinstance(drive, Cascade)
+        return replace(drive, sampled=False)
 
     @property
     def name(self) -> str:
         """The prefix of all names in C."""
-        return f"cascade_{self.request.name}" if self.system.observer else "cascade"
+        return f"cascade_{self.request.name}" if self.controller.observer else "cascade"
 
     @property
     def states(self) -> list[tuple[Column, float]]:
         """What is kept from sample to sample, and where it begins."""
-        return [(column, START[column.name]) for column in self.system.controller_states]
+        return [(column, START[column.name]) for column in self.controller.remembered]
 
     @cached_property
     def expressions(self) -> dict[str, Expr]:
         """The controller, the slopes of its states' rates, and the path (``path.y``, ...)."""
         y, v, a, jerk = (symbol(f"path.{column.name}") for column in PATH)
-        found = self.system.controller((y, v, a, jerk), self.names)
-        for column in self.system.controller_states:
+        found = self.controller.measured((y, v, a, jerk), self.names)
+        for column in self.controller.remembered:
             found[f"slope.{column.name}"] = derivative(found[f"rate.{column.name}"], symbol(column.name))
-        path = self.system.path(symbol("t"))
+        path = self.system.reference(symbol("t"))
         return found | {f"path.{c.name}": wrap(x) for c, x in zip(PATH, path, strict=True)}
 
     @property
@@ -137,7 +147,7 @@ class ControllerCode:
     @property
     def relations(self) -> list[tuple[str, str, str]]:
         """(the constant to blame, what is allowed, the condition in C) between constants of the friction law."""
-        law, has = self.servo.observer, self.constants.get("observer", {})
+        law, has = self.settings.observer, self.constants.get("observer", {})
         found = dict.fromkeys((*(law.relations if law else ()), *STATIC_ABOVE_COULOMB))
         return [
             (f"observer_{r.key}", r.allowed, condition(r.holds, law, "p->observer."))
@@ -163,13 +173,13 @@ class ControllerCode:
 
     def about(self) -> list[str]:
         """Lines for the header."""
-        scenario, system = self.scenario, self.system
-        observer = f"friction observer {system.observer.name}" if system.observer else "no friction compensation"
-        adaptive = ", adaptive" if system.adaptive else ""
+        scenario, c = self.scenario, self.controller
+        observer = f"friction observer {c.observer.name}" if c.observer else "no friction compensation"
+        adaptive = ", adaptive" if c.adaptive else ""
         lines = [f"{self.name}: cascade controller of a pneumatic servo, {observer}{adaptive}.", ""]
-        lines += [f"  {text}" for text in _EQUATIONS[: 4 if system.observer else 3]]
-        if system.observer:
-            lines += ["", *(f"  {each.text}" for each in equations(system.observer, system.observer_form))]
+        lines += [f"  {text}" for text in _EQUATIONS[: 4 if c.observer else 3]]
+        if c.observer:
+            lines += ["", *(f"  {each.text}" for each in equations(c.observer, c.observer_form))]
         lines += ["", "Source: Sobczyk, Perondi, Cunha, section 5, its printing errors put right (docs/servo.md)."]
         lines.append(
             f"Parameters: {self.request.origin or 'scenario ' + scenario.name}; desired path: {scenario.signal.kind}."
@@ -192,7 +202,7 @@ class ControllerCode:
     @property
     def period(self) -> float | None:
         """The sample time of the scenario, s."""
-        return self.servo.sampling.time if self.servo.sampling is not None else None
+        return self.settings.sampling.time if self.settings.sampling is not None else None
 
 
 def files(request: Request) -> dict[str, str | bytes]:
@@ -214,7 +224,7 @@ def files(request: Request) -> dict[str, str | bytes]:
 def notes(request: Request) -> list[str]:
     """What differs from the scenario at the time step that was given."""
     cascade = ControllerCode(request)
-    found, step, sampling = [], request.step, cascade.servo.sampling
+    found, step, sampling = [], request.step, cascade.settings.sampling
     if cascade.period is None:
         found.append(
             "the scenario's controller is continuous, and its proof covers no sampling: "

@@ -60,7 +60,7 @@ def terms(equations: LawCode, names: tuple[str, ...]) -> Any:
 def samples(cascade: ControllerCode) -> list[tuple[str, ...]]:
     """Rows for the test of a cascade controller: path, measurements, states, dt; then what must come out, each number
     with its :func:`spread`: the outputs, and the states afterwards."""
-    m, law, rng = cascade.servo.model, cascade.servo.observer, np.random.default_rng(1)
+    m, law, rng = cascade.settings.model, cascade.settings.observer, np.random.default_rng(1)
     z = law.scales(law.p).length if law and law.has_z else 0.0
     gas = (m["atmospheric_pressure"], m["supply_pressure"])
     ranges = {"y": (0.1 * m["stroke"], 0.9 * m["stroke"]), "v": (-0.5, 0.5), "p_1": gas, "p_2": gas,

@@ -1,15 +1,17 @@
-"""Elements of the user's own: ``FILE.py:NAME`` wherever a kind's name stands."""
+"""Plants and elements of the user's own: ``FILE.py:NAME`` wherever a kind's name stands, as for a law."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TypeVar
 
 from stribeck.errors import InputError
 from stribeck.laws import load_module
-from stribeck.machine.element import Element
+
+T = TypeVar("T")
 
 
-def find_element(name: str, folder: Path | None, base: type[Element]) -> type[Element]:
+def find_class(name: str, folder: Path | None, base: type[T]) -> type[T]:
     """The class ``NAME`` in ``FILE.py``, which must be derived from ``base``.
 
     Raises:
@@ -20,6 +22,7 @@ def find_element(name: str, folder: Path | None, base: type[Element]) -> type[El
     if isinstance(found, type) and issubclass(found, base):
         return found
     if isinstance(found, type):
-        raise InputError(f"{name!r}: {wanted} must be derived from stribeck.machine's {base.__name__}")
+        room = base.__module__.rpartition(".")[0]
+        raise InputError(f"{name!r}: {wanted} must be derived from {room}'s {base.__name__}")
     has = [n for n, x in vars(module).items() if isinstance(x, type) and issubclass(x, base) and x is not base]
     raise InputError(f"{name!r}: {path} has no {base.__name__.lower()} '{wanted}' (it has {', '.join(has) or 'none'})")

@@ -1,0 +1,320 @@
+"""What the cascade has in a scenario: its observer, what it knows of the plant, what it measures and when."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Generator, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from stribeck import laws
+from stribeck.arrays import Array
+from stribeck.constants import kind_of, show
+from stribeck.control.cascade import Cascade
+from stribeck.control.observer import Adaptation
+from stribeck.control.sampled import Held, Sampling, intervals
+from stribeck.drives import Drive
+from stribeck.drives.base import course
+from stribeck.errors import InputError, NotDifferentiable
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import symbol, wrap
+from stribeck.laws.base import PARAMETERS, BristleLaw, Law
+from stribeck.laws.form import USUAL
+from stribeck.plants.cylinder import Cylinder
+from stribeck.scenario import tables, trust
+from stribeck.scenario.parts import Parts, Settings, Stretch
+from stribeck.scenario.tables import Problem
+from stribeck.signals import Signal
+from stribeck.system import System
+
+NONE = "none"  # the observer's name where friction is not compensated
+_MOST_INSTANTS = 1e7  # of a sampled controller: some minutes
+_SAMPLES = 4001  # of the path, where it is judged
+_SWING, _MOST_SWINGS = 0.02, 25  # of the valve's limit; turns in a quarter of a run that need no word
+
+
+def controller_of(scenario: Any) -> CascadeSettings | None:
+    """What the cascade of a scenario is made of, for what is about that controller; None under another drive."""
+    return scenario.settings if isinstance(scenario.settings, CascadeSettings) else None
+
+
+@dataclass(frozen=True)
+class CascadeSettings(Settings):
+    """What the controller is made of, with its values."""
+
+    laws: ClassVar[tuple[str, ...]] = ("observer",)
+
+    model: dict[str, float]  # the plant, as the controller takes it to be
+    adaptation: dict[str, float] | None
+    sampling: Sampling | None
+    observer: Law | None = None
+
+    @classmethod
+    def fields(cls) -> dict[str, Any]:
+        """Observer, model, adaptation and sampling."""
+        known, adapted = (
+            "plant constants that the controller takes for true",
+            "gains of the adaptation, with adaptive = true",
+        )
+        noise = "standard deviation of the measured position, m"
+        return {
+            "sample_time": (float | None, Field(None, gt=0, description="the controller computes every so many s; off: always")),
+            "delay": (float, Field(0.0, ge=0, description="time from measuring to acting, s")),
+            "noise": (float, Field(0.0, ge=0, description=noise)),
+            "quantisation": (float, Field(0.0, ge=0, description="step of the measured position, m")),
+            "bandwidth": (
+                float | None, Field(None, gt=0, description="of the filter that estimates velocity and acceleration, rad/s")
+            ),
+            "seed": (int, Field(0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise")),
+            "adaptive": (bool, Field(False, description="adapt sigma_0, sigma_1, sigma_2 and the level F_c on line")),
+            "adaptation": tables.given_table("Adaptation", adapted, Adaptation.constants, False),
+            "model": tables.given_table("Model", known, Cylinder.constants, True),
+            "observer": (
+                dict[str, Any],
+                Field(description="the law that the controller takes for true: name ('none' for no compensation), its own "
+                      "constants, and parameters where they differ from the plant's"),
+            ),
+        }  # fmt: skip
+
+    @classmethod
+    def read(
+        cls, values: Any, table: dict[str, Any], law: Law | None, plant: Any, folder: Path, executes: bool
+    ) -> tuple[Settings | None, list[Problem]]:
+        """The observer with the plant's parameters where it gives none, and the rest of [drive]."""
+        observer, found, known = None, list[Problem](), True
+        if isinstance(own := table.get("observer"), dict):
+            known = executes or not trust.in_a_file(own.get("name"))
+            observer, found = read_observer(own, law, folder) if known else (None, [])
+        found += misplaced(values, observer if known and not found else ...) if values is not None else []
+        if found or values is None or plant is None:
+            return None, found
+        given = {n: x for n in Cylinder.constants if (x := getattr(values.model, n)) is not None}
+        model = {**{n: getattr(plant, n) for n in Cylinder.constants}, **given}
+        sampling = None
+        if values.sample_time is not None:
+            sampling = Sampling(
+                values.sample_time, values.delay, values.noise, values.quantisation, values.bandwidth, values.seed
+            )
+        return cls(model, dict(values.adaptation) if values.adaptive else None, sampling, observer), []
+
+    @property
+    def law_name(self) -> str:
+        """The name of the observer's law."""
+        return self.observer.name if self.observer else NONE
+
+    @classmethod
+    def fullest(cls, kind: type[Drive]) -> Drive:
+        """With an observer that is adapted."""
+        return Cascade(BristleLaw, adaptive=True)
+
+    def drive(self, kind: type[Drive], given: Collection[str]) -> Drive:
+        """The controller's structure."""
+        law, form = (type(self.observer), self.observer.form) if self.observer else (None, USUAL)
+        return Cascade(law, form, "supply_droop" in given, self.adaptation is not None, self.sampling is not None)
+
+    def values(self) -> dict[tuple[str, str], float]:
+        """The constants of the plant as it is known, of the observer and of its adaptation."""
+        found = {("model", n): x for n, x in self.model.items()}
+        found |= {("adaptation", n): x for n, x in (self.adaptation or {}).items()}
+        own = self.observer.values if self.observer else {}
+        found |= {("observer", n): x for n, x in own.items() if x is not None}
+        return found | ({("drive", "u"): 0.0} if self.sampling else {})
+
+    def judge(self, parts: Parts) -> list[Problem]:
+        """What is wrong with the time between samples, and with the path."""
+        assert parts.solve is not None
+        assert parts.law is not None
+        assert parts.signal is not None
+        found: list[Problem] = []
+        t_end = parts.solve.t_end
+        if self.sampling is not None and self.sampling.time < t_end / _MOST_INSTANTS:
+            text = f"must be at least solve.t_end/{_MOST_INSTANTS:g} ({t_end / _MOST_INSTANTS:g} s)"
+            found.append(("drive.sample_time", f"{show(self.sampling.time)}: {text}"))
+        return found + _path_problems(SimpleNamespace(**parts.plant_values or {}), parts.law, parts.signal, t_end)
+
+    def stretches(
+        self, system: System, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Any
+    ) -> Generator[Stretch, Array, None]:
+        """Of a sampled controller those in which the voltage is held."""
+        if self.sampling is None:
+            return super().stretches(system, values, signal, end, log)
+        return intervals(system, self.sampling, values, signal, end, log)
+
+    def remarks(self, scenario: Any, solution: Any, log: Held | None) -> list[str]:
+        """Where the valve is at its limit to the end, or goes to and fro."""
+        found = _limited(scenario, solution)
+        return found + (_swinging(scenario, log) if log is not None else [])
+
+
+def read_observer(table: dict[str, Any], plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
+    """The law of [drive.observer] with the plant's parameters where it gives none, and what is wrong with it."""
+    path = "drive.observer"
+    name = table.get("name")
+    if "name" not in table:
+        return None, [(f"{path}.name", f"missing: must be given (the name of a smooth law, or {NONE!r})")]
+    if name == NONE:
+        extra = [(f"{path}.{key}", f"{show(x)}: must be left out: no law") for key, x in table.items() if key != "name"]
+        return None, extra
+    try:
+        cls = laws.find(name, folder)  # type: ignore[arg-type]
+        given = _parameters(table.get("parameters", {}), cls, folder)
+    except InputError as error:
+        where = "name" if not isinstance(table.get("parameters"), str) else "parameters"
+        return None, [(f"{path}.{where}", text) for text in error.problems]
+    own = {key: x for key, x in table.items() if key not in ("name", "parameters")}
+    has = cls.constants()
+    inherited = {n: x for n, x in ({**plant.machine, **plant.values} if plant else {}).items() if n in PARAMETERS}
+    values = {**{n: x for n, x in inherited.items() if x is not None}, **given, **own}
+    if plant is None:  # what it would have given cannot be told missing
+        values = {**{n: 1.0 for n in PARAMETERS if n in has and n not in values}, **values}
+    wrong = [(f"{path}.{n}", f"{show(own[n])}: belongs in {path}.parameters") for n in own if n in PARAMETERS]
+    places = {n: f"{path}.parameters.{n}" for n in (*PARAMETERS, *given)}
+    wrong += [(places.get(n, f"{path}.{n}"), text) for n, text in cls.problems(values)]
+    if wrong:
+        return None, wrong
+    law = cls(values)
+    if ".py:" in str(name) and (trouble := laws.trouble(law)):
+        return None, [(f"{path}.name", f"{show(name)}: {trouble}")]
+    return (law, []) if (text := _useless(law)) is None else (None, [(f"{path}.name", f"{show(name)}: {text}")])
+
+
+def _parameters(given: Any, cls: type[Law], folder: Path) -> dict[str, Any]:
+    if isinstance(given, str):
+        return laws.parameters_for(cls, given, folder)
+    if not isinstance(given, dict):
+        raise InputError(f"{show(given)}: must be a table of numbers or the name of a set, not {kind_of(given)}")
+    return dict(given)
+
+
+def _useless(law: Law) -> str | None:
+    """Why a law cannot be an observer, or None: the controller needs dF/dt, also at v = 0, and sigma_0."""
+    try:
+        scales = law.scales(law.p)
+        law.force_rate(0.0, scales.length * np.array([-0.5, 0.0, 0.5]) if law.has_z else 0.0, scales.speed)
+    except NotDifferentiable as error:
+        return f"cannot be an observer, which needs dF/dt: {error}"
+    if law.has_z and "sigma_0" not in law.constants():
+        return "cannot be an observer: it has z, but no sigma_0 to weigh the tracking error by"
+    return None
+
+
+def not_linear(law: Law | None) -> str | None:
+    """Why an observer is not of the kind that the Lyapunov function is for, or None."""
+    if law is None:
+        return "there is no observer"
+    linear = law.has_z and law._graph().linear
+    if not (linear and type(law).friction is BristleLaw.friction):
+        return f"of law '{law.name}' dz/dt must be linear in z, and F = sigma_0 z + sigma_1 dz/dt + sigma_2 v"
+    return None
+
+
+def not_adaptable(law: Law | None) -> str | None:
+    """Why an observer cannot be adapted, or None."""
+    reason = not_linear(law)
+    if reason is None and law is not None:
+        if law.values.get("v_d") is not None:
+            reason = f"v_d = {law.values['v_d']:g}: sigma_1 must be constant"
+        elif zero := [name for name in ("sigma_0", "sigma_1", "sigma_2") if not law.values[name]]:
+            reason = f"{zero[0]} = 0: its scale is adapted, so it must be > 0"
+    return f"cannot adapt the observer: {reason}" if reason else None
+
+
+def _path_problems(p: Any, law: Law, signal: Signal, t_end: float) -> list[Problem]:
+    """Where the path cannot be followed, whatever the gains."""
+    room = p.supply_pressure - p.atmospheric_pressure
+    if room <= 0:
+        return []  # which the plant says
+    if not signal.smooth:
+        text = f"{show(signal.kind)}: has no three derivatives, which the controller needs"
+        return [("drive.signal.kind", f"{text}; must be one of sine, point_to_point, spline")]
+    t, (y, v, a, _) = path_of(signal, t_end)
+    outside = np.flatnonzero((y < 0) | (y > p.stroke))
+    if outside.size:
+        i = int(outside[0])
+        where = f"the path reaches y = {y[i]:.6g} m at t = {t[i]:.4g} s"
+        return [("drive.signal", f"{where}: must stay within the stroke, 0 to {p.stroke:g} m")]
+    friction = law.steady_force(v)
+    if "F_s" in law.machine:  # lugre_arctan's steady force grows without limit as v -> 0, which no motion waits for
+        most = law.machine["F_s"] + law.machine.get("sigma_2", 0.0) * abs(v)
+        friction = np.clip(friction, -most, most)
+    needed = abs(p.mass * a + friction) / p.area
+    i = int(np.argmax(needed))
+    if needed[i] > room:
+        text = (
+            f"{show(p.supply_pressure)}: the path needs a pressure difference of {needed[i]:.4g} Pa at t = {t[i]:.4g} s"
+        )
+        text += f", and {room:.4g} Pa above the atmosphere are all there is; must be higher, or the path slower"
+        return [("plant.supply_pressure", text)]
+    return []
+
+
+def path_of(signal: Signal, t_end: float) -> tuple[Array, tuple[Array, ...]]:
+    """The path and its three derivatives, at times close enough to see every wave and at every point."""
+    waves = t_end / signal.longest_step if np.isfinite(signal.longest_step) else 0.0
+    t = np.linspace(0, t_end, int(min(max(_SAMPLES, 16 * waves), 200_000)))
+    t = np.union1d(t, [start for start, _ in signal.pieces if 0 <= start <= t_end])
+    values = signal.values_at(t)
+    kind: Any = type(signal)
+    found = _course(kind, tuple(values))(t, *values.values())
+    return t, tuple(np.broadcast_to(np.asarray(x, float), t.shape) for x in found)
+
+
+@lru_cache(maxsize=32)
+def _course(signal: Any, names: tuple[str, ...]) -> Any:
+    """The path and its derivatives as a function of t and the signal's constants."""
+    constants = SimpleNamespace(**{n: symbol(f"signal.{n}") for n in names})
+    path = course(wrap(signal.equation(constants, symbol("t"))), symbol("t"))
+    return python_function(("t", *(f"signal.{n}" for n in names)), path)
+
+
+def misplaced(values: Any, observer: Any) -> list[Problem]:
+    """What the valid table [drive] asks for that does not go together; ``observer`` is ... where it is not known."""
+    found: list[Problem] = []
+    if values.sample_time is None:
+        text = "needs drive.sample_time: without it the controller is continuous and measures exactly"
+        keys = [key for key in ("delay", "noise", "quantisation", "bandwidth") if getattr(values, key)]
+        found += [(f"drive.{key}", f"{show(getattr(values, key))}: {text}") for key in keys]
+    elif (values.noise or values.quantisation) and values.bandwidth is None:
+        text = "missing: must be given with noise or quantisation (rad/s; of the filter that estimates v and dv/dt)"
+        found.append(("drive.bandwidth", text))
+    if values.adaptive and observer is not ... and (reason := not_adaptable(observer)):
+        found.append(("drive.adaptive", f"true: {reason}"))
+    return found
+
+
+def _swinging(scenario: Any, log: Held) -> list[str]:
+    """That the valve goes to and fro to the end far more often than the path."""
+    end, swing = scenario.end, _SWING * scenario.drive_values["u_max"]
+    swings = _reversals([u for t, u in log.voltage if t >= 0.75 * end], swing)
+    waves = 0.25 * end / (8 * scenario.signal.longest_step)
+    if swings <= max(_MOST_SWINGS, 6 * waves):
+        return []
+    text = f"the valve goes to and fro {swings} times by more than {swing:g} V in the last quarter of the run"
+    return [f"{scenario.name}: {text}: sample_time, delay or noise are too large for these gains"]
+
+
+def _reversals(values: list[float], swing: float) -> int:
+    """How often a sequence turns back by more than ``swing``."""
+    count, extreme, rising = 0, values[0] if values else 0.0, 0
+    for x in values:
+        if (x - extreme) * rising > 0 or (not rising and abs(x - extreme) > swing):
+            rising, extreme = (1 if x > extreme else -1), x
+        elif rising and abs(x - extreme) > swing:
+            count, rising, extreme = count + 1, -rising, x
+    return count
+
+
+def _limited(scenario: Any, solution: Any) -> list[str]:
+    """That the valve ends at its limit, when it has been there for a tenth of the run."""
+    limit = scenario.drive_values["u_max"]
+    free = np.flatnonzero(np.abs(solution["u"]) < limit * (1 - 1e-9))
+    first = free[-1] + 1 if len(free) else 0
+    if len(solution.t) - first <= 0.1 * len(solution.t):
+        return []
+    since = f"from t = {solution.t[first]:.4g} s to the end"
+    return [f"{scenario.name}: the valve is at its limit of {limit:g} V {since}: it cannot do what is asked of it"]

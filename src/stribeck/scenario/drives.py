@@ -1,0 +1,59 @@
+"""The drives that a file may name, and what of [drive] each of them reads."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, create_model
+
+from stribeck import control, drives, plants
+from stribeck.constants import show
+from stribeck.errors import InputError
+from stribeck.laws.own import find_class
+from stribeck.scenario.cascade import CascadeSettings
+from stribeck.scenario.parts import Settings
+from stribeck.scenario.tables import Table, number
+from stribeck.scenario.trust import in_a_file
+
+DRIVES: dict[str, type[drives.Drive]] = {**drives.KINDS, **control.KINDS}
+_SETTINGS: dict[str, type[Settings]] = {control.Cascade.kind: CascadeSettings}
+
+
+def settings(drive: type[drives.Drive]) -> type[Settings]:
+    """What a drive has beside its constants and its signal."""
+    return _SETTINGS.get(drive.kind, Settings)
+
+
+def plants_of(drive: type[drives.Drive]) -> dict[str, type[plants.Plant]]:
+    """The plants that a drive can move, by kind."""
+    return {kind: plant for kind, plant in plants.KINDS.items() if plant.takes == drive.gives}
+
+
+def find_plant(name: Any, drive: type[drives.Drive], folder: Path) -> tuple[type[plants.Plant], str | None]:
+    """The plant of that kind under a drive (FILE.py:NAME: a class of one's own), and what is wrong with it; where there
+    is no such kind, the first that the drive can move."""
+    known = plants_of(drive)
+    first = next(iter(known.values()))
+    if not in_a_file(name):
+        return known.get(name if isinstance(name, str) else "", first), None
+    try:
+        found = find_class(name, folder, plants.Plant)
+    except InputError as error:
+        return first, "; ".join(error.problems)
+    if found.takes != drive.gives:
+        what = f"{found.takes.meaning}, {found.takes.unit}"
+        return first, f"{show(name)}: takes {what}, which drive.kind = '{drive.kind}' does not give"
+    return found, None
+
+
+@cache
+def drive_table(kind: str) -> type[Table]:
+    """The model of [drive] for a kind of drive; its signal is a table of its own."""
+    drive = DRIVES[kind]
+    fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=drive.meaning))}
+    fields |= {name: number(constant) for name, constant in drive.constants.items()}
+    fields |= settings(drive).fields()
+    fields["signal"] = (dict[str, Any], Field(description=f"{drive.signal.meaning}, {drive.signal.unit}"))
+    return create_model(f"{kind.capitalize()}Drive", __base__=Table, __doc__=drive.meaning, **fields)

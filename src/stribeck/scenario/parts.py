@@ -1,0 +1,103 @@
+"""What a scenario is made of, and what a drive may have beside its constants and its signal."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Generator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from stribeck.arrays import Array
+from stribeck.drives import Drive
+from stribeck.laws.base import Law
+from stribeck.plants import Mass, Plant
+from stribeck.scenario import tables
+from stribeck.signals import Signal
+from stribeck.system import System
+
+if TYPE_CHECKING:
+    from stribeck.scenario.machine import Rig
+
+Stretch = tuple[float, dict[tuple[str, str], float]]  # until when, and the constants that change at its begin
+
+
+class Settings:
+    """What a drive has in the file beside its constants and its signal: for most nothing.
+
+    A controller with more is a class derived from this one, which :mod:`stribeck.scenario.drives` lists by its kind.
+    """
+
+    laws: ClassVar[tuple[str, ...]] = ()  # the keys of [drive] that hold a law, or "none"
+    observer: Law | None = None  # the law by which friction is compensated
+
+    @classmethod
+    def fields(cls) -> dict[str, Any]:
+        """Further keys of [drive], as fields of a pydantic model."""
+        return {}
+
+    @classmethod
+    def read(
+        cls, values: Any, table: dict[str, Any], law: Law | None, plant: Any, folder: Path, executes: bool
+    ) -> tuple[Settings | None, list[tables.Problem]]:
+        """From the validated table [drive] and that of the plant (None where they are not valid), and the ``table`` as
+        it stands in the file; None where something is wrong, and what."""
+        return cls(), []
+
+    @classmethod
+    def fullest(cls, kind: type[Drive]) -> Drive:
+        """The drive with every state that it can have."""
+        return kind()
+
+    def drive(self, kind: type[Drive], given: Collection[str]) -> Drive:
+        """The drive whose constants ``given`` are on."""
+        return kind()
+
+    def values(self) -> dict[tuple[str, str], float]:
+        """Run-time constants beside those of law, plant, drive and signal."""
+        return {}
+
+    def judge(self, parts: Parts) -> list[tables.Problem]:
+        """What is wrong with valid tables taken together."""
+        return []
+
+    def stretches(
+        self, system: System, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Any
+    ) -> Generator[Stretch, Array, None]:
+        """The stretches of a run within which no run-time constant changes; the state at the end of each is sent back."""
+        if not signal.smooth:
+            yield end, {}
+            return
+        pieces = [(start, values) for start, values in signal.pieces if start < end]
+        ends = [*(start for start, _ in pieces[1:]), end]
+        for (_, own), until in zip(pieces, ends, strict=True):
+            yield until, {("signal", name): value for name, value in own.items()}
+
+    def remarks(self, scenario: Any, solution: Any, log: Any) -> list[str]:
+        """What is to be said about a solution; ``log``: what a sampled controller held."""
+        return []
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What a scenario is made of; None where there is no such part, or none that is valid."""
+
+    law: Law | None = None
+    plant: type[Plant] | None = None
+    plant_values: dict[str, float] | None = None
+    drive: type[Drive] | None = None
+    drive_values: dict[str, float] | None = None
+    settings: Settings | None = None
+    signal: Signal | None = None
+    rig: Rig | None = None
+    initial: dict[str, float] | None = None
+    solve: tables.Solve | None = None
+    output: tables.Output | None = None
+
+    def system(self) -> System:
+        """The structure of the equations of a law on a single body, as far as its parts are known."""
+        assert self.law is not None
+        assert self.drive is not None
+        drive = (self.settings or Settings()).drive(self.drive, self.drive_values or {})
+        smooth = type(self.signal) if self.signal is not None and self.signal.smooth else None
+        energy = self.output is not None and self.output.energy
+        return System(type(self.law), self.law.form, drive, smooth, energy, self.plant or Mass)

@@ -1,0 +1,118 @@
+"""A plant of the user's own: one class in one file, and everything that a single body has."""
+
+import re
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck import InputError, Scenario, simulate, simulate_ensemble
+
+FILE = '''
+from stribeck.constants import Constant
+from stribeck.drives.base import Column
+from stribeck.plants import Plant
+
+
+class Flexible(Plant):
+    """A carriage on a rail with a load on a spring and damper."""
+
+    constants = {
+        "mass": Constant("kg", "mass of the carriage", above=0),
+        "load": Constant("kg", "mass of the load", above=0),
+        "stiffness": Constant("N/m", "stiffness between them", above=0),
+        "damping": Constant("N s/m", "damping between them", at_least=0, default=0.0),
+    }
+    states = (Column("d", "m", "how far the load is ahead"), Column("w", "m/s", "how fast it gets ahead"))
+
+    @staticmethod
+    def acceleration(p, u, F, x=()):
+        return (u - F + p.stiffness * x[0] + p.damping * x[1]) / p.mass
+
+    @classmethod
+    def rates(cls, p, y, v, u, F, x):
+        return x[1], -(p.stiffness * x[0] + p.damping * x[1]) / p.load - cls.acceleration(p, u, F, x)
+
+    @staticmethod
+    def stored_energy(p, y, v, x):
+        return p.mass * v**2 / 2 + p.load * (v + x[1]) ** 2 / 2 + p.stiffness * x[0] ** 2 / 2
+
+    @staticmethod
+    def lost_power(p, y, v, u, x):
+        return p.damping * x[1] ** 2
+
+
+class Valve(Flexible):
+    """It wants a voltage."""
+
+    takes = Column("u", "V", "voltage")
+'''
+M, L, C, D, PULL = 0.7, 0.4, 30.0, 0.3, 20.0
+
+
+def data(**plant):
+    return {
+        "schema": 1,
+        "law": {"name": "lugre_majorant", "k_v": 1e4, "parameters": "canudas1995"},
+        "plant": {"kind": "own.py:Flexible", "mass": M, "load": L, "stiffness": C, "damping": D, **plant},
+        "drive": {"kind": "spring", "stiffness": PULL, "signal": {"kind": "ramp", "rate": 0.1}},
+        "solve": {"t_end": 1.5},
+        "output": {"step": 0.01, "energy": True},
+    }
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "own.py").write_text(FILE, encoding="utf-8")
+    return tmp_path
+
+
+def test_it_moves_as_scipy_says_and_keeps_the_balance_of_energy(folder):
+    from scipy.integrate import solve_ivp
+
+    solution = simulate(Scenario(data(initial={"d": 0.05}), folder=folder))
+    assert solution.status == "done"
+    law = stribeck.law("lugre_majorant", parameters="canudas1995", k_v=1e4)
+
+    def rates(t, x):  # the load's own position and speed, where the plant has its distance
+        y, v, z, at, speed = x
+        F, between = law.force(v, z), C * (at - y) + D * (speed - v)
+        return v, (PULL * (0.1 * t - y) - F + between) / M, law.rate(v, z), speed, -between / L
+
+    found = solve_ivp(rates, (0, 1.5), [0, 0, 0, 0.05, 0], "Radau", solution.t, rtol=1e-9, atol=1e-12).y
+    for name, expected in (("y", found[0]), ("v", found[1]), ("z", found[2]), ("d", found[3] - found[0])):
+        assert abs(solution[name] - expected).max() < 1e-5 * abs(expected).max(), name
+    stored = solution["E_stored"]
+    off = solution["E_in"] + stored[0] - stored - solution["E_dissipated"]
+    assert abs(off).max() < 1e-9 * stored.max()
+    assert [c.name for c in solution.columns][:4] == ["y", "v", "z", "F"]
+
+
+def test_its_numbers_vary_in_lanes(folder):
+    scenario = Scenario(data(), folder=folder)
+    lanes = simulate_ensemble(scenario, {"plant.load": [0.2, 0.8], "plant.initial.d": [0.0, 0.05]})
+    for i, changes in enumerate(({"plant.load": 0.2}, {"plant.load": 0.8, "plant.initial.d": 0.05})):
+        alone = simulate(scenario.with_changes(changes))
+        np.testing.assert_allclose(lanes["y"][i], alone["y"], rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("plant", "said"),
+    [
+        ({"load": -1.0}, "plant.load: -1.0: must be a finite number > 0"),
+        ({"lode": 1.0}, "plant.lode: 1.0: unknown key (did you mean 'load'?)"),
+        ({"initial": {"q": 1.0}}, "plant.initial.q: 1.0: unknown key (known here: y, v, z, d, w)"),
+        ({"kind": "own.py:Nope"}, "own.py has no plant 'Nope' (it has Flexible, Valve)"),
+        ({"kind": "own.py:Valve"}, "takes voltage, V, which drive.kind = 'spring' does not give"),
+    ],
+)
+def test_mistakes(folder, plant, said):
+    with pytest.raises(InputError, match=re.escape(said)):
+        Scenario(data(**plant), folder=folder)
+
+
+def test_a_stranger_may_not_have_it_executed(folder, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    kind = f"{folder / 'own.py'}:Flexible"
+    with pytest.raises(InputError, match=r"plant\.kind: .*lies outside the scenario's folder"):
+        Scenario(data(kind=kind), folder=elsewhere, trust=False)
