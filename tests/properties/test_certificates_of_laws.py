@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 import stribeck
-from stribeck.properties import WORK
+from stribeck.properties import WORK, verify_certificate
 from stribeck.properties.checked import Checked
 from stribeck.properties.verify_certificate import verify
 from tests.properties.nasty import MILD
@@ -118,3 +118,24 @@ def test_a_bound_of_the_slope_that_sampling_only_just_meets_is_confirmed():
     verdict = Checked(law, None, WORK).unique()
     assert verdict.holds
     assert verify(verdict.certificate, law, "unique") == []
+
+
+def test_a_yes_that_the_checker_refuses_is_undecided(monkeypatch):
+    monkeypatch.setattr(verify_certificate, "verify", lambda *a: ["told to refuse"])
+    found = stribeck.check(law("dahl"))
+    assert {v.holds for v in found.properties.values()} <= {None, False}
+    assert "told to refuse" in found["bounded"].evidence["reason"]
+
+
+@pytest.mark.parametrize("k_v", [5e-324, 1.7e308])
+def test_a_steepness_at_the_end_of_floats_stops_no_proof(k_v):
+    found = stribeck.check(stribeck.law("lugre_majorant", MILD, k_v=k_v))
+    assert found["bounded"].holds
+    assert not any("cannot be treated" in str(v.evidence.get("reason")) for v in found.properties.values())
+
+
+def test_a_set_a_billionth_below_the_condition_is_refuted():
+    for distance in (1e-9, 1e-12):
+        below = stribeck.law("lugre", {**MILD, "sigma_2": 50.0 * (1 - distance)})
+        assert Checked(below, None, WORK).passive().holds is False
+    assert Checked(stribeck.law("lugre", {**MILD, "sigma_2": 50.0}), None, WORK).passive().holds

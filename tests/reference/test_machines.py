@@ -7,6 +7,7 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.cli import _status
+from tests.machine.machines import assert_balanced
 from tests.shared import SHARED
 from tests.simulation.rig import needs_compiler
 
@@ -29,6 +30,7 @@ def test_trajectory(file, tmp_path, capsys):
     names = file.read_text().partition("\n")[0].split(",")
     assert (tmp_path / "trajectory.csv").read_text().partition("\n")[0].split(",") == names
     expected, found = (np.loadtxt(f, delimiter=",", skiprows=1) for f in (file, tmp_path / "trajectory.csv"))
+    assert_balanced(dict(zip(names, found.T, strict=True)))
     rows = np.rint(expected[:, 0] / Scenario.load(path).output.step).astype(int)
     for i, name in enumerate(names[1:], start=1):
         tolerance = 1e-5 if name.endswith((".y", ".v", ".w", ".r")) else 2e-4

@@ -12,6 +12,7 @@ import pytest
 
 from stribeck.cli import _status
 from stribeck.simulation import compiler
+from tests.machine.machines import assert_balanced
 from tests.reference import apart
 from tests.simulation.rig import needs_compiler
 
@@ -37,10 +38,7 @@ def disagreements(file, found, happened, fine=20):
                 wrong.append(f"{element}: {len(there)} times {kind}, not {len(times)}")
             elif len(times) and np.max(np.abs(np.subtract(there, times))) > 1e-4:
                 wrong.append(f"{element}: {kind} at {there}, not {times}")
-    energy = max(np.max(np.abs(found["E_in"])), np.max(found["E_stored"]))
-    rest = found["E_in"] + found["E_stored"][0] - found["E_stored"] - found["E_dissipated"]
-    if np.max(np.abs(rest)) > 1e-6 * energy:
-        wrong.append(f"the energy misses {np.max(np.abs(rest)) / energy:.1e}")
+    assert_balanced(found)
     return wrong
 
 

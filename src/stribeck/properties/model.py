@@ -95,7 +95,9 @@ class Model:
         for name, c in self.law.constants().items():
             value = self.values.get(f"c_{name}")
             if value and value > 0:
-                speeds |= {1 / value} if c.unit == "s/m" else {value} if c.unit == "m/s" else set()
+                speeds |= (
+                    {1 / value} if c.unit == "s/m" and _FARTHEST * value > 1 else {value} if c.unit == "m/s" else set()
+                )
                 lengths |= {value} if c.unit == "m" else set()
         lengths |= {self.bound[1], 2 * self.bound[1]}  # strictly beyond Z cases are settled
         own = sorted(own_speeds(self.law))
