@@ -43,7 +43,9 @@ class Sliding:
         return speeds, self.columns(shape, speeds, names) if names else {"": self.force(shape, speeds)}
 
     def _probe(self) -> Array:
-        fastest = 3 * self.base.get("v_s", 0.01)
+        level, viscous = self.base.get("F_c", 0.0), self.base.get("sigma_2", 0.0)
+        even = level / viscous if level > 0 and viscous > 0 else 0.03  # where both friction levels are alike, m/s
+        fastest = 3 * self.base["v_s"] if "v_s" in self.base else even
         one_side = np.geomspace(1e-4 * fastest, 10 * fastest, 40)
         return np.concatenate([-one_side[::-1], one_side])
 

@@ -12,16 +12,19 @@ from scipy.stats import qmc
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import Optimum, multistart
 from stribeck.identify.models.dynamic_problem import VelocityProblem
-from stribeck.identify.models.motion_problem import FINE, ROUGH, MotionProblem
+from stribeck.identify.models.motion_problem import FINE, ROUGH, SLIDES, MotionProblem
 from stribeck.identify.models.problem import Coordinate
+from stribeck.identify.statistics.stretches import drifts
 from stribeck.identify.work import Work
 
 _SHORTEST = 40  # rows
 _GROWS = 4
 _MANY = 24  # windows from which the first look is taken
+_ENOUGH = 6  # windows that begin in motion: the first look leaves the others out
 _MOST = 64  # windows of the last one
 _FOLLOWS = 1.15  # times the noise: the residual of a model that follows the measurement
 _GROWN = 1.02  # times the residual of shorter windows: more is a drift, or a model, that longer ones do not bear
+_MANY_EVALUATIONS, _FEW_EVALUATIONS = 200, 40  # of a descent; of one from the optimum of shorter windows, which is near
 _SLOW = 3e-3  # of the largest speed, where friction may fall with it
 _TURNS = 0.05  # of the largest speed: what a reversal must pass
 
@@ -29,12 +32,16 @@ _TURNS = 0.05  # of the largest speed: what a reversal must pass
 @dataclass(frozen=True)
 class Followed:
     """The last problem whose windows the model follows down to the output's noise, its optimum, the residual as a multiple
-    of that noise, and the length of a window."""
+    of that noise, the length of a window, and whether the residual goes slowly to and fro within windows; the residual as
+    a share of the output's changes, also in the longer windows that were given up."""
 
     problem: MotionProblem
     optimum: Optimum
     ratio: float
     seconds: float
+    drifts: bool
+    left: float = 0.0
+    farther: float = 0.0
 
 
 def follow(
@@ -47,39 +54,52 @@ def follow(
     rows = max(run.stop - run.start for run in log.runs())
     length = min(max(between_reversals(log) // _GROWS, _SHORTEST), rows)
     work.section(0.1)
-    found = _best(inverse, output, starts[:1], noise, force_noise, length, work, _MANY)
+    first = moving(log, windows(log, length, _MANY))
+    found = _best(inverse, output, starts[:1], noise, force_noise, first, work)
     if not found.optimum.exhausted and not work.stopped:
         work.section(0.2)
         more = [starts[0], other(), *starts[1:]]
         work.section(0.6)
-        found = _best(inverse, output, more, noise, force_noise, length, work, _MANY)
+        found = _best(inverse, output, more, noise, force_noise, first, work)
     work.section(0.7)
+    used, farther = length, 0.0
     while length < rows and not work.stopped:
         length = min(_GROWS * length, rows) if _GROWS * length < 0.7 * rows else rows
         values = found.problem.values(found.optimum.point)
-        longer = _best(inverse, output, [values], noise, force_noise, length, work, _MOST)
+        some = windows(log, length, _MOST)
+        longer = _best(inverse, output, [values], noise, force_noise, some, work, evaluations=_FEW_EVALUATIONS)
         if longer.ratio > max(_GROWN, found.ratio) and longer.ratio > _GROWN * found.ratio:
+            farther = longer.left
             break
-        found = longer
+        if longer.drifts and not found.drifts:
+            break
+        found, used = longer, length
     if work.stopped:
         return found
-    values, rows = found.problem.values(found.optimum.point), round(found.seconds / log.step)
-    last = _best(inverse, output, [values], noise, force_noise, rows, work, _MOST, FINE)
-    return last if work.stopped else replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing))
+    values = found.problem.values(found.optimum.point)
+    last = _best(inverse, output, [values], noise, force_noise, windows(log, used, _MOST), work, FINE)
+    if work.stopped:
+        return last
+    return replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing), farther=farther)
 
 
 def _best(
     inverse: VelocityProblem, output: str, starts: Sequence[dict[str, float]], noise: float, force_noise: float,
-    length: int, work: Work, most: int, share: float = ROUGH,
+    some: Sequence[slice], work: Work, share: float = ROUGH, evaluations: int = _MANY_EVALUATIONS,
 ) -> Followed:  # fmt: skip
-    problem = MotionProblem(inverse, output, windows(inverse.log, length, most), noise, share)
+    problem = MotionProblem(inverse, output, some, noise, share)
     free = len(problem.measured) - len(problem.coordinates) - problem.hidden
     points = [problem.from_values(each) for each in starts]
     level = float(np.hypot(noise, problem.input_noise(points[0], force_noise)))
     enough = 0.5 * free * (_FOLLOWS * level / problem.scale) ** 2
-    optimum = multistart(problem, points, work, enough)
+    optimum = multistart(problem, points, work, enough, evaluations)
     deviation = float(np.sqrt(2 * optimum.cost / max(free, 1))) * problem.scale
-    return Followed(problem, optimum, deviation / noise if noise > 0 else np.inf, length * inverse.log.step)
+    length = float(np.median([w.stop - w.start for w in some])) * inverse.log.step
+    misfit = problem.misfit(optimum.point)
+    slow = misfit is None or drifts(misfit, problem.parts)
+    return Followed(
+        problem, optimum, deviation / noise if noise > 0 else np.inf, length, slow, deviation / problem.scale
+    )
 
 
 def first_values(problem: VelocityProblem, count: int, seed: int) -> list[dict[str, float]]:
@@ -139,3 +159,11 @@ def windows(log: Log, length: int, most: int) -> list[slice]:
     if len(found) <= most:
         return found
     return [found[i] for i in np.unique(np.linspace(0, len(found) - 1, most).round().astype(int))]
+
+
+def moving(log: Log, found: list[slice]) -> list[slice]:
+    """The windows that begin in motion, where these are enough: at rest the velocity and deflection that a window has of
+    its own have minima of their own, which hold the constants far from the truth."""
+    fast = abs(log.velocity[[w.start for w in found]]) > SLIDES * float(np.max(abs(log.velocity)))
+    some = [w for w, inside in zip(found, fast.tolist(), strict=True) if inside]
+    return some if len(some) >= _ENOUGH else found

@@ -167,12 +167,14 @@ def _check(log: Log, drive: Mapping[str, Any], output: str, body: Sequence[str])
 
 @dataclass(frozen=True)
 class _Met:
-    """A problem at its optimum, the residual that noise explains, and in how many windows of what length it was met."""
+    """A problem at its optimum, the residual that noise explains, in how many windows of what length it was met, and the
+    share of the output that it leaves in longer ones."""
 
     problem: MotionProblem | RigProblem
     optimum: Optimum
     expected: float
     windows: str = ""
+    farther: float = 0.0
 
 
 class _Search:
@@ -214,7 +216,7 @@ class _Search:
         problem = followed.problem
         expected = float(np.hypot(self.noise, problem.input_noise(followed.optimum.point, force_noise)))
         told = f"; {len(problem.windows)} windows of some {followed.seconds:.3g} s, each with a start of its own"
-        return _Met(problem, followed.optimum, expected, told)
+        return _Met(problem, followed.optimum, expected, told, followed.farther)
 
     def of_rig(self, drive: Mapping[str, Any]) -> _Met:
         """Met over whole runs of the rig, closed loop included, from the optimum of the other way round."""
@@ -232,7 +234,8 @@ class _Search:
             raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
         self.work.section(1.0)
         alone = optimum.agreeing < 2 and not optimum.exhausted
-        judged = judged_of(problem, optimum, log, profiles, Noise(self.noise, met.expected, _MISSED, alone), self.work)
+        noise = Noise(self.noise, met.expected, _MISSED, alone, met.farther)
+        judged = judged_of(problem, optimum, log, profiles, noise, self.work)
         values = {**inverse.values(self.first), **problem.values(judged.point)}
         found = fit_of(inverse, inverse.point(values), judged, optimum, log, self.work)
         self.work.done(1.0)

@@ -71,7 +71,9 @@ def starting_points(problem: Problem, given: Array, low: Array, high: Array, cou
     return [given, *(u for u in points if problem.allowed(u))][:count]
 
 
-def multistart(problem: Problem, starts: Sequence[Array], work: Work | None = None, enough: float = 0.0) -> Optimum:
+def multistart(
+    problem: Problem, starts: Sequence[Array], work: Work | None = None, enough: float = 0.0, most: int = _MANY
+) -> Optimum:
     """The best minimum from the starts: a first look from each, then the better ones to the end.
 
     What becomes of a start hangs on those before it alone, so that more starts never find less: it goes to the end where
@@ -80,6 +82,7 @@ def multistart(problem: Problem, starts: Sequence[Array], work: Work | None = No
     Args:
         work: told how far this is, and asked whether to stop.
         enough: a cost with which nothing better is looked for: the measurement's own noise.
+        most: evaluations of a descent.
 
     Raises:
         KeyboardInterrupt: nothing was found before it.
@@ -98,7 +101,7 @@ def multistart(problem: Problem, starts: Sequence[Array], work: Work | None = No
                 looks.append(run)
                 if sum(other.cost <= run.cost for other in looks) <= _KEPT:
                     chosen.append(run)
-            ended = work.each(lambda run: descend(watched, run.point, _MIDDLE, _MANY), chosen)
+            ended = work.each(lambda run: descend(watched, run.point, _MIDDLE, most), chosen)
             done += [run for run in ended if run]
             tried += len(some)
             work.done(tried / len(starts))
@@ -108,7 +111,7 @@ def multistart(problem: Problem, starts: Sequence[Array], work: Work | None = No
             met = [run for run in done if run.cost <= enough]
             # the first that met it, however many ran beside it
             first = met[0] if met else min(done, key=lambda run: run.cost)
-            last = descend(watched, first.point, _FINE, _MANY)
+            last = descend(watched, first.point, _FINE, most)
     except (KeyboardInterrupt, Stopped):
         work.stop()
     if work.stopped:

@@ -17,7 +17,9 @@ from stribeck.identify.models.static_problem import Rows
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
 
+_STEEP = 10.0  # over the Stribeck velocity: a sign that is steep beside it, whatever the unit of the speed
 _SHARP = 1e9  # s/m
+_SHARPEST = 1e6  # over the largest speed: for motion of micrometres per second
 _DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
 
 
@@ -64,7 +66,7 @@ def model(
     free = _with_steepness(law, given, free, body, held_terms, notes)
     wanted = free_constants(law, given, {}, free)
     if "k_v" in given and "k_v" not in fixed:  # a default: the force changes sign at once then, as in the literature
-        given["k_v"] = _SHARP
+        given["k_v"] = max(_SHARP, _SHARPEST / float(np.max(abs(rows.log.velocity))))
     sizes = sizes_of(thinned(rows.log), mass or 0.0)
     sliding = Sliding(law, given, _typical(law, sizes, given))
     own = law.own_constants()
@@ -126,6 +128,7 @@ def _told_apart(rows: Rows, terms: Sequence[str], unseen: dict[str, str], notes:
 def _typical(law: type[Law], sizes: Sizes, given: Mapping[str, float]) -> dict[str, float]:
     """Rough values that the law allows."""
     found = {n: r.value for n, r in ranges(law, sizes).items()}
+    found |= {n: _STEEP / found["v_s"] for n, c in law.constants().items() if c.unit == "s/m" and n in found}
     if "F_c" in given or "F_s" in given:
         level = given.get("F_c", 0.8 * given.get("F_s", 1.0))
         found |= {"F_c": level, "F_s": given.get("F_s", 1.5 * level)}

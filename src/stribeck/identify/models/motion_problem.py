@@ -22,7 +22,7 @@ from stribeck.simulation.response import Motion
 
 OUTPUTS = {"position": "position", "velocity": "velocity"}
 ROUGH, FINE = 1e-2, 1e-4  # error of a step as a share of the output's noise; an estimate averages over many samples
-_SLIDES = 0.05  # of the largest speed: a window that starts faster needs no deflection of its own
+SLIDES = 0.05  # of the largest speed: a window that starts faster needs no deflection of its own
 
 
 class MotionProblem(Problem):
@@ -48,7 +48,7 @@ class MotionProblem(Problem):
         self.time, self.driving = log.time[self.rows], log.force[self.rows]
         fast = float(np.max(abs(log.velocity)))
         self.begin = np.array([[0.0, log.velocity[w.start], 0.0] for w in windows])
-        slides = abs(self.begin[:, 1]) > _SLIDES * fast
+        slides = abs(self.begin[:, 1]) > SLIDES * fast
         self.sliding = slides
         own, self.places = self._own_coordinates(inverse, fast, slides)
         size = noise * max(float(np.ptp(log.position)), 1e-300) / fast if output == "velocity" else noise

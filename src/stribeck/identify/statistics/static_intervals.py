@@ -23,6 +23,7 @@ from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
+_HUGE = 1e100
 _NORMAL, _THRESHOLD = 1.959964, 3.841459
 _WIDEST = 0.7  # half a 95 % interval in the logarithm: half to twice the value
 _MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance
@@ -120,11 +121,14 @@ def judge(rows: Rows, model: StaticModel, solution: Minimum, profiles: bool = Tr
         else:
             estimates[name] = Estimate(float(x), first, last, unit)
     estimates |= _unfitted(rows, model, solution, at)
-    spread = half / _NORMAL * np.where(at.log, at.values, 1.0)
+    # what nothing determines has a variance that is huge, and finite
+    spread = np.minimum(half / _NORMAL * np.where(at.log, at.values, 1.0), _HUGE)
     memory = noise_memory(at.misfit)
     inner = covariance(at.slopes, 1.0, memory) if len(at.names) else np.zeros((0, 0))
-    root = np.sqrt(np.maximum(np.diag(inner), 1e-300))
-    matrix = inner / np.outer(root, root) * np.outer(spread, spread)
+    root = np.sqrt(np.maximum(np.diag(inner), np.finfo(float).tiny))
+    with np.errstate(all="ignore"):
+        relation = np.clip(np.nan_to_num(inner / root / root[:, None], nan=0.0), -1.0, 1.0)
+    matrix = relation * np.outer(spread, spread)
     details["noise"] = {
         "standard_deviation": float(np.std(at.misfit[rows.weight > 0])), "memory": len(memory),
     }  # fmt: skip

@@ -7,14 +7,11 @@ minimum it agrees with it (Chandler and Bate, Biometrika 94(1):167-183, 2007).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
-from scipy.stats import t as student
 
 from stribeck.arrays import Array
 from stribeck.identify.features.filtering import filter_bias, sampling
@@ -27,6 +24,7 @@ from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
 from stribeck.identify.statistics.sensor_noise import acceleration_of_full_band, again_with_noise
+from stribeck.identify.statistics.stretches import at_least_by_blocks, by_windows
 from stribeck.identify.statistics.verdicts import (
     Noise,
     between_samples,
@@ -49,8 +47,6 @@ _CLOSE_IF_CLEAN = (
 _MORE = 1.15  # times the measurement's noise: the residual of a model that follows it
 _MODEL = 1.5  # times the force's noise: the model's own error is seen
 _BEYOND = 3.0  # times what noise explains: a residual that is the model's
-_FEWEST_WINDOWS = 8  # beyond the number of constants
-_BLOCKS = 40  # stretches of a record as clusters
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _LONGEST_MEMORY = 50  # samples, of the noise model
 _FRESH_STARTS = 4
@@ -122,8 +118,11 @@ def misses(problem: Problem, misfit: Array, noise: Noise) -> str:
     deviation = left / np.sqrt(max(len(misfit), 1))
     if noise.expected <= 0 or deviation <= _BEYOND * noise.expected:
         return ""
-    text = f"the fit misses {left / whole:.2g} of what was measured, {deviation / noise.expected:.3g} times what noise explains"
-    if left > noise.missed * whole:
+    share = max(left / whole, noise.farther)
+    text = (
+        f"the fit misses {share:.2g} of what was measured, {deviation / noise.expected:.3g} times what noise explains"
+    )
+    if share > noise.missed:
         return f"{text}: its numbers say nothing about the machine"
     return f"{text}, and one start alone led to it: give more starts" if noise.alone else ""
 
@@ -317,41 +316,6 @@ def covariance(slopes: Array, variance: float, memory: Array) -> Array:
     gain *= 2 * n / float(both @ gain)  # the residuals' variance is the one given
     middle = np.real(waves.conj().T @ (waves * (both * gain)[:, None])) / (2 * n)
     return np.asarray(variance * inverse @ middle @ inverse / np.outer(size, size))
-
-
-def by_windows(problem: MotionProblem, slopes: Array, misfit: Array, otherwise: Array) -> Array:
-    """The covariance with windows as clusters; ``otherwise`` where there are too few."""
-    if len(problem.windows) < problem.shared + _FEWEST_WINDOWS:
-        return otherwise
-    return sandwich(problem, slopes, misfit, problem.parts)
-
-
-def at_least_by_blocks(problem: MotionProblem, slopes: Array, misfit: Array, inner: Array) -> Array:
-    """The covariance, raised for the constants whose variance is larger with stretches of the record as clusters: a model
-    of the residuals' memory does not see a sensor that drifts."""
-    count = max(problem.shared + _FEWEST_WINDOWS, _BLOCKS)
-    rows = len(misfit)
-    if rows < 10 * count:
-        return inner
-    edges = np.linspace(0, rows, count + 1).astype(int).tolist()
-    by_blocks = sandwich(problem, slopes, misfit, [slice(a, b) for a, b in pairwise(edges)])
-    more = np.sqrt(np.maximum(np.diag(by_blocks) / np.maximum(np.diag(inner), 1e-300), 1.0))
-    more[problem.shared :] = 1.0
-    return np.asarray(inner * np.outer(more, more))
-
-
-def sandwich(problem: MotionProblem, slopes: Array, misfit: Array, clusters: Sequence[slice]) -> Array:
-    """The covariance of least squares whose errors are alike within a cluster in a way that nobody knows, with Student's
-    quantile for their number."""
-    count = len(clusters)
-    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
-    scaled = slopes / size
-    normal = scaled.T @ scaled
-    inverse = np.linalg.inv(normal + 1e-14 * np.trace(normal) * np.eye(len(normal)))
-    scores = np.array([scaled[part].T @ misfit[part] for part in clusters])
-    left = count - problem.shared
-    wider = count / left * (student.ppf(0.975, left) / np.sqrt(THRESHOLD)) ** 2
-    return np.asarray(wider * inverse @ (scores.T @ scores) @ inverse / np.outer(size, size))
 
 
 def supporting_samples(slopes: Array) -> Array:

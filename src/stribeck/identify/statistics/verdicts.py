@@ -34,12 +34,13 @@ _MOST_BIAS = 0.2  # of the logarithm, for the motion's filter
 class Noise:
     """What a model without error would leave: the standard deviation of the measurement's noise, and that with what the
     noise of its input does; 0 where nothing is known. ``missed``: the share of the output that a fit may miss.
-    ``alone``: no other start ended in the minimum."""
+    ``alone``: no other start ended in the minimum. ``farther``: the share that it leaves in longer windows."""
 
     measured: float = 0.0
     expected: float = 0.0
     missed: float = 0.25
     alone: bool = False
+    farther: float = 0.0
 
 
 def why_not(problem: Problem, k: int, u: Array, inner: Array, support: float, alike: bool) -> str:
