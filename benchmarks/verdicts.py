@@ -7,6 +7,7 @@ conditions of docs/theory.md, evaluated here with rational numbers. A counterexa
     python benchmarks/verdicts.py --builtin --results benchmarks/results/verdicts.json --seconds 150   # again until it is done
 
 prints a table: laws, verdicts, wrong ones, crashes, undecided (of natural laws and ordinary sets apart), CPU seconds.
+Every yes is given to the second checker, and counts as wrong where that one refuses its certificate.
 With ``--results`` a run goes on where the last one with the same sources of the check, sets and seed stopped.
 """
 
@@ -15,6 +16,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
+import math
 import random
 import sys
 import time
@@ -32,6 +34,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent))
 from tests.properties.nasty import PROPERTIES, cases
 
 import stribeck
+from stribeck.properties.verify_certificate import verify
 
 MAJORANTS = [f"{law}/{m}" for law in ("lugre_majorant", "elastoplastic_majorant") for m in ("atan", "sqrt", "compact")]
 BUILTIN = ["lugre", "lugre_arctan", "lugre_sobczyk", "elastoplastic", "elastoplastic_sobczyk", "dahl", *MAJORANTS]
@@ -76,6 +79,8 @@ class Row:
                     self.crashes.append(f"{name}: {what}: {verdict.evidence['reason']}")
             elif truth[what] is not None and verdict.holds is not truth[what]:
                 self.wrong.append(f"{name}: {what}: {verdict.holds} ({verdict.method})")
+            elif verdict.holds and (refused := verify(verdict.certificate or {}, law, what)):
+                self.wrong.append(f"{name}: {what}: its certificate is refused: {refused[0]}")
             elif what == "passive" and verdict.holds is False and (text := replayed(law, verdict.evidence)):
                 self.wrong.append(f"{name}: {what}: {text}")
 
@@ -219,7 +224,28 @@ def falling(rng: random.Random, name: str) -> dict[str, float]:
     return values if name == "dahl" else {**values, "v_d": _log(rng, 1e-3, 1e3) * values["v_s"]}
 
 
-SETS = {"ordinary": ordinary, "extreme": extreme, "threshold": threshold, "v_d": falling}
+def edge(rng: random.Random, name: str) -> dict[str, float]:
+    """The last float before a limit: F_s one or two beyond F_c, k_v as small or large as can be written, damping 1e-12 or
+    1e12 times another, v_d a billionth from what makes every set passive."""
+    values = extreme(rng, name) if rng.random() < 0.5 else ordinary(rng, name)
+    kind = rng.choice(["F_s", "k_v", "ratio", "v_d", "v_d"])
+    if kind == "F_s":
+        values["F_s"] = values["F_c"] * (1 + rng.choice([2**-52, 2**-51, 1e-15]))
+        values["sigma_2"] = rng.choice([0.0, values["sigma_1"] * rng.choice([1e-16, 2**-51, 1e-14])])
+    elif kind == "k_v" and "k_v" in values:
+        values["k_v"] = rng.choice([5e-324, 1e-310, 1e-300, 1e300, 1.7e308])
+    elif kind == "ratio":
+        values["sigma_1"] = values["sigma_2"] * rng.choice([1e-12, 1e12])
+        values["sigma_2"] = rng.choice([values["sigma_2"], 5e-324])
+    elif name != "dahl" and values["sigma_1"] > 0:
+        excess = {"atan": 2 / math.pi, "sqrt": 1.0, "compact": 0.375}.get(name.partition("/")[2], 0.0)
+        room = 4 * values["F_c"] / values["sigma_1"] - excess / values.get("k_v", 1.0)
+        if 0 < room < 1e300:
+            values["v_d"] = math.sqrt(2 * math.e) * room * (1 + rng.choice([-1e-9, 1e-9, -1e-15]))
+    return values
+
+
+SETS = {"ordinary": ordinary, "extreme": extreme, "threshold": threshold, "v_d": falling, "edge": edge}
 
 
 def _log(rng: random.Random, low: float, high: float) -> float:

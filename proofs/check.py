@@ -2,8 +2,9 @@
 
 python3 proofs/check.py      # needs coqc with Coquelicot; nothing is installed, nothing is left behind
 
-Exit status 0: every file compiles, no theorem rests on more than the axioms of the real numbers, and the laws' equations
-in Laws.v are those that are simulated. 1: one of these fails. 3: there is no coqc, so nothing was checked.
+Exit status 0: every file compiles, no theorem rests on more than the axioms of the real numbers, the laws' equations in
+Laws.v are those that are simulated, and a certificate of ``stribeck check`` holds as goals. 1: one of these fails. 3: there
+is no coqc, so nothing was checked.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from fractions import Fraction
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -30,6 +32,7 @@ ALLOWED = {
 }  # fmt: skip
 INSTALL = "apt-get install coq libcoq-coquelicot libcoq-interval"
 NO_COQ = 3
+CERTIFIED = Fraction(1, 50), Fraction(1, 10)  # the speeds, m/s, that the goals of a certificate are about
 
 
 def theorems() -> list[tuple[str, str]]:
@@ -66,6 +69,29 @@ def compare_equations() -> str | None:
     return None
 
 
+def check_certificate(coqc: str, folder: Path) -> str:
+    """What was found when Coq checked the certificate of passivity that ``stribeck check`` gives for one law and set."""
+    sys.path[:0] = [str(HERE.parent / "src")]
+    try:
+        from stribeck import law
+        from stribeck.properties import WORK
+        from stribeck.properties.checked import Checked
+        from stribeck.properties.coq_goals import goals
+
+        verdict = Checked(law("lugre_majorant", "canudas1995", sigma_2=200.0, k_v=1e6), None, WORK).passive()
+    except ImportError as error:
+        return f"not checked, the package cannot be loaded here ({error}); the tests check one"
+    if not verdict.holds or verdict.certificate is None:
+        sys.exit("proofs: lugre_majorant with sigma_2 = 200 has no certificate of passivity")
+    text = goals(verdict.certificate, *CERTIFIED)
+    (folder / "Certificate.v").write_text(text)
+    compiled(coqc, folder, "Certificate")
+    slowest, fastest = (float(x) for x in CERTIFIED)
+    return (
+        f"{text.count('Lemma ')} goals of lugre_majorant's, for {slowest:g} m/s <= |v| <= {fastest:g} m/s and |z| <= Z"
+    )
+
+
 def main() -> None:
     """Compile, print the assumptions, compare."""
     coqc = shutil.which("coqc")
@@ -87,12 +113,14 @@ def main() -> None:
         lines += [f"Definition every := ({every}).", "Print Assumptions every."]
         (folder / "Assumptions.v").write_text("\n".join(lines) + "\n")
         used = axioms(compiled(coqc, folder, "Assumptions"))
+        certificate = check_certificate(coqc, folder)
     if used - ALLOWED:
         sys.exit(f"proofs: more is assumed than the real numbers: {', '.join(sorted(used - ALLOWED))}")
     reason = compare_equations()
     print(f"proofs: {len(stated)} theorems and lemmas in {len(FILES)} files, {time.monotonic() - start:.0f} s")
     print(f"axioms: {', '.join(sorted(used))}")
     print(f"equations: {reason or 'those of the laws'}")
+    print(f"certificate of stribeck check: {certificate}")
 
 
 if __name__ == "__main__":

@@ -21,8 +21,6 @@ LONG_FUNCTIONS: dict[str, str] = {
     "identify/api.py:fit": "half of it is the meaning of its arguments",
     "identify/data/quality.py:clean": "half of it is the meaning of its arguments",
     "identify/methods/dynamic.py:fit_dynamic": "half of it is the meaning of its arguments",
-    "identify/methods/motion.py:fit_motion": "half of it is the meaning of its arguments; to be split",
-    "identify/statistics/uncertainty.py:_judge": "the verdict on each parameter; to be split",
     "simulation/ensemble.py:simulate_ensemble": "half of it is the meaning of its arguments",
     "simulation/native.py:solve": "fills one C struct and reads it back",
     "steepness/__init__.py:advise": "half of it is the meaning of its arguments",

@@ -40,13 +40,14 @@ class Tables(HTMLParser):
             self.tables[-1][-1][-1] += data
 
 
-def read(path):
+def read(path, section=None):
+    """A page's tables and headings, or those of one of its sections."""
     text = path.read_text()
     assert re.findall(r'(?:src|href)="(?!#)([^"]+)"|url\((?!#)([^)]+)\)|@import', text) == []  # it stands alone
     ids = re.findall(r'\bid="([^"]+)"', text)
     assert len(ids) == len(set(ids))
     page = Tables()
-    page.feed(text)
+    page.feed(text if section is None else re.search(rf'<section id="{section}">.*?</section>', text, re.S)[0])
     return page
 
 

@@ -30,6 +30,7 @@ def fitted(tmp_path_factory):
     return folder
 
 
+@pytest.mark.pictures
 def test_a_fit_predicts_another_record(stribeck, fitted, tmp_path):
     test = record(tmp_path / "test.csv", 0.5, 1.3, 1)
     found = stribeck("predict", test, "--fit", fitted / "out", "--out", tmp_path / "page", "--json")

@@ -97,6 +97,7 @@ def test_out_that_is_a_file_is_refused_before_anything_runs(stribeck, scenario):
     assert "is a file" in result.err
 
 
+@pytest.mark.pictures
 def test_a_failed_computation_keeps_its_partial_result_marked(stribeck, scenario, tmp_path):
     unstable = ["--set", "drive={kind='pid', K_p=-1e6, K_i=0.0, K_d=-1e4, signal={kind='step', value=1.0, time=1.0}}"]
     out = tmp_path / "out"

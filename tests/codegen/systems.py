@@ -20,6 +20,13 @@ def systems(law, form, energy=(False, True)):
     ]
 
 
+def one_signal_each(law, form):
+    """A system with energy under each drive, the sorts of signal in turn: neighbouring variants have the other one."""
+    turn = IDS.index("_".join((law.name, *form.words)))
+    sorts = (None, Sine)
+    return [System(law, form, drive, sorts[(turn + i) % 2], True) for i, drive in enumerate(KINDS.values())]
+
+
 # of the order of 1, so that finite differences are exact to many digits
 VALUES = {
     "sigma_0": 3.0, "sigma_1": 0.7, "sigma_2": 0.4, "F_c": 1.1, "F_s": 1.7, "v_s": 0.9, "k_v": 1.3, "z_ba": 0.2,

@@ -10,7 +10,7 @@ from stribeck.expressions.graph import derivative, symbol
 from stribeck.signals import Segment
 from stribeck.system import Groups
 from tests.codegen.harness import compiled
-from tests.codegen.systems import IDS, VALUES, VARIANTS, parameters, states, systems
+from tests.codegen.systems import IDS, VALUES, VARIANTS, one_signal_each, parameters, states, systems
 from tests.simulation.rig import needs_compiler
 
 PIECE = np.array([0.2, 0.6, -1.5])
@@ -80,7 +80,7 @@ def test_graph(law, form):
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_compiled_functions(law, form, tmp_path):
     """Rates, and the solution of (shift I - J) k = right, whose J is the Jacobian and whose elimination is code."""
-    for i, system in enumerate(systems(law, form, energy=(True,))):
+    for i, system in enumerate(one_signal_each(law, form)):
         folder = tmp_path / str(i)
         folder.mkdir()
         library = compiled(system, folder)

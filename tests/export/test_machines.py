@@ -11,7 +11,7 @@ from stribeck import Scenario, examples, simulate
 from stribeck.cli import _status
 from stribeck.export.fmu import binaries
 from tests.export.harness import STRICT, need
-from tests.machine.machines import law, machine
+from tests.machine.machines import assert_balanced, law, machine
 
 PULL = {"kind": "points", "t": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.1, 0.2, -0.2]}
 MOVE = {"kind": "point_to_point", "t": [0.1, 0.35, 0.45], "value": [0.0, 0.3, 0.1]}
@@ -83,6 +83,7 @@ def test_c(cc, scenario, exact, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     out = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=True).stdout
     close(table(out), exact)
+    assert_balanced(table(out))
 
 
 def table(text):
@@ -104,6 +105,7 @@ def test_fmu(fmi, scenario, exact, tmp_path):
     times = {"stop_time": 0.5, "output_interval": scenario.output.step, "output": names}
     found = fmpy.simulate_fmu(str(path), **times)
     close({n: found[n] for n in names}, exact)
+    assert_balanced(found)
     if fmi == 2:
         return
     # a constant that is changed, and an input, against the same in the file

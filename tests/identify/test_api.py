@@ -60,7 +60,7 @@ def test_messages_name_arguments_and_not_options():
 def test_the_law_of_a_fit_is_the_law_of_its_curve():
     fit = stribeck.fit(log(), "coulomb_viscous", mass=2.0)
     law = fit.as_law()
-    assert fit.fixed["k_v"] == law.values["k_v"] == 1e9  # sharper than the law's own default, as the curve is
+    assert fit.fixed["k_v"] == law.values["k_v"] == 1e9  # steeper than the law's own default, as the curve is
     p = fit.prediction
     np.testing.assert_allclose(law.steady_force(p.velocity), p.fitted, rtol=1e-9, atol=1e-9)
 

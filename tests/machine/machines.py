@@ -1,5 +1,7 @@
 """Machines in a few words."""
 
+import numpy as np
+
 from stribeck import Scenario, simulate
 
 
@@ -31,4 +33,13 @@ def solved(data, folder=None):
     solution = simulate(Scenario(data, folder=folder))
     assert solution.status == "done", solution.reason
     assert solution.stats["solver"] == "rodas5p"
+    if solution.scenario.output.energy:
+        assert_balanced(solution)
     return solution
+
+
+def assert_balanced(columns, share=1e-7):
+    """E_in + E_stored(0) = E_stored + E_dissipated, to a share of the largest energy that was there."""
+    went_in, stored, lost = (np.asarray(columns[f"E_{name}"]) for name in ("in", "stored", "dissipated"))
+    size = max(np.max(np.abs(went_in)), np.max(np.abs(stored)), 1e-12)
+    assert np.max(np.abs(went_in + stored[0] - stored - lost)) <= share * size

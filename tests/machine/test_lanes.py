@@ -8,7 +8,7 @@ from stribeck.simulation import fallback
 from stribeck.simulation.machines import MachineVariations
 from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane
-from tests.machine.machines import law, machine, push
+from tests.machine.machines import assert_balanced, law, machine, push
 from tests.simulation.rig import needs_compiler
 
 pytestmark = needs_compiler
@@ -44,6 +44,8 @@ def test_lanes_agree_with_single_runs(name):
     assert ensemble.status == ["done"] * 5
     for lane in range(5):
         single = simulate(scenario.replace({path: x[lane] for path, x in values.items()}))
+        assert_balanced({c.name: ensemble[c.name][lane] for c in single.columns})
+        assert_balanced(single)
         for column in single.columns:
             error = np.max(np.abs(ensemble[column.name][lane] - single[column.name]))
             assert error <= 1e-6 * max(single.peaks[column.name], 1e-9), (lane, column.name)
@@ -58,6 +60,7 @@ def test_a_constant_that_is_off_is_turned_on():
     )
     ensemble = simulate_ensemble(plain, {"links.k.damping": [0.5, 1.0]})
     one = simulate(Scenario(plain).replace({"links.k.damping": 1.0}))
+    assert_balanced(one)
     np.testing.assert_allclose(ensemble["a.y"][1], one["a.y"], rtol=0, atol=1e-8 * one.peaks["a.y"])
 
 
@@ -85,6 +88,7 @@ def test_without_a_compiler(name):
     short = Scenario(SETS[name][0]).replace({"solve.t_end": 0.2, "solve.rtol": 1e-7})
     found, expected = Solution(short, fallback.solve(short)), simulate(short)
     assert found.status == "done"
+    assert_balanced(found, 1e-4)
     for column in found.columns:
         error = np.max(np.abs(found[column.name] - expected[column.name]))
         assert error <= 1e-4 * max(expected.peaks[column.name], 1e-9), column.name

@@ -14,7 +14,7 @@ from stribeck.export.fmu import binaries
 from stribeck.machine import controllers, loads
 from stribeck.machine.links import Link
 from stribeck.scenario.machine import tables
-from tests.machine.machines import law, machine, push, solved
+from tests.machine.machines import assert_balanced, law, machine, push, solved
 from tests.simulation.rig import needs_compiler
 
 FILE = '''
@@ -93,16 +93,12 @@ def rig(**sections):
     return machine({"a": {"mass": 0.5}}, contacts={"c": {"from": "a", "law": law()}}, loads={"p": push()}, **sections)
 
 
-def balance(s):
-    return s["E_in"] + s["E_stored"][0] - s["E_stored"] - s["E_dissipated"]
-
-
 def test_a_link(folder):
     hard = {**LINK, "kind": "own.py:Hardening", "cubic": 4000.0, "damping": 0.5}
     s = solved(rig(links={"k": hard}), folder)
     d = s["a.y"]
     np.testing.assert_allclose(s["k.f"], 30 * d + 4000 * d**3 + 0.5 * s["a.v"], rtol=1e-9, atol=1e-12)
-    assert np.max(np.abs(balance(s))) <= 1e-8 * s.peaks["E_in"]
+    assert_balanced(s, 1e-8)
     linear = solved(rig(links={"k": {**hard, "cubic": 0.0}}), folder)
     plain = solved(rig(links={"k": {**LINK, "damping": 0.5}}))
     np.testing.assert_allclose(linear["a.y"], plain["a.y"], rtol=0, atol=1e-8 * plain.peaks["a.y"])
@@ -113,7 +109,7 @@ def test_a_link_with_a_state(folder):
     plain = solved(rig(links={"k": LINK}))  # a damper that does not give
     np.testing.assert_allclose(s["a.y"], plain["a.y"], rtol=0, atol=1e-6 * plain.peaks["a.y"])
     soft = solved(rig(links={"k": {**LINK, "kind": "own.py:Maxwell", "viscosity": 3.0}}), folder)
-    assert np.max(np.abs(balance(soft))) <= 1e-8 * soft.peaks["E_in"]
+    assert_balanced(soft, 1e-8)
     assert abs(soft.peaks["a.y"] - plain.peaks["a.y"]) > 0.03 * plain.peaks["a.y"]
 
 
@@ -127,7 +123,7 @@ def test_a_load_and_a_controller(folder):
     np.testing.assert_allclose(s["air.f"], -3 * s["a.v"] * abs(s["a.v"]), rtol=1e-12, atol=1e-300)
     expected = np.clip(90 * (s["u.r"] - s["a.y"]) - s["a.v"], -2, 2)
     np.testing.assert_allclose(s["u.u"], expected, rtol=1e-12, atol=1e-15)
-    assert np.max(np.abs(balance(s))) <= 1e-8 * s.peaks["E_in"]
+    assert_balanced(s, 1e-8)
     data["controllers"]["u"]["sampling"] = {"period": 5e-3}
     assert solved(data, folder).peaks["u.u"] == 2.0
 
@@ -156,7 +152,7 @@ def test_the_example_of_the_documentation(tmp_path):
     data = machine({"slider": {"mass": 1.0}}, links=tables["links"], loads={**tables["loads"], "p": push(on="slider")})
     s = solved(data, tmp_path)
     np.testing.assert_allclose(s["spring.f"], 400 * s["slider.y"] + 1e5 * s["slider.y"] ** 3, rtol=1e-12, atol=1e-15)
-    assert np.max(np.abs(balance(s))) <= 1e-8 * s.peaks["E_in"]
+    assert_balanced(s, 1e-8)
 
 
 def test_the_machine_of_the_documentation(tmp_path, monkeypatch):

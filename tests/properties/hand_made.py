@@ -54,7 +54,7 @@ def bounded(rate: Any = LUGRE, leaf: Any = LEAF) -> dict[str, Any]:
 
 def unique(rate: Any = LUGRE) -> dict[str, Any]:
     slopes = [
-        claim("lipschitz", s, t, ">=0", sign=sign, a="0", b="100001", k=1, l="1", m=0)
+        claim("lipschitz", s, t, ">=0", sign=sign, a="0", b="50001", k=1, l="1", m=0)
         for s, t, sign in product(SIGNS, (1, -1), (1, -1))
     ]
     finite = [claim("finite", s, 0, ">=0", sign=sign, a="0", b="1", k=1) for s, sign in product(SIGNS, (1, -1))]
@@ -80,7 +80,7 @@ def smooth(rate: Any = ROOT) -> dict[str, Any]:
         claim("divisor", s, t, ">0", expression=["add", ["mul", "u", "u"], SMALL], **closed)
         for s, t in product((1, -1), (1, -1))
     ]
-    return certificate("smooth", "seams", claims, rate)
+    return certificate("smooth", "switching", claims, rate)
 
 
 RAMP = ["div", ["sub", ["abs", "z"], "1/200000"], "1/200000"]

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import copy
+import math
 import random
+from fractions import Fraction
 from functools import cache
 from typing import Any
 
 import pytest
 
 import stribeck
+from stribeck.properties import WORK, verify_certificate
+from stribeck.properties.checked import Checked
 from stribeck.properties.verify_certificate import verify
 from tests.properties.nasty import MILD
 
@@ -75,3 +79,63 @@ def test_false_equations_are_refused(what):
     for hypothesis in data["hypotheses"].values():
         hypothesis["dz_dt"], hypothesis["force"] = data["dz_dt"], data["force"]
     assert verify(data) != []
+
+
+# -- damping that falls with speed, a billionth below what theory.md allows ---------------------------------------------
+
+OWN = {"lugre_arctan": {"k_v": 1e4}, "lugre_majorant": {"k_v": 1e4, "smooth_abs": "compact"}}
+
+
+@cache
+def damped(name: str) -> Any:
+    excess = 0.375e-4 if "majorant" in name else 0.0
+    v_d = math.sqrt(2 * math.e) * (4 * MILD["F_c"] / MILD["sigma_1"] - excess)
+    return stribeck.law(name, MILD, **OWN[name], v_d=v_d * (1 - 1e-9))
+
+
+@pytest.mark.parametrize("name", OWN)
+def test_small_damping_is_confirmed_up_to_its_threshold(name):
+    law = damped(name)
+    verdict = Checked(law, None, WORK).passive()
+    assert verdict.holds
+    assert verdict.certificate["theorem"] == "damped"
+    assert verify(verdict.certificate, law, "passive") == []
+    for number, factor in (("s", 1 + 1e-8), ("d", 1 + 1e-8), ("N", 1 - 1e-8), ("k", 2), ("c", 2), ("above", 2)):
+        other = copy.deepcopy(verdict.certificate)
+        value = Fraction(other["data"][number])
+        other["data"][number] = str(value * Fraction(factor) if value else Fraction(1, 10**6))
+        assert verify(other) != [], number
+    for i in random.Random(2).sample(range(len(verdict.certificate["claims"])), 5):
+        less = copy.deepcopy(verdict.certificate)
+        del less["claims"][i]
+        assert verify(less) != [], i
+
+
+def test_a_bound_of_the_slope_that_sampling_only_just_meets_is_confirmed():
+    """The checker took (a + b u)(1 + (w/l)^0) for a + b u, half of what was proved."""
+    values = {"F_c": 0.00227, "v_s": 1.47e-3, "F_s": 0.38, "sigma_0": 5e10, "sigma_1": 0.011, "sigma_2": 0.0}
+    law = stribeck.law("elastoplastic", values, z_ba=3.6e-14)
+    verdict = Checked(law, None, WORK).unique()
+    assert verdict.holds
+    assert verify(verdict.certificate, law, "unique") == []
+
+
+def test_a_yes_that_the_checker_refuses_is_undecided(monkeypatch):
+    monkeypatch.setattr(verify_certificate, "verify", lambda *a: ["told to refuse"])
+    found = stribeck.check(law("dahl"))
+    assert {v.holds for v in found.properties.values()} <= {None, False}
+    assert "told to refuse" in found["bounded"].evidence["reason"]
+
+
+@pytest.mark.parametrize("k_v", [5e-324, 1.7e308])
+def test_a_steepness_at_the_end_of_floats_stops_no_proof(k_v):
+    found = stribeck.check(stribeck.law("lugre_majorant", MILD, k_v=k_v))
+    assert found["bounded"].holds
+    assert not any("cannot be treated" in str(v.evidence.get("reason")) for v in found.properties.values())
+
+
+def test_a_set_a_billionth_below_the_condition_is_refuted():
+    for distance in (1e-9, 1e-12):
+        below = stribeck.law("lugre", {**MILD, "sigma_2": 50.0 * (1 - distance)})
+        assert Checked(below, None, WORK).passive().holds is False
+    assert Checked(stribeck.law("lugre", {**MILD, "sigma_2": 50.0}), None, WORK).passive().holds

@@ -55,8 +55,14 @@ def word(holds):
 def test_verdicts_with_known_answers(name, damping):
     threshold = 3e4 * (3.1 - 1.9) / 1.9
     values = {"sigma_0": 1e9, "sigma_1": 3e4, "sigma_2": damping * threshold, "F_c": 1.9, "F_s": 3.1, "v_s": 1e-8}
-    found = check(law_with(name, values))
+    law = law_with(name, values)
     passive_now = "y" if damping > 1 and name != "lugre_arctan" else "n"
+    if damping > 1:  # sigma_2 is not in dz/dt, and linear in F
+        verdict = decided(law, "passive")
+        assert word(verdict.holds) == KNOWN[name].replace(".", passive_now)[3]
+        assert verdict.verify(law, "passive") is not False
+        return
+    found = check(law)
     assert "".join(word(found[n].holds) for n in NAMES) == KNOWN[name].replace(".", passive_now)
     assert found.verify()
     for verdict in found.properties.values():

@@ -78,7 +78,7 @@ FALSE = {
     "a smaller Z": (by_hand.bounded, ("Z",), "1/100000"),
     "another relation": (by_hand.bounded, ("claims", 0, "relation"), "!=0"),
     "no relation": (by_hand.bounded, ("claims", 0, "relation"), ""),
-    "a slope that is too small": (by_hand.unique, ("claims", 1, "b"), "99999"),
+    "a slope that is too small": (by_hand.unique, ("claims", 1, "b"), "49999"),
     "a negative slope": (by_hand.unique, ("claims", 0, "a"), "-1"),
     "an atom's range that is too small": (by_hand.bounded, ("claims", 0, "tree", 1, 0, 2), "1/2"),
     "an atom's range that is too small above": (by_hand.bounded, ("claims", 0, "tree", 1, 0, 3), "1/2"),
@@ -180,9 +180,9 @@ def test_a_rate_that_jumps_is_not_lipschitz_nor_smooth(what):
     here = [["w", "u"]]
     for make, rate in ((by_hand.unique, jumps), (by_hand.smooth, ["add", by_hand.ROOT, ["mul", "v", JUMPS[what]]])):
         data = make(rate)
-        seam = {"about": "seam", "relation": "=0", "there": here, "u": ALL, "w": ALL}
-        seams = [{**seam, "v": s, "z": t} for s, t in product(SIGNS, SIGNS)]
-        data["claims"] = [c | ({"b": "1000001"} if "b" in c else {}) for c in data["claims"]] + seams
+        surface = {"about": "switching", "relation": "=0", "there": here, "u": ALL, "w": ALL}
+        surfaces = [{**surface, "v": s, "z": t} for s, t in product(SIGNS, SIGNS)]
+        data["claims"] = [c | ({"b": "1000001"} if "b" in c else {}) for c in data["claims"]] + surfaces
         assert "meet" in refusal(data) or "agree" in refusal(data)
 
 

@@ -1,13 +1,13 @@
 """The reference trajectories of machines (SciPy's LSODA by others), through the command line."""
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
 from stribeck import Scenario
+from stribeck.cli import _status
+from tests.machine.machines import assert_balanced
 from tests.shared import SHARED
 from tests.simulation.rig import needs_compiler
 
@@ -23,14 +23,14 @@ def test_every_reference_is_there():
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
-def test_trajectory(file, tmp_path):
+def test_trajectory(file, tmp_path, capsys):
     path = SHARED / "scenarios" / "machines" / f"{file.stem}.toml"
-    words = [sys.executable, "-m", "stribeck", "run", str(path), "--out", str(tmp_path), "--json"]
-    done = subprocess.run(words, capture_output=True, text=True, check=True)
-    assert json.loads(done.stdout)["status"] == "done"
+    assert _status(["run", str(path), "--out", str(tmp_path), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["status"] == "done"
     names = file.read_text().partition("\n")[0].split(",")
     assert (tmp_path / "trajectory.csv").read_text().partition("\n")[0].split(",") == names
     expected, found = (np.loadtxt(f, delimiter=",", skiprows=1) for f in (file, tmp_path / "trajectory.csv"))
+    assert_balanced(dict(zip(names, found.T, strict=True)))
     rows = np.rint(expected[:, 0] / Scenario.load(path).output.step).astype(int)
     for i, name in enumerate(names[1:], start=1):
         tolerance = 1e-5 if name.endswith((".y", ".v", ".w", ".r")) else 2e-4

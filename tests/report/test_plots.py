@@ -9,6 +9,8 @@ from stribeck import Scenario, examples, simulate
 from stribeck.report import overview
 from stribeck.report.quantities import Quantity, prefixed, quantities, scale
 
+pytestmark = pytest.mark.pictures
+
 ROTARY = {
     "law": {"name": "lugre", "parameters": "olsson1998"},
     "plant": {"mass": 0.0023},

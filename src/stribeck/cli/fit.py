@@ -14,7 +14,7 @@ from stribeck.constants import show as shown
 from stribeck.errors import InputError
 from stribeck.identify import api as fitting
 from stribeck.identify.data.prepare import Preparation
-from stribeck.identify.data.read import Columns
+from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.log import Log
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Estimate, Fit
@@ -27,7 +27,7 @@ _READ = 0.05  # of the work
 def fit(
     data: list[Path],
     laws: list[str],
-    columns: Columns,
+    columns: ColumnNames,
     how: Preparation,
     options: FitOptions,
     out: Path | None,
@@ -65,7 +65,7 @@ def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | 
     return None if tell is None else lambda share: tell(_READ + (1 - _READ) * share)
 
 
-def _save(result: Fit | Choice, columns: Columns, how: Preparation, out: Path) -> str:
+def _save(result: Fit | Choice, columns: ColumnNames, how: Preparation, out: Path) -> str:
     """Write what ``stribeck predict`` needs; the path."""
     from stribeck.files import write_text
     from stribeck.identify import predict
@@ -105,7 +105,7 @@ def constants(assignments: list[str]) -> dict[str, float | str]:
     return found
 
 
-def columns(names: dict[str, str | None], units: list[str], force_gain: str | None) -> Columns:
+def columns(names: dict[str, str | None], units: list[str], force_gain: str | None) -> ColumnNames:
     """The columns that options name, each by its role, and their units, each as ``COL=UNIT``."""
     found = {}
     for text in units:
@@ -113,7 +113,7 @@ def columns(names: dict[str, str | None], units: list[str], force_gain: str | No
         if not equals or not column or not unit:
             raise InputError(f"--unit: {text!r}: must be COL=UNIT, such as pos=mm")
         found[column.strip()] = unit.strip()
-    return Columns({role: name for role, name in names.items() if name is not None}, found, force_gain)
+    return ColumnNames({role: name for role, name in names.items() if name is not None}, found, force_gain)
 
 
 def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:

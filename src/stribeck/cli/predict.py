@@ -13,11 +13,11 @@ from stribeck.cli import show
 from stribeck.identify import api as fitting
 from stribeck.identify import predict as predicting
 from stribeck.identify.data.prepare import Preparation
-from stribeck.identify.data.read import Columns
+from stribeck.identify.data.read import ColumnNames
 
 
 def predict(
-    data: list[Path], folder: Path, columns: Columns, cutoff: float | None, out: Path | None, json: bool
+    data: list[Path], folder: Path, columns: ColumnNames, cutoff: float | None, out: Path | None, json: bool
 ) -> int:
     """Read the record as the fit's was read, predict its force, print the errors."""
     model = predicting.load(folder)
@@ -29,7 +29,7 @@ def predict(
     gain = columns.force_gain if columns.force_gain is not None else model.force_gain
     how = Preparation(cutoff if cutoff is not None else model.cutoff, None, simulated)
     with show.progress("predict"):
-        log = fitting.log_of(data, Columns(names, units, gain), how)
+        log = fitting.log_of(data, ColumnNames(names, units, gain), how)
         found = predicting.predict(model, log)
     summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}, "files": []}
     if out is not None:
@@ -77,7 +77,7 @@ def _errors(found: predicting.Predicted) -> dict[str, float | None]:
 
 
 def validate(
-    scenario: Path, data: Path, columns: Columns, assignments: list[str], out: Path | None, json: bool, trust: bool
+    scenario: Path, data: Path, columns: ColumnNames, assignments: list[str], out: Path | None, json: bool, trust: bool
 ) -> int:
     """Simulate the scenario, compare with the record, print the errors."""
     from stribeck.identify import validate as validating

@@ -95,7 +95,7 @@ class _Source:
             self._struct("Parameters", self.fields, [f"{owner}|{name}" for owner, name in self.system.parameters]),
             self._struct("Coefficients", list(self.coefficients), None),
             "/* The current pieces of the signals, and what sampled controllers hold. */\n"
-            + self._struct("Segment", [*self.system.piece_fields, *self.system.held], None),
+            + self._struct("Segment", [_c_name(n) for n in (*self.system.piece_fields, *self.system.held)], None),
             self._struct("Jacobian", list(self.jacobian), None),
             self._struct("Factors", list(self.factors), None),
             self.function(
@@ -163,13 +163,16 @@ class _Source:
         """The difference equations of sampled controllers."""
         if not self.memory:
             return []
-        fields = [name for memory in self.memory for name in memory]
+        fields = [_c_name(name) for memory in self.memory for name in memory]
         parts = ["/* What sampled controllers remember. */\n" + self._struct("Memory", fields, None)]
         at, names = 0, [sample.name for sample in self.system.samples()]
         for name, memory in zip(names, self.memory, strict=True):
             nodes = self.samples[at : at + 1 + len(memory)]
             at += len(nodes)
-            outputs = [("*u", nodes[0]), *((f"m->{n}", node) for n, node in zip(memory, nodes[1:], strict=True))]
+            outputs = [
+                ("*u", nodes[0]),
+                *((f"m->{_c_name(n)}", node) for n, node in zip(memory, nodes[1:], strict=True)),
+            ]
             parts.append(
                 self.function(
                     f"Controller {name} at one of its instants: its output, and what it remembers then.",
@@ -280,8 +283,8 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
         inputs = {
             **self.parameter_text,
             **{f"coefficient.{n}": f"c->{n}" for n in self.coefficients},
-            **{f"segment.{n}": f"piece->{n}" for n in (*self.system.piece_fields, *self.system.held)},
-            **{f"memory.{n}": f"m->{n}" for memory in self.memory for n in memory},
+            **{f"segment.{n}": f"piece->{_c_name(n)}" for n in (*self.system.piece_fields, *self.system.held)},
+            **{f"memory.{n}": f"m->{_c_name(n)}" for memory in self.memory for n in memory},
             **{f"change.{i}": f"dx[{i}]" for i in range(len(self.names))},
             **{f"jacobian.{n}": f"jac->{n}" for n in self.jacobian},
             **{f"factor.{n}": f"fac->{n}" for n in self.factors},

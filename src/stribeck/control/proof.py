@@ -22,7 +22,7 @@ ERRORS = ("s", "p_err", "z_err")
 
 
 @dataclass(frozen=True)
-class Form:
+class QuadraticForm:
     """dV/dt = -(ss s^2 + pp p_err^2 + zz z_err^2 + sz s z_err) as SymPy expressions of the gains, sigma_0, sigma_1 and w.
 
     ``rates`` are those of s, p_err and z_err.
@@ -62,7 +62,7 @@ class Form:
 
 
 @lru_cache(maxsize=1)
-def derive() -> Form:
+def derive() -> QuadraticForm:
     """The form for any law dz/dt = S_1(v) v - w(v) z with F = sigma_0 z + sigma_1 dz/dt + sigma_2 v, in plant and observer.
 
     The valve is not at its limit, and the controller knows the plant. A sigma_1 that falls with speed enters by its value,
@@ -117,7 +117,7 @@ def derive() -> Form:
     V = Cascade.energy(c, m.mass, *E.values())
     dV = sympy.expand(sum(sympy.diff(V, E[name]) * rate for name, rate in rates.items()))
     poly = sympy.Poly(dV, *E.values())
-    form = Form(
+    form = QuadraticForm(
         rates, *(sympy.factor(-poly.coeff_monomial(each)) for each in
                  (E["s"] ** 2, E["p_err"] ** 2, E["z_err"] ** 2, E["s"] * E["z_err"])),
     )  # fmt: skip

@@ -104,6 +104,7 @@ class Writer:
 
     def _name(self, label: str | None) -> str:
         base = label or "t"
+        base = f"n{base}" if base[:1].isdigit() else base  # of an element whose name begins with a digit
         name, count = base, 1
         while name in self.taken or (label is None and name == "t"):
             name, count = f"{base}{count}" if label is None else f"{base}_{count + 1}", count + 1

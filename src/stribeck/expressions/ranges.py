@@ -1,4 +1,4 @@
-"""The range of an expression over one box: interval arithmetic on floats, rounded outward, sharp where results are exact.
+"""The range of an expression over one box: interval arithmetic on floats, rounded outward, and exact where results are.
 
 :mod:`stribeck.expressions.intervals` does the same for many boxes at once; this one is quick for a single box.
 """

@@ -13,7 +13,7 @@ from stribeck import laws
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.identify.data.prepare import Preparation, load
-from stribeck.identify.data.read import Columns
+from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
@@ -100,7 +100,7 @@ def fit(
         mass, method, dict(constants or {}), tuple(free), tuple(terms), select, decimate, robust, folds, starts, seed,
         output, drive,
     )  # fmt: skip
-    of_file = Columns({**(columns or {}), **named}, dict(units or {}), force_gain)
+    of_file = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
     log = log_of(data, of_file, Preparation(cutoff, trim, is_simulated(names, method)))
     return fit_log(log, names, options, progress)
 
@@ -159,11 +159,11 @@ def read_log(
     Raises:
         InputError: the file cannot be read, a column is missing or has no unit; one line for each problem.
     """
-    named = Columns(dict(columns), dict(units or {}), force_gain)
+    named = ColumnNames(dict(columns), dict(units or {}), force_gain)
     return log_of(data, named, Preparation(cutoff, trim, simulated))
 
 
-def log_of(data: Data, columns: Columns, how: Preparation | None = None) -> Log:
+def log_of(data: Data, columns: ColumnNames, how: Preparation | None = None) -> Log:
     """The log in files, ready to be fitted; a log as it is."""
     names, how = columns.names, how or Preparation()
     if unknown := [n for n in names if n not in ROLES]:

@@ -31,7 +31,7 @@ _FORMAT = 1
 
 
 @dataclass(frozen=True)
-class Model:
+class FittedModel:
     """A fitted model: every number that its curve uses.
 
     Attributes:
@@ -69,7 +69,7 @@ class Predicted:
         traces: measured and predicted force against time; ``friction``: the same for friction alone.
     """
 
-    model: Model
+    model: FittedModel
     force_error: float
     friction_error: float
     all_rows_error: float
@@ -117,7 +117,7 @@ def saved(fit: Fit, reading: Mapping[str, Any] | None = None) -> str:
     )  # fmt: skip
 
 
-def load(folder: Path | str) -> Model:
+def load(folder: Path | str) -> FittedModel:
     """The model that ``fit --out`` left in a folder.
 
     Raises:
@@ -142,13 +142,13 @@ def load(folder: Path | str) -> Model:
             [f"{arg('fit')}: '{path}': values.{n}: neither a constant of {law.name} nor a term" for n in wrong]
         )
     others = {n: (o["law"], o["values"]) for n, o in data.get("others", {}).items()}
-    return Model(
+    return FittedModel(
         law.name if ".py:" not in data["law"] else data["law"], str(data.get("method")), data["values"], data.get("fit", {}),
         others, data.get("columns", {}), data.get("units", {}), data.get("force_gain"), data.get("cutoff"),
     )  # fmt: skip
 
 
-def predict(model: Model, log: Log) -> Predicted:
+def predict(model: FittedModel, log: Log) -> Predicted:
     """The force that a fitted model predicts for a record, which its fit has not seen.
 
     Raises:
@@ -198,7 +198,7 @@ def _steady(law_name: str, values: Mapping[str, Any], log: Log) -> Array:
     return model.force_at({"mass": 0.0, **own, **body})
 
 
-def _simulated(model: Model, log: Log) -> Array:
+def _simulated(model: FittedModel, log: Log) -> Array:
     """The law simulated along the measured motion, and the body's terms."""
     law = laws.find(model.law)
     values = {"mass": 0.0, **{n: v for n, v in model.values.items() if n in law.constants() or n in TERMS}}

@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.data.read import Columns, read
+from stribeck.identify.data.read import ColumnNames, read
 from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
@@ -64,7 +64,7 @@ def validate(
         raise InputError(
             f"{arg('scenario')}: {scenario.name}: is a machine; must be a law on a single body (schema = 1)"
         )
-    raw = read(data, Columns(names, dict(units or {}), force_gain), needs_force=False)
+    raw = read(data, ColumnNames(names, dict(units or {}), force_gain), needs_force=False)
     rows = np.all([np.isfinite(x) for x in raw.values()], axis=0)
     raw = {role: x[rows] for role, x in raw.items()}
     time = raw["time"] - raw["time"][0]

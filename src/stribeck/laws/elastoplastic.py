@@ -8,7 +8,7 @@ from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, clip, pi, sin, where
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, BristleLaw, Claims, Relation
 from stribeck.laws.lugre import passive_as_lugre, passive_as_majorant, smooth_curve
-from stribeck.laws.terms import K_V, S_0, SMOOTH_ABS, g, m, term
+from stribeck.laws.terms import K_V, S_1, S_2, SMOOTH_ABS, g, m, term
 
 Z_BA = Constant(
     "m", "break-away deflection, below which the contact is elastic", above=0, rotary_unit="rad", example=7e-6
@@ -76,9 +76,7 @@ class ElastoPlasticSobczyk(_ElastoPlastic):
 
     @staticmethod
     def dz_dt(p: Any, v: Value, z: Value) -> Value:
-        S_1 = S_0(p, v) ** 2
-        S_2 = v * S_0(p, v)
-        return S_1 * v - alpha_0(p, v, z) * S_2 / g(p, v) * z
+        return S_1(p, v) * v - alpha_0(p, v, z) * S_2(p, v) / g(p, v) * z
 
 
 class ElastoPlasticMajorant(_ElastoPlastic):

@@ -7,7 +7,7 @@ from typing import Any
 
 from stribeck.expressions.ops import Value, both, either
 from stribeck.laws.base import BristleLaw, Claims
-from stribeck.laws.terms import K_V, S_0, SMOOTH_ABS, g, m, m_0
+from stribeck.laws.terms import K_V, S_1, S_2, SMOOTH_ABS, g, m, m_0
 
 
 def _damped(p: Any, above: Value = 0.0) -> Value:
@@ -61,7 +61,7 @@ class LuGreArctan(BristleLaw):
 
     @staticmethod
     def dz_dt(p: Any, v: Value, z: Value) -> Value:
-        return v - v * S_0(p, v) / g(p, v) * z
+        return v - S_2(p, v) / g(p, v) * z
 
 
 class LuGreSobczyk(BristleLaw):
@@ -74,9 +74,7 @@ class LuGreSobczyk(BristleLaw):
 
     @staticmethod
     def dz_dt(p: Any, v: Value, z: Value) -> Value:
-        S_1 = S_0(p, v) ** 2
-        S_2 = v * S_0(p, v)
-        return S_1 * v - S_2 / g(p, v) * z
+        return S_1(p, v) * v - S_2(p, v) / g(p, v) * z
 
 
 class LuGreMajorant(BristleLaw):

@@ -47,6 +47,16 @@ def S_0(p: Any, v: Value) -> Value:
     return (2 / pi) * atan(p.k_v * v)
 
 
+def S_1(p: Any, v: Value) -> Value:
+    """Factor of the drive of z in the proposed law (eqs 7-9), close to 1 away from rest."""
+    return S_0(p, v) ** 2
+
+
+def S_2(p: Any, v: Value) -> Value:
+    """Smooth |v| of the paper in m/s, from below (eqs 7-9)."""
+    return v * S_0(p, v)
+
+
 @term("m")
 def m(p: Any, v: Value) -> Value:
     """Smooth majorant of |v| in m/s: |v| <= m(v) <= |v| + m(0). docs/theory.md has the proofs."""
@@ -54,7 +64,7 @@ def m(p: Any, v: Value) -> Value:
         return sqrt(v**2 + (1 / p.k_v) ** 2)
     if p.smooth_abs == "compact":
         return where(p.k_v * abs(v) < 1, (3 + 6 * (p.k_v * v) ** 2 - (p.k_v * v) ** 4) / (8 * p.k_v), abs(v))
-    return v * S_0(p, v) + m_0(p)
+    return S_2(p, v) + m_0(p)
 
 
 def m_0(p: Any) -> Value:

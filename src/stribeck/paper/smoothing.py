@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from stribeck.laws.terms import S_0, m
+from stribeck.laws.terms import S_0, S_1, S_2, m
 from stribeck.paper.common import STEEPNESSES, Done
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table
@@ -25,7 +25,7 @@ def chapter(done: Done) -> Chapter:
         "The paper's smooth versions of |v| (a) and of sgn v (b). Good approximations need a large k_v; v S_0(v) lies "
         "below |v| everywhere, which is what leaves z without a bound in the first smooth law.",
         v, steep, labels, "exact: |v|, sgn v",
-        Panel("v S_0(v)", "(a) m(v) = v S_0(v)", abs, lambda p, v: v * S_0(p, v), is_speed=True),
+        Panel("v S_0(v)", "(a) m(v) = v S_0(v)", abs, S_2, is_speed=True),
         Panel("S_0(v)", "(b) S_0(v)", np.sign, S_0),
     )  # fmt: skip
     three = _beside(
@@ -33,10 +33,10 @@ def chapter(done: Done) -> Chapter:
         "The factor S_1 of the proposed law (left) takes the drive of z away near rest: z stays bounded, and the contact "
         "loses its stiffness there. The majorant law keeps the factor 1 and lifts |v| instead (right).",
         v, steep, labels, "exact: 1, |v|",
-        Panel("S_1(v)", "S_1(v) = S_0(v)^2", np.ones_like, lambda p, v: S_0(p, v) ** 2),
+        Panel("S_1(v)", "S_1(v) = S_0(v)^2", np.ones_like, S_1),
         Panel("m(v)", "for comparison: this project's majorant of |v|", abs, m, is_speed=True),
     )  # fmt: skip
-    off = {labels[k]: [float(1 - S_0(p, x) ** 2) for x in (1e-6, 1e-4)] for k, p in steep.items()}
+    off = {labels[k]: [float(1 - S_1(p, x)) for x in (1e-6, 1e-4)] for k, p in steep.items()}
     rows = [[label, *(f"{x:.2e}" for x in values)] for label, values in off.items()]
     table = Table(["1 - S_1(v)", "at 1 um/s", "at 0.1 mm/s"], rows)
     text = (

@@ -5,13 +5,14 @@ from __future__ import annotations
 import importlib
 import logging
 from collections.abc import Callable
+from functools import partial
 from time import process_time
 
 from stribeck.errors import needed
 from stribeck.laws.base import Law
 from stribeck.properties.checked import Checked
 from stribeck.properties.storage import storage_interval
-from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, undecided
+from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, undecided
 
 __all__ = ["NAMES", "Verdict", "Verdicts", "check", "storage_interval"]
 
@@ -49,8 +50,12 @@ def check(
     with needed("a proof"):
         importlib.import_module("flint")
     checked = Checked(law, v_max, work)
-    found = {name: _safely(getattr(checked, name), name) for name in ("bounded", *NAMES)}
-    return Verdicts(law, {name: found[name] for name in NAMES}, v_max, process_time() - started)
+    found = {name: _safely(partial(_accepted, checked, name), name) for name in NAMES}
+    return Verdicts(law, found, v_max, process_time() - started)
+
+
+def _accepted(checked: Checked, name: str) -> Verdict:
+    return accepted(getattr(checked, name)(), checked.law, name, checked.v_max)
 
 
 def _safely(decide: Callable[[], Verdict], name: str) -> Verdict:

@@ -9,7 +9,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.properties import enclosed, replay
 from stribeck.properties.certificate import Certificate
-from stribeck.properties.claims import Claims
+from stribeck.properties.claims import ClaimProver
 from stribeck.properties.cycles import integrate
 from stribeck.properties.model import Model
 from stribeck.properties.storage import Storage
@@ -23,7 +23,7 @@ _LEVELS = (2.0, 10.0, 100.0, 1e4, 1e6)
 _REPLAYED = 10.0
 
 
-def prove(model: Model, claims: Claims) -> Certificate | None:
+def prove(model: Model, claims: ClaimProver) -> Certificate | None:
     """Z is never passed outward."""
     low, high = model.bound
     found = claims.inward((low, None))

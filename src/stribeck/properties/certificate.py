@@ -49,6 +49,7 @@ class Writer:
         self.values = values
         self.definitions: list[list[Any]] = []
         self._names: dict[Expr, str] = {}
+        self._written: dict[Expr, Any] = {}
         outputs = list(shared)
         uses: dict[Expr, int] = {}
         for node in ordered(outputs):
@@ -61,9 +62,14 @@ class Writer:
                 self.definitions.append([self._names[node], text])
 
     def write(self, node: Expr) -> Any:
-        """The expression."""
+        """The expression; what occurs twice is one list."""
         if node in self._names:
             return self._names[node]
+        if node not in self._written:
+            self._written[node] = self._text(node)
+        return self._written[node]
+
+    def _text(self, node: Expr) -> Any:
         if node.op == "symbol":
             name = str(node.value)
             return rational(self.values[name]) if name in self.values else name

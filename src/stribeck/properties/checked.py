@@ -7,7 +7,7 @@ from functools import cached_property
 from stribeck.laws.base import Law
 from stribeck.properties import bounded, drift, passive, smooth, unique
 from stribeck.properties.certificate import Certificate
-from stribeck.properties.claims import Claims
+from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import Model, Unreadable
 from stribeck.properties.prover.search import Work
 from stribeck.properties.verdicts import Verdict, undecided
@@ -26,9 +26,9 @@ class Checked:
         """The law's equations."""
         return Model(self.law, self.v_max)
 
-    def claims(self, name: str) -> Claims:
+    def claims(self, name: str) -> ClaimProver:
         """A prover with its share of the work."""
-        return Claims(self.model, Work(SHARES[name] * self.work))
+        return ClaimProver(self.model, Work(SHARES[name] * self.work))
 
     @cached_property
     def _bounded(self) -> tuple[Verdict, Certificate | None]:

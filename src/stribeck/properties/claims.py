@@ -7,17 +7,19 @@ from fractions import Fraction
 from typing import Any
 
 from stribeck.expressions.graph import Expr, derivative, substitute, symbol
+from stribeck.expressions.ops import exp
 from stribeck.properties.certificate import Claim
-from stribeck.properties.model import SIGNS, Model, U, W, Z
-from stribeck.properties.prover.region import End
+from stribeck.properties.model import SIGNS, Model, U, V, W, Z
+from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.prover.search import Work
 
-Ranges = Mapping[str, tuple[Fraction, End]]
+Ranges = Mapping[str, ExactRange]
 NULL = Fraction(0)
 _NUMBER = "k."  # prefix of numbers that a claim brings along
+_QUADRANT: Ranges = {"u": (NULL, None), "w": (NULL, None)}
 
 
-class Claims:
+class ClaimProver:
     """Builds the expressions of claims and proves them."""
 
     def __init__(self, model: Model, work: Work) -> None:
@@ -44,7 +46,7 @@ class Claims:
 
     # -- one kind of claim each ------------------------------------------------------------------------------------
 
-    def inward(self, w: tuple[Fraction, End]) -> list[Claim] | None:
+    def inward(self, w: ExactRange) -> list[Claim] | None:
         """-sgn(z) dz/dt >= 0 for |z| in w and every v."""
         return every(
             self._claim("inward", ">=0", (s, t), {"u": (NULL, None), "w": w}, self.model.form(s, t) * -t)
@@ -52,12 +54,8 @@ class Claims:
             for t in SIGNS
         )
 
-    def power(
-        self, slope: Expr, u: tuple[Fraction, End], w: tuple[Fraction, End], z_sides: Iterable[int]
-    ) -> list[Claim] | None:
+    def power(self, slope: Expr, u: ExactRange, w: ExactRange, z_sides: Iterable[int]) -> list[Claim] | None:
         """F v - S' dz/dt >= 0; S' is an expression of z."""
-        from stribeck.properties.model import V
-
         lost = self.model.power_force * V - slope * self.model.rate
         return every(
             self._claim("power", ">=0", (s, t), {"u": u, "w": w}, self.model.form_of(lost, s, t), slope=slope)
@@ -65,16 +63,14 @@ class Claims:
             for s in (0, *SIGNS)
         )
 
-    def rising(self, slope: Expr, w: tuple[Fraction, End]) -> list[Claim] | None:
+    def rising(self, slope: Expr, w: ExactRange) -> list[Claim] | None:
         """S' sgn z >= 0."""
         return every(
             self._claim("slope sign", ">=0", (0, t), {"w": w}, self.model.form_of(slope, 0, t) * t, slope=slope)
             for t in SIGNS
         )
 
-    def lipschitz(
-        self, sides: tuple[int, int], w: tuple[Fraction, End], growth: Mapping[str, Any], sign: int
-    ) -> Claim | None:
+    def lipschitz(self, sides: tuple[int, int], w: ExactRange, growth: Mapping[str, Any], sign: int) -> Claim | None:
         """sign d(dz/dt)/dw <= (a + b u^k)(1 + (w/l)^m)."""
         a, b, length = (self.number(growth[n]) for n in "abl")
         most = (a + b * U ** growth["k"]) * (1 + (W / length) ** growth["m"])
@@ -108,7 +104,7 @@ class Claims:
             a + b * u ** growth["k"] - self.model.form(v_side, 0) * sign, sign=sign, **extra,
         )  # fmt: skip
 
-    def elastic(self, w: tuple[Fraction, End]) -> list[Claim] | None:
+    def elastic(self, w: ExactRange) -> list[Claim] | None:
         """dz/dt = v."""
         return every(
             self._claim(
@@ -119,13 +115,41 @@ class Claims:
             for t in (0, *SIGNS)
         )  # fmt: skip
 
+    # -- F = k z + s exp(-(v/d)^2) dz/dt + c v, dz/dt = v - q z ------------------------------------------------------
+
+    def force_form(self, s: int, t: int, data: Mapping[str, Fraction]) -> bool:
+        """Whether F is k z + s exp(-(v/d)^2) dz/dt + c v."""
+        k, sigma_1, d, c = (self.number(data[n]) for n in "ksdc")
+        made = k * Z + sigma_1 * exp(-((V / d) ** 2)) * self.model.rate + c * V
+        form = self.model.form_of(self.model.power_force - made, s, t)
+        return self._claim("force form", "=0", (s, t), _QUADRANT, form) is not None
+
+    def follows(self, s: int) -> Claim | None:
+        """dz/dt = v at z = 0."""
+        return self._claim("elastic", "=0", (s, 0), _QUADRANT, self._decay(s, 0))
+
+    def decays(self, s: int, t: int) -> Claim | None:
+        """(v - dz/dt) sgn z >= 0."""
+        return self._claim("decay", ">=0", (s, t), _QUADRANT, self._decay(s, t) * t)
+
+    def exceeds(self, s: int, t: int, data: Mapping[str, Fraction]) -> Claim | None:
+        """k (|v| + above) |z| - N (v - dz/dt) sgn z >= 0."""
+        k, above, least = (self.number(data[n]) for n in ("k", "above", "N"))
+        u = U if s else symbol("rest")
+        most = k * (u + above) * W - least * self._decay(s, t) * t
+        numbers: dict[str, Any] = {n: data[n] for n in ("k", "above", "N")}
+        return self._claim("excess", ">=0", (s, t), _QUADRANT, most, **numbers)
+
+    def _decay(self, s: int, t: int) -> Expr:
+        return self.model.form_of(V - self.model.rate, s, t)
+
     def identity(self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Any) -> Claim | None:
         """a = b, in what is left of u and w."""
         kept = {n: r for n, r in ranges.items() if str(n) in _names(a, b)}
         tree = self._shown(a - b, "=0", kept)
         if tree is None:
             return None
-        return Claim("seam", "=0", *sides, kept, tree, {**extra, "a": a, "b": b})
+        return Claim("switching", "=0", *sides, kept, tree, {**extra, "a": a, "b": b})
 
     def divisor(self, sides: tuple[int, int], expr: Expr, relation: str, ranges: Ranges) -> Claim | None:
         """An expression that must not be 0, on closed ranges."""

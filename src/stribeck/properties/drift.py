@@ -12,7 +12,7 @@ from stribeck.expressions.graph import wrap
 from stribeck.laws.base import Law
 from stribeck.properties import replay
 from stribeck.properties.certificate import Certificate
-from stribeck.properties.claims import NULL, Claims
+from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
 from stribeck.properties.prover.search import Work
 from stribeck.properties.storage import own_speeds
@@ -28,7 +28,7 @@ _VISIBLE = 0.01  # of the elastic displacement: enough to show
 _NOISE = 1e-6  # of the elastic displacement: a smaller one would be rounding
 
 
-def decide(model: Model, claims: Claims) -> Verdict:
+def decide(model: Model, claims: ClaimProver) -> Verdict:
     """dz/dt = v for |z| <= z_0; or a load that moves the body for good."""
     law = model.law
     for z_0 in _candidates(law):
@@ -111,7 +111,10 @@ def _moved_at(law: Law, speed: float) -> tuple[dict[str, Any], dict[str, Any]] |
         times += [times[-1] + fall, times[-1] + fall + rise]
     loads += [0.0, 0.0]
     times += [times[-1] + fall, times[-1] + fall + rise]
-    mass = stiffness * (fall / _STIFF) ** 2
+    with np.errstate(all="ignore"):
+        mass = float(stiffness * np.square(fall / _STIFF))
+    if not 0 < mass < np.inf:
+        return None
     drive = {"kind": "force", "signal": {"kind": "points", "t": times, "value": loads}}
     tables = replay.scenario_of(law, "drift_free", drive, times[-1], {"mass": mass})
     solution = replay.run(tables)

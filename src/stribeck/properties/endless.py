@@ -10,7 +10,7 @@ import numpy as np
 from stribeck.expressions.graph import wrap
 from stribeck.expressions.ranges import Box, Range
 from stribeck.properties import cycles, replay
-from stribeck.properties.claims import Claims
+from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
 from stribeck.properties.prover.search import Work
 from stribeck.properties.storage import Storage, own_speeds
@@ -22,6 +22,7 @@ _ENDLESS = (
     "the energy drawn grows like |v|, without limit, more than any storage function holds"
 )
 _WORK = 60
+_SHARES = (1e-2, 1e-4, 1e-6, 1e-9, 1e-11, 1e-13)  # of the bound, over which z unwinds
 
 
 def steady_gain(model: Model, storage: Storage) -> Verdict | None:
@@ -47,25 +48,26 @@ def steady_gain(model: Model, storage: Storage) -> Verdict | None:
     return None
 
 
-def without_limit(model: Model, claims: Claims, storage: Storage, unrestricted: bool) -> Verdict | None:
+def without_limit(model: Model, claims: ClaimProver, storage: Storage, unrestricted: bool) -> Verdict | None:
     """A range of z on which unwinding gives back the more energy the faster it is, without end."""
     law = model.law
     fast = own_speeds(law)[-1] * 1e4
-    top = float(model.bound[0])
+    top = float(model.bound[0]) * (1 - 2**-52)
     tops = [top * 10.0**k for k in range(10)] if unrestricted else [top]
     for z_top in tops:
-        for share in (1e-2, 1e-4, 1e-6, 1e-9):
-            for s in SIGNS:
-                for t in SIGNS:
-                    found = unwinding(model, claims, (s, t), fast, z_top, share)
-                    if found is not None:
-                        _with_a_run(model, storage, found, z_top)
-                        return found
+        for share in _SHARES:
+            for speed in (fast, fast / share):  # close to a threshold the elastic force matters for longer
+                for s in SIGNS:
+                    for t in SIGNS:
+                        found = unwinding(model, claims, (s, t), speed, z_top, share)
+                        if found is not None:
+                            _with_a_run(model, storage, found, z_top)
+                            return found
     return None
 
 
 def unwinding(
-    model: Model, claims: Claims, sides: tuple[int, int], fast: float, top: float, share: float
+    model: Model, claims: ClaimProver, sides: tuple[int, int], fast: float, top: float, share: float
 ) -> Verdict | None:
     """From z = t ``top`` down to (1 - ``share``) of it at v = s u, u >= ``fast``: energy shown to be given back, like u."""
     law, (s, t) = model.law, sides

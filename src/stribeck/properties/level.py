@@ -18,14 +18,14 @@ from stribeck.constants import show
 from stribeck.errors import InputError, needed
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
-from stribeck.properties import bounded, endless, passive, replay, swings
+from stribeck.properties import bounded, damped, endless, passive, replay, swings
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.checked import SHARES, Checked
-from stribeck.properties.claims import NULL, Claims
+from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import SIGNS, Model, Unreadable
 from stribeck.properties.prover.search import Work
 from stribeck.properties.storage import own_speeds
-from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, proved, undecided
+from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
 from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
 
 _PROVED = (
@@ -80,10 +80,7 @@ class LevelVerdicts(Verdicts):
                 continue
             stated = verdict.certificate or {}
             covers = stated.get("level") == self.varied.exactly()
-            if stated.get("theorem") == "damped":
-                verdict.verified = covers and damped(self.varied)
-            else:
-                verdict.verified = covers and not verify(stated, self.proofs[name], name, self.v_max)
+            verdict.verified = covers and not verify(stated, self.proofs[name], name, self.v_max)
         return all(verdict.verified is not False for verdict in self.properties.values())
 
     def to_json(self) -> dict[str, Any]:
@@ -160,7 +157,7 @@ class _Decided:
         assert verdict.certificate is not None
         verdict.certificate = {**verdict.certificate, "level": self.varied.exactly()}
         self.proofs[name] = law
-        return verdict
+        return accepted(verdict, law, name, self.v_max)
 
     def same(self, name: str) -> Verdict:
         """Unique, smooth, drift_free: what holds at the lowest level holds at all, for the laws of this package."""
@@ -190,7 +187,7 @@ class _Decided:
                 "the level has no upper end, and z no bound that holds at all of them" if self.known else _UNKNOWN
             )
         model = Model(law)
-        certificate = bounded.prove(model, Claims(model, Work(SHARES["bounded"] * self.work)))
+        certificate = bounded.prove(model, ClaimProver(model, Work(SHARES["bounded"] * self.work)))
         if certificate is None:
             return undecided("no proof was found at the highest level")
         return self._with_level("bounded", proved(model, certificate, _BOUNDED, {"Z": float(model.bound[1])}), law)
@@ -212,17 +209,16 @@ class _Decided:
                 continue  # far out in z, at large v, D < 0
             if law is not None and (found := self._proved(law, any_z)) is not None:
                 return self._with_level("passive", found, law)
-        if self.known and self.v_max is None and damped(self.varied):
-            certificate = {"format": 1, "law": self.varied.law.name, "property": "passive", "theorem": "damped"}
-            found = Verdict(True, _DAMPED, self._theorem(True), certificate=certificate)
-            return self._with_level("passive", found, self.varied.law)
+        law = self.varied.worst(True)
+        if self.known and law is not None and (found := self._damped(law)) is not None:
+            return self._with_level("passive", found, law)
         return self._refuted() or undecided(
             _UNKNOWN if not self.known else "neither a proof nor a run that draws energy was found"
         )
 
     def _proved(self, law: Law, any_z: bool) -> Verdict | None:
         model = Model(law, self.v_max)
-        claims = Claims(model, Work(0.5 * SHARES["passive"] * self.work))
+        claims = ClaimProver(model, Work(0.5 * SHARES["passive"] * self.work))
         within = None if any_z else bounded.prove(model, claims)
         if within is None and not any_z:
             return None
@@ -236,6 +232,13 @@ class _Decided:
         certificate = Certificate("passive", "storage", [*shown, *rising], {"slope": slope}, hypotheses)
         evidence = {"z_within": None if reach is None else float(reach), **self._theorem(any_z)}
         return proved(model, certificate, _PROVED, evidence)
+
+    def _damped(self, law: Law) -> Verdict | None:
+        model = Model(law)
+        certificate = damped.prove(model, ClaimProver(model, Work(0.5 * SHARES["passive"] * self.work)))
+        if certificate is None:
+            return None
+        return proved(model, certificate, _DAMPED, {"z_within": None, **self._theorem(True)})
 
     def _theorem(self, any_z: bool) -> dict[str, Any]:
         """The theorem of proofs/Level.v that says the same for every set of constants."""
@@ -279,7 +282,7 @@ class _Decided:
     def _dropped(self, low: Law, high: Law) -> Verdict | None:
         """At the lowest level, from the highest deflection, unwinding gives back the more energy the faster it is."""
         model, top = Model(low), float(high.z_bound(high.p)) * (1 - 2**-52)
-        claims = Claims(model, Work(0.2 * self.work))
+        claims = ClaimProver(model, Work(0.2 * self.work))
         for share in _DROPS:
             found = endless.unwinding(model, claims, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
             if found is not None:
@@ -301,30 +304,6 @@ def _swung(nominal: Law, swing: swings.Swing, drawn: tuple[float, float]) -> Ver
         evidence |= {"energy_drawn": -stated["E_in"], "replay": stated}
         found.scenario, found.stated = tables, stated
     return found
-
-
-def damped(varied: Varied) -> bool:
-    """Whether sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 F_c at the worst that these may be, by arithmetic that encloses."""
-    from flint import arb, ctx
-
-    law = varied.law
-    if law.values.get("v_d") is None or law.name not in BRISTLES or law.name.endswith("sobczyk"):
-        return False
-    low, _ = varied.newtons
-    ends = {n: varied.range(n) for n in ("sigma_1", "v_d")}
-    if any(high is None for _, high in ends.values()):
-        return False
-    ctx.prec = max(ctx.prec, 128)
-
-    def ball(x: Fraction) -> Any:
-        return arb(x.numerator) / arb(x.denominator)
-
-    sigma_1, v_d = (ball(high) for _, high in ends.values() if high is not None)
-    above = arb(0)
-    if law.name in MAJORANT:
-        k_v = ball(varied.range("k_v")[0])
-        above = {"sqrt": 1 / k_v, "compact": 3 / (8 * k_v), "atan": 2 / (arb.pi() * k_v)}[law.choices["smooth_abs"]]
-    return bool(sigma_1 * (v_d / (2 * arb(1).exp()).sqrt() + above) <= 4 * ball(low))
 
 
 def thresholds(varied: Varied) -> dict[str, float | None]:

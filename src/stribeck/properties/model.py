@@ -30,6 +30,7 @@ from stribeck.properties.prover.search import Hints, Prover
 V, Z, RATE, U, W, T = (symbol(n) for n in ("v", "z", "dz_dt", "u", "w", "t"))  # u = |v|, w = |z|, t = 1/u
 REST = symbol("rest")  # 0, where v or z is exactly that: unlike a literal it cancels nothing
 SIGNS = (1, -1)
+_FARTHEST = 10**300  # of the places where regions are cut: what no float holds is left to what lies beyond
 
 
 class Unreadable(Exception):
@@ -94,7 +95,9 @@ class Model:
         for name, c in self.law.constants().items():
             value = self.values.get(f"c_{name}")
             if value and value > 0:
-                speeds |= {1 / value} if c.unit == "s/m" else {value} if c.unit == "m/s" else set()
+                speeds |= (
+                    {1 / value} if c.unit == "s/m" and _FARTHEST * value > 1 else {value} if c.unit == "m/s" else set()
+                )
                 lengths |= {value} if c.unit == "m" else set()
         lengths |= {self.bound[1], 2 * self.bound[1]}  # strictly beyond Z cases are settled
         own = sorted(own_speeds(self.law))
@@ -131,7 +134,7 @@ class Model:
                         continue
                     for name, root in linear_roots(difference):
                         found[name].add(root)
-        return {name: {x for x in roots if x > 0} for name, roots in found.items()}
+        return {name: {x for x in roots if 0 < x < _FARTHEST} for name, roots in found.items()}
 
     # -- forms -----------------------------------------------------------------------------------------------------
 

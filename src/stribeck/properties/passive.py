@@ -12,9 +12,9 @@ from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, substitute, wrap
 from stribeck.expressions.ops import where
-from stribeck.properties import cycles, enclosed, fitted, replay
+from stribeck.properties import cycles, damped, enclosed, fitted, replay
 from stribeck.properties.certificate import Certificate, Claim
-from stribeck.properties.claims import NULL, Claims
+from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.endless import steady_gain, without_limit
 from stribeck.properties.model import RATE, SIGNS, Model, U, V, W, Z, depends, divided
 from stribeck.properties.storage import Storage, largest_speed
@@ -33,7 +33,7 @@ _NEITHER = "no storage function exists as far as sampled, but no run that draws 
 _CYCLE = "a cycle of held speeds that returns z to its start and draws energy (enclosed by interval arithmetic)"
 
 
-def decide(model: Model, claims: Claims, bounded: Certificate | None, refuted: bool) -> Verdict:
+def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refuted: bool) -> Verdict:
     """Passive, with a storage function that a proof confirms; or not, with energy that can be drawn for ever.
 
     Args:
@@ -45,7 +45,11 @@ def decide(model: Model, claims: Claims, bounded: Certificate | None, refuted: b
     v_max = float(model.v_max) if model.v_max is not None else None
     reach = float(model.bound[1]) if bounded is not None else None
     storage = Storage(model.law, v_max, reach)
-    found = _proved(model, claims, storage, bounded) if storage.exists else None
+    small = damped.prove(model, claims)
+    if small is not None:
+        found: Verdict | None = proved(model, small, damped.METHOD, {"storage": _STORED, "z_within": None})
+    else:
+        found = _proved(model, claims, storage, bounded) if storage.exists else None
     if found is None or found.holds is None:
         within = Storage(model.law, v_max, None if refuted else float(model.bound[0]))
         no = _refuted(model, claims, within, refuted) if found is None or not within.exists or refuted else None
@@ -105,7 +109,7 @@ def _numeric(model: Model, slope: Expr) -> fitted.Slope:
     return of
 
 
-def _proved(model: Model, claims: Claims, storage: Storage, bounded: Certificate | None) -> Verdict:
+def _proved(model: Model, claims: ClaimProver, storage: Storage, bounded: Certificate | None) -> Verdict:
     reach = model.bound[1] if bounded is not None else None
     top = float(model.bound[1]) if reach is not None else storage.largest
     hypotheses = {"bounded": bounded} if bounded is not None else {}
@@ -140,10 +144,10 @@ def _proved(model: Model, claims: Claims, storage: Storage, bounded: Certificate
     return undecided(reason, sampled="a storage function exists as far as sampled", **bounds)
 
 
-def own_energy(model: Model, claims: Claims, bounded: Certificate | None) -> bool:
+def own_energy(model: Model, claims: ClaimProver, bounded: Certificate | None) -> bool:
     """Whether the elastic energy is shown to serve as storage, with no limit on the speed."""
     reach = model.bound[1] if bounded is not None else None
-    return any(
+    return damped.prove(model, claims) is not None or any(
         claims.rising(slope, (NULL, reach)) is not None
         and claims.power(slope, (NULL, model.v_max), (NULL, reach), (*SIGNS, 0)) is not None
         for slope in elastic_forces(model)
@@ -151,7 +155,12 @@ def own_energy(model: Model, claims: Claims, bounded: Certificate | None) -> boo
 
 
 def _with_cells(
-    model: Model, claims: Claims, storage: Storage, slope: Expr, rising: list[Claim], hypotheses: dict[str, Certificate]
+    model: Model,
+    claims: ClaimProver,
+    storage: Storage,
+    slope: Expr,
+    rising: list[Claim],
+    hypotheses: dict[str, Certificate],
 ) -> Verdict | None:
     reach = model.bound[1]
     cells = fitted.fit(storage, _numeric(model, slope), float(reach))
@@ -183,7 +192,7 @@ def _with_cells(
     return proved(model, certificate, _FITTED, evidence)
 
 
-def _refuted(model: Model, claims: Claims, storage: Storage, unrestricted: bool) -> Verdict | None:
+def _refuted(model: Model, claims: ClaimProver, storage: Storage, unrestricted: bool) -> Verdict | None:
     law = model.law
     cycle = cycles.find(law, storage)
     if cycle is not None and (found := _by_cycle(model, storage, cycle)) is not None:

@@ -12,13 +12,14 @@ from stribeck.arrays import Array
 from stribeck.machine.links import Link
 from stribeck.machine.loads import Follower, Pendulum, Ripple
 from stribeck.machine.parts import ContactPart, Factor, Level, MotorPart
-from stribeck.properties.worst import Range, Varied
+from stribeck.properties.prover.region import ExactRange
+from stribeck.properties.worst import Varied
 from stribeck.scenario.machine import Rig
 from stribeck.signals import Curve, Points, Signal, Sine
 
 Ends = tuple[Fraction | None, Fraction | None]  # None: without end
 _SLACK = Fraction(1, 2**49)  # of a piece's size: more than its rounding
-_ONE: Range = (Fraction(1), Fraction(1))
+_ONE: ExactRange = (Fraction(1), Fraction(1))
 OPEN: Ends = (None, None)
 
 
@@ -106,7 +107,7 @@ def _of_motor(rig: Rig, motor: MotorPart) -> Ends:
     return OPEN
 
 
-def _size(ends: Ends) -> Range:
+def _size(ends: Ends) -> ExactRange:
     """Bounds of |f|."""
     low, high = ends
     least = Fraction(0)
@@ -136,7 +137,7 @@ def _factor(rig: Rig, factor: Factor, t_end: float) -> tuple[Fraction, Fraction]
     return 1 - size, 1 + size
 
 
-def _times(a: Range, b: Range) -> Range:
+def _times(a: ExactRange, b: ExactRange) -> ExactRange:
     return a[0] * b[0], None if a[1] is None or b[1] is None else a[1] * b[1]
 
 
@@ -144,7 +145,7 @@ def of_contact(rig: Rig, contact: ContactPart, t_end: float, stated: Mapping[str
     """The contact's law with the ranges that factors and loads give its constants."""
     law = rig.laws[contact.law_path]
     factors = {factor.of: _factor(rig, factor, t_end) for factor in contact.factors}
-    found: dict[str, Range] = {}
+    found: dict[str, ExactRange] = {}
     for name, value in law.values.items():
         if value is None:
             continue
@@ -157,8 +158,8 @@ def of_contact(rig: Rig, contact: ContactPart, t_end: float, stated: Mapping[str
 
 
 def _raised(
-    rig: Rig, levels: Sequence[Level], name: str, now: Range, t_end: float, stated: Mapping[str, float]
-) -> Range:
+    rig: Rig, levels: Sequence[Level], name: str, now: ExactRange, t_end: float, stated: Mapping[str, float]
+) -> ExactRange:
     for level in levels:
         gain = Fraction(rig.values[level.path, name]) if name in level.gains else Fraction(0)
         if gain:

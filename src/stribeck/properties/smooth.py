@@ -12,9 +12,9 @@ import numpy as np
 from stribeck.expressions.graph import Expr, derivative, ordered
 from stribeck.expressions.ranges import EVERYTHING, Box, Range
 from stribeck.properties.certificate import Certificate, Claim
-from stribeck.properties.claims import Claims
+from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U, W, depends, divided
-from stribeck.properties.seams import EVERYWHERE, Joints, Seam, seams
+from stribeck.properties.switching import EVERYWHERE, Joints, SwitchingSurface, switching_surfaces
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
 _METHOD = (
@@ -28,8 +28,8 @@ _TINY = 1e-12
 _NAMES = ("dz/dt", "F")
 
 
-def decide(model: Model, claims: Claims) -> Verdict:
-    """C1: every seam joins values and derivatives; or not: a point where the one-sided derivatives differ."""
+def decide(model: Model, claims: ClaimProver) -> Verdict:
+    """C1: every surface joins values and derivatives; or not: a point where the one-sided derivatives differ."""
     found: list[Claim] = []
     reason = ""
     for name, expr in zip(_NAMES, (model.rate, model.power_force), strict=True):
@@ -42,11 +42,11 @@ def decide(model: Model, claims: Claims) -> Verdict:
             found += shown
     if reason:
         return undecided(reason)
-    certificate = Certificate("smooth", "seams", found, {"of": ["dz_dt", "force"]})
-    return proved(model, certificate, _METHOD, {"cases_that_meet": sum(c.about == "seam" for c in found)})
+    certificate = Certificate("smooth", "switching", found, {"of": ["dz_dt", "force"]})
+    return proved(model, certificate, _METHOD, {"cases_that_meet": sum(c.about == "switching" for c in found)})
 
 
-def _smooth(model: Model, claims: Claims, expr: Expr) -> list[Claim] | str:
+def _smooth(model: Model, claims: ClaimProver, expr: Expr) -> list[Claim] | str:
     joints = Joints(model, claims, expr)
     found: list[Claim] = []
     for s, t in product(SIGNS, SIGNS):
@@ -57,10 +57,10 @@ def _smooth(model: Model, claims: Claims, expr: Expr) -> list[Claim] | str:
                 if claim is None:
                     return f"a {node.op} in {{}} may be singular somewhere"
                 found.append(claim)
-        for seam in seams(form, (s, t)):
-            shown = joints.at_condition(seam, 1)
+        for surface in switching_surfaces(form, (s, t)):
+            shown = joints.at_condition(surface, 1)
             if shown is None:
-                return f"could not show that the cases of {{}} meet smoothly where {seam.text}"
+                return f"could not show that the cases of {{}} meet smoothly where {surface.text}"
             found += shown
     for axis, side in product("vz", SIGNS):
         shown = joints.at_axis(axis, side, 1)
@@ -103,8 +103,8 @@ def _kinks(model: Model, name: str, expr: Expr) -> Iterator[Verdict]:
         yield from _at_axis(model, name, expr, "v", t, length, speed)
         yield from _at_axis(model, name, expr, "z", s, speed, length)
         form = model.form_of(expr, s, t)
-        for seam in seams(form, (s, t)):
-            yield from _at_seam(model, name, seam, (speed, length))
+        for surface in switching_surfaces(form, (s, t)):
+            yield from _at_surface(model, name, surface, (speed, length))
 
 
 def _at_axis(model: Model, name: str, expr: Expr, axis: str, side: int, other: float, own: float) -> Iterator[Verdict]:
@@ -129,8 +129,8 @@ def _at_axis(model: Model, name: str, expr: Expr, axis: str, side: int, other: f
             yield _verdict(name, f"{axis} = 0", at, by, above, below)
 
 
-def _at_seam(model: Model, name: str, seam: Seam, guess: tuple[float, float]) -> Iterator[Verdict]:
-    difference = seam.condition.args[0] - seam.condition.args[1]
+def _at_surface(model: Model, name: str, surface: SwitchingSurface, guess: tuple[float, float]) -> Iterator[Verdict]:
+    difference = surface.condition.args[0] - surface.condition.args[1]
     for x, y, given in ((W, U, guess[0]), (U, W, guess[1])):
         if not depends(difference, x):
             continue
@@ -139,17 +139,19 @@ def _at_seam(model: Model, name: str, seam: Seam, guess: tuple[float, float]) ->
             continue
         box = {**model.inputs, str(x.value): place, str(y.value): (given, given)}
         for by in (U, W, None):
-            a, b = (_range(derivative(f, by) if by is not None else f, box) for f in (seam.if_true, seam.if_false))
+            a, b = (
+                _range(derivative(f, by) if by is not None else f, box) for f in (surface.if_true, surface.if_false)
+            )
             if _apart(a, b):
                 middle = 0.5 * (place[0] + place[1])
                 u, w = (given, middle) if x is W else (middle, given)
-                side = seam.sides[0 if x is U else 1]
+                side = surface.sides[0 if x is U else 1]
                 rising = (_range(derivative(difference, x), box)[0] > 0) == (side > 0)  # then the condition holds below
                 above, below = (b, a) if rising else (a, b)
-                at = (u * seam.sides[0], w * seam.sides[1])
-                if by is not None and seam.sides[0 if by is U else 1] < 0:
+                at = (u * surface.sides[0], w * surface.sides[1])
+                if by is not None and surface.sides[0 if by is U else 1] < 0:
                     above, below = ((-r[1], -r[0]) for r in (above, below))
-                yield _verdict(name, seam.text, at, by, above, below)
+                yield _verdict(name, surface.text, at, by, above, below)
 
 
 def _crossing(model: Model, difference: Expr, x: Expr, y: Expr, given: float, guess: float) -> Range | None:

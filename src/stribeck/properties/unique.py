@@ -10,10 +10,10 @@ import numpy as np
 
 from stribeck.expressions.graph import derivative
 from stribeck.properties.certificate import Certificate, Claim
-from stribeck.properties.claims import NULL, Claims, every
+from stribeck.properties.claims import NULL, ClaimProver, every
 from stribeck.properties.escape import escape
 from stribeck.properties.model import SIGNS, Model, W, depends
-from stribeck.properties.seams import Joints, seams
+from stribeck.properties.switching import Joints, switching_surfaces
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
 METHOD = (
@@ -25,7 +25,7 @@ _SLACK = 128.0  # any bound will do: one that is far off is shown with few regio
 
 
 def prove(
-    model: Model, claims: Claims, bounded: Certificate | None, within: Fraction | None = None
+    model: Model, claims: ClaimProver, bounded: Certificate | None, within: Fraction | None = None
 ) -> Certificate | str:
     """The certificate, for all z or for |z| <= within; or why there is none."""
     found = _continuous(model, claims)
@@ -55,17 +55,17 @@ def prove(
     return "no bound on the derivative of dz/dt by z was found"
 
 
-def _continuous(model: Model, claims: Claims) -> list[Claim] | str:
+def _continuous(model: Model, claims: ClaimProver) -> list[Claim] | str:
     joints = Joints(model, claims, model.rate)
     found: list[Claim] = []
     for s in (0, *SIGNS):
         for t in SIGNS:
-            for seam in seams(model.form(s, t), (s, t)):
-                if not depends(seam.condition.args[0] - seam.condition.args[1], W):
+            for surface in switching_surfaces(model.form(s, t), (s, t)):
+                if not depends(surface.condition.args[0] - surface.condition.args[1], W):
                     continue
-                shown = joints.at_condition(seam, 0)
+                shown = joints.at_condition(surface, 0)
                 if shown is None:
-                    return f"dz/dt may jump where {seam.text}"
+                    return f"dz/dt may jump where {surface.text}"
                 found += shown
         shown = joints.at_axis("z", s, 0)
         if shown is None:
@@ -75,7 +75,7 @@ def _continuous(model: Model, claims: Claims) -> list[Claim] | str:
 
 
 def _bounded_slope(
-    claims: Claims, growth: Mapping[str, Any], w: tuple[Fraction, Fraction | None]
+    claims: ClaimProver, growth: Mapping[str, Any], w: tuple[Fraction, Fraction | None]
 ) -> list[Claim] | None:
     return every(claims.lipschitz((s, t), w, growth, sign) for s in (0, *SIGNS) for t in SIGNS for sign in SIGNS)
 
@@ -131,7 +131,7 @@ def _samples(model: Model, within: Fraction | None) -> tuple[Any, Any, Any, Any]
     return u, w, slope, size
 
 
-def decide(model: Model, claims: Claims, bounded: Certificate | None) -> Verdict:
+def decide(model: Model, claims: ClaimProver, bounded: Certificate | None) -> Verdict:
     """Lipschitz for all z, or within the bound that z keeps; or a speed that takes z to infinity."""
     certificate = prove(model, claims, bounded)
     words = "all v and z"

@@ -58,6 +58,16 @@ class Verdict:
         return self.verified
 
 
+def accepted(verdict: Verdict, law: Law, name: str, v_max: float | None = None) -> Verdict:
+    """The verdict; undecided in place of a yes whose certificate the independent checker refuses."""
+    from stribeck.properties.verify_certificate import verify
+
+    if not verdict.holds:
+        return verdict
+    refused = verify(verdict.certificate or {}, law, name, v_max)
+    return undecided(f"a proof was found, but the independent checker refuses it: {refused[0]}") if refused else verdict
+
+
 def ranges_in_words(ranges: Mapping[str, Sequence[float | None]]) -> str:
     """'F_c from 1 to 2, F_s from 1.5 up'."""
     words = [f"{n} from {low:.6g} " + ("up" if high is None else f"to {high:.6g}") for n, (low, high) in ranges.items()]

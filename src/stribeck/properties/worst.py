@@ -14,8 +14,8 @@ from stribeck.errors import InputError
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw, Claims, Law
 from stribeck.laws.terms import K_V, SMOOTH_ABS, m
+from stribeck.properties.prover.region import ExactRange
 
-Range = tuple[Fraction, Fraction | None]  # None: without end
 EXACT, MAJORANT = ("lugre", "elastoplastic", "lugre_arctan"), ("lugre_majorant", "elastoplastic_majorant")
 DAHL = "dahl"
 BRISTLES = (*EXACT, *MAJORANT, DAHL, "lugre_sobczyk", "elastoplastic_sobczyk")
@@ -62,7 +62,7 @@ class Varied:
     """
 
     law: Law
-    ranges: Mapping[str, Range]
+    ranges: Mapping[str, ExactRange]
 
     @classmethod
     def by_level(cls, law: Law, low: float, high: float) -> Varied:
@@ -78,7 +78,7 @@ class Varied:
         """Whether anything does."""
         return any(low != high for low, high in self.ranges.values())
 
-    def range(self, name: str) -> Range:
+    def range(self, name: str) -> ExactRange:
         """Where a constant is at all times."""
         if name in self.ranges:
             return self.ranges[name]
@@ -86,7 +86,7 @@ class Varied:
         return value, value
 
     @property
-    def newtons(self) -> Range:
+    def newtons(self) -> ExactRange:
         """Where sigma_0 g is, for every speed and at all times: between the smallest and the largest of F_c and F_s."""
         names = [n for n in ("F_c", "F_s") if self.law.values.get(n) is not None]
         lows, highs = zip(*(self.range(n) for n in names), strict=True)

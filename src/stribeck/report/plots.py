@@ -164,14 +164,19 @@ def key(axis: Axes, names: Sequence[str], beside: int) -> None:
 
 def finish(made: Figure, name: str, caption: str, pdf: bool = False) -> FigureSvg:
     """The drawn figure as SVG and PNG (and PDF) under a name, with its caption. Call within :func:`style`."""
+    return FigureSvg(name, svg(made), caption, *prints(made, pdf))
+
+
+def prints(made: Figure, pdf: bool) -> tuple[bytes, bytes]:
+    """A figure that :func:`svg` has laid out, as PNG and, where it is wanted, as PDF. Call within :func:`style`."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    text, buffer, print_ = svg(made), io.BytesIO(), io.BytesIO()
+    png, print_ = io.BytesIO(), io.BytesIO()
     FigureCanvasAgg(made)
-    made.savefig(buffer, format="png", dpi=160, metadata={"Software": None})
+    made.savefig(png, format="png", dpi=160, metadata={"Software": None})
     if pdf:
         from matplotlib.backends.backend_pdf import FigureCanvasPdf
 
         FigureCanvasPdf(made)
         made.savefig(print_, format="pdf", metadata={"CreationDate": None, "Producer": None, "Creator": None})
-    return FigureSvg(name, text, caption, buffer.getvalue(), print_.getvalue())
+    return png.getvalue(), print_.getvalue()

@@ -11,7 +11,8 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
-from stribeck.properties.level import damped, largest_v_d, thresholds
+from stribeck.properties.damped import suffices
+from stribeck.properties.level import largest_v_d, thresholds
 from stribeck.properties.worst import MAJORANT, Varied
 
 LEVELLED = ("lugre", "lugre_arctan", "elastoplastic", *MAJORANT)
@@ -76,7 +77,7 @@ def level_advice(law: Law, low: float, high: float, v_max: float) -> LevelAdvice
     constant = bounded and small and sigma_2 is not None and p.sigma_2 >= sigma_2
     return LevelAdvice(
         low, high, v_d, above, changed, exp(-((p.v_s / v_d) ** 2)) if v_d else None, sigma_2 if bounded else None,
-        by_sigma_2, v_max, bool(constant or damped(varied)),
+        by_sigma_2, v_max, bool(constant or suffices(varied.worst(any_z=True))),
     )  # fmt: skip
 
 

@@ -170,7 +170,7 @@ class ChosenTerm(BristleLaw):
 
     truth = "unique bounded smooth passive -drift_free"
     natural = True
-    kind = Constant("", "which |v|", choices=("smooth", "sharp"))
+    kind = Constant("", "which |v|", choices=("smooth", "exact"))
 
     @staticmethod
     def dz_dt(p, v, z):

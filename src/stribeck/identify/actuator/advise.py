@@ -10,10 +10,10 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
-from stribeck.identify.actuator.estimate import Estimate
+from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Spread
 from stribeck.identify.actuator.problem import Problem
-from stribeck.identify.actuator.runs import Run, Target
+from stribeck.identify.actuator.runs import Compared, Run
 from stribeck.identify.actuator.solve import STEP
 from stribeck.simulation.machines import machine_places
 
@@ -23,7 +23,7 @@ _NOISE = 0.01  # of a column's changes: a sensor's that is not there yet
 _LOADS = ("mass", "inertia", "amplitude")
 
 
-def experiments(best: Estimate, s: Spread, open_: list[int]) -> dict[int, str]:
+def experiments(best: BestPoint, s: Spread, open_: list[int]) -> dict[int, str]:
     """For each of these coordinates what would tell it, in words."""
     if not open_:
         return {}
@@ -69,7 +69,7 @@ def _added(base: Array, more: Array, at: list[int]) -> Array:
     return found
 
 
-def _information(best: Estimate, run: Run, shared: list[int]) -> Array | None:
+def _information(best: BestPoint, run: Run, shared: list[int]) -> Array | None:
     """J^T J of one recording for the shared coordinates, or None where it cannot be simulated."""
     problem = best.problem
     sought = [problem.sought[i] for i in shared]
@@ -96,7 +96,7 @@ def _information(best: Estimate, run: Run, shared: list[int]) -> Array | None:
     return found
 
 
-def candidates(best: Estimate, run: Run) -> Iterator[tuple[str, Run]]:
+def candidates(best: BestPoint, run: Run) -> Iterator[tuple[str, Run]]:
     """Recordings that could be made: this one with another load, a larger, smaller, slower or faster drive, or another
     column measured."""
     count = 0
@@ -113,11 +113,11 @@ def candidates(best: Estimate, run: Run) -> Iterator[tuple[str, Run]]:
     for column in run.scenario.rig.machine.columns:
         if column.name not in there and column.name.endswith((".y", ".i", ".torque")) and run.targets:
             t = run.targets[0].t
-            extra = Target(column.name, t, np.zeros(len(t)))
+            extra = Compared(column.name, t, np.zeros(len(t)))
             yield f"with {column.name} measured too", replace(run, targets=[*run.targets, extra])
 
 
-def _loads(best: Estimate, run: Run) -> Iterator[tuple[str, dict[str, Any]]]:
+def _loads(best: BestPoint, run: Run) -> Iterator[tuple[str, dict[str, Any]]]:
     """Numbers that can be other in a further recording: those that the recordings differ in, and masses and loads."""
     sought = {path for c in best.problem.sought for path in c.targets}
     places = machine_places(run.scenario)

@@ -13,7 +13,7 @@ from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, judge, transfer
 from stribeck.identify.actuator.coordinates import Coordinate, coordinates
-from stribeck.identify.actuator.estimate import Estimate, beyond_noise, estimate, traces
+from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, estimate, traces
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.recordings import Logs, read_logs
 from stribeck.identify.actuator.result import LogResult, MachineFit
@@ -115,7 +115,7 @@ class Fitting:
         if laws:
             chosen = choice.among_laws(self, laws)
             self.scenario, self.sought, picked = chosen.scenario, chosen.sought, chosen.told
-            best: Estimate | None = chosen.estimate
+            best: BestPoint | None = chosen.estimate
         else:
             best = None
         if best is None:
@@ -129,7 +129,7 @@ class Fitting:
         left_out = {} if best.stopped else choice.earned(self, best, notes)
         if left_out:
             self.scenario, self.sought, best = left_out["scenario"], left_out["sought"], left_out["estimate"]
-        assert isinstance(best, Estimate)
+        assert isinstance(best, BestPoint)
         result = self.told(best, notes)
         result.laws = picked
         self.work.section(0.95)
@@ -145,7 +145,7 @@ class Fitting:
         self.work.section(1.0)
         return result
 
-    def told(self, best: Estimate, notes: list[str]) -> MachineFit:
+    def told(self, best: BestPoint, notes: list[str]) -> MachineFit:
         """The estimate judged: intervals, verdicts, errors."""
         self.work.section(0.8)
         status, reason, relation = "stopped" if best.stopped else "done", "", None
@@ -179,7 +179,7 @@ class Fitting:
             result.notes.append("no recording is held out (hold_out = true): the errors are those of the fit itself")
         return result
 
-    def errors(self, best: Estimate, values: dict[str, float]) -> list[LogResult]:
+    def errors(self, best: BestPoint, values: dict[str, float]) -> list[LogResult]:
         """Each recording against what the numbers make of it."""
         window = _window(best)
         return [
@@ -188,7 +188,7 @@ class Fitting:
         ]
 
 
-def _window(best: Estimate) -> float | None:
+def _window(best: BestPoint) -> float | None:
     """The length of the stretches of a fit in stretches."""
     if not best.windowed:
         return None

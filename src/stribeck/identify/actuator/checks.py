@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import Coordinate
-from stribeck.identify.actuator.estimate import POOR, Estimate, leftovers
+from stribeck.identify.actuator.estimate import POOR, BestPoint, leftovers
 from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
 from stribeck.identify.actuator.problem import Problem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
@@ -112,7 +112,7 @@ def _factor_between(y: Channel, v: Channel) -> tuple[float, str] | None:
     return None
 
 
-def hypotheses(best: Estimate) -> list[str]:
+def hypotheses(best: BestPoint) -> list[str]:
     """What would let the machine follow its recordings: a column in other units, of the other sign, of another clock."""
     whole = best.problem
     k = int(np.argmin([run.scenario.end for run in whole.runs]))
@@ -160,7 +160,7 @@ def _worst(problem: Problem, starts: int | None) -> float:
     return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values())
 
 
-def after(best: Estimate, s: Spread) -> list[str]:
+def after(best: BestPoint, s: Spread) -> list[str]:
     """Sensors' delays, clocks, gains and offsets that are not sought, but that the residuals show."""
     problem, u = best.problem, best.u
     r = problem.residuals(u[None])[0]

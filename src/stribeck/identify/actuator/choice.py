@@ -12,7 +12,7 @@ import numpy as np
 from stribeck import laws as known_laws
 from stribeck.errors import InputError, StribeckError, nearest
 from stribeck.identify.actuator.coordinates import Coordinate
-from stribeck.identify.actuator.estimate import Estimate, estimate, traces
+from stribeck.identify.actuator.estimate import BestPoint, estimate, traces
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import MachineFit
 from stribeck.laws.base import PARAMETERS
@@ -33,7 +33,7 @@ class Chosen:
 
     scenario: Scenario
     sought: list[Coordinate]
-    estimate: Estimate | None
+    estimate: BestPoint | None
     told: dict[str, Any]
 
 
@@ -55,7 +55,7 @@ def check(scenario: Scenario, laws: Mapping[str, Sequence[str]]) -> None:
         raise InputError(problems)
 
 
-def held_out_error(fit: Fitting, scenario: Scenario, best: Estimate, held: Sequence[tuple[int, Recording]]) -> float:
+def held_out_error(fit: Fitting, scenario: Scenario, best: BestPoint, held: Sequence[tuple[int, Recording]]) -> float:
     """The relative error over recordings that the estimate has not seen (columns' root mean square)."""
     window = float(np.median([run.scenario.end for run in best.problem.runs])) if best.windowed else None
     parts = [
@@ -187,7 +187,7 @@ def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, R
     return fit.fitted, fit.fitted, "one recording only: laws are compared by the error of the fit itself"
 
 
-def earned(fit: Fitting, best: Estimate, notes: list[str]) -> dict[str, Any]:
+def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> dict[str, Any]:
     """Leave out terms that do not lower the held-out error: numbers sought that may be 0."""
     scenario, sought = fit.scenario, fit.sought
     zero = [c for c in sought if c.low == 0.0 and c.log is None and c.targets]
@@ -216,7 +216,7 @@ def earned(fit: Fitting, best: Estimate, notes: list[str]) -> dict[str, Any]:
     return result
 
 
-def _no_worse(best: Estimate, other: Estimate) -> bool:
+def _no_worse(best: BestPoint, other: BestPoint) -> bool:
     """Whether the recordings that are fitted are followed as well."""
     from stribeck.identify.actuator.estimate import leftovers
 

@@ -33,7 +33,7 @@ Keep = Callable[[dict[str, float], float], None]
 
 
 @dataclass
-class Estimate:
+class BestPoint:
     """The best point of a problem, and how it was come by."""
 
     problem: Problem
@@ -143,7 +143,7 @@ def remembers(scenario: Scenario) -> bool:
 def estimate(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[Coordinate], starts: int, seed: int,
     work: Work, first: dict[str, float] | None = None, keep: Keep | None = None,
-) -> Estimate:  # fmt: skip
+) -> BestPoint:  # fmt: skip
     """The best numbers for these recordings."""
     fitted = {i for i, _ in recordings}
     sought = [c for c in sought if c.log is None or c.log in fitted]
@@ -162,7 +162,7 @@ def estimate(
         begin = rough.values(found.u)
         others = [rough.values(u) for u in found.others]
         if found.stopped:
-            return Estimate(rough, found.u, found, notes, True)
+            return BestPoint(rough, found.u, found, notes, True)
         agreeing, starts = found.agreeing, 1
     else:
         agreeing, others = 0, []
@@ -172,7 +172,7 @@ def estimate(
     found = search(problem, starts, seed, _point(problem, begin) if begin else None, saved, more)
     if many and not found.stopped:
         found = search(problem, 1, seed, found.u, saved, scanned(problem, found))
-    whole = Estimate(problem, found.u, replace(found, agreeing=max(agreeing, found.agreeing)), notes, asked)
+    whole = BestPoint(problem, found.u, replace(found, agreeing=max(agreeing, found.agreeing)), notes, asked)
     if not found.stopped and not asked and not remembers(scenario) and whole.missed():
         whole = _in_stretches(scenario, recordings, sought, named, whole, begin, work, keep)
     return _weighted(whole, given, keep)
@@ -180,14 +180,14 @@ def estimate(
 
 def _in_stretches(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[Coordinate], named: set[str],
-    whole: Estimate, begin: dict[str, float], work: Work, keep: Keep | None,
-) -> Estimate:  # fmt: skip
+    whole: BestPoint, begin: dict[str, float], work: Work, keep: Keep | None,
+) -> BestPoint:  # fmt: skip
     """Multiple shooting: each stretch begins in a state of its own, so that no error grows from one end to the other."""
     window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH * 2)
     runs, own = prepared(scenario, recordings, named, window)
     problem = Problem(runs, [*sought, *own], dict(whole.problem.noise), work=work)
     found = search(problem, 1, 0, _point(problem, begin), _kept(problem, keep))
-    parts = Estimate(problem, found.u, found, whole.notes, True)
+    parts = BestPoint(problem, found.u, found, whole.notes, True)
     left, right = leftovers(whole.problem, whole.u), leftovers(problem, found.u)
     if all(not left[c][0] > _MUCH * right[c][0] for c in left):
         return whole
@@ -198,7 +198,7 @@ def _in_stretches(
     return parts
 
 
-def _weighted(estimate: Estimate, given: set[str], keep: Keep | None) -> Estimate:
+def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
     """The fit with each column weighted by the noise that it turned out to have."""
     problem = estimate.problem
     for _ in range(_WEIGHTINGS):
@@ -259,4 +259,4 @@ def unit_of(scenario: Scenario, column: str) -> str:
     return next((c.unit for c in scenario.rig.machine.columns if c.name == column), "")
 
 
-__all__ = ["Estimate", "estimate", "made", "traces"]
+__all__ = ["BestPoint", "estimate", "made", "traces"]

@@ -10,7 +10,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator import advise, checks
 from stribeck.identify.actuator.coordinates import Coordinate
-from stribeck.identify.actuator.estimate import Estimate
+from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles, spread
 from stribeck.identify.actuator.result import Parameter
 from stribeck.identify.actuator.solve import search
@@ -26,14 +26,14 @@ _AGAIN = 2
 class Judged:
     """The parameters with their verdicts, and the estimate itself (a profile may have found a better one)."""
 
-    best: Estimate
+    best: BestPoint
     parameters: dict[str, Parameter]
     correlated: list[dict[str, Any]] = field(default_factory=list)
     relation: tuple[list[str], Array] | None = None
     notes: list[str] = field(default_factory=list)
 
 
-def judged(best: Estimate, scenario: Scenario, trusted: bool) -> Judged:
+def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> Judged:
     """Each number with its interval and verdict; ``trusted``: the fit follows the recordings, and was not stopped."""
     problem = best.problem
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
@@ -64,7 +64,7 @@ def judged(best: Estimate, scenario: Scenario, trusted: bool) -> Judged:
     return result
 
 
-def _parameter(best: Estimate, scenario: Scenario, s: Spread, k: int, ends: Ends) -> Parameter:
+def _parameter(best: BestPoint, scenario: Scenario, s: Spread, k: int, ends: Ends) -> Parameter:
     c = best.problem.sought[k]
     low, high = (None if x is None else c.outer(x) for x in (ends.low, ends.high))
     curve = [(c.outer(u), rise) for u, rise in ends.curve]
@@ -90,7 +90,7 @@ def _parameter(best: Estimate, scenario: Scenario, s: Spread, k: int, ends: Ends
     return Parameter(value, low, high, unit(scenario, c), verdict, why, "", curve)
 
 
-def partners(best: Estimate, s: Spread, k: int) -> str:
+def partners(best: BestPoint, s: Spread, k: int) -> str:
     """What moves with a coordinate where it moves along its valley."""
     size = np.sqrt(np.maximum(np.diag(s.covariance), 1e-300))
     relation = s.covariance[k] / (size * size[k])

@@ -27,7 +27,7 @@ _LIBRARIES: dict[Equations, ctypes.CDLL] = {}
 
 
 @dataclass(frozen=True)
-class Target:
+class Compared:
     """A column of a run that is compared: times and values, and where the machine's column has these times."""
 
     column: str
@@ -43,7 +43,7 @@ class Run:
     log: int
     piece: str | None
     scenario: Scenario
-    targets: list[Target]
+    targets: list[Compared]
     start: dict[str, float] = field(default_factory=dict)  # initial values that differ from the file's
     held_out: bool = False
 
@@ -82,7 +82,7 @@ class Run:
         return found
 
 
-def at_times(grid: Array, x: Array, target: Target, late: Late | None) -> Array:
+def at_times(grid: Array, x: Array, target: Compared, late: Late | None) -> Array:
     """Simulated columns (lanes, grid) at the times of a target, later by ``late`` if given."""
     step = grid[1] - grid[0] if len(grid) > 1 else 1.0
     index = np.rint(target.t / step).astype(int)
@@ -161,7 +161,7 @@ def made(
         new = scenario.with_changes(changes)
     except InputError as error:
         raise InputError([f"log.{log} ({recording.file}): {line}" for line in error.problems]) from None
-    targets = [Target(n, c.t, c.x) for n, c in rows_of(recording, begin, min(end, new.end + begin)).items()]
+    targets = [Compared(n, c.t, c.x) for n, c in rows_of(recording, begin, min(end, new.end + begin)).items()]
     piece = None if span is None else f"{begin:g}"
     return Run(recording.file, log, piece, new, [x for x in targets if len(x.t)], {}, recording.hold_out)
 

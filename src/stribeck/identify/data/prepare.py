@@ -16,7 +16,7 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.data.clocks import on_one_clock, pieces, released
 from stribeck.identify.data.filters import derivative, low_pass
 from stribeck.identify.data.quality import FEWEST, Clean, clean
-from stribeck.identify.data.read import Columns, read
+from stribeck.identify.data.read import ColumnNames, read
 from stribeck.identify.log import Log
 from stribeck.recorded import is_table
 
@@ -49,7 +49,7 @@ class Preparation:
     simulated: bool = False
 
 
-def load(sources: Sequence[Any], columns: Columns, how: Preparation | None = None) -> Log:
+def load(sources: Sequence[Any], columns: ColumnNames, how: Preparation | None = None) -> Log:
     """The log in one file or table, or in several of the same layout, each a run of its own.
 
     Raises:
@@ -93,7 +93,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         if how.simulated and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
             notes.append(
-                f"position and velocity only at {cutoff:.3g} Hz, as a simulation averages their noise out and needs sharp "
+                f"position and velocity only at {cutoff:.3g} Hz, as a simulation averages their noise out and needs abrupt "
                 "reversals"
             )
     elif cutoff > 0:
@@ -204,9 +204,9 @@ def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep
     return found
 
 
-def _slope(x: Array, step: float, sharp: bool) -> Array:
-    """dx/dt; central differences are the published procedure's for least squares."""
-    return derivative(x, step) if sharp else np.asarray(np.gradient(x, step))
+def _slope(x: Array, step: float, spline: bool) -> Array:
+    """dx/dt by a spline or central differences, which are the published procedure's for least squares."""
+    return derivative(x, step) if spline else np.asarray(np.gradient(x, step))
 
 
 def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean], slopes: str) -> dict[str, str]:

@@ -19,7 +19,7 @@ from stribeck.recorded import Source, is_table, listed, no_column, opened
 
 
 @dataclass(frozen=True)
-class Columns:
+class ColumnNames:
     """Which column of a file is what.
 
     Attributes:
@@ -33,18 +33,18 @@ class Columns:
     units: dict[str, str] = field(default_factory=dict)
     force_gain: float | str | None = None
 
-    def over(self, other: Columns) -> Columns:
+    def over(self, other: ColumnNames) -> ColumnNames:
         """These where given, the other's elsewhere."""
         gain = self.force_gain if self.force_gain is not None else other.force_gain
-        return Columns({**other.names, **self.names}, {**other.units, **self.units}, gain)
+        return ColumnNames({**other.names, **self.names}, {**other.units, **self.units}, gain)
 
 
-def beside(path: Path) -> Columns:
+def beside(path: Path) -> ColumnNames:
     """What the TOML file of the same name beside the data says: tables [columns] and [units], and force_gain."""
-    return from_toml(path.with_suffix(".toml")) if path.with_suffix(".toml").is_file() else Columns()
+    return from_toml(path.with_suffix(".toml")) if path.with_suffix(".toml").is_file() else ColumnNames()
 
 
-def from_toml(path: Path) -> Columns:
+def from_toml(path: Path) -> ColumnNames:
     """The columns that a TOML file names.
 
     Raises:
@@ -72,10 +72,10 @@ def from_toml(path: Path) -> Columns:
     if problems:
         raise InputError(problems)
     names, units = ({str(k): str(v) for k, v in data.get(table, {}).items()} for table in ("columns", "units"))
-    return Columns(names, units, gain)
+    return ColumnNames(names, units, gain)
 
 
-def read(data: Any, columns: Columns, needs_force: bool = True) -> dict[str, Array]:
+def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str, Array]:
     """The columns of a file or table by role, in SI units, as long as each other; NaN where a cell is empty.
 
     Args:
@@ -127,7 +127,7 @@ def read(data: Any, columns: Columns, needs_force: bool = True) -> dict[str, Arr
     return found
 
 
-def _missing(columns: Columns, source: Source, needs_force: bool) -> list[str]:
+def _missing(columns: ColumnNames, source: Source, needs_force: bool) -> list[str]:
     """What must be named and is not."""
     path = source.path
     problems: list[str] = []
@@ -146,7 +146,7 @@ def _missing(columns: Columns, source: Source, needs_force: bool) -> list[str]:
     return problems
 
 
-def _gain(columns: Columns, source: Source, problems: list[str]) -> float:
+def _gain(columns: ColumnNames, source: Source, problems: list[str]) -> float:
     gain = columns.force_gain
     if gain is None:
         unit = columns.units.get(columns.names.get("force", ""), "N")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.features.guess import Scales
+from stribeck.identify.features.guess import Sizes
 from stribeck.identify.features.what_to_measure import presliding_length
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
@@ -18,7 +18,7 @@ _SIZES = (0.5, 1.0, 2.0, 5.0)  # of loops, in lengths of presliding
 _SPEEDS = 10
 
 
-def motion(name: str, length: float, sizes: Scales) -> tuple[float, Array] | None:
+def motion(name: str, length: float, sizes: Sizes) -> tuple[float, Array] | None:
     """The step (s) and the velocities of the motion that is advised for a parameter; None where there is none.
 
     ``length``: of presliding, m. Loops are sines of that size for the bristles; for the others strokes at speeds evenly
@@ -39,7 +39,7 @@ def motion(name: str, length: float, sizes: Scales) -> tuple[float, Array] | Non
 
 def narrower(
     problem: VelocityProblem, values: dict[str, float], inner: Array, names: list[str], name: str, noise: float,
-    sizes: Scales,
+    sizes: Sizes,
 ) -> float | None:  # fmt: skip
     """By what factor the advised motion, added to the record, narrows the interval of a coordinate: from its Fisher
     information, at a force noise of ``noise`` N. ``inner``: the covariance of ``names`` now. None where nobody can say."""

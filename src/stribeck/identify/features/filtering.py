@@ -22,7 +22,7 @@ _COARSER = 0.6  # of the shift by twice the step: halving it takes three fifths 
 _WHOLE = 1.5  # of the shift: the error of the motion as it is, by noise; more than it, by rounding off
 
 
-def leeway(problem: Problem, u: Array, slopes: Array) -> Array:
+def filter_bias(problem: Problem, u: Array, slopes: Array) -> Array:
     """How far each inner coordinate may be off because of the motion's filter; 0 where there was none.
 
     One step of Gauss and Newton from the optimum ``u`` with its ``slopes`` towards that of the smoother motion.

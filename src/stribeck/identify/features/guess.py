@@ -33,7 +33,7 @@ class Guess:
 
 
 @dataclass(frozen=True)
-class Scales:
+class Sizes:
     """Natural sizes of a log: friction level (N), offset (N), largest and typical slow speed (m/s), stiffness at rest and
     after reversals (N/m), travel (m)."""
 
@@ -45,7 +45,7 @@ class Scales:
     travel: float = 0.0
 
 
-def scales(log: Log, mass: float = 0.0) -> Scales:
+def sizes_of(log: Log, mass: float = 0.0) -> Sizes:
     """The natural sizes of a log.
 
     Raises:
@@ -63,7 +63,7 @@ def scales(log: Log, mass: float = 0.0) -> Scales:
         raise InputError("force: 0 throughout: there is no friction to fit")
     slow = float(np.quantile(speed[speed > 1e-6 * fast], 0.1))
     typical, travel = min(max(slow, 1e-5 * fast), 0.1 * fast), float(np.ptp(log.position))
-    return Scales(level, offset, fast, typical, _stiffness(log, force, level), travel)
+    return Sizes(level, offset, fast, typical, _stiffness(log, force, level), travel)
 
 
 def reversals(v: Array) -> list[tuple[int, int]]:
@@ -112,7 +112,7 @@ def _after_reversals(log: Log, force: Array, level: float) -> list[float]:
     return found
 
 
-def ranges(law: type[Law], sizes: Scales) -> dict[str, Guess]:
+def ranges(law: type[Law], sizes: Sizes) -> dict[str, Guess]:
     """A range for each constant of the law that a fit may free."""
     f, fast, slow, k = sizes.force, sizes.fast, sizes.slow, sizes.stiffness
     middle = float(np.sqrt(slow * fast))

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from stribeck.arrays import Array
-from stribeck.identify.methods.static_start import Model
+from stribeck.identify.methods.static_start import StaticModel
 from stribeck.identify.models.columns import column
-from stribeck.identify.models.separable import Separable, Solution
+from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.statistics.clusters import BLOCKS
@@ -22,7 +22,7 @@ _NORMAL = 1.96
 _FEWEST_ROWS = 30
 
 
-def levels(rows: Rows, model: Model, solution: Solution) -> list[dict[str, Any]]:
+def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[dict[str, Any]]:
     """The level F_c of each file on its own, and as the law predicts it from the others, with 95 % intervals.
 
     All files share the rest of the model: a pressure's area, the offset, viscous friction. What the levels scatter by about
@@ -103,7 +103,7 @@ def _in_blocks(sign: Array, missed: Array, w: Array) -> float:
 
 
 def _predicted(
-    whole: Separable, solution: Solution, out: NDArray[np.bool_], means: Mapping[str, float]
+    whole: Separable, solution: Minimum, out: NDArray[np.bool_], means: Mapping[str, float]
 ) -> dict[str, float]:
     """The level that the fit to the other files gives for this one, at the same shape of the curve."""
     from stribeck.identify.statistics.static_intervals import linearised

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from stribeck.identify.features.guess import Scales
+from stribeck.identify.features.guess import Sizes
 
 _WORDS = {
     "sigma_0": "small reversals: move to and fro by {small} to {large} (total way), slower than {slow}, at least 20 "
@@ -25,7 +25,7 @@ _BOTH = 10.0  # factor between the fit's length and the record's, up to which th
 _OF_TRAVEL = 0.1  # what presliding can be at most
 
 
-def presliding_length(values: Mapping[str, float], sizes: Scales) -> float:
+def presliding_length(values: Mapping[str, float], sizes: Sizes) -> float:
     """The way to break-away, m: the fit's F_s/sigma_0 where the record's own stiffness agrees with it, else the
     smaller; never more than a tenth of the travel."""
     seen = sizes.force / sizes.stiffness
@@ -35,7 +35,7 @@ def presliding_length(values: Mapping[str, float], sizes: Scales) -> float:
     return min(length, _OF_TRAVEL * sizes.travel) if sizes.travel > 0 else length
 
 
-def experiment_for(name: str, values: Mapping[str, float], sizes: Scales) -> str:
+def experiment_for(name: str, values: Mapping[str, float], sizes: Sizes) -> str:
     """What to measure, in words and numbers: from the fitted constants where the record bears them out, within what the
     rig reached in the record."""
     length = presliding_length(values, sizes)

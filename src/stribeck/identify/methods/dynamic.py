@@ -6,19 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
-from stribeck.identify.methods.optimise import STOPPED, Optimum, multistart, starting_points
+from stribeck.identify.methods.optimise import STOPPED, Optimum, descend, multistart, starting_points
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, velocity_problem
 from stribeck.identify.models.motion_problem import white_noise
 from stribeck.identify.models.problem import Problem, Tie
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Fit, Prediction
 from stribeck.identify.statistics import uncertainty
-from stribeck.identify.statistics.crossvalidate import cross_validate
+from stribeck.identify.statistics.crossvalidate import LeftOut, cross_validate
 from stribeck.identify.statistics.verdicts import Noise
 from stribeck.identify.work import Work
 
@@ -84,7 +85,7 @@ def fit_dynamic(
         fit = fit_of(problem, judged.point, judged, optimum, log, work)
         if folds < 2 or work.stopped:
             return fit
-        left_out = cross_validate(problem, judged.point, log, folds)
+        left_out = cross_validated(problem, judged.point, log, folds)
         work.done(1.0)
     return replace(
         fit,
@@ -92,6 +93,23 @@ def fit_dynamic(
         notes=(*fit.notes, f"cross-validated {left_out.how}"),
         details={**fit.details, "left_out": left_out},
     )
+
+
+def cross_validated(problem: VelocityProblem, point: Array, log: Log, folds: int) -> LeftOut:
+    """The problem fitted anew without each part of the log, from the optimum of all, and what it misses there.
+
+    The simulation runs through the part that is left out, whose force it does not see.
+    """
+
+    def missed_without(out: NDArray[np.bool_]) -> tuple[float, float]:
+        training = problem.with_rows(~out)
+        found = descend(training, training.without_unseen_starts(point), 1e-6, 30).point
+        found = training.nearest(training.without_unseen_starts(found))  # nothing has kept them in place
+        force = training.force(found[None, :])
+        missed = np.inf if force is None else float(np.sum((force[0] - log.force)[out] ** 2))
+        return missed, float(np.sum(log.force[out] ** 2))
+
+    return cross_validate(log, folds, sum(not c.nuisance for c in problem.coordinates), missed_without)
 
 
 def judged_of(

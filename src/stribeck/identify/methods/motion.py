@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,7 @@ from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_of, judged_of
 from stribeck.identify.methods.horizons import first_values, follow
-from stribeck.identify.methods.optimise import multistart, starting_points
+from stribeck.identify.methods.optimise import Optimum, multistart, starting_points
 from stribeck.identify.models.columns import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, first_deflection, velocity_problem
 from stribeck.identify.models.motion_problem import MotionProblem, raw, white_noise
@@ -136,6 +136,20 @@ def fit_motion(
     ``details["output_error"]`` is norm(residual)/norm(output).
     """
     drive = dict(drive or {"kind": "force"})
+    _check(log, drive, output, body)
+    made = velocity_problem(log, law, fixed=fixed, free=free, tied=tied, start=start, mass=mass, body=body)
+    search = _Search(log, made, output, starts, seed, work or Work())
+    with threadpool_limits(1):
+        met = search.in_windows(bool(start)) if search.has_windows(drive) else search.of_rig(drive)
+        return search.fit(met, profiles)
+
+
+def _check(log: Log, drive: Mapping[str, Any], output: str, body: Sequence[str]) -> None:
+    """Refuse what cannot be asked of a fit of the motion.
+
+    Raises:
+        InputError: what is wrong, one line for each problem.
+    """
     problems: list[str] = []
     if drive.get("kind") == "velocity" or "kind" not in drive:
         problems.append(f"drive.kind: {drive.get('kind')!r}: must be 'force', 'pid' or 'spring'")
@@ -149,59 +163,91 @@ def fit_motion(
     ]
     if problems:
         raise InputError(problems)
-    inverse, first, low, high = velocity_problem(
-        log, law, fixed=fixed, free=free, tied=tied, start=start, mass=mass, body=body
-    )
-    work, runs = work or Work(), list(log.runs())
-    noise, force_noise = white_noise(raw(log, output), runs), white_noise(log.force, runs)
 
-    def the_other_way() -> Array:
-        return multistart(inverse, starting_points(inverse, first, low, high, _STARTS_THERE, seed), work).point
 
-    with threadpool_limits(1):
-        problem: MotionProblem | RigProblem
-        plain = set(inverse.body) <= {"mass", "offset"}
-        if drive == {"kind": "force"} and plain and inverse.law.has_z and inverse.values(first)["mass"] > 0:
-            given = (
-                first_values(inverse, starts, seed)
-                if not start
-                else [inverse.values(first), *first_values(inverse, starts, seed)]
-            )
-            followed = follow(
-                inverse, output, given[:starts], noise, force_noise, work, lambda: inverse.values(the_other_way())
-            )
-            problem, optimum = followed.problem, followed.optimum
-            expected = float(np.hypot(noise, problem.input_noise(optimum.point, force_noise)))
-        else:
-            # a start in the right place comes from the other way round, which costs a tenth
-            work.section(0.4)
-            there = the_other_way()
-            work.section(0.7)
-            problem = RigProblem(inverse, drive, output)
-            optimum = multistart(problem, starting_points(problem, there, low, high, starts, seed), work)
-            expected = noise
+@dataclass(frozen=True)
+class _Met:
+    """A problem at its optimum, the residual that noise explains, and in how many windows of what length it was met."""
+
+    problem: MotionProblem | RigProblem
+    optimum: Optimum
+    expected: float
+    windows: str = ""
+
+
+class _Search:
+    """The ways to the optimum, and the fit there.
+
+    Args:
+        log: the record.
+        made: the problem the other way round, its first start, and the box of the others.
+        output, starts, seed, work: as for :func:`fit_motion`.
+    """
+
+    def __init__(
+        self, log: Log, made: tuple[VelocityProblem, Array, Array, Array], output: str, starts: int, seed: int, work: Work
+    ) -> None:  # fmt: skip
+        self.log, self.output, self.starts, self.seed, self.work = log, output, starts, seed, work
+        self.inverse, self.first, self.low, self.high = made
+        self.noise = white_noise(raw(log, output), list(log.runs()))
+
+    def has_windows(self, drive: Mapping[str, Any]) -> bool:
+        """Whether the body can be simulated in short windows: under the measured force and its own inertia alone."""
+        plain = set(self.inverse.body) <= {"mass", "offset"}
+        law_and_mass = self.inverse.law.has_z and self.inverse.values(self.first)["mass"] > 0
+        return drive == {"kind": "force"} and plain and law_and_mass
+
+    def the_other_way(self) -> Array:
+        """The optimum of the problem the other way round, which costs a tenth."""
+        starts = starting_points(self.inverse, self.first, self.low, self.high, _STARTS_THERE, self.seed)
+        return multistart(self.inverse, starts, self.work).point
+
+    def in_windows(self, started: bool) -> _Met:
+        """Met in windows that grow; ``started``: from a start that was given."""
+        given = first_values(self.inverse, self.starts, self.seed)
+        given = [self.inverse.values(self.first), *given] if started else given
+        force_noise = white_noise(self.log.force, list(self.log.runs()))
+        followed = follow(
+            self.inverse, self.output, given[: self.starts], self.noise, force_noise, self.work,
+            lambda: self.inverse.values(self.the_other_way()),
+        )  # fmt: skip
+        problem = followed.problem
+        expected = float(np.hypot(self.noise, problem.input_noise(followed.optimum.point, force_noise)))
+        told = f"; {len(problem.windows)} windows of some {followed.seconds:.3g} s, each with a start of its own"
+        return _Met(problem, followed.optimum, expected, told)
+
+    def of_rig(self, drive: Mapping[str, Any]) -> _Met:
+        """Met over whole runs of the rig, closed loop included, from the optimum of the other way round."""
+        self.work.section(0.4)
+        there = self.the_other_way()
+        self.work.section(0.7)
+        problem = RigProblem(self.inverse, drive, self.output)
+        starts = starting_points(problem, there, self.low, self.high, self.starts, self.seed)
+        return _Met(problem, multistart(problem, starts, self.work), self.noise)
+
+    def fit(self, met: _Met, profiles: bool) -> Fit:
+        """The fit with intervals, and what of the output it misses."""
+        problem, optimum, inverse, log = met.problem, met.optimum, self.inverse, self.log
         if problem.misfit(optimum.point) is None:
             raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
-        work.section(1.0)
+        self.work.section(1.0)
         alone = optimum.agreeing < 2 and not optimum.exhausted
-        judged = judged_of(problem, optimum, log, profiles, Noise(noise, expected, _MISSED, alone), work)
-        values = {**inverse.values(first), **problem.values(judged.point)}
-        found = fit_of(inverse, inverse.point(values), judged, optimum, log, work)
-        work.done(1.0)
-    misfit = problem.misfit(judged.point)
-    assert misfit is not None
-    unit = "m" if output == "position" else "m/s"
-    error = float(np.linalg.norm(misfit) / np.linalg.norm(problem.measured))
-    left = f"the {output} is missed by {np.sqrt(np.mean(misfit**2)):.3g} {unit} rms, its noise is {noise:.3g} {unit}"
-    if isinstance(problem, MotionProblem):
-        left += f"; {len(problem.windows)} windows of some {followed.seconds:.3g} s, each with a start of its own"
-    details = {
-        **found.details,
-        "output": output,
-        "output_error": error,
-        "output_trace": _trace(problem, judged.point, output),
-    }
-    return replace(found, details=details, notes=(left, *found.notes))
+        judged = judged_of(problem, optimum, log, profiles, Noise(self.noise, met.expected, _MISSED, alone), self.work)
+        values = {**inverse.values(self.first), **problem.values(judged.point)}
+        found = fit_of(inverse, inverse.point(values), judged, optimum, log, self.work)
+        self.work.done(1.0)
+        misfit = problem.misfit(judged.point)
+        assert misfit is not None
+        unit = "m" if self.output == "position" else "m/s"
+        missed = f"the {self.output} is missed by {np.sqrt(np.mean(misfit**2)):.3g} {unit} rms"
+        details = {
+            **found.details,
+            "output": self.output,
+            "output_error": float(np.linalg.norm(misfit) / np.linalg.norm(problem.measured)),
+            "output_trace": _trace(problem, judged.point, self.output),
+        }
+        note = f"{missed}, its noise is {self.noise:.3g} {unit}{met.windows}"
+        return replace(found, details=details, notes=(note, *found.notes))
 
 
 def _trace(problem: MotionProblem | RigProblem, u: Array, output: str) -> dict[str, Any]:

@@ -15,7 +15,7 @@ import numpy as np
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.features.guess import Scales, scales
+from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
@@ -31,14 +31,14 @@ _SPREAD = 0.25  # of the friction level: what the force must change by in a loop
 
 
 @dataclass(frozen=True)
-class Loop:
+class HysteresisLoop:
     """Small reversals that follow each other: rows of the log, and the travel between turns (m)."""
 
     rows: slice
     travel: Array
 
 
-def loops(log: Log, sizes: Scales) -> list[Loop]:
+def loops(log: Log, sizes: Sizes) -> list[HysteresisLoop]:
     """The stretches of a log in which the motion turns before the contact slides for long."""
     length = _LONGEST * sizes.force / sizes.stiffness
     found = []
@@ -56,7 +56,7 @@ def loops(log: Log, sizes: Scales) -> list[Loop]:
                 part = slice(rows.start + turns[first], rows.start + turns[i] + 1)
                 many = i - first >= _FEWEST_TURNS and part.stop - part.start >= _FEWEST_ROWS * (i - first)
                 if many and np.ptp(log.force[part]) > _SPREAD * sizes.force:
-                    found.append(Loop(part, travel[first:i]))
+                    found.append(HysteresisLoop(part, travel[first:i]))
                 first = None
     return found
 
@@ -106,7 +106,7 @@ def fit_presliding(
     found = laws.find(law)
     if "sigma_0" not in found.constants():
         raise InputError(f"{arg('method')}: 'presliding': law '{law}' has no sigma_0; must be a law with bristles")
-    sizes = scales(log, mass or 0.0)
+    sizes = sizes_of(log, mass or 0.0)
     small = loops(log, sizes)
     if not small:
         return _without(found, log, sizes, dict(fixed or {}))
@@ -165,11 +165,11 @@ def _cut(log: Log, parts: Sequence[slice]) -> Log:
     return log.rows(rows).with_columns(run=run, files=files)
 
 
-def _unknown(unit: str, why: str, name: str, sizes: Scales) -> Estimate:
+def _unknown(unit: str, why: str, name: str, sizes: Sizes) -> Estimate:
     return Estimate(None, None, None, unit, False, why, experiment_for(name, {}, sizes))
 
 
-def _without(law: type[laws.Law], log: Log, sizes: Scales, given: dict[str, float]) -> Fit:
+def _without(law: type[laws.Law], log: Log, sizes: Sizes, given: dict[str, float]) -> Fit:
     """The verdict on a log without small reversals: nothing is known."""
     why = "the log holds no small reversals: the contact slides all the time"
     names = [n for n in law.uses if n not in given]

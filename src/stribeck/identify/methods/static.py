@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stribeck import laws
 from stribeck.arrays import Array
@@ -19,14 +20,14 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.data.segments import constant_speed
 from stribeck.identify.features.levels import levels
 from stribeck.identify.log import Log
-from stribeck.identify.methods.static_start import Model, model
+from stribeck.identify.methods.static_start import StaticModel, model
 from stribeck.identify.models import terms
 from stribeck.identify.models.columns import column
-from stribeck.identify.models.separable import Separable, Solution
+from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Estimate, Fit, Prediction
-from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, groups
+from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, cross_validate
 from stribeck.identify.statistics.static_intervals import judge, linearised
 
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
@@ -63,14 +64,14 @@ class Settled:
     """A model at its optimum."""
 
     setting: Setting
-    model: Model
-    solution: Solution
+    model: StaticModel
+    solution: Minimum
     rows: Rows
 
     @cached_property
     def left_out(self) -> LeftOut:
         """What it comes to on data left out."""
-        return cross_validate(self.model.whole, self.solution, self.rows, self.setting.folds, len(self.model.unseen))
+        return cross_validated(self.model.whole, self.solution, self.rows, self.setting.folds, len(self.model.unseen))
 
     @property
     def shapes(self) -> dict[str, float]:
@@ -164,7 +165,7 @@ def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
     )
 
 
-def _given(made: Model, values: Mapping[str, float]) -> dict[str, float]:
+def _given(made: StaticModel, values: Mapping[str, float]) -> dict[str, float]:
     """What was given, and the steepness of a sign that was taken as exact: the curve that was fitted, and no other."""
     found = dict(made.given)
     own = made.law.constants()
@@ -213,7 +214,7 @@ def check_motion(log: Log) -> None:
         )
 
 
-def _robust(whole: Separable, solution: Solution) -> tuple[Separable, Solution]:
+def _robust(whole: Separable, solution: Minimum) -> tuple[Separable, Minimum]:
     """The optimum with Huber's weights, which stay in the model."""
     base = whole.weight
     for _ in range(12):
@@ -229,7 +230,7 @@ def _robust(whole: Separable, solution: Solution) -> tuple[Separable, Solution]:
     return whole, solution
 
 
-def _physical(made: Model, solution: Solution) -> None:
+def _physical(made: StaticModel, solution: Minimum) -> None:
     """Refuse a fit in which nothing opposes the motion.
 
     Raises:
@@ -307,27 +308,25 @@ def _prediction(whole: Separable, values: Mapping[str, float], log: Log, rows: R
     return found, float(np.linalg.norm((measured - fitted)[w])) / max(size, 1e-300)
 
 
-def cross_validate(whole: Separable, solution: Solution, rows: Rows, folds: int, unseen: int = 0) -> LeftOut:
-    """Fit the model anew without each part of the log and predict the part.
+def cross_validated(whole: Separable, solution: Minimum, rows: Rows, folds: int, unseen: int = 0) -> LeftOut:
+    """The model fitted anew without each part of the log, and what it misses there.
 
     Coefficients are solved for exactly; shapes move by a step of Gauss and Newton where that fits the rest better.
     """
-    group, how = groups(rows.log.rows(rows.kept), folds)
     at = linearised(whole, solution)
-    squares, size = [], []
-    for number in range(int(group.max()) + 1):
-        out = group == number
+    here = {s.name: solution.values[s.name] for s in whole.shapes}
+
+    def missed_without(out: NDArray[np.bool_]) -> tuple[float, float]:
         training = whole.weighted(np.where(out, 0.0, whole.weight))
-        here = {s.name: solution.values[s.name] for s in whole.shapes}
         found = training.solve(here)
         if whole.shapes:
             there = training.solve(_stepped(whole, here, at.names, at.slopes[~out], at.misfit[~out]))
             found = min(found, there, key=lambda s: s.cost)
-        out &= rows.weight > 0
-        missed = (whole.force - whole.force_at(found.values))[out]
-        squares.append(float(missed @ missed))
-        size.append(float(whole.force[out] @ whole.force[out]))
-    return LeftOut(np.array(squares), np.array(size), how, len(at.names) + unseen)
+        counted = out & (rows.weight > 0)
+        missed, force = (whole.force - whole.force_at(found.values))[counted], whole.force[counted]
+        return float(missed @ missed), float(force @ force)
+
+    return cross_validate(rows.log.rows(rows.kept), folds, len(at.names) + unseen, missed_without)
 
 
 def _stepped(

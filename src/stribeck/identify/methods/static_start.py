@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stribeck.errors import InputError, arg
-from stribeck.identify.features.guess import Scales, ranges, scales
+from stribeck.identify.features.guess import Sizes, ranges, sizes_of
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import thinned
 from stribeck.identify.models.dynamic_problem import free_constants
@@ -22,7 +22,7 @@ _DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
 
 
 @dataclass(frozen=True)
-class Model:
+class StaticModel:
     """A law and the terms of the body against a record.
 
     Attributes:
@@ -47,7 +47,7 @@ def model(
     free: Sequence[str] | None,
     mass: float | None,
     body: Sequence[str],
-) -> Model:
+) -> StaticModel:
     """The model of a static fit.
 
     Args:
@@ -65,7 +65,7 @@ def model(
     wanted = free_constants(law, given, {}, free)
     if "k_v" in given and "k_v" not in fixed:  # a default: the force changes sign at once then, as in the literature
         given["k_v"] = _SHARP
-    sizes = scales(thinned(rows.log), mass or 0.0)
+    sizes = sizes_of(thinned(rows.log), mass or 0.0)
     sliding = Sliding(law, given, _typical(law, sizes, given))
     own = law.own_constants()
     unseen = {
@@ -91,7 +91,7 @@ def model(
     if mass is not None:
         held["mass"] = mass
     whole = Separable(rows.columns(sliding), held, linear, terms, shapes, rows.weight)
-    return Model(law, whole, tuple(wanted), dict(fixed), unseen, notes)
+    return StaticModel(law, whole, tuple(wanted), dict(fixed), unseen, notes)
 
 
 def _with_steepness(
@@ -123,7 +123,7 @@ def _told_apart(rows: Rows, terms: Sequence[str], unseen: dict[str, str], notes:
     return [n for n in terms if n != "offset"]
 
 
-def _typical(law: type[Law], sizes: Scales, given: Mapping[str, float]) -> dict[str, float]:
+def _typical(law: type[Law], sizes: Sizes, given: Mapping[str, float]) -> dict[str, float]:
     """Rough values that the law allows."""
     found = {n: r.value for n, r in ranges(law, sizes).items()}
     if "F_c" in given or "F_s" in given:
@@ -135,7 +135,7 @@ def _typical(law: type[Law], sizes: Scales, given: Mapping[str, float]) -> dict[
     return found
 
 
-def _span(name: str, law: type[Law], sizes: Scales) -> tuple[float, float]:
+def _span(name: str, law: type[Law], sizes: Sizes) -> tuple[float, float]:
     """Where a constant that shapes the curve is looked for."""
     constant = law.constants()[name]
     if constant.unit == "s/m":

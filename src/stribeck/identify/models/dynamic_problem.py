@@ -12,7 +12,7 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.data.filters import shifted
-from stribeck.identify.features.guess import Guess, ranges, scales
+from stribeck.identify.features.guess import Guess, ranges, sizes_of
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
 from stribeck.identify.models.problem import Coordinate, Problem, Tie
@@ -208,7 +208,7 @@ def velocity_problem(
         held["mass"] = mass
     if any(TERMS[name].level for name in body) and "F_c" not in law.constants():
         raise InputError(f"{arg('terms')}: law '{law.name}' has no friction level F_c that could vary")
-    sizes = scales(log, mass or 0.0)
+    sizes = sizes_of(log, mass or 0.0)
     found: list[tuple[Coordinate, float, float, float]] = []
     for name in free:
         here = ranges(law, sizes)[name]

@@ -48,7 +48,7 @@ class Shape:
 
 
 @dataclass(frozen=True)
-class Solution:
+class Minimum:
     """Values of everything that is fitted, and the sum of weighted squares that they leave."""
 
     values: dict[str, float]
@@ -117,17 +117,17 @@ class Separable:
         matrix = np.column_stack([columns[n] for n in names]) if names else np.zeros((len(rest), 0))
         return names, matrix, rest
 
-    def solve(self, shape: Mapping[str, float]) -> Solution:
+    def solve(self, shape: Mapping[str, float]) -> Minimum:
         """The best coefficients for given shapes."""
         return self._solve(shape)[0]
 
-    def _solve(self, shape: Mapping[str, float]) -> tuple[Solution, Array]:
+    def _solve(self, shape: Mapping[str, float]) -> tuple[Minimum, Array]:
         names, matrix, rest = self.matrix(shape)
         positive = np.array([n not in TERMS or TERMS[n].positive for n in names], bool)
         w = self.weight
         x = bounded(matrix * w[:, None], rest * w, positive)
         missed = w * (matrix @ x - rest)
-        return Solution({**self.held, **shape, **self._named(names, x)}, float(missed @ missed)), missed
+        return Minimum({**self.held, **shape, **self._named(names, x)}, float(missed @ missed)), missed
 
     def _named(self, names: Sequence[str], x: Array) -> dict[str, float]:
         found = dict(zip(names, x.tolist(), strict=True))
@@ -146,7 +146,7 @@ class Separable:
 
     # -- shapes ------------------------------------------------------------------------------------------------------
 
-    def search(self, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True) -> Solution:
+    def search(self, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True) -> Minimum:
         """The best of a grid of shapes, refined.
 
         Args:
@@ -168,7 +168,7 @@ class Separable:
         narrow = Separable(self.columns, held, self.wanted, self.free, missing, self.weight)
         return [{**known, **narrow._shape_of(s.values)} for s in narrow.grid()[:1]]
 
-    def grid(self) -> list[Solution]:
+    def grid(self) -> list[Minimum]:
         """Solutions over a grid of shapes, the best first; a delay is looked for at the best of the others."""
         curve = [s for s in self.shapes if s.name != "delay"]
         late = [s for s in self.shapes if s.name == "delay"]
@@ -191,12 +191,12 @@ class Separable:
             found = sorted([*found, *more], key=self._rank)
         return found
 
-    def _rank(self, solution: Solution) -> float:
+    def _rank(self, solution: Minimum) -> float:
         """The cost; a bend that takes the whole level is none."""
         whole = "F_c" in self.wanted and solution.values["F_c"] <= 2 * self.least and "F_s" in self.wanted
         return solution.cost * (1e6 if whole else 1.0)
 
-    def refined(self, start: Mapping[str, float], evaluations: int = 15) -> Solution:
+    def refined(self, start: Mapping[str, float], evaluations: int = 15) -> Minimum:
         """A minimum near given shapes, never worse than them."""
         shape = self._shape_of(start)
         first = self._solve(shape)[0]

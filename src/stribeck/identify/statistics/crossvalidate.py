@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,8 +10,6 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.log import Log
-from stribeck.identify.methods.optimise import descend
-from stribeck.identify.models.dynamic_problem import VelocityProblem
 
 FOLDS = 10
 _BLOCKS = 5  # in a part
@@ -55,23 +53,20 @@ def groups(log: Log, folds: int = FOLDS) -> tuple[NDArray[np.intp], str]:
     return (blocks % folds).astype(np.intp), f"over {folds * _BLOCKS} blocks in time, dealt to {folds} parts"
 
 
-def cross_validate(problem: VelocityProblem, point: Array, log: Log, folds: int = FOLDS) -> LeftOut:
-    """Fit the problem anew without each part, from the optimum of all, and predict the part.
+def cross_validate(
+    log: Log, folds: int, parameters: int, missed_without: Callable[[NDArray[np.bool_]], tuple[float, float]]
+) -> LeftOut:
+    """Predict each part of a log by a fit to the others.
 
-    The simulation runs through the part that is left out, whose force it does not see.
+    Args:
+        log, folds: what is dealt to parts, and to how many.
+        parameters: how many numbers are fitted.
+        missed_without: fits anew without the rows that it is given, and returns the sums over these of the squared residual
+            and of the squared force.
     """
     part, how = groups(log, folds)
-    squares, size = [], []
-    for number in range(int(part.max()) + 1):
-        out = part == number
-        training = problem.with_rows(~out)
-        found = descend(training, training.without_unseen_starts(point), 1e-6, 30).point
-        found = training.nearest(training.without_unseen_starts(found))  # nothing has kept them in place
-        force = training.force(found[None, :])
-        squares.append(np.inf if force is None else float(np.sum((force[0] - log.force)[out] ** 2)))
-        size.append(float(np.sum(log.force[out] ** 2)))
-    own = sum(not c.nuisance for c in problem.coordinates)
-    return LeftOut(np.array(squares), np.array(size), how, own)
+    squares, size = zip(*(missed_without(part == number) for number in range(int(part.max()) + 1)), strict=True)
+    return LeftOut(np.array(squares), np.array(size), how, parameters)
 
 
 def choose(candidates: Mapping[str, LeftOut]) -> tuple[str, str]:

@@ -54,7 +54,7 @@ def _moved(
     return np.asarray(-np.linalg.lstsq(slopes / size, misfit, rcond=1e-9)[0] / size)
 
 
-def sharper_acceleration(problem: Problem, u: Array, slopes: Array) -> Array:
+def acceleration_of_full_band(problem: Problem, u: Array, slopes: Array) -> Array:
     """How far the optimum moves where the acceleration has all of the velocity's band: that of a fit is filtered lower,
     and its inertia lacks what break-aways and stops put into the force."""
     if not isinstance(problem, VelocityProblem) or problem.log.bandwidth is None:

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.features.filtering import smoother_log
-from stribeck.identify.features.guess import scales
+from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.rest import held_force
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import thinned
-from stribeck.identify.methods.static_start import Model, unit_of
+from stribeck.identify.methods.static_start import StaticModel, unit_of
 from stribeck.identify.models.columns import Columns, column
-from stribeck.identify.models.separable import Separable, Solution
+from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Estimate, Profile
@@ -27,7 +27,7 @@ _NORMAL, _THRESHOLD = 1.959964, 3.841459
 _WIDEST = 0.7  # half a 95 % interval in the logarithm: half to twice the value
 _MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance
 _FEWEST = 12.0
-_MOST_LEEWAY = 0.2
+_MOST_BIAS = 0.2
 _WHOLE = 1.5  # of the shift that a lower cut-off makes
 _REACHED = 0.8  # of F_s: what the curve must come to within the speeds measured
 _ONE_SPEED = 1.5  # between slow and fast rows: less is one speed
@@ -58,7 +58,7 @@ class Linear:
     misfit: Array
 
 
-def linearised(model: Separable, solution: Solution) -> Linear:
+def linearised(model: Separable, solution: Minimum) -> Linear:
     """Slopes of the weighted force at the optimum by everything that is free and not at its bound."""
     values = solution.values
     columns = model.columns.at(values, model.terms)
@@ -93,7 +93,7 @@ def _is_log(name: str) -> bool:
     return TERMS[name].positive if name in TERMS else True
 
 
-def judge(rows: Rows, model: Model, solution: Solution, profiles: bool = True) -> Judged:
+def judge(rows: Rows, model: StaticModel, solution: Minimum, profiles: bool = True) -> Judged:
     """Intervals and verdicts for everything that was to be fitted."""
     at = linearised(model.whole, solution)
     half, notes, details = _half_widths(rows, model, solution, at)
@@ -102,7 +102,7 @@ def judge(rows: Rows, model: Model, solution: Solution, profiles: bool = True) -
     low, high = -half, half
     if profiles:
         low, high, curves = _profiles(model, solution, at, half, verdicts)
-    sizes, values = scales(thinned(rows.log)), solution.values
+    sizes, values = sizes_of(thinned(rows.log)), solution.values
     estimates: dict[str, Estimate] = {}
     for k, name in enumerate(at.names):
         unit = unit_of(model.law, name)
@@ -131,7 +131,9 @@ def judge(rows: Rows, model: Model, solution: Solution, profiles: bool = True) -
     return Judged(estimates, at.names, matrix, curves, tuple(notes), details)
 
 
-def _half_widths(rows: Rows, model: Model, solution: Solution, at: Linear) -> tuple[Array, list[str], dict[str, Any]]:
+def _half_widths(
+    rows: Rows, model: StaticModel, solution: Minimum, at: Linear
+) -> tuple[Array, list[str], dict[str, Any]]:
     """Half intervals (inner): the widest of noise with memory, parts of the record and bands of speed; and the filter's."""
     count = len(at.names)
     if not count:
@@ -160,20 +162,20 @@ def _half_widths(rows: Rows, model: Model, solution: Solution, at: Linear) -> tu
         notes.append(
             "intervals are for this one run: what changes from run to run (warmth, lubrication) is not in them"
         )
-    spare = _leeway(rows, model, solution, at)
+    bias = _filter_bias(rows, model, solution, at)
     if wide := [
-        f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, spare, half, at.log, strict=True) if log and s > h
+        f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, bias, half, at.log, strict=True) if log and s > h
     ]:
         notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
     details = {
         "intervals_over": parts.what,
         "misfit_share": share,
-        "leeway": dict(zip(at.names, spare.tolist(), strict=True)),
+        "filter_bias": dict(zip(at.names, bias.tolist(), strict=True)),
     }
-    return half + spare, notes, details
+    return half + bias, notes, details
 
 
-def _leeway(rows: Rows, model: Model, solution: Solution, at: Linear) -> Array:
+def _filter_bias(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> Array:
     """How far each coordinate may be off because of the motion's filter: its shift with a cut-off lower by sqrt(2)."""
     log, nothing = rows.log, np.zeros(len(at.names))
     if log.bandwidth is None or not log.step or log.bandwidth * log.step * rows.q > 1.6 or len(log) > 400_000:
@@ -188,7 +190,7 @@ def _leeway(rows: Rows, model: Model, solution: Solution, at: Linear) -> Array:
 # -- verdicts --------------------------------------------------------------------------------------------------------
 
 
-def _verdicts(rows: Rows, model: Model, solution: Solution, at: Linear, half: Array) -> dict[str, str]:
+def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, half: Array) -> dict[str, str]:
     """Why a coordinate is not determined, by name."""
     found: dict[str, str] = {}
     support = supporting_samples(at.slopes) if len(at.misfit) <= 200_000 else np.full(len(half), np.inf)
@@ -211,7 +213,7 @@ def _verdicts(rows: Rows, model: Model, solution: Solution, at: Linear, half: Ar
     return {**_physical(rows, model, solution, at), **found}
 
 
-def _physical(rows: Rows, model: Model, solution: Solution, at: Linear) -> dict[str, str]:
+def _physical(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> dict[str, str]:
     """What the speeds, the directions and the forces at rest say against a number, whatever its interval."""
     found: dict[str, str] = {}
     values, v = solution.values, rows.log.velocity[rows.kept][rows.weight > 0]
@@ -248,10 +250,10 @@ def replace_force(rows: Rows, values: dict[str, float]) -> Any:
     return rows.log.with_columns(force=rows.log.force - values["area"] * rows.log.pressure)
 
 
-def _unfitted(rows: Rows, model: Model, solution: Solution, at: Linear) -> dict[str, Estimate]:
+def _unfitted(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> dict[str, Estimate]:
     """What the data show nothing of, and what comes out as 0."""
     found: dict[str, Estimate] = {}
-    sizes, values = scales(thinned(rows.log)), solution.values
+    sizes, values = sizes_of(thinned(rows.log)), solution.values
     unseen = dict(model.unseen)
     tied = "F_s" in model.whole.wanted and "F_s" not in at.names and "F_c" in at.names
     if tied:
@@ -273,7 +275,7 @@ def _unfitted(rows: Rows, model: Model, solution: Solution, at: Linear) -> dict[
     return found
 
 
-def _upper(model: Separable, solution: Solution, name: str) -> float:
+def _upper(model: Separable, solution: Minimum, name: str) -> float:
     """The upper end of a one-sided interval of a coefficient that comes out as 0."""
     rest = model.weight * (model.force - model.force_at(solution.values))
     own = model.weight * model.columns.at(solution.values, model.terms)[name]
@@ -284,7 +286,7 @@ def _upper(model: Separable, solution: Solution, name: str) -> float:
 
 
 def _profiles(
-    model: Model, solution: Solution, at: Linear, half: Array, verdicts: dict[str, str]
+    model: StaticModel, solution: Minimum, at: Linear, half: Array, verdicts: dict[str, str]
 ) -> tuple[Array, Array, dict[str, Profile]]:
     """Ends of the intervals by what holding a number costs; parabolas for those that the force is linear in.
 
@@ -319,7 +321,7 @@ def _profiles(
 
 
 def _end(
-    model: Separable, solution: Solution, name: str, side: int, half: float, unit: float, tried: dict[float, float]
+    model: Separable, solution: Minimum, name: str, side: int, half: float, unit: float, tried: dict[float, float]
 ) -> float | None:
     """How far (in the logarithm) a number goes until the cost has risen by the threshold; None beyond half and twice."""
     near = (0.0, 0.0)
@@ -334,7 +336,7 @@ def _end(
     return None
 
 
-def _held_at(model: Separable, solution: Solution, name: str, distance: float) -> float:
+def _held_at(model: Separable, solution: Minimum, name: str, distance: float) -> float:
     """The cost with one number held at a distance (in the logarithm), all others fitted anew."""
     value = solution.values[name] * float(np.exp(distance))
     wanted = [n for n in model.wanted if n != name]

@@ -17,8 +17,8 @@ from scipy.linalg import solve_toeplitz
 from scipy.stats import t as student
 
 from stribeck.arrays import Array
-from stribeck.identify.features.filtering import leeway, sampling
-from stribeck.identify.features.guess import scales
+from stribeck.identify.features.filtering import filter_bias, sampling
+from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import descend
@@ -26,7 +26,7 @@ from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
-from stribeck.identify.statistics.sensor_noise import again_with_noise, sharper_acceleration
+from stribeck.identify.statistics.sensor_noise import acceleration_of_full_band, again_with_noise
 from stribeck.identify.statistics.verdicts import (
     Noise,
     between_samples,
@@ -101,7 +101,7 @@ def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
         return between_samples(problem, u, slopes)
     shift, spread = again_with_noise(problem, u)
     noise = _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread
-    filtered = np.maximum(leeway(problem, u, slopes), _WHOLE * sharper_acceleration(problem, u, slopes))
+    filtered = np.maximum(filter_bias(problem, u, slopes), _WHOLE * acceleration_of_full_band(problem, u, slopes))
     return np.asarray(np.sqrt(noise**2 + filtered**2 + sampling(problem, u, slopes) ** 2))
 
 
@@ -128,17 +128,103 @@ def misses(problem: Problem, misfit: Array, noise: Noise) -> str:
     return f"{text}, and one start alone led to it: give more starts" if noise.alone else ""
 
 
+@dataclass(frozen=True)
+class _Optimum:
+    """A problem at its best point, and what the residual does to the coordinates there.
+
+    ``plain``: their covariance under white noise; ``inner``: under the noise that is seen; ``memory``: its correlation.
+    """
+
+    problem: Problem
+    u: Array
+    slopes: Array
+    variance: float
+    memory: Array
+    plain: Array
+    inner: Array
+    expected: Noise
+
+    @property
+    def deviation(self) -> float:
+        """Of the residual."""
+        return float(np.sqrt(self.variance))
+
+    @property
+    def deviations(self) -> Array:
+        """Of the coordinates."""
+        return np.asarray(np.sqrt(np.diag(self.inner)))
+
+    @property
+    def inflation(self) -> Array:
+        """Of the coordinates' variances, by what the noise is beside white."""
+        return np.asarray(np.maximum(np.diag(self.inner) / np.maximum(np.diag(self.plain), 1e-300), 1e-6))
+
+    @property
+    def own(self) -> list[int]:
+        """The coordinates that are no nuisance."""
+        return [k for k, c in enumerate(self.problem.coordinates) if not c.nuisance]
+
+    @property
+    def beyond(self) -> bool:
+        """Whether the force is missed by more than its noise."""
+        return not isinstance(self.problem, MotionProblem) and self.deviation > _MODEL * self.expected.expected > 0
+
+    @property
+    def clean(self) -> bool:
+        """Whether the residual is the sensor's white noise, which shows no error of the model."""
+        motion = isinstance(self.problem, MotionProblem) and not len(self.memory)
+        return motion and self.deviation < _MORE * self.expected.expected
+
+
 def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise, work: Work) -> Judgement:
     slopes, misfit = problem.sensitivities(u), problem.misfit(u)
     if slopes is None or misfit is None:
         return without(problem, u, "the simulation fails beside the best values")
     if why := misses(problem, misfit, expected):
         return without(problem, u, why)
+    at, notes = _at_optimum(problem, u, slopes, misfit, expected)
+    sizes, values = sizes_of(log), problem.values(u)
+    unseen = presliding_unseen(problem, values, log)
+    bias = systematic(problem, u, slopes)
+    doubts = _doubts(at, bias, values, sizes, unseen)
+    ends = _profiled(at, [k for k in at.own if not doubts[k]], work) if profiles else {}
+    estimates = {}
+    for k in at.own:
+        c, half = problem.coordinates[k], np.sqrt(THRESHOLD) * at.deviations[k]
+        low: float | None
+        high: float | None
+        if k in ends:
+            low, high, _ = ends[k]
+            doubts[k] = left_open(low, high, c.log)
+        else:
+            low, high = (x if c.inner(c.low) < x < c.inner(c.high) else None for x in (u[k] - half, u[k] + half))
+        low, high = (None if x is None else c.outer(x + side * bias[k]) for x, side in ((low, -1), (high, 1)))
+        best = float(c.outer(u[k]))
+        if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith("v_s comes"):
+            low = high = None  # the numbers of a curve that nobody has seen
+        if doubts[k]:
+            what = experiment_for(c.name, values, sizes)
+            what += effect(problem, c.name, values, at.inner, at.own, sizes, expected)
+            estimates[c.name] = Estimate(None, low, high, c.unit, False, doubts[k], what, best)
+        else:
+            estimates[c.name] = Estimate(best, low, high, c.unit, best=best)
+    names = tuple(problem.coordinates[k].name for k in at.own)
+    stretch = np.array([c.outer(u[k]) if c.log else c.scale for k, c in enumerate(problem.coordinates)])
+    outer = (at.inner * np.outer(stretch, stretch))[np.ix_(at.own, at.own)]
+    notes += widened(problem, estimates, bias, at.inner)
+    noise = {"standard_deviation": at.deviation, "memory": len(at.memory)}
+    curves = {problem.coordinates[k].name: ends[k][2] for k in at.own if k in ends}
+    return Judgement(u, estimates, names, outer, curves, tuple(notes), noise)
+
+
+def _at_optimum(
+    problem: Problem, u: Array, slopes: Array, misfit: Array, expected: Noise
+) -> tuple[_Optimum, list[str]]:
+    """The spread of the coordinates that the residual makes, and what a reader should know of it."""
     free = len(misfit) - len(u) - getattr(problem, "hidden", 0)
     variance = float(misfit @ misfit) / max(free, 1)
     memory = noise_memory(misfit)
-    inner = covariance(slopes, variance, memory)
-    plain = covariance(slopes, variance, np.zeros(0))
+    inner, plain = covariance(slopes, variance, memory), covariance(slopes, variance, np.zeros(0))
     notes = [] if free > 10 * len(u) else [f"only {len(misfit)} samples for {len(u)} numbers"]
     if isinstance(problem, MotionProblem) and np.sqrt(variance) > _MORE * expected.measured > 0:
         inner = by_windows(problem, slopes, misfit, inner)
@@ -148,72 +234,46 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         )
     elif isinstance(problem, MotionProblem):
         inner = at_least_by_blocks(problem, slopes, misfit, inner)
-    support = supporting_samples(slopes)
-    alike = indistinct(plain, slopes, variance)
-    sizes, values = scales(log), problem.values(u)
-    unseen = presliding_unseen(problem, values, log)
-    spare = systematic(problem, u, slopes)
-    deviations = np.sqrt(np.diag(inner))
-    inflation = np.maximum(np.diag(inner) / np.maximum(np.diag(plain), 1e-300), 1e-6)
-    own = [k for k, c in enumerate(problem.coordinates) if not c.nuisance]
-    beyond = not isinstance(problem, MotionProblem) and np.sqrt(variance) > _MODEL * expected.expected > 0
-    if beyond and problem.law.has_z:
+    at = _Optimum(problem, u, slopes, variance, memory, plain, inner, expected)
+    if at.beyond and problem.law.has_z:
         notes.append(
-            f"the residual is {np.sqrt(variance) / expected.expected:.2g} times the noise of the force: the intervals hold as "
+            f"the residual is {at.deviation / expected.expected:.2g} times the noise of the force: the intervals hold as "
             "far as the model does"
         )
-    # a residual that is the sensor's white noise shows no error of the model
-    clean = isinstance(problem, MotionProblem) and not len(memory) and np.sqrt(variance) < _MORE * expected.expected
-    close = _CLOSE_IF_CLEAN if clean else _CLOSE
+    return at, notes
+
+
+def _doubts(at: _Optimum, bias: Array, values: dict[str, float], sizes: Sizes, unseen: str) -> dict[int, str]:
+    """Why the data do not determine a coordinate, for each that is no nuisance; nothing where they seem to."""
+    support = supporting_samples(at.slopes)
+    alike = indistinct(at.plain, at.slopes, at.variance)
+    close = _CLOSE_IF_CLEAN if at.clean else _CLOSE
     doubts = {}
-    for k in own:
-        c = problem.coordinates[k]
-        confused = bool(alike[k]) and np.sqrt(THRESHOLD) * deviations[k] > close
-        doubt = (
-            unseen
-            if c.name in _BRISTLES and unseen
-            else why_not(problem, k, u, inner, np.inf if clean else support[k], confused)
-        )
-        doubts[k] = doubt or hangs(c, spare[k]) or (shape(c, values, sizes, unseen) if beyond else "")
-    told = [k for k in own if profiles and not doubts[k]]
-    units = variance * inflation / problem.scale**2
-    ends = dict(straight(problem, u, inner, deviations, units, told)) if told else {}
-    bent = [k for k in told if k not in ends]
+    for k in at.own:
+        c = at.problem.coordinates[k]
+        if c.name in _BRISTLES and unseen:
+            doubt = unseen
+        else:
+            confused = bool(alike[k]) and np.sqrt(THRESHOLD) * at.deviations[k] > close
+            doubt = why_not(at.problem, k, at.u, at.inner, np.inf if at.clean else support[k], confused)
+        doubts[k] = doubt or hangs(c, bias[k]) or (shape(c, values, sizes, unseen) if at.beyond else "")
+    return doubts
+
+
+def _profiled(at: _Optimum, wanted: list[int], work: Work) -> dict[int, tuple[float | None, float | None, Profile]]:
+    """Ends of intervals by profiles of the likelihood; of all that could be followed."""
+    if not wanted:
+        return {}
+    units = at.variance * at.inflation / at.problem.scale**2
+    ends = dict(straight(at.problem, at.u, at.inner, at.deviations, units, wanted))
+    bent = [k for k in wanted if k not in ends]
 
     def followed(k: int) -> tuple[float | None, float | None, Profile]:
-        found = profile(problem, u, k, deviations[k], variance * inflation[k], inner)
+        found = profile(at.problem, at.u, k, at.deviations[k], at.variance * at.inflation[k], at.inner)
         work.tick()
         return found
 
-    curves = work.each(followed, bent)
-    estimates, found = {}, {}
-    bent_ends = {k: curve for k, curve in zip(bent, curves, strict=True) if curve is not None}
-    for k in own:
-        c = problem.coordinates[k]
-        low: float | None
-        high: float | None
-        if k in ends or k in bent_ends:
-            low, high, found[c.name] = ends[k] if k in ends else bent_ends[k]
-            doubts[k] = left_open(low, high, c.log)
-        else:
-            low, high = (
-                x if c.inner(c.low) < x < c.inner(c.high) else None
-                for x in (u[k] - np.sqrt(THRESHOLD) * deviations[k], u[k] + np.sqrt(THRESHOLD) * deviations[k])
-            )
-        low, high = (None if x is None else c.outer(x + side * spare[k]) for x, side in ((low, -1), (high, 1)))
-        best = float(c.outer(u[k]))
-        if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith("v_s comes"):
-            low = high = None  # the numbers of a curve that nobody has seen
-        if doubts[k]:
-            what = experiment_for(c.name, values, sizes) + effect(problem, c.name, values, inner, own, sizes, expected)
-            estimates[c.name] = Estimate(None, low, high, c.unit, False, doubts[k], what, best)
-        else:
-            estimates[c.name] = Estimate(best, low, high, c.unit, best=best)
-    stretch = np.array([c.outer(u[k]) if c.log else c.scale for k, c in enumerate(problem.coordinates)])
-    outer = (inner * np.outer(stretch, stretch))[np.ix_(own, own)]
-    notes += widened(problem, estimates, spare, inner)
-    noise = {"standard_deviation": float(np.sqrt(variance)), "memory": len(memory)}
-    return Judgement(u, estimates, tuple(problem.coordinates[k].name for k in own), outer, found, tuple(notes), noise)
+    return ends | {k: curve for k, curve in zip(bent, work.each(followed, bent), strict=True) if curve is not None}
 
 
 # -- noise -----------------------------------------------------------------------------------------------------------

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.features.experiments import narrower
-from stribeck.identify.features.guess import Scales, reversals
+from stribeck.identify.features.guess import Sizes, reversals
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
@@ -27,7 +27,7 @@ _WORTH = 1.2
 _STRIBECK = ("F_s", "v_s")
 _ENDS = 0.3  # of the largest speed
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
-_MOST_LEEWAY = 0.2  # of the logarithm, for the motion's filter
+_MOST_BIAS = 0.2  # of the logarithm, for the motion's filter
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -
 
 
 def effect(
-    problem: Problem, name: str, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Scales, noise: Noise
+    problem: Problem, name: str, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Sizes, noise: Noise
 ) -> str:  # fmt: skip
     """What the advised experiment would do to the 95 % interval, in words."""
     inverse = problem if isinstance(problem, VelocityProblem) else getattr(problem, "inverse", None)
@@ -113,7 +113,7 @@ def effect(
     )
 
 
-def shape(c: Coordinate, values: Mapping[str, float], sizes: Scales, unseen: str) -> str:
+def shape(c: Coordinate, values: Mapping[str, float], sizes: Sizes, unseen: str) -> str:
     """Why the Stribeck curve of a fit that leaves more than noise is the model's freedom and not the data's, or nothing."""
     if c.name not in _STRIBECK:
         return ""
@@ -127,12 +127,12 @@ def shape(c: Coordinate, values: Mapping[str, float], sizes: Scales, unseen: str
     return ""
 
 
-def hangs(c: Coordinate, spare: float) -> str:
+def hangs(c: Coordinate, bias: float) -> str:
     """Why the filter of the motion leaves a coordinate open, or nothing."""
-    if not c.log or spare <= _MOST_LEEWAY:
+    if not c.log or bias <= _MOST_BIAS:
         return ""
     why = "the position is too coarse or noisy, or sampled too slowly"
-    return f"it hangs on the filter of the motion, which may shift it by {spare:.0%}: {why}"
+    return f"it hangs on the filter of the motion, which may shift it by {bias:.0%}: {why}"
 
 
 def between_samples(problem: MotionProblem, u: Array, slopes: Array) -> Array:
@@ -142,12 +142,12 @@ def between_samples(problem: MotionProblem, u: Array, slopes: Array) -> Array:
     return abs(np.asarray(np.linalg.lstsq(slopes / size, problem.between_samples(u), rcond=1e-9)[0] / size))
 
 
-def widened(problem: Problem, estimates: Mapping[str, Estimate], spare: Array, inner: Array) -> list[str]:
+def widened(problem: Problem, estimates: Mapping[str, Estimate], bias: Array, inner: Array) -> list[str]:
     """What to say of intervals that the motion's filter has made wider."""
     wider = [
-        f"{c.name} by {100 * spare[k]:.2g} %"
+        f"{c.name} by {100 * bias[k]:.2g} %"
         for k, c in enumerate(problem.coordinates)
-        if c.log and not c.nuisance and estimates[c.name].identifiable and spare[k] > 2 * np.sqrt(inner[k, k])
+        if c.log and not c.nuisance and estimates[c.name].identifiable and bias[k] > 2 * np.sqrt(inner[k, k])
     ]
     why = "intervals are wider to each side for what the filter of the motion may do: "
     return [why + ", ".join(wider)] if wider else []

@@ -167,7 +167,7 @@ def _root(leaf: Leaf, index: int, x: Quotient) -> bool:
 
 
 def _about_1(leaf: Leaf, node: Expr, y: Quotient, known: Range) -> Range:
-    """The range of a root, power or logarithm of y, sharp where y is at least or at most 1."""
+    """The range of a root, power or logarithm of y, exact at 1 where y is at least or at most 1."""
     at_1 = 0.0 if node.op == "log" else 1.0
     low, high = known
     way = leaf.ring.apply("sub", y, leaf.ring.one)

@@ -10,6 +10,7 @@ from stribeck.expressions.ranges import INF, Range
 
 _FAR = Fraction(10) ** 300
 End = Fraction | None  # None: no end
+ExactRange = tuple[Fraction, End]
 
 
 @dataclass(frozen=True)

@@ -21,6 +21,7 @@ _TERMS = 40  # of a polynomial: as much work again as a leaf
 _NONE: Mapping[str, int] = {}
 _MANY_ATOMS = 8  # from earlier claims: then they are forgotten
 _LEAP = 16
+_FARTHEST = 10**300  # of speeds and deflections that are looked at as floats
 
 
 class Spent(Exception):
@@ -261,6 +262,8 @@ class _Search:
         for a in region.limits:
             if a.name in point and a.high is not None and point[a.name] > a.high:
                 return False
+        if max(point.values(), default=0) > _FARTHEST:
+            return False
         box = {n: (float(x), float(x)) for n, x in point.items()}
         found: Range = Box({**self.prover.inputs, **box})(self.expr)
         return found[1] < 0 if self.relation in (">=0", ">0") else found == (0.0, 0.0)
@@ -282,6 +285,8 @@ class _Search:
 
 def _width(a: Axis, inside: Sequence[Fraction]) -> tuple[float, Fraction | None]:
     """A measure of the width of a side, and where it is to be cut."""
+    if a.low > _FARTHEST or (a.high is not None and a.high > _FARTHEST):  # no float: not cut
+        return 0.0, None
     if a.high is None:
         if inside:
             return 60.0 + len(inside), inside[len(inside) // 2]

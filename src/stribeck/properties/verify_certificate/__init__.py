@@ -13,7 +13,7 @@ from typing import Any
 from stribeck.laws.base import Law
 from stribeck.properties.verify_certificate.equations import compare, compare_bound
 from stribeck.properties.verify_certificate.expressions import Refused
-from stribeck.properties.verify_certificate.theorems import confirm, reaches
+from stribeck.properties.verify_certificate.theorems import UNREADABLE, confirm, reaches, read_case
 
 __all__ = ["verify"]
 
@@ -30,14 +30,22 @@ def verify(
         v_max: with the property ``passive``, the speed up to which it must hold, m/s; None is every speed.
     """
     try:
+        if law is not None:  # first, as it is quick
+            _compare(law, certificate)
         case = confirm(certificate)
         if property is not None and certificate.get("property") != property:
             raise Refused(f"it is about {certificate.get('property')!r}, not {property!r}")
         if property == "passive":
             reaches(case, v_max)
-        if law is not None:
-            compare(law, case.law.dz_dt, case.law.force)
-            compare_bound(law, case.Z)
     except Refused as reason:
         return [str(reason)]
     return []
+
+
+def _compare(law: Law, certificate: Mapping[str, Any]) -> None:
+    try:
+        case = read_case(certificate)
+    except UNREADABLE as error:
+        raise Refused(f"the certificate cannot be read: {type(error).__name__}: {error}") from None
+    compare(law, case.law.dz_dt, case.law.force)
+    compare_bound(law, case.Z)

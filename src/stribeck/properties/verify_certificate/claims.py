@@ -1,4 +1,4 @@
-"""Elementary claims of a certificate: what each is about, the trees that prove them, and seams."""
+"""Elementary claims of a certificate: what each is about, the trees that prove them, and switching surfaces."""
 
 from __future__ import annotations
 
@@ -137,9 +137,7 @@ def subject(claim: Claim, law: Law) -> Node:
         size, m = rational(data["l"]), _whole(data["m"], 0)
         if size <= 0:
             raise Refused("claim lipschitz: l must be > 0")
-        far = _to_the(make("add", ONE, make("div", W, number(size))) if m else ONE, m)
-        if m > 1:  # 1 + (w/l)^m
-            far = make("add", ONE, _to_the(make("div", W, number(size)), m))
+        far = make("add", ONE, _to_the(make("div", W, number(size)), m))  # 1 + (w/l)^m, 2 where m = 0
         slope = derivative(written_out(f), W)
         return make("sub", make("mul", _limit(claim), far), slope if _sign(data) > 0 else make("neg", slope))
     if claim.about == "growth" and t != 0:
@@ -152,9 +150,24 @@ def subject(claim: Claim, law: Law) -> Node:
         return make("sub", _limit(claim), f if _sign(data) > 0 else make("neg", f))
     if claim.about == "elastic":
         return make("sub", f, v)
+    if claim.about in ("decay", "excess") and t != 0:
+        lag = make("sub", v, f)
+        lag = lag if t > 0 else make("neg", lag)
+        return (
+            lag if claim.about == "decay" else make("sub", _most(data, U if s != 0 else ZERO), _times(data, "N", lag))
+        )
     if claim.about == "divisor":
         return read(data["expression"], {"u": U, "w": W, "pi": PI})
     raise Refused(f"no claim is about {claim.about!r} with v = {s}, z = {t}")
+
+
+def _times(data: Mapping[str, Any], name: str, x: Node) -> Node:
+    return make("mul", number(rational(data[name])), x)
+
+
+def _most(data: Mapping[str, Any], u: Node) -> Node:
+    """k (u + above) w."""
+    return make("mul", _times(data, "k", make("add", u, number(rational(data["above"])))), W)
 
 
 def _sign(data: Mapping[str, Any]) -> int:

@@ -68,8 +68,11 @@ def rational(text: Any) -> fmpq:
         raise Refused(f"{text!r} is no rational number") from None
 
 
-def read(data: Json, known: Mapping[str, Node]) -> Node:
-    """An expression in prefix form; ``known`` are the names that it may use."""
+def read(data: Json, known: Mapping[str, Node], seen: dict[int, Node] | None = None) -> Node:
+    """An expression in prefix form; ``known`` are the names that it may use, ``seen`` the lists that were read already."""
+    seen = {} if seen is None else seen
+    if isinstance(data, list) and id(data) in seen:
+        return seen[id(data)]
     if isinstance(data, str):
         if data[:1].isdigit() or data[:1] == "-":
             return number(rational(data))
@@ -79,12 +82,13 @@ def read(data: Json, known: Mapping[str, Node]) -> Node:
     if not isinstance(data, list) or not data or _ARITY.get(data[0]) != len(data) - 1:
         raise Refused(f"no expression: {str(data)[:80]}")
     op, *rest = data
-    args = tuple(read(x, known) for x in rest)
+    args = tuple(read(x, known, seen) for x in rest)
     truth = [a.op in CONDITIONS for a in args]
     wanted = [True, False, False] if op == "where" else [op in ("both", "either")] * len(args)
     if truth != wanted:
         raise Refused(f"a condition stands where a number should, or the other way round: {str(data)[:80]}")
-    return node(op, *args)
+    seen[id(data)] = node(op, *args)
+    return seen[id(data)]
 
 
 def make(op: str, *args: Node) -> Node:

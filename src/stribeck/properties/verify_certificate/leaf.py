@@ -63,11 +63,12 @@ class Leaf:
         axes = list(region.axes.items())
         variables = [Variable(unit=hi is not None, strict=region.open and lo == 0) for _, (lo, hi) in axes]
         self.atoms: list[Atom] = []
+        seen: dict[int, Node] = {}
         for i, atom in enumerate(atoms):
             if not isinstance(atom, list) or len(atom) < 2:
                 raise Refused(f"no atom: {str(atom)[:80]}")
             expression, rule, *rest = atom
-            self.atoms.append(Atom(read(expression, self.names), str(rule), rest, len(axes) + i))
+            self.atoms.append(Atom(read(expression, self.names, seen), str(rule), rest, len(axes) + i))
         shares = [Variable(unit=atom.rule not in ENDLESS_RULES, strict=False) for atom in self.atoms]
         self.ring = Ring([*variables, *shares])
         self.values: dict[Node, Quotient] = {}
@@ -303,12 +304,16 @@ class Leaf:
                 sides = [ring.add(self(x.args[1]), self(x.args[0]), -1) for x in (a, b)]
             except Refused:
                 return all(self._same_value(x, y) for x, y in zip(a.args, b.args, strict=True))
-            return sides[0].same(sides[1])
+            return sides[0].same(sides[1]) or self._positive_multiple(*sides)
         if a.op in CONDITIONS:
             return all(self._equal(x, y) for x, y in zip(a.args, b.args, strict=True))
         if a.op in FUNCTIONS or a.op in ("sign", "abs", "where"):
             return all(self._same_value(x, y) for x, y in zip(a.args, b.args, strict=True))
         return False
+
+    def _positive_multiple(self, a: Quotient, b: Quotient) -> bool:
+        """Whether a is b times something > 0, such as u: then a < 0 and b < 0 are one condition."""
+        return bool(a.above != 0 and b.above != 0) and self.ring.sign(self.ring.div(a, b)) == (1, True)
 
     def _same_value(self, a: Node, b: Node) -> bool:
         """Whether two arguments are equal: as quotients, else as they are written."""

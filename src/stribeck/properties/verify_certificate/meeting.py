@@ -41,7 +41,7 @@ class Place:
 
 
 @dataclass
-class Form:
+class Cases:
     """An expression of u, w > 0 with its cases written out, and its derivatives where ``order`` is 1."""
 
     value: Node
@@ -154,7 +154,7 @@ def linear(c: Node, normal: Normal) -> Place | None:
 
 
 def meets(
-    form: Form, names: Sequence[Node], places: Sequence[Place], not_zero: Sequence[Node], domain: dict[str, Range]
+    form: Cases, names: Sequence[Node], places: Sequence[Place], not_zero: Sequence[Node], domain: dict[str, Range]
 ) -> None:
     """Confirm that the values agree wherever a comparison that depends on one of the names changes.
 
@@ -181,7 +181,7 @@ def meets(
             raise Refused("the cases of an expression could not be shown to meet")
 
 
-def _same(form: Form, c: Node, normal: Normal) -> bool:
+def _same(form: Cases, c: Node, normal: Normal) -> bool:
     """Whether a comparison decides nothing: both cases are the same expression."""
     try:
         return normal(put(form.value, {c: TRUE})) == normal(put(form.value, {c: FALSE}))
@@ -190,7 +190,7 @@ def _same(form: Form, c: Node, normal: Normal) -> bool:
 
 
 def _agree(
-    form: Form, c: Node, place: Place, not_zero: Sequence[Node], normal: Normal, domain: Mapping[str, Range]
+    form: Cases, c: Node, place: Place, not_zero: Sequence[Node], normal: Normal, domain: Mapping[str, Range]
 ) -> bool:
     try:
         k = ratio(c, place, normal)
@@ -205,7 +205,7 @@ def _agree(
     return len(values) > 1 and all(v == values[0] for v in values)
 
 
-def agree_on_axis(forms: Sequence[tuple[Form, int]], axis: Node, exact: Node | None) -> None:
+def agree_on_axis(forms: Sequence[tuple[Cases, int]], axis: Node, exact: Node | None) -> None:
     """Confirm that forms from both sides agree at ``axis`` (u or w) = 0, also with the value there.
 
     Args:

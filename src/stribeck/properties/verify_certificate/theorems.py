@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 from flint import fmpq
 
 from stribeck.properties.verify_certificate import claims as of
+from stribeck.properties.verify_certificate import intervals
 from stribeck.properties.verify_certificate.claims import Claim, Law
 from stribeck.properties.verify_certificate.expressions import (
     PI,
@@ -19,6 +20,8 @@ from stribeck.properties.verify_certificate.expressions import (
     W,
     name,
     names,
+    node,
+    number,
     ordered,
     rational,
     read,
@@ -27,9 +30,10 @@ from stribeck.properties.verify_certificate.expressions import (
 from stribeck.properties.verify_certificate.identities import Normal
 from stribeck.properties.verify_certificate.intervals import Range
 from stribeck.properties.verify_certificate.leaf import Leaf, Region
-from stribeck.properties.verify_certificate.meeting import Form, Place, agree_on_axis, depends, meets
+from stribeck.properties.verify_certificate.meeting import Cases, Place, agree_on_axis, depends, meets
 
 FORMAT = 1
+UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, IndexError, RecursionError)
 SIGNS = (1, -1, 0)
 ENDLESS: Range = (fmpq(0), None)
 _DEEPEST = 4  # certificates within certificates
@@ -100,7 +104,7 @@ def confirm(data: Any, depth: int = 0) -> Case:
         if theorem is None:
             raise Refused(f"no theorem {data.get('theorem')!r} for {data.get('property')!r}")
         theorem(case)
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError, RecursionError) as error:
+    except UNREADABLE as error:
         raise Refused(f"the certificate cannot be read: {type(error).__name__}: {error}") from None
     return case
 
@@ -188,7 +192,7 @@ def _continuous_in_z(case: Case, reach: Range) -> None:
     for s in SIGNS:
         forms = []
         for t in (1, -1):
-            form = Form(case.law.rate(s, t))
+            form = Cases(case.law.rate(s, t))
             domain = {n: r for n, r in (("u", ENDLESS), ("w", reach)) if n == "w" or s != 0}
             meets(form, [W], list(_places(case, s, t)), [x for x, _ in _divisors(case, False)], domain)
             forms.append((form, t))
@@ -197,7 +201,7 @@ def _continuous_in_z(case: Case, reach: Range) -> None:
 
 def _places(case: Case, s: int, t: int) -> Iterator[Place]:
     for c in case.claims:
-        if c.about == "seam" and (c.s, c.t) == (s, t):
+        if c.about in ("switching", "seam") and (c.s, c.t) == (s, t):
             for what, to in c.data.get("there", []):
                 yield Place(*(read(x, {"u": U, "w": W, "pi": PI}) for x in (what, to)))
 
@@ -226,14 +230,14 @@ def smooth(case: Case) -> None:
         forms = {}
         for s in (1, -1):
             for t in (1, -1):
-                form = forms[s, t] = Form(build(s, t), order=1)
+                form = forms[s, t] = Cases(build(s, t), order=1)
                 _singular_nowhere(form.value, shown)
                 meets(form, [U, W], list(_places(case, s, t)), not_zero, quadrant)
         for s in (1, -1):
             agree_on_axis([(forms[s, 1], 1), (forms[s, -1], -1)], W, build(s, 0))
         for t in (1, -1):
             agree_on_axis([(forms[1, t], 1), (forms[-1, t], -1)], U, build(0, t))
-        agree_on_axis([(Form(build(0, t)), t) for t in (1, -1)], W, build(0, 0))
+        agree_on_axis([(Cases(build(0, t)), t) for t in (1, -1)], W, build(0, 0))
 
 
 def _singular_nowhere(top: Node, shown: list[tuple[Node, bool]]) -> None:
@@ -288,6 +292,45 @@ def storage(case: Case) -> None:
                     raise Refused("nothing says that the storage function has a lower bound")
 
 
+def damped(case: Case) -> None:
+    """F = k z + s exp(-(v/d)^2) f + c v and f = v - q z with 0 <= N q <= k (|v| + m_0), s (d/sqrt(2 e) + m_0) <= 4 N.
+
+    With a = s exp(-(v/d)^2): a q <= (k/N) s (d/sqrt(2 e) + m_0) <= 4 k, as x exp(-x^2) <= 1/sqrt(2 e). So
+    F v - k z f = k q z^2 - a q z v + (a + c) v^2 >= 0 for every z: its discriminant is a q (a q - 4 k) v^2 - 4 k q c v^2.
+    """
+    data = case.data["data"]
+    k, s, d, c, least, above = (rational(data[n]) for n in ("k", "s", "d", "c", "N", "above"))
+    for x in (k, d, least):
+        _at_least_positive(x)
+    if min(s, c, above) < 0:
+        raise Refused("the theorem 'damped' needs s, c, above >= 0")
+    room, e = 4 * least - s * above, intervals.at("exp", fmpq(1), False)
+    if e is None or room < 0 or (s * d) ** 2 > 2 * e * room**2:
+        raise Refused("s (d/sqrt(2 e) + above) <= 4 N does not hold")
+    identity = Normal()
+    for side in SIGNS:
+        for t in SIGNS:
+            place = of.signed(side, U), of.signed(t, W), case.law.rate(side, t)
+            stated = _damped_load([number(x) for x in (k, s, d, c)], *place)
+            if not identity.zero(node("sub", case.law.load(side, t), stated)):
+                raise Refused("the force is not k z + s exp(-(v/d)^2) dz/dt + c v")
+    elastic, decay, excess = case.proved("elastic", "=0"), case.proved("decay", ">=0"), case.proved("excess", ">=0")
+    if any([rational(x.data[n]) for n in ("k", "above", "N")] != [k, above, least] for x in excess):
+        raise Refused("claim excess: other numbers than the theorem's")
+    for side in SIGNS:
+        need(elastic, side, 0, ENDLESS, ENDLESS)
+        for t in (1, -1):
+            need(decay, side, t, ENDLESS, ENDLESS)
+            need(excess, side, t, ENDLESS, ENDLESS)
+
+
+def _damped_load(numbers: Sequence[Node], v: Node, z: Node, f: Node) -> Node:
+    """k z + s exp(-(v/d)^2) f + c v."""
+    k, s, d, c = numbers
+    share = node("exp", node("neg", node("mul", node("div", v, d), node("div", v, d))))
+    return node("add", node("add", node("mul", k, z), node("mul", node("mul", s, share), f)), node("mul", c, v))
+
+
 def reaches(case: Case, v_max: float | None) -> None:
     """The certificate must be about every speed up to ``v_max`` (None: about every speed)."""
     stated = case.data.get("v_max", "inf")
@@ -338,7 +381,9 @@ THEOREMS: dict[tuple[str, str], Callable[[Case], None]] = {
     ("bounded", "outside"): outside,
     ("bounded", "edge"): edge,
     ("unique", "lipschitz"): lipschitz,
-    ("smooth", "seams"): smooth,
+    ("smooth", "switching"): smooth,
+    ("smooth", "seams"): smooth,  # its name in certificates of earlier versions
     ("passive", "storage"): storage,
+    ("passive", "damped"): damped,
     ("drift_free", "elastic"): elastic,
 }

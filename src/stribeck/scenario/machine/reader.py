@@ -31,6 +31,7 @@ from stribeck.scenario.machine.rig import Rig
 from stribeck.scenario.tables import Problem
 
 _NAME = re.compile(r"[A-Za-z0-9_]+")
+_SAMPLES = 1e8  # of a controller in a run
 TOP = ("schema", "name", *tables.SECTIONS, "solve", "output")
 
 
@@ -169,6 +170,7 @@ class MachineReader(Reading):
         factors = [self._factor(name, f"{path}.factors.{of}", of, x, law) for of, x in values.factors.items()]
         if span is None or law is None or None in levels or None in factors:
             return None
+        self.problems += wiring.beyond(path, law, {x.of: self._extremes(x) for x in factors if x is not None})
         parts = tuple(x for x in levels if x), tuple(x for x in factors if x)
         return ContactPart(name, type(law), law.form, span, *parts)
 
@@ -185,6 +187,10 @@ class MachineReader(Reading):
         where = re.sub(r"\.(\d+)$", r"[\1]", path)
         if not isinstance(table, dict):
             self.problems.append((where, no_table(table)))
+            return None
+        if not isinstance(table.get("force", ""), str | dict):
+            text = f"must be a link, motor or load, or a table of weights, not {kind_of(table['force'])}"
+            self.problems.append((f"{where}.force", f"{show(table['force'])}: {text}"))
             return None
         found = wiring.level_problems(table, where, contact, law)
         values, more = common.validate(tables.level_table(isinstance(table.get("force"), dict)), table, where)
@@ -209,6 +215,10 @@ class MachineReader(Reading):
         if law is not None and (text := wiring.not_to_multiply(of, law)):
             self.problems.append((path, text))
             return None
+        if not {"signal", "amplitude", "waves"} & set(table):
+            text = f"{show(table)}: must have a signal, or amplitude and waves (by position)"
+            self.problems.append((path, text))
+            return None
         values = self._validate(tables.factor_table("signal" in table), table, path)
         if values is None:
             return None
@@ -227,6 +237,13 @@ class MachineReader(Reading):
             self.problems.append((f"{path}.amplitude", text))
         self.values |= {(path, f"{n}_{i}"): x for n, xs in given.items() for i, x in enumerate(xs)}
         return Factor(of, path, None, len(given["waves"]))
+
+    def _extremes(self, factor: Factor) -> tuple[float, float]:
+        """The least and the largest value of a factor."""
+        if factor.signal is not None:
+            return wiring.extremes(self.signals[factor.signal]) or (1.0, 1.0)
+        size = sum(abs(self.values[factor.path, f"amplitude_{i}"]) for i in range(factor.waves))
+        return 1 - size, 1 + size
 
     def _controller(self, name: str, path: str, table: dict[str, Any]) -> ControllerPart | None:
         kind = self._element(table, path, controllers.Controller, controllers.KINDS)
@@ -261,6 +278,11 @@ class MachineReader(Reading):
         given = {n: getattr(values, n) for n, on in part.numbers.items() if on}
         self.values |= {(path, n): float(x) for n, x in given.items()}
         self.seeds[name] = values.seed
+        solve = self.data.get("solve")
+        end = solve.get("t_end") if isinstance(solve, dict) else None
+        if isinstance(end, int | float) and end / values.period > _SAMPLES:
+            text = f"more than {_SAMPLES:g} samples until solve.t_end = {end:g} s; must be larger"
+            self.problems.append((f"{path}.period", f"{values.period:g}: {text}"))
         return part
 
     def _compensation(self, path: str, table: dict[str, Any]) -> Compensation | None:

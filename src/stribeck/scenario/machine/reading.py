@@ -73,10 +73,16 @@ class Reading:
         known = [n for section in sections for n in self.named[section]] + list(also)
         if name in known:
             return True
+        if any(self.told(section) for section in sections):
+            return False
         what = " or ".join({"bodies": "body"}.get(s, s.rstrip("s")) for s in sections)
         guess = nearest(name, known) or (f" (there is {', '.join(known)})" if known else " (there is none)")
         self.problems.append((path, f"{show(name)}: there is no such {what}{guess}"))
         return False
+
+    def told(self, section: str) -> bool:
+        """Whether a section as a whole is wrong, so that nothing more need be said of what it lacks."""
+        return not isinstance(self.data.get(section, {}), dict) or (section == "bodies" and not self.named["bodies"])
 
     def _signal(self, table: Any, path: str, name: str, turns: bool = False) -> SignalUse | None:
         if not isinstance(table, dict):

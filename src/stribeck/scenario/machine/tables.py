@@ -59,7 +59,9 @@ class CompensationTable(Table):
     """What a controller does against friction."""
 
     contact: str | None = Field(None, description="the contact whose friction it is")
-    speed: Literal["reference", "measured"] = Field(description="the speed that the law is given")
+    speed: Literal["reference", "measured"] = Field(
+        description="reference or measured: the speed that the law is given"
+    )
     law: dict[str, Any] | None = Field(None, description="the law, if it is not the contact's")
     share: float | None = Field(None, ge=0, description=f"{SHARE.meaning}; 1 unless given")
 

@@ -175,18 +175,48 @@ def not_to_multiply(of: str, law: Law) -> str | None:
     return None
 
 
+def extremes(signal: Signal) -> tuple[float, float] | None:
+    """The least and the largest value of a signal; None where it begins at 0."""
+    if isinstance(signal, Points):
+        return float(np.min(signal.value)), float(np.max(signal.value))
+    if isinstance(signal, Sine):
+        middle, size = signal.values["offset"], abs(signal.values["amplitude"])
+        return middle - size, middle + size
+    if isinstance(signal, Step) or not signal.smooth:
+        return None
+    values = signal.at(np.linspace(signal.pieces[0][0], signal.pieces[-1][0], 4001))
+    return float(np.min(values)), float(np.max(values))
+
+
 def not_positive(signal: Signal) -> str | None:
     """Why a signal cannot be a factor, or None."""
-    lowest: float
-    if isinstance(signal, Points):
-        lowest = float(np.min(signal.value))
-    elif isinstance(signal, Sine):
-        lowest = signal.values["offset"] - abs(signal.values["amplitude"])
-    elif isinstance(signal, Step) or not signal.smooth:
+    if (found := extremes(signal)) is None:
         return f"{show(signal.kind)}: begins at 0: a factor must be > 0 at all times"
-    else:
-        lowest = float(np.min(signal.at(np.linspace(signal.pieces[0][0], signal.pieces[-1][0], 4001))))
-    return None if lowest > 0 else f"reaches {lowest:g}: a factor must be > 0 at all times"
+    return None if found[0] > 0 else f"reaches {found[0]:g}: a factor must be > 0 at all times"
+
+
+def beyond(path: str, law: Law, by: dict[str, tuple[float, float]]) -> list[Problem]:
+    """What a law does not allow any more where factors are at their least and largest."""
+    found: list[Problem] = []
+    for name, (low, _) in by.items():
+        constant, value = law.constants().get(name), law.values.get(name)
+        if constant is None or value is None or constant.at_least is None or low * value >= constant.at_least:
+            continue
+        text = f"brings {name} down to {low * value:g}: it must stay {constant.allowed}"
+        found.append((f"{path}.factors.{name}", text))
+    z_ba, sigma_0, F_c = (law.values.get(n) for n in ("z_ba", "sigma_0", "F_c"))
+    if z_ba is None or sigma_0 is None or F_c is None:
+        return found
+    largest = z_ba * by.get("z_ba", (1.0, 1.0))[1]
+    least = F_c / sigma_0
+    for name in ("F_c", "level"):
+        least *= by.get(name, (1.0, 1.0))[0]
+    if largest >= least:
+        blamed = min((n for n in ("level", "F_c", "z_ba") if n in by), key=lambda n: by[n][0], default=None)
+        if blamed is not None:
+            text = f"z_ba (up to {largest:g}) must stay below F_c/sigma_0, which factors bring down to {least:g}"
+            found.append((f"{path}.factors.{blamed}", text))
+    return found
 
 
 def no_second_derivative(signal: Signal) -> str | None:

@@ -6,15 +6,13 @@ from math import pi
 
 import pytest
 
-from stribeck.paper import evidence, guarantees, joint, which_k_v
 from tests.simulation.rig import needs_compiler
 
 pytestmark = needs_compiler
 
 
-def test_the_matrix():
+def test_the_matrix(report):
     """unique, bounded, smooth, passive, drift_free: docs/theory.md, with Table 1."""
-    chapter = guarantees.chapter({})
     expected = {
         "lugre": "YYNNN",
         "lugre_arctan": "YNYNN",
@@ -27,16 +25,16 @@ def test_the_matrix():
     }
     found = {
         name: "".join({True: "Y", False: "N", None: "?"}[holds] for holds in verdicts.values())
-        for name, verdicts in chapter.numbers["verdicts"].items()
+        for name, verdicts in report.numbers("guarantees")["verdicts"].items()
     }
     assert found == expected
-    assert [row[2] for row in chapter.tables[1].rows] == [
+    assert [row[2] for row in report.tables("guarantees")[1][1:]] == [
         "confirmed", "settled: not bounded", "confirmed", "does not hold", "confirmed with a remark", "possible",
     ]  # fmt: skip
 
 
-def test_the_evidence():
-    numbers = evidence.chapter({}).numbers
+def test_the_evidence(report):
+    numbers = report.numbers("evidence")
     # 10 times as fast as at k_v = 1e7 s/m, where it takes 39 s: 183.8 nJ out whatever k_v is, in but for sigma_1
     assert numbers["cycle"]["time"] == pytest.approx(3.9, abs=0.06)
     assert numbers["cycle"]["drawn_out"] == pytest.approx(1.838e-7, rel=3e-3)
@@ -57,9 +55,9 @@ def test_the_evidence():
         assert found["lugre_majorant"] == pytest.approx(found["lugre"], rel=0.05)
 
 
-def test_which_k_v():
+def test_which_k_v(report):
     """The largest is for the limit cycle: theory.md has 1.4e-2 m at 1e7, and the error falls like 1/k_v."""
-    found = which_k_v.chapter({}).numbers
+    found = report.numbers("which_k_v")
     assert found["lugre_sobczyk"]["k_v"] == pytest.approx(1.4e8, rel=0.05)
     by_name = {each["name"]: each["k_v"] for each in found["lugre_majorant"]["requirements"]}
     assert by_name["error of presliding at 0.1425 N/s"] == pytest.approx(1e7 * 0.0161 / 0.02, rel=0.03)
@@ -68,14 +66,13 @@ def test_which_k_v():
     )
 
 
-def test_the_joint():
+def test_the_joint(report):
     """The majorant mesh stays displaced; the load's friction makes the loop hunt; the proof needs v_d."""
-    chapter = joint.chapter({})
-    found = chapter.numbers
+    found = report.numbers("joint")
     left, moves = found["left_behind"], found["hunting"]
     assert abs(left["lugre_majorant"]) > 10 * abs(left["elastoplastic_majorant"])
     assert moves["friction with its load"] > 0.01 > 0.001 > moves["without"]
     assert found["passive"] == {"bearing": True, "mesh": True}
     assert found["swung"]["energy_drawn_per_cycle"] > 0
-    assert chapter.tables[0].rows[2][-1].startswith("no")
-    assert [figure.name for figure in chapter.figures] == ["joint"]
+    assert report.tables("joint")[0][3][-1].startswith("no")
+    assert (report.folder / "figures" / "joint.svg").exists()

@@ -16,7 +16,7 @@ from stribeck.identify.statistics import uncertainty
 from stribeck.rig.synthetic import LABEL
 from tests.identify import rig
 
-BENCHMARKS = Path(__file__).parent.parent.parent / "benchmarks"
+BENCHMARKS = Path(__file__).parent.parent.parent.parent / "benchmarks"
 N = 2000
 
 

@@ -7,8 +7,8 @@ import pytest
 
 import stribeck
 from stribeck.identify.data.prepare import Preparation, load
-from stribeck.identify.data.read import Columns
-from stribeck.identify.features.filtering import leeway
+from stribeck.identify.data.read import ColumnNames
+from stribeck.identify.features.filtering import filter_bias
 from stribeck.identify.models.dynamic_problem import velocity_problem
 from tests.identify import rig
 
@@ -40,13 +40,13 @@ def test_damping_that_hangs_on_the_filter_is_not_printed_as_known(tmp_path):
 
 def test_motion_taken_as_it_is_has_no_filter_to_doubt():
     problem, u, _, _ = velocity_problem(rig.measured(rig.LOOPS), "lugre", mass=0.0)
-    assert not leeway(problem, u, problem.sensitivities(u)).any()
+    assert not filter_bias(problem, u, problem.sensitivities(u)).any()
 
 
 def test_a_simulation_follows_what_moves_at_a_tenth_of_the_sampling_rate():
     t, rate = np.arange(400) * 2e-3, 2 * np.pi * 50
     table = {"t": t, "x": np.sin(rate * t), "F": np.cos(rate * t)}
-    log = load([table], Columns({"time": "t", "position": "x", "force": "F"}), Preparation(0.0, None, True))
+    log = load([table], ColumnNames({"time": "t", "position": "x", "force": "F"}), Preparation(0.0, None, True))
     inside = slice(50, -50)
     assert log.velocity[inside] == pytest.approx(rate * np.cos(rate * t[inside]), abs=2e-3 * rate)
     assert log.acceleration[inside] == pytest.approx(-(rate**2) * np.sin(rate * t[inside]), abs=4e-3 * rate**2)
@@ -54,7 +54,7 @@ def test_a_simulation_follows_what_moves_at_a_tenth_of_the_sampling_rate():
 
 def test_break_aways_of_a_few_samples_bias_no_interval(monkeypatch):
     """At 500 Hz a body breaks away within some ten samples: the Stribeck curve came out too steep and F_c too low."""
-    monkeypatch.syspath_prepend(str(Path(__file__).parent.parent.parent / "benchmarks"))
+    monkeypatch.syspath_prepend(str(Path(__file__).parent.parent.parent.parent / "benchmarks"))
     import coverage_cells
 
     found = coverage_cells.one("force, 5 nm", 3)["parameters"]

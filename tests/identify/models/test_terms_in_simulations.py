@@ -9,7 +9,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.methods.motion import RigProblem
 from stribeck.identify.models.dynamic_problem import velocity_problem
-from stribeck.identify.predict import Model, predict
+from stribeck.identify.predict import FittedModel, predict
 from tests.identify import rig
 
 
@@ -31,7 +31,9 @@ def test_a_delay_is_fitted_by_simulation_and_predicted_with(late):
         for n, v in values.items()
         if n in ("offset", "delay", "mass") or n in stribeck.law("lugre", rig.TRUTH).values
     }
-    model = Model("lugre", "dynamic", {n: v for n, v in values.items() if v is not None}, {}, {}, {}, {}, None, None)
+    model = FittedModel(
+        "lugre", "dynamic", {n: v for n, v in values.items() if v is not None}, {}, {}, {}, {}, None, None
+    )
     assert predict(model, late).force_error == pytest.approx(fit.relative_force_error, rel=0.2)
 
 

@@ -65,10 +65,10 @@ def test_the_published_model_of_emps_with_friction_by_direction():
 def test_a_better_model_of_emps_predicts_blocks_left_out():
     terms = ["sigma_2_by_direction", "delay", "stiffness", "F_c_by_position"]
     from stribeck.identify.api import log_of
-    from stribeck.identify.data.read import Columns
+    from stribeck.identify.data.read import ColumnNames
     from stribeck.identify.methods.static import Setting, fit_static
 
-    log = log_of(EMPS, Columns(COLUMNS, force_gain="gtau"))
+    log = log_of(EMPS, ColumnNames(COLUMNS, force_gain="gtau"))
     setting = Setting({}, free=("F_c", "sigma_2", "k_v"), body=("offset", *terms))
     fit = fit_static(log, "coulomb_viscous", setting, profiles=False)
     assert fit.cross_validated_error < 0.024
@@ -201,9 +201,9 @@ def test_presliding_gives_the_stiffness_within_five_per_cent(small_reversals):
 
 
 def _sizes(log):
-    from stribeck.identify.features.guess import scales
+    from stribeck.identify.features.guess import sizes_of
 
-    return scales(log)
+    return sizes_of(log)
 
 
 def test_without_presliding_the_stiffness_is_declared_unknown():

@@ -74,9 +74,9 @@ def test_a_fit_that_misses_has_no_intervals(tmp_path):
 def test_a_start_is_the_same_however_many_there_are(record):
     from stribeck.identify.api import log_of
     from stribeck.identify.data.prepare import Preparation
-    from stribeck.identify.data.read import Columns
+    from stribeck.identify.data.read import ColumnNames
 
-    columns = Columns({"time": "t", "position": "y", "force": "F"})
+    columns = ColumnNames({"time": "t", "position": "y", "force": "F"})
     log = log_of(record, columns, Preparation(simulated=True))
     problem, *_ = velocity_problem(log, "lugre", mass=MASS)
     many = first_values(problem, 20, 3)

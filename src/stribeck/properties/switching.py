@@ -8,14 +8,14 @@ from fractions import Fraction
 
 from stribeck.expressions.graph import Expr, derivative, ordered, rewrite, substitute, wrap
 from stribeck.properties.certificate import Claim
-from stribeck.properties.claims import NULL, Claims
+from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import REST, SIGNS, Model, U, W, depends
 
 EVERYWHERE: dict[str, tuple[Fraction, Fraction | None]] = {"u": (NULL, None), "w": (NULL, None)}
 
 
 @dataclass(frozen=True)
-class Seam:
+class SwitchingSurface:
     """A condition of a form of an equation, and the form where it holds and where it does not."""
 
     sides: tuple[int, int]
@@ -29,12 +29,12 @@ class Seam:
         return f"{self.condition!r} changes"
 
 
-def seams(form: Expr, sides: tuple[int, int]) -> Iterator[Seam]:
+def switching_surfaces(form: Expr, sides: tuple[int, int]) -> Iterator[SwitchingSurface]:
     """Every condition of a form."""
     conditions = dict.fromkeys(node.args[0] for node in ordered([form]) if node.op == "where")
     for condition in conditions:
         if condition.op in ("lt", "le"):
-            yield Seam(sides, condition, settled(form, condition, True), settled(form, condition, False))
+            yield SwitchingSurface(sides, condition, settled(form, condition, True), settled(form, condition, False))
 
 
 def settled(form: Expr, condition: Expr, holds: bool) -> Expr:
@@ -51,42 +51,49 @@ def settled(form: Expr, condition: Expr, holds: bool) -> Expr:
 class Joints:
     """Shows that cases meet, for dz/dt or another expression of v and z."""
 
-    def __init__(self, model: Model, claims: Claims, expr: Expr) -> None:
+    def __init__(self, model: Model, claims: ClaimProver, expr: Expr) -> None:
         self.model, self.claims, self.expr = model, claims, expr
 
-    def at_condition(self, seam: Seam, order: int) -> list[Claim] | None:
+    def at_condition(self, surface: SwitchingSurface, order: int) -> list[Claim] | None:
         """Both forms agree where the condition changes: in value, and with order 1 in their first derivatives."""
-        pairs = [(seam.if_true, seam.if_false)]
+        pairs = [(surface.if_true, surface.if_false)]
         if order:
-            pairs += [(derivative(seam.if_true, x), derivative(seam.if_false, x)) for x in (U, W)]
+            pairs += [(derivative(surface.if_true, x), derivative(surface.if_false, x)) for x in (U, W)]
         found: list[Claim] = []
         for a, b in pairs:
-            claims = next((c for c in self._ways(seam, a, b) if c is not None), None)
+            claims = next((c for c in self._ways(surface, a, b) if c is not None), None)
             if claims is None:
                 return None
             found += claims
         return found
 
-    def _ways(self, seam: Seam, a: Expr, b: Expr) -> Iterator[list[Claim] | None]:
-        less, more = seam.condition.args
-        extra = {"condition": seam.condition}
+    def _ways(self, surface: SwitchingSurface, a: Expr, b: Expr) -> Iterator[list[Claim] | None]:
+        less, more = surface.condition.args
+        extra = {"condition": surface.condition}
         for start, end in ((less, more), (more, less)):
             if start.op != "constant":
-                yield self._replaced(seam, a, b, start, end, [], extra)
+                yield self._replaced(surface, a, b, start, end, [], extra)
         difference = less - more
         for x in (W, U):
             slope = derivative(difference, x)
             if depends(difference, x) and not depends(slope, x):
-                steep = self.claims.divisor(seam.sides, slope, "!=0", _present(slope))
+                steep = self.claims.divisor(surface.sides, slope, "!=0", _present(slope))
                 if steep is not None:
                     end = -substitute([difference], {x: wrap(0)})[0] / slope
-                    yield self._replaced(seam, a, b, x, end, [steep], extra)
+                    yield self._replaced(surface, a, b, x, end, [steep], extra)
 
     def _replaced(
-        self, seam: Seam, a: Expr, b: Expr, start: Expr, end: Expr, also: list[Claim], extra: dict[str, Expr]
+        self,
+        surface: SwitchingSurface,
+        a: Expr,
+        b: Expr,
+        start: Expr,
+        end: Expr,
+        also: list[Claim],
+        extra: dict[str, Expr],
     ) -> list[Claim] | None:
         left, right = substitute([a, b], {start: end})
-        claim = self.claims.identity(seam.sides, left, right, EVERYWHERE, there=[[start, end]], **extra)
+        claim = self.claims.identity(surface.sides, left, right, EVERYWHERE, there=[[start, end]], **extra)
         return [claim, *also] if claim is not None else None
 
     def at_axis(self, axis: str, side: int, order: int) -> list[Claim] | None:

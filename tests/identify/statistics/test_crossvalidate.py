@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.methods.dynamic import cross_validated, fit_dynamic
 from stribeck.identify.methods.optimise import descend
 from stribeck.identify.models.dynamic_problem import velocity_problem
-from stribeck.identify.statistics.crossvalidate import LeftOut, choose, cross_validate, groups
+from stribeck.identify.statistics.crossvalidate import LeftOut, choose, groups
 from tests.identify import rig
 
 
@@ -48,7 +48,7 @@ def test_the_part_left_out_is_not_seen(log):
     part, _ = groups(two_runs(log), 2)
     spoilt = two_runs(log).with_columns(force=np.where(part == 0, log.force + 100.0, log.force))
     other, _, _, _ = velocity_problem(spoilt, "lugre", mass=0.0)
-    clean, wrong = (cross_validate(p, u, p.log, 2) for p in (problem, other))
+    clean, wrong = (cross_validated(p, u, p.log, 2) for p in (problem, other))
     # fitted to the clean part, the model misses the spoilt one by the 100 N added
     assert np.sqrt(wrong.squares[0] / np.sum(part == 0)) == pytest.approx(100, rel=0.02)
     assert np.sqrt(clean.squares[0] / np.sum(part == 0)) == pytest.approx(0.1, rel=0.1)

@@ -12,7 +12,7 @@ from stribeck import InputError
 from stribeck.identify.data.filters import decimate, shifted, zero_phase
 from stribeck.identify.data.prepare import Preparation, load
 from stribeck.identify.data.quality import clean
-from stribeck.identify.data.read import Columns, read
+from stribeck.identify.data.read import ColumnNames, read
 from stribeck.recorded import read_columns
 
 T = np.arange(400) * 1e-3
@@ -51,7 +51,7 @@ def _write(kind, path):
 def test_every_format_gives_the_same_columns_in_si(kind, tmp_path):
     path = tmp_path / f"log.{kind.rstrip('573')}"
     _write(kind, path)
-    found = read(path, Columns(NAMES, {"t": "ms", "x": "mm", "i": "A"}, 2.0))
+    found = read(path, ColumnNames(NAMES, {"t": "ms", "x": "mm", "i": "A"}, 2.0))
     np.testing.assert_allclose(found["time"], 1e-3 * T, rtol=1e-15)
     np.testing.assert_allclose(found["position"], 1e-3 * X, rtol=1e-15)
     np.testing.assert_allclose(found["force"], 2 * F, rtol=1e-15)
@@ -63,7 +63,7 @@ def test_columns_may_stand_in_a_file_beside_the_data_and_the_gain_in_the_data(tm
     (tmp_path / "log.toml").write_text(
         'force_gain = "gain"\n[columns]\ntime = "t"\nposition = "i"\nforce = "i"\n[units]\nt = "ms"\n'
     )
-    found = read(path, Columns({"position": "x"}))
+    found = read(path, ColumnNames({"position": "x"}))
     np.testing.assert_allclose(found["force"], 2.5 * F, rtol=1e-15)
     np.testing.assert_array_equal(found["position"], X)
 
@@ -71,20 +71,20 @@ def test_columns_may_stand_in_a_file_beside_the_data_and_the_gain_in_the_data(tm
 def test_a_csv_file_without_a_head_has_numbered_columns(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("\n".join(row.replace(",", "\t") for row in _rows()))
-    found = read(path, Columns({"time": "1", "velocity": "2", "force": "3"}))
+    found = read(path, ColumnNames({"time": "1", "velocity": "2", "force": "3"}))
     np.testing.assert_array_equal(found["velocity"], X)
 
 
 @pytest.mark.parametrize(
     ("columns", "said"),
     [
-        (Columns({"position": "x", "force": "i"}), "^time: must be given"),
-        (Columns({**NAMES, "position": "y"}), "^position: 'y': .* has no such column"),
-        (Columns(NAMES, {"x": "kg"}), "^units: 'x=kg': no unit of position"),
-        (Columns(NAMES, {"q": "mm"}), "^units: 'q': no column of that name is used"),
-        (Columns(NAMES, {"i": "A"}), "^force_gain: must be given"),
-        (Columns(NAMES, {}, "nothing"), "^force_gain: 'nothing': must be a number"),
-        (Columns(NAMES, {}, 0.0), "^force_gain: 0.0: must be a finite number other than 0"),
+        (ColumnNames({"position": "x", "force": "i"}), "^time: must be given"),
+        (ColumnNames({**NAMES, "position": "y"}), "^position: 'y': .* has no such column"),
+        (ColumnNames(NAMES, {"x": "kg"}), "^units: 'x=kg': no unit of position"),
+        (ColumnNames(NAMES, {"q": "mm"}), "^units: 'q': no column of that name is used"),
+        (ColumnNames(NAMES, {"i": "A"}), "^force_gain: must be given"),
+        (ColumnNames(NAMES, {}, "nothing"), "^force_gain: 'nothing': must be a number"),
+        (ColumnNames(NAMES, {}, 0.0), "^force_gain: 0.0: must be a finite number other than 0"),
     ],
 )
 def test_bad_columns_are_one_clear_line(columns, said, tmp_path):
@@ -105,7 +105,7 @@ def test_bad_columns_are_one_clear_line(columns, said, tmp_path):
 )
 def test_bad_files_are_one_clear_line(rows, said, tmp_path):
     with pytest.raises(InputError, match=said) as caught:
-        load([_csv(tmp_path / "log.csv", rows)], Columns(NAMES))
+        load([_csv(tmp_path / "log.csv", rows)], ColumnNames(NAMES))
     assert len(caught.value.problems) == 1
 
 
@@ -114,7 +114,7 @@ def test_files_that_are_none_are_refused(name, tmp_path):
     if name != "none.csv":
         (tmp_path / name).write_bytes(b"" if "empty" in name else b"no such thing" * 50)
     with pytest.raises(InputError, match=r"^data: "):
-        read(tmp_path / name, Columns(NAMES))
+        read(tmp_path / name, ColumnNames(NAMES))
 
 
 def _noisy(rng, n=3000):
@@ -148,7 +148,7 @@ def test_damage_is_found_said_and_cut_away():
 def test_uneven_samples_are_put_on_an_even_grid(tmp_path):
     rng = np.random.default_rng(1)
     t = T + 3e-4 * rng.random(len(T))
-    log = load([_csv(tmp_path / "log.csv", _rows(t, np.sin(8 * t), F))], Columns(NAMES), Preparation(cutoff=0))
+    log = load([_csv(tmp_path / "log.csv", _rows(t, np.sin(8 * t), F))], ColumnNames(NAMES), Preparation(cutoff=0))
     assert "not evenly spaced" in " ".join(log.quality)
     np.testing.assert_allclose(np.diff(log.time), log.step, rtol=1e-9)
     np.testing.assert_allclose(log.position, np.sin(8 * log.time), atol=1e-4)
@@ -187,7 +187,7 @@ def test_a_shift_moves_samples(shift):
 def test_decimal_commas_go_with_semicolons(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text("t;y;F\n0,0;1,5;-2,25\n0,5;2,5;3\n")
-    found = read(path, Columns({"time": "t", "position": "y", "force": "F"}))
+    found = read(path, ColumnNames({"time": "t", "position": "y", "force": "F"}))
     assert found["time"].tolist() == [0.0, 0.5]
     assert found["force"].tolist() == [-2.25, 3.0]
 
@@ -195,7 +195,7 @@ def test_decimal_commas_go_with_semicolons(tmp_path):
 def test_a_file_in_utf_16_is_read(tmp_path):
     path = tmp_path / "log.csv"
     path.write_bytes(("t\ty\tF\n" + "\n".join(f"{k}\t{k * k}\t2" for k in range(60))).encode("utf-16"))
-    found = read(path, Columns({"time": "t", "position": "y", "force": "F"}))
+    found = read(path, ColumnNames({"time": "t", "position": "y", "force": "F"}))
     assert found["position"][9] == 81
 
 
@@ -205,14 +205,16 @@ ROWS = "\n".join(f"{1e-3 * k:.4f};{np.sin(1e-2 * k):.6f};{np.cos(1e-2 * k):.6f}"
 def test_a_head_in_latin_1_is_read(tmp_path):
     path = tmp_path / "log.csv"
     path.write_bytes(("Zeit [s];Weg [µm];Kraft [N]\n" + ROWS.replace(".", ",")).encode("latin-1"))
-    found = read(path, Columns({"time": "Zeit [s]", "position": "Weg [µm]", "force": "Kraft [N]"}, {"Weg [µm]": "um"}))
+    found = read(
+        path, ColumnNames({"time": "Zeit [s]", "position": "Weg [µm]", "force": "Kraft [N]"}, {"Weg [µm]": "um"})
+    )
     assert found["position"][100] == pytest.approx(1e-6 * np.sin(1.0), rel=1e-5)
 
 
 def test_titles_before_the_head_and_units_below_it_are_skipped(tmp_path):
     path = tmp_path / "log.csv"
     path.write_text(f"Rig 3, run 7\nDate: 2026-01-02\n\nRate;1000\nt;x;F\ns;mm;N\n{ROWS}\n")
-    found = read(path, Columns({"time": "t", "position": "x", "force": "F"}))
+    found = read(path, ColumnNames({"time": "t", "position": "x", "force": "F"}))
     assert len(found["time"]) == 400
     assert found["time"][:2].tolist() == [0.0, 1e-3]
 
@@ -222,11 +224,11 @@ def test_columns_of_a_matrix_are_named_by_their_number(tmp_path):
     np.savez(tmp_path / "log.npz", t=T, q=joints, tau=joints.T)
     savemat(tmp_path / "log.mat", {"t": T[:, None], "q": joints, "tau": joints.T})
     for name in ("log.npz", "log.mat"):
-        found = read(tmp_path / name, Columns({"time": "t", "position": "q[4]", "force": "tau[2]"}))
+        found = read(tmp_path / name, ColumnNames({"time": "t", "position": "q[4]", "force": "tau[2]"}))
         np.testing.assert_array_equal(found["position"], joints[:, 4])
         np.testing.assert_array_equal(found["force"], joints[:, 2])
         with pytest.raises(InputError, match=r"is a matrix.*its columns are q\[0\]"):
-            read(tmp_path / name, Columns({"time": "t", "position": "q", "force": "tau[2]"}))
+            read(tmp_path / name, ColumnNames({"time": "t", "position": "q", "force": "tau[2]"}))
 
 
 def _record(path, step, rate_changes=False, hold=1):
@@ -243,7 +245,7 @@ def _record(path, step, rate_changes=False, hold=1):
 
 def test_files_of_unlike_sampling_are_one_log(tmp_path):
     files = [_record(tmp_path / f"{k}.csv", step) for k, step in enumerate((1e-3, 2e-3, 5e-3))]
-    log = load(files, Columns(NAMES), Preparation())
+    log = load(files, ColumnNames(NAMES), Preparation())
     assert log.step == pytest.approx(2e-3, rel=1e-6)
     assert any("sampled at different steps (0.001, 0.002, 0.005 s)" in note for note in log.quality)
     assert log.files == ("0.csv", "1.csv", "2.csv")
@@ -254,10 +256,10 @@ def test_files_of_unlike_sampling_are_one_log(tmp_path):
 
 
 def test_two_clocks_in_a_file_are_noticed(tmp_path):
-    log = load([_record(tmp_path / "rate.csv", 1e-3, rate_changes=True)], Columns(NAMES), Preparation())
+    log = load([_record(tmp_path / "rate.csv", 1e-3, rate_changes=True)], ColumnNames(NAMES), Preparation())
     assert any("two clocks: the step changes within the file" in note for note in log.quality)
     assert log.time[-1] > 7
-    held = load([_record(tmp_path / "held.csv", 1e-3, hold=10)], Columns(NAMES), Preparation())
+    held = load([_record(tmp_path / "held.csv", 1e-3, hold=10)], ColumnNames(NAMES), Preparation())
     assert any("two clocks: position changes in every 10th row only" in note for note in held.quality)
     v = 0.1 * np.pi * np.cos(np.pi * held.time)
     np.testing.assert_allclose(held.velocity[200:-200], v[200:-200], atol=0.02 * 0.1 * np.pi)
@@ -267,16 +269,16 @@ def test_the_hash_is_the_files(tmp_path):
     from hashlib import sha256
 
     files = [_record(tmp_path / f"{k}.csv", 1e-3) for k in range(2)]
-    log = load(files[:1], Columns(NAMES), Preparation())
+    log = load(files[:1], ColumnNames(NAMES), Preparation())
     assert log.hash == sha256(files[0].read_bytes()).hexdigest()
-    both = load(files, Columns(NAMES), Preparation())
+    both = load(files, ColumnNames(NAMES), Preparation())
     assert both.hashes == tuple(sha256(f.read_bytes()).hexdigest() for f in files)
 
 
 def test_a_spike_at_the_end_of_a_moving_record_is_trimmed(tmp_path):
     t = np.arange(0, 6.3, 1e-3)
     x = 0.1 * np.sin(2 * np.pi * 0.5 * t) + 1e-6 * np.random.default_rng(0).standard_normal(len(t))
-    log = load([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(np.pi * t)))], Columns(NAMES), Preparation())
+    log = load([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(np.pi * t)))], ColumnNames(NAMES), Preparation())
     assert np.max(abs(log.acceleration)) < 1.5 * 0.1 * np.pi**2
 
 
@@ -284,7 +286,7 @@ def test_a_small_motion_is_not_erased_by_the_filter(tmp_path):
     t = np.arange(0, 20, 1e-3)
     x = 3.5e-4 * np.sign(np.sin(2 * np.pi * t)) * abs(np.sin(2 * np.pi * t)) ** 0.2
     x = np.round(x / 2e-5) * 2e-5 + 1e-6 * np.random.default_rng(0).standard_normal(len(t))
-    log = load([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(t)))], Columns(NAMES), Preparation())
+    log = load([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(t)))], ColumnNames(NAMES), Preparation())
     assert np.ptp(log.position) > 0.9 * np.ptp(x)
     kept = np.searchsorted(t, log.time - 1e-6)
     assert np.std(log.position - x[kept]) < 0.12 * np.std(x)

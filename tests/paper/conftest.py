@@ -1,0 +1,49 @@
+"""The report, made once for all tests and workers."""
+
+import json
+import subprocess
+import sys
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_pages import read
+
+
+@dataclass
+class Report:
+    folder: Path
+    data: dict
+
+    def numbers(self, chapter):
+        return self.data["chapters"][chapter]
+
+    def tables(self, chapter):
+        """Its tables as rows of text; the first row is the head."""
+        return read(self.folder / "report.html", section=chapter).tables
+
+
+@contextmanager
+def alone(path):
+    """One worker at a time, where the system can say so."""
+    with path.open("w") as handle:
+        with suppress(ImportError):
+            import fcntl
+
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+
+
+@pytest.fixture(scope="session")
+def report(tmp_path_factory, worker_id):
+    own = tmp_path_factory.getbasetemp()
+    folder = (own if worker_id == "master" else own.parent) / "paper-report"
+    with alone(folder.with_suffix(".lock")):
+        if not folder.exists():
+            words = [sys.executable, "-m", "stribeck", "paper", "--out", str(folder), "--json"]
+            done = subprocess.run(words, capture_output=True, text=True)
+            assert done.returncode == 0, done.stderr
+            (folder.parent / "paper-report.json").write_text(done.stdout)
+    return Report(folder, json.loads((folder.parent / "paper-report.json").read_text()))

@@ -1,0 +1,57 @@
+"""Machines that combine every feature of machine.md, through the command line, against equations written apart.
+
+benchmarks/machine_attack.py runs all of the files with a tenth of the tolerance; here are those that take little time.
+"""
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from stribeck.cli import _status
+from stribeck.simulation import compiler
+from tests.machine.machines import assert_balanced
+from tests.reference import apart
+from tests.simulation.rig import needs_compiler
+
+pytestmark = needs_compiler
+FILES = Path(__file__).parent / "unseen"
+QUICK = ("loads_and_factors", "sampled_tied_encoder", "tied_rails")
+MOTION = (".y", ".v", ".w", ".r")
+
+
+def disagreements(file, found, happened, fine=20):
+    """The columns and events of a run that differ from those of the equations written apart, in words."""
+    expected, events = apart.solve(tomllib.loads(file.read_text()), fine)
+    assert list(found) == list(expected)
+    wrong = []
+    for name, x in expected.items():
+        error = np.max(np.abs(found[name] - x)) / max(np.max(np.abs(x)), 1e-12)
+        if error > (1e-5 if name.endswith(MOTION) else 2e-4):
+            wrong.append(f"{name}: {error:.1e}")
+    for element, kinds in events.items():
+        for kind, times in kinds.items():
+            there = happened[element][kind]
+            if len(there) != len(times):
+                wrong.append(f"{element}: {len(there)} times {kind}, not {len(times)}")
+            elif len(times) and np.max(np.abs(np.subtract(there, times))) > 1e-4:
+                wrong.append(f"{element}: {kind} at {there}, not {times}")
+    assert_balanced(found)
+    return wrong
+
+
+def run(file, out, capsys):
+    """The columns and the events of a file's run."""
+    assert _status(["run", str(file), "--out", str(out), "--json"]) == 0
+    happened = json.loads(capsys.readouterr().out)["events"]
+    head, *rows = (out / "trajectory.csv").read_text().splitlines()
+    return dict(zip(head.split(","), np.loadtxt(rows, delimiter=",").T, strict=True)), happened
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_agrees(name, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(compiler, "_FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))  # each is run once
+    file = FILES / f"{name}.toml"
+    assert disagreements(file, *run(file, tmp_path / "out", capsys)) == []
