@@ -15,7 +15,7 @@ from stribeck.control.gains import GainVerdict, Proof, Staying, judge, prove, st
 from stribeck.control.proof import derive
 from stribeck.errors import InputError, arg
 from stribeck.scenario import Scenario
-from stribeck.scenario.cascade import CascadeSettings, controller_of, not_linear
+from stribeck.scenario.cascade import CascadeSettings, cascade_of, not_linear
 from stribeck.simulation import Solution, simulate
 
 
@@ -86,7 +86,7 @@ def check_servo(scenario: Scenario, v_max: float | None) -> CascadeSettings:
     """The controller; what has no V is refused, and a speed that is none."""
     if v_max is not None and not 0 < v_max < np.inf:
         raise InputError(f"{arg('v_max')}: {show(v_max)}: must be a finite speed > 0, m/s")
-    if (controller := controller_of(scenario)) is None:
+    if (controller := cascade_of(scenario)) is None:
         raise InputError(f"drive.kind: {scenario.drive.kind!r}: 'stribeck gains' needs a servo, drive.kind = 'cascade'")
     if text := not_linear(controller.observer):
         raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")

@@ -12,7 +12,7 @@ from stribeck.cli.show import print_json
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario, parse_assignment
-from stribeck.scenario.cascade import controller_of
+from stribeck.scenario.cascade import cascade_of
 
 
 def export(
@@ -94,7 +94,7 @@ def _controlled(
     if rig is None:
         return None
     rig = rig.with_changes(dict(parse_assignment(text) for text in assignments))
-    controller = controller_of(rig)
+    controller = cascade_of(rig)
     if law is not None and controller is not None and law != (name := controller.law_name):
         raise InputError(f"LAW: {law!r}: must be left out, or that of the scenario's [drive.observer], {name!r}")
     return rig

@@ -14,7 +14,7 @@ from stribeck.export.request import Request, Target
 from stribeck.files import together, trouble, write_with
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
-from stribeck.scenario.cascade import controller_of
+from stribeck.scenario.cascade import cascade_of
 
 __all__ = ["PARTS", "TARGETS", "Target", "export"]
 
@@ -142,7 +142,7 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
                 else f"{arg('law')}: missing: must be given, unless {arg('scenario')} names it"
             )
         return law
-    controller = controller_of(scenario) if part == "cascade" else None
+    controller = cascade_of(scenario) if part == "cascade" else None
     if controller is None and law is not None:
         return law
     own = (controller.observer if controller is not None else None) or scenario.law

@@ -38,7 +38,7 @@ _SAMPLES = 4001  # of the path, where it is judged
 _SWING, _MOST_SWINGS = 0.02, 25  # of the valve's limit; turns in a quarter of a run that need no word
 
 
-def controller_of(scenario: Any) -> CascadeSettings | None:
+def cascade_of(scenario: Any) -> CascadeSettings | None:
     """What the cascade of a scenario is made of, for what is about that controller; None under another drive."""
     return scenario.settings if isinstance(scenario.settings, CascadeSettings) else None
 

@@ -19,7 +19,7 @@ from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
 from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import Scenario
-from stribeck.scenario.cascade import CascadeSettings, controller_of
+from stribeck.scenario.cascade import CascadeSettings, cascade_of
 from stribeck.system import System
 
 PATH = (
@@ -71,7 +71,7 @@ class ControllerCode:
             InputError: there is no scenario, or its drive is no cascade.
         """
         scenario = self.request.scenario
-        if scenario is None or controller_of(scenario) is None:
+        if scenario is None or cascade_of(scenario) is None:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'cascade' needs one with drive.kind = 'cascade'")
         return scenario
@@ -79,7 +79,7 @@ class ControllerCode:
     @cached_property
     def settings(self) -> CascadeSettings:
         """What the controller is made of."""
-        found = controller_of(self.scenario)
+        found = cascade_of(self.scenario)
         assert found is not None
         return found
 
