@@ -17,14 +17,44 @@ LONG_FILES: dict[str, str] = {
 }
 LONG_FUNCTIONS: dict[str, str] = {
     "cli/measured.py:fit": "Typer reads a command's options from one signature",
-    "control/proof.py:derive": "one derivation, read from top to bottom beside the theory",
     "identify/api.py:fit": "half of it is the meaning of its arguments",
-    "identify/data/quality.py:clean": "half of it is the meaning of its arguments",
     "identify/methods/dynamic.py:fit_dynamic": "half of it is the meaning of its arguments",
-    "simulation/ensemble.py:simulate_ensemble": "half of it is the meaning of its arguments",
-    "simulation/native.py:solve": "fills one C struct and reads it back",
-    "steepness/__init__.py:advise": "half of it is the meaning of its arguments",
 }
+# Rooms that hold `Any`, how often at most, and what forces it there; there is none in the others.
+ANY: dict[str, tuple[int, str]] = {
+    "analysis": (10, "summaries for JSON"),
+    "cli": (45, "summaries for JSON, and tables of files"),
+    "control": (50, "SymPy has no types"),
+    "drives": (10, "the constants of whatever plant a drive meets, numbers or symbols"),
+    "exchange": (20, "the files of other programs, as JSON and XML hold them"),
+    "explore": (35, "what goes into the page as JSON"),
+    "export": (230, "tensors of PyTorch, JAX, Warp, CasADi and python-control, one text for all"),
+    "expressions": (85, "a node's value is a number of NumPy, SymPy, flint, CasADi or JAX"),
+    "identify": (120, "data frames and mappings of users; details for JSON"),
+    "laws": (45, "constants as users give them; objects of other libraries that a law becomes"),
+    "loops": (20, "summaries for JSON"),
+    "machine": (10, "values of an own element's constants"),
+    "paper": (35, "numbers of chapters for JSON"),
+    "parameter_sets": (5, "a file's tables"),
+    "plants": (25, "constants of a user's own plant; SymPy's symbols in the servo's proof"),
+    "properties": (230, "flint has no types; certificates are JSON"),
+    "report": (45, "Matplotlib's axes; summaries for JSON"),
+    "rig": (10, "Matplotlib's axes"),
+    "scenario": (215, "a file's tables before they are validated, and Pydantic's models made at run time"),
+    "signals": (5, "a file's tables"),
+    "simulation": (35, "SciPy's solver; summaries for JSON"),
+    "steepness": (10, "SciPy's functions; summaries for JSON"),
+    "": (50, "a file's tables, cells of tables, and what users hand over"),
+}
+# Folders of tests that are no room of src/stribeck, and what they test; rooms that other folders test.
+BESIDE_THE_ROOMS = {
+    "fuzz": "tools/fuzz",
+    "proofs": "proofs/, the Coq developments",
+    "properties/nasty": "laws written to mislead, which tests/properties reads",
+    "reference": "reference trajectories and published numbers, by others",
+    "theory": "docs/theory.md, step by step",
+}
+TESTED_ELSEWHERE = {"examples": "tests/cli and tests/scenario run each"}
 PRIVATE_IMPORTS: dict[str, str] = {}
 
 
@@ -69,3 +99,23 @@ def test_private_names_stay_in_their_module():
 def test_an_array_is_declared_once():
     found = [relative(path) for path in FILES if "NDArray[np.float64]" in path.read_text(encoding="utf-8")]
     assert found == ["arrays.py"]
+
+
+def test_any_stands_where_something_forces_it():
+    count: dict[str, int] = {}
+    for path in FILES:
+        room = relative(path).partition("/")[0] if "/" in relative(path) else ""
+        nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        count[room] = count.get(room, 0) + sum(isinstance(n, ast.Name) and n.id == "Any" for n in nodes)
+    found = {room: n for room, n in count.items() if n}
+    assert not (new := {r: n for r, n in found.items() if n > ANY.get(r, (0, ""))[0]}), f"more than allowed: {new}"
+    assert not (old := set(ANY) - set(found)), f"no longer needed: {old}"
+
+
+def test_tests_mirror_the_rooms():
+    tests = Path(__file__).parent
+    folders = {p.parent.relative_to(tests).as_posix() for p in tests.rglob("*.py")} - {"."}
+    rooms = {p.parent.relative_to(SOURCE).as_posix() for p in SOURCE.rglob("*.py")} - {"."}
+    assert not (strange := {f for f in folders if f not in rooms} - set(BESIDE_THE_ROOMS) - {"runtime"}), strange
+    untested = {r for r in rooms if "/" not in r} - folders - set(TESTED_ELSEWHERE)
+    assert not untested, f"rooms without tests: {untested}"

@@ -96,6 +96,7 @@ def rotary_words(text: str) -> str:
 
 
 DECIDED = {True: "yes", False: "no", None: "undecided"}  # a verdict, in a word
+SHOWN = {**DECIDED, None: "not shown"}  # the same of what is true or not known
 
 
 def kind_of(value: Any) -> str:

@@ -7,6 +7,7 @@ import tomli_w
 
 from stribeck import Scenario, simulate
 from tests.identify.actuator.recorded import body, logs, record
+from tests.pages import Page
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
 WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
@@ -36,9 +37,13 @@ def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(st
     found = json.loads(done.out)
     assert [m["name"] for m in found["transfer"]["moved"]] == [F_C]
     assert found["transfer"]["same"] == [MASS]
-    page = (tmp_path / "out" / "report.html").read_text()
-    for words in ("What was found", "Profiles", "Correlation", "To paste", "run.csv"):
-        assert words in page
+    page = Page(tmp_path / "out" / "report.html")
+    shown = page.rows(["number", "value", "95 % from", "to", "unit", "verdict"])
+    assert shown[MASS][0] == f"{found['parameters'][MASS]['value']:.6g}"
+    assert shown[MASS][-2:] == ["kg", "found"]
+    (moved,) = page.rows(["number", "here", "there"])
+    assert moved == F_C
+    assert "run.csv" in page.rows(["recording"])
     kept = tomllib.loads((tmp_path / "out" / "parameters.toml").read_text())
     assert kept["parameters"][MASS]["verdict"] == "found"
     assert simulate(Scenario.load(tmp_path / "out" / "machine.toml")).status == "done"

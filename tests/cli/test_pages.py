@@ -2,53 +2,12 @@
 
 import csv
 import json
-import re
-from html.parser import HTMLParser
 
 import pyarrow.parquet as parquet
 import pytest
 
 from stribeck import examples
-
-
-class Tables(HTMLParser):
-    """Every table of a page as rows of text, and its headings."""
-
-    def __init__(self):
-        super().__init__()
-        self.tables, self.headings, self.cell, self.inside = [], [], None, None
-
-    def handle_starttag(self, tag, attrs):
-        if tag == "table":
-            self.tables.append([])
-        elif tag == "tr":
-            self.tables[-1].append([])
-        elif tag in ("td", "th"):
-            self.tables[-1][-1].append("")
-        self.inside = tag if tag in ("td", "th", "h2", "span") else None
-        if tag == "h2":
-            self.headings.append("")
-
-    def handle_endtag(self, tag):
-        if tag in ("td", "th", "h2"):
-            self.inside = None
-
-    def handle_data(self, data):
-        if self.inside == "h2":
-            self.headings[-1] += data
-        elif self.inside is not None and self.tables:
-            self.tables[-1][-1][-1] += data
-
-
-def read(path, section=None):
-    """A page's tables and headings, or those of one of its sections."""
-    text = path.read_text()
-    assert re.findall(r'(?:src|href)="(?!#)([^"]+)"|url\((?!#)([^)]+)\)|@import', text) == []  # it stands alone
-    ids = re.findall(r'\bid="([^"]+)"', text)
-    assert len(ids) == len(set(ids))
-    page = Tables()
-    page.feed(text if section is None else re.search(rf'<section id="{section}">.*?</section>', text, re.S)[0])
-    return page
+from tests.pages import Page
 
 
 def test_run(stribeck, scenario, tmp_path):
@@ -56,7 +15,7 @@ def test_run(stribeck, scenario, tmp_path):
     assert {p.name for p in (tmp_path / "out").iterdir()} == {
         "trajectory.csv", "trajectory.parquet", "plot.svg", "plot.png", "plot.pdf", "report.html", "summary.json"
     }  # fmt: skip
-    page = read(tmp_path / "out" / "report.html")
+    page = Page(tmp_path / "out" / "report.html")
     rows = {row[0]: row for row in page.tables[0]}
     assert rows["F"][1:] == ["friction force", f"{data['peaks']['F']:.6g}", f"{data['final']['F']:.6g}", "N"]
     assert page.headings == ["1. Result", "2. Plots", "3. The law lugre_sobczyk", "4. The scenario"]
@@ -65,7 +24,7 @@ def test_run(stribeck, scenario, tmp_path):
 def test_compare(stribeck, scenario, tmp_path):
     words = ("compare", scenario, "--law", "lugre", "--law", "dahl", "--out", tmp_path / "out", "--json")
     data = json.loads(stribeck(*words).out)
-    rows = {row[0]: row for row in read(tmp_path / "out" / "report.html").tables[0]}
+    rows = {row[0]: row for row in Page(tmp_path / "out" / "report.html").tables[0]}
     assert rows["dahl"][1] == f"{data['laws']['dahl']['deviations']['y']['max']:.4g}"
 
 
@@ -82,7 +41,7 @@ def test_sweep_as_csv_holds_the_same_numbers(summary, stribeck, scenario, tmp_pa
         assert [float(row[name]) for row in rows] == table.column(name).to_pylist()
     again = stribeck(*words, tmp_path / "b", "--csv")
     assert "1 of them there already" in again.out
-    page = read(tmp_path / "b" / "_report" / "report.html")
+    page = Page(tmp_path / "b" / "_report" / "report.html")
     assert (tmp_path / "b" / "_report" / "lanes.svg").exists()
     if summary:
         head, *body = page.tables[0]
@@ -94,7 +53,7 @@ def test_check(stribeck, tmp_path):
     words = ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7", "--out", tmp_path / "out")
     data = json.loads(stribeck(*words, "--json").out)
     assert str(tmp_path / "out" / "report.html") in data["report"]
-    page = read(tmp_path / "out" / "report.html")
+    page = Page(tmp_path / "out" / "report.html")
     holds = {row[0]: row[2] for row in page.tables[0]}
     for name, verdict in data["properties"].items():
         assert holds[name.replace("_", "-")] == {True: "yes", False: "no", None: "undecided"}[verdict["holds"]]
@@ -105,5 +64,5 @@ def test_gains(stribeck, tmp_path):
     words = ("gains", examples.path("servo"), "--set", "solve.t_end=1", "--out", tmp_path / "out", "--json")
     data = json.loads(stribeck(*words).out)
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["files"] == data["files"]
-    rows = {row[0]: row for row in read(tmp_path / "out" / "report.html").tables[0]}
+    rows = {row[0]: row for row in Page(tmp_path / "out" / "report.html").tables[0]}
     assert rows["exact condition"][1] == ("yes" if data["exact"]["holds"] else "no")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from stribeck import examples
+from tests.pages import Page
 
 COLUMNS = ("--time", "t", "--velocity", "v", "--force", "F")
 
@@ -40,9 +41,12 @@ def test_a_fit_predicts_another_record(stribeck, fitted, tmp_path):
     assert data["relative_force_error"] == pytest.approx(0.1 / 7, rel=0.5)
     assert data["relative_force_error"] < 1.6 * data["fit"]["relative_force_error"] + 0.01
     assert set(data["others"]) == {"least squares", "tanh-Stribeck"}
-    page = (tmp_path / "page" / "prediction.html").read_text()
-    for words in ("Measured and predicted", "residual", "<svg", "least squares, fitted to the same record"):
-        assert words in page
+    page = Page(tmp_path / "page" / "prediction.html")
+    assert (page.headings, page.pictures) == (["1. Errors", "2. Measured and predicted"], 2)
+    shown = page.rows(["of", "error"])
+    assert shown["error of the force"] == [f"{100 * data['relative_force_error']:.3f} %"]
+    (least,) = (x for name, x in shown.items() if "least squares" in name)
+    assert least == [f"{100 * data['others']['least squares']:.3f} %"]
     told = stribeck("predict", test, "--fit", fitted / "out").out
     assert "the same against friction alone" in told
 
@@ -77,7 +81,9 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     errors = json.loads(found.out)["errors"]
     assert errors["position"]["relative"] < 1e-6
     assert errors["force"]["unit"] == "N"
-    assert "<svg" in (tmp_path / "page" / "validation.html").read_text()
+    page = Page(tmp_path / "page" / "validation.html")
+    assert page.pictures == 2
+    assert page.rows(["of", "error"])["force"][0].startswith(f"{errors['force']['rms']:.4g} N, ")
     other = stribeck(
         "validate", tmp_path / "rig.toml", "--log", log, *columns, "--set", "law.parameters.F_c=1.2", "--json"
     )

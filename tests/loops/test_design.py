@@ -15,6 +15,7 @@ from stribeck.loops.proof import proof
 from tests.loops.axis import axis
 from tests.machine.independent import solve
 from tests.machine.machines import law
+from tests.pages import Page
 
 
 def only(data, **options):
@@ -201,7 +202,12 @@ def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
     assert {"machine.toml", "report.html", "summary.json", "boundaries_0.svg"} <= names
     assert _status(["run", str(tmp_path / "out" / "machine.toml")]) == 0
     assert tomllib.loads((tmp_path / "out" / "machine.toml").read_text())["controllers"]["hold"]["K_p"] == 200.0
-    assert "comes to rest" in (tmp_path / "out" / "report.html").read_text()
+    page = Page(tmp_path / "out" / "report.html")
+    assert "comes to rest" in page.text
+    errors = page.rows(["move", "peak", "rms"])
+    assert {move: row[0] for move, row in errors.items()} == {m: f"{e['peak']:.4g}" for m, e in found["errors"].items()}
+    boundary = page.rows(["path", "boundary"])["controllers.hold.K_i"]
+    assert float(boundary[0]) == pytest.approx(found["boundaries"][0]["value"], rel=1e-5)
 
 
 def test_tuned_gains_are_better_and_repeat():

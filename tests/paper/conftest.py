@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.cli.test_pages import read
+from tests.pages import Page
 
 
 @dataclass
@@ -22,7 +22,7 @@ class Report:
 
     def tables(self, chapter):
         """Its tables as rows of text; the first row is the head."""
-        return read(self.folder / "report.html", section=chapter).tables
+        return Page(self.folder / "report.html", section=chapter).tables
 
 
 @contextmanager

@@ -91,7 +91,7 @@ def _bound(solution: Solution, observer: Law, gains: Mapping[str, float]) -> Arr
     w, sigma_1 = (at_speed(observer, of)(solution["v"]) for of in (decay(observer), damping(observer)))
     expr = derive().derivative
     names = sorted(map(str, expr.free_symbols - set(sympy.symbols((*ERRORS, "w"), real=True))))
-    known = {**gains, **{n: x for n, x in observer.values.items() if x is not None}, "sigma_1": sigma_1}
+    known = {**gains, **observer.p.numbers, "sigma_1": sigma_1}
     symbols = [*sympy.symbols((*ERRORS, "w"), real=True), *(sympy.Symbol(n, positive=True) for n in names)]
     function = sympy.lambdify(symbols, expr, "numpy")
     errors = (solution["s"], solution["p_err"], solution["z_hat"] - solution["z"])

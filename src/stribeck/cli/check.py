@@ -167,7 +167,7 @@ def _stated(verdict: Verdict) -> str:
 
 
 def _constants(law: Law) -> str:
-    values = {n: f"{x:g}" for n, x in law.values.items() if x is not None} | law.choices
+    values = {n: f"{x:g}" for n, x in law.p.numbers.items()} | law.choices
     return ", ".join(f"{n} = {x}" for n, x in values.items())
 
 
@@ -220,5 +220,5 @@ def _print_matrix(checked: list[Verdicts], parameters: str | None) -> None:
 
 
 def _own(checked: list[Verdicts]) -> str:
-    own = {n: x for v in checked for n, x in v.law.values.items() if n in v.law.own_constants() and x is not None}
+    own = {n: x for v in checked for n, x in v.law.p.numbers.items() if n in v.law.own_constants()}
     return ", ".join(f"{n} = {x:g}" for n, x in own.items())

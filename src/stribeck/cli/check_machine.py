@@ -11,10 +11,10 @@ from typing import Any
 from stribeck.cli import show
 from stribeck.cli.check import print_verdicts, refuse_v_max, write_scenarios
 from stribeck.cli.text import say
+from stribeck.constants import SHOWN
 from stribeck.errors import InputError, left_out
 from stribeck.properties.ports import MachineVerdicts, check_machine
 
-_WORDS = {True: "yes", False: "no", None: "not shown"}
 _BESIDE = 13
 
 
@@ -73,7 +73,7 @@ def _forces(texts: list[str]) -> dict[str, float]:
 def _print(found: MachineVerdicts, data: Mapping[str, Any]) -> None:
     for name, verdicts in found.contacts.items():
         print_verdicts(verdicts, f"{name}: ")
-    say(f"passive at its ports: {_WORDS[found.passive]}: {found.why}", 4, f"{found.name}: ")
+    say(f"passive at its ports: {SHOWN[found.passive]}: {found.why}", 4, f"{found.name}: ")
     for path, what in found.ports.items():
         say(f"{path}: {what}", _BESIDE, "  port       ")
     for path in (*data.get("files", ()), *data.get("report", ())[-1:]):

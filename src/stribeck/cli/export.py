@@ -117,7 +117,7 @@ def _law(
         values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters).rotary
     elif own_law is not None:
         own = found.own_constants()
-        values = own_law.machine | {n: x for n, x in vars(own_law.p).items() if n in own and x is not None}
+        values = own_law.machine | {n: x for n, x in (own_law.p.numbers | own_law.choices).items() if n in own}
         rotary = rotary_body
     if problems := found.problems({**values, **given}):
         raise InputError([f"{key}: {text}" for key, text in problems])

@@ -8,6 +8,7 @@ from typing import Any
 from stribeck import laws as registry
 from stribeck.cli.show import print_json
 from stribeck.cli.text import say
+from stribeck.constants import DECIDED
 from stribeck.errors import InputError
 from stribeck.laws.base import Claims, Law
 from stribeck.laws.form import USUAL, Form
@@ -44,8 +45,8 @@ def _sets(names: list[str], json: bool) -> int:
         name: {
             **{k: v for k, v in asdict(s).items() if k != "name"},
             "passive": passive_with(s.values),
-            "own_constants": {n: x for law in every_law(s.values) for n, x in law.values.items()
-                              if n in law.own_constants() and x is not None},
+            "own_constants": {n: x for law in every_law(s.values) for n, x in law.p.numbers.items()
+                              if n in law.own_constants()},
         }
         for name, s in parameters().items()
     }  # fmt: skip
@@ -125,7 +126,7 @@ def _words(guarantees: dict[str, Any]) -> str:
     words = []
     for name, claim in guarantees.items():
         if claim is not None:
-            text = f"if {claim['if']['text']}" if isinstance(claim, dict) else "yes" if claim else "no"
+            text = f"if {claim['if']['text']}" if isinstance(claim, dict) else DECIDED[bool(claim)]
             words.append(f"{name.replace('_', '-')}: {text}")
     return "; ".join(words)
 

@@ -22,13 +22,10 @@ Path = tuple[Value, Value, Value, Value]  # the desired position and its first t
 MEASURED = ("t", "y", "v", "p_1", "p_2", "acceleration")  # what the controller measures
 
 _HELD = ("u", "F_hat", "p_d", "z_hat")  # what a sampled one computes, in this order
-_E = Column("e", "m", "position error y - y_d")
-_COMPUTED = (
-    Column("s", "m/s", "de/dt + lambda e"),
-    Column("p_err", "Pa", "error of the pressure difference"),
-    Cylinder.takes,
-)
-_F_HAT = Column("F_hat", "N", "friction force that the controller assumes")
+E = Column("e", "m", "position error y - y_d")
+S = Column("s", "m/s", "de/dt + lambda e")
+_P_ERR = Column("p_err", "Pa", "error of the pressure difference")
+F_HAT = Column("F_hat", "N", "friction force that the controller assumes")
 _V = Column("V", "J", "Lyapunov function")
 _ADAPTED = (
     Column("sigma_0_hat", "N/m", "adapted bristle stiffness"),
@@ -141,7 +138,21 @@ class Cascade(Drive):
     def listed(self, motion: tuple[Column, ...], plant: tuple[Column, ...]) -> tuple[Column, ...]:
         """The columns: the motion, what the controller computes, the friction force beside its estimate, and V."""
         y, v, z, F = motion
-        return (y, v, *plant, z, Z_HAT, _E, *_COMPUTED, F, _F_HAT, _V, *(_ADAPTED if self.adaptive else ()))
+        return (
+            y,
+            v,
+            *plant,
+            z,
+            Z_HAT,
+            E,
+            S,
+            _P_ERR,
+            Cylinder.takes,
+            F,
+            F_HAT,
+            _V,
+            *(_ADAPTED if self.adaptive else ()),
+        )
 
     def obeyed(self, plant: Any, p: Any) -> Any:
         """The cylinder is fed by the supply that droops."""

@@ -134,7 +134,7 @@ def _speed(law: Law, of_speed: Any, w: float) -> float | None:
 def _never_above(law: Law, w: float) -> bool:
     """Whether w(v) stays at or below a value at every speed, by interval arithmetic."""
     evaluate = Evaluator([decay(law)])
-    constants = {name: point(x) for name, x in law.values.items() if x is not None}
+    constants = {name: point(x) for name, x in law.p.numbers.items()}
 
     def room(box: Sequence[Interval]) -> Interval:
         return point(w) - evaluate({**constants, "v": box[0]})[0]

@@ -114,14 +114,20 @@ def derive() -> QuadraticForm:
         for old, new in by_errors:
             rate = rate.subs(old, new)
         rates[name] = sympy.expand(sympy.expand(rate)).subs(sympy.Function("w")(v), sympy.Symbol("w", real=True))
-    V = Cascade.energy(c, m.mass, *E.values())
+    return _form(rates, Cascade.energy(c, m.mass, *E.values()), E, {y, v, p_1, p_2, z, *path})
+
+
+def _form(rates: dict[str, Any], V: Any, E: dict[str, Any], others: set[Any]) -> QuadraticForm:
+    """dV/dt as a form in the errors ``E``, in which none of the ``others`` is left."""
+    import sympy
+
     dV = sympy.expand(sum(sympy.diff(V, E[name]) * rate for name, rate in rates.items()))
     poly = sympy.Poly(dV, *E.values())
     form = QuadraticForm(
         rates, *(sympy.factor(-poly.coeff_monomial(each)) for each in
                  (E["s"] ** 2, E["p_err"] ** 2, E["z_err"] ** 2, E["s"] * E["z_err"])),
     )  # fmt: skip
-    if sympy.expand(dV - form.derivative) != 0 or dV.has(y, v, p_1, p_2, z, *path):
+    if sympy.expand(dV - form.derivative) != 0 or dV.has(*others):
         raise StribeckError(
             "dV/dt is not the quadratic form of eq. 19: plant, controller and observer do not fit together"
         )

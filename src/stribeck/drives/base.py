@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from stribeck.constants import Constant, rotary_unit, rotary_words
@@ -84,17 +85,17 @@ class Drive:
     no_energy: ClassVar[str] = ""  # why the output has no energy columns, where it has none
 
     @staticmethod
-    def force(p: Any, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
+    def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
         """The force on the body, N."""
         raise NotImplementedError
 
     @staticmethod
-    def rates(p: Any, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> tuple[Value, ...]:
+    def rates(p: SimpleNamespace, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> tuple[Value, ...]:
         """The time derivatives of the drive's own states."""
         return ()
 
     @staticmethod
-    def state_scales(p: Any, length: float, force: float) -> tuple[float, ...]:
+    def state_scales(p: SimpleNamespace, length: float, force: float) -> tuple[float, ...]:
         """Natural magnitudes of the drive's own states, for the default tolerances."""
         return ()
 

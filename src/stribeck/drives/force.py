@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.drives.base import Column, Drive
 from stribeck.expressions.ops import Value
@@ -15,6 +15,6 @@ class Force(Drive):
     signal = Column("u", "N", "force on the body")
 
     @staticmethod
-    def force(p: Any, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
+    def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
         """The signal."""
         return r

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.drives.base import Column, Drive
@@ -23,17 +24,17 @@ class Pid(Drive):
     columns = (Column("u", "N", "force of the controller on the body"),)
 
     @staticmethod
-    def force(p: Any, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
+    def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
         """u = -K_p (y - r) - K_i I - K_d v."""
         return -p.K_p * (y - r) - p.K_i * x[0] - p.K_d * v
 
     @staticmethod
-    def rates(p: Any, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> tuple[Value, ...]:
+    def rates(p: SimpleNamespace, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> tuple[Value, ...]:
         """dI/dt = y - r."""
         return (y - r,)
 
     @staticmethod
-    def state_scales(p: Any, length: float, force: float) -> tuple[float, ...]:
+    def state_scales(p: SimpleNamespace, length: float, force: float) -> tuple[float, ...]:
         """The integral that makes the friction force, or a length for a second without integral gain."""
         gain = abs(p.K_i)
         return (where(gain > 0, force / where(gain > 0, gain, 1.0), length),)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.drives.base import Column, Drive
@@ -20,6 +21,6 @@ class Spring(Drive):
     columns = (Column("u", "N", "force of the spring on the body"),)
 
     @staticmethod
-    def force(p: Any, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
+    def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
         """Hooke's law."""
         return p.stiffness * (r - y)

@@ -84,7 +84,7 @@ def variants(scenario: Scenario, wanted: Iterable[str] | None = None) -> dict[st
 def under(scenario: Scenario, kind: type[Law]) -> Scenario:
     """The scenario under another law, which takes its numbers where it has constants of these names."""
     law = scenario.law
-    given = {**law.machine, **{n: x for n, x in law.values.items() if x is not None}}
+    given = {**law.machine, **law.p.numbers}
     machine = {**parameter_sets.load(_SET).values, **{n: x for n, x in given.items() if n in PARAMETERS}}
     own: dict[str, Any] = {n: word for n, word in law.choices.items() if n in kind.constants()}
     for name, constant in kind.own_constants().items():

@@ -152,32 +152,32 @@ class Law(AsObject, Evaluation, ToTools):
     # -- equations: the part that a law writes ---------------------------------------------------------------------
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         """Rate of the bristle deflection, m/s."""
         raise NotImplementedError
 
     @staticmethod
-    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+    def friction(p: SimpleNamespace, v: Value, z: Value, dz_dt: Value) -> Value:
         """Friction force in N, positive when it opposes positive velocity."""
         raise NotImplementedError
 
     @staticmethod
-    def stored_energy(p: Any, z: Value) -> Value:
+    def stored_energy(p: SimpleNamespace, z: Value) -> Value:
         """Energy kept by the bristles, J."""
         return 0.0 * z
 
     @staticmethod
-    def scales(p: Any) -> Scales:
+    def scales(p: SimpleNamespace) -> Scales:
         """Natural length (m), speed (m/s) and force (N) of the law."""
         raise NotImplementedError
 
     @staticmethod
-    def z_bound(p: Any) -> Value:
+    def z_bound(p: SimpleNamespace) -> Value:
         """Z of the claim ``bounded``, m."""
         raise NotImplementedError
 
     @staticmethod
-    def z_elastic(p: Any) -> Value:
+    def z_elastic(p: SimpleNamespace) -> Value:
         """z_0 of the claim ``drift_free``, m."""
         raise NotImplementedError
 
@@ -298,23 +298,23 @@ class BristleLaw(Law):
     relations: ClassVar[tuple[Relation, ...]] = STATIC_ABOVE_COULOMB
 
     @staticmethod
-    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+    def friction(p: SimpleNamespace, v: Value, z: Value, dz_dt: Value) -> Value:
         """The paper's eq. 1."""
         sigma_1 = p.sigma_1 if p.v_d is None else terms.sigma_1(p, v)
         return p.sigma_0 * z + sigma_1 * dz_dt + p.sigma_2 * v
 
     @staticmethod
-    def stored_energy(p: Any, z: Value) -> Value:
+    def stored_energy(p: SimpleNamespace, z: Value) -> Value:
         """The bristles' elastic energy, J."""
         return p.sigma_0 * z**2 / 2
 
     @staticmethod
-    def scales(p: Any) -> Scales:
+    def scales(p: SimpleNamespace) -> Scales:
         """F_s/sigma_0, v_s and F_s."""
         return Scales(p.F_s / p.sigma_0, p.v_s, p.F_s)
 
     @staticmethod
-    def z_bound(p: Any) -> Value:
+    def z_bound(p: SimpleNamespace) -> Value:
         """F_s/sigma_0."""
         return p.F_s / p.sigma_0
 
@@ -325,12 +325,12 @@ class StaticLaw(Law):
     has_z = False
 
     @staticmethod
-    def scales(p: Any) -> Scales:
+    def scales(p: SimpleNamespace) -> Scales:
         """v_s and F_s (or F_c) where the law has them, else 1 mm/s and 1 N; the distance gone in 10 ms."""
         speed, force = getattr(p, "v_s", 1e-3), getattr(p, "F_s", getattr(p, "F_c", 1.0))
         return Scales(1e-2 * speed, speed, force)
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         """There is no z: 0."""
         return 0.0 * v

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.expressions.ops import Value, sqrt
 from stribeck.laws.base import BristleLaw, Claims, Scales
@@ -20,20 +20,20 @@ class Dahl(BristleLaw):
     relations = ()
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         return v - p.sigma_0 / p.F_c * abs(v) * z
 
     @staticmethod
-    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+    def friction(p: SimpleNamespace, v: Value, z: Value, dz_dt: Value) -> Value:
         """The bristles' elastic force alone."""
         return p.sigma_0 * z
 
     @staticmethod
-    def z_bound(p: Any) -> Value:
+    def z_bound(p: SimpleNamespace) -> Value:
         """F_c/sigma_0."""
         return p.F_c / p.sigma_0
 
     @staticmethod
-    def scales(p: Any) -> Scales:
+    def scales(p: SimpleNamespace) -> Scales:
         """F_c/sigma_0, the speed at which 1 kg on the bristle spring passes it, and F_c."""
         return Scales(p.F_c / p.sigma_0, p.F_c / sqrt(p.sigma_0), p.F_c)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, clip, pi, sin, where
@@ -17,7 +17,7 @@ BREAK_AWAY = Relation("z_ba", "less than F_c/sigma_0", lambda p: p.z_ba * p.sigm
 
 
 @term("\\alpha_0")
-def alpha_0(p: Any, v: Value, z: Value) -> Value:
+def alpha_0(p: SimpleNamespace, v: Value, z: Value) -> Value:
     """Share of plastic motion (Dupont et al. 2000), without the rule on signs."""
     middle, width = (g(p, v) + p.z_ba) / 2, g(p, v) - p.z_ba
     rising = 0.5 + 0.5 * sin(pi * (abs(z) - middle) / width)
@@ -25,19 +25,19 @@ def alpha_0(p: Any, v: Value, z: Value) -> Value:
 
 
 @term("\\alpha")
-def alpha(p: Any, v: Value, z: Value) -> Value:
+def alpha(p: SimpleNamespace, v: Value, z: Value) -> Value:
     """Share of plastic motion (Dupont et al. 2000): none while v and z have different signs."""
     return where(v * z <= 0, 0.0, alpha_0(p, v, z))
 
 
 @term("s")
-def s(p: Any, v: Value, z: Value) -> Value:
+def s(p: SimpleNamespace, v: Value, z: Value) -> Value:
     """Where |z| stands between z_ba (0) and g(v) (1)."""
     return clip((abs(z) - p.z_ba) / (g(p, v) - p.z_ba), 0.0, 1.0)
 
 
 @term("a")
-def a(p: Any, v: Value, z: Value) -> Value:
+def a(p: SimpleNamespace, v: Value, z: Value) -> Value:
     """Share of plastic motion: the quintic smoothstep of s."""
     return s(p, v, z) ** 3 * (10 - 15 * s(p, v, z) + 6 * s(p, v, z) ** 2)
 
@@ -49,7 +49,7 @@ class _ElastoPlastic(BristleLaw):
     relations = (*STATIC_ABOVE_COULOMB, BREAK_AWAY)
 
     @staticmethod
-    def z_elastic(p: Any) -> Value:
+    def z_elastic(p: SimpleNamespace) -> Value:
         """z_ba."""
         return p.z_ba
 
@@ -62,7 +62,7 @@ class ElastoPlastic(_ElastoPlastic):
     claims = Claims(unique=True, bounded=True, smooth=False, passive=passive_as_lugre, drift_free=True)
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         return v - alpha(p, v, z) * abs(v) / g(p, v) * z
 
 
@@ -75,7 +75,7 @@ class ElastoPlasticSobczyk(_ElastoPlastic):
     k_v = K_V
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         return S_1(p, v) * v - alpha_0(p, v, z) * S_2(p, v) / g(p, v) * z
 
 
@@ -89,5 +89,5 @@ class ElastoPlasticMajorant(_ElastoPlastic):
     smooth_abs = SMOOTH_ABS
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         return v - a(p, v, z) * m(p, v) / g(p, v) * z

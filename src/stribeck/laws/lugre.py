@@ -3,36 +3,36 @@
 from __future__ import annotations
 
 from math import e
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.expressions.ops import Value, both, either
 from stribeck.laws.base import BristleLaw, Claims
 from stribeck.laws.terms import K_V, S_1, S_2, SMOOTH_ABS, g, m, m_0
 
 
-def _damped(p: Any, above: Value = 0.0) -> Value:
+def _damped(p: SimpleNamespace, above: Value = 0.0) -> Value:
     """sigma_1(v) (|v| + above) <= 4 F_c for all v: passive whatever sigma_2 is, if m <= |v| + above."""
     return p.sigma_1 * (p.v_d / (2 * e) ** 0.5 + above) <= 4 * p.F_c  # (2 e)^-1/2: the maximum of x exp(-x^2)
 
 
-def passive_as_lugre(p: Any) -> Value:
+def passive_as_lugre(p: SimpleNamespace) -> Value:
     """LuGre's condition, necessary and sufficient (Barabanov & Ortega 2000); with v_d, sufficient only, as is v_d small."""
     constant = p.sigma_2 * p.F_c >= p.sigma_1 * (p.F_s - p.F_c)
     return constant if p.v_d is None else either(constant, _damped(p))
 
 
-def passive_as_majorant(p: Any) -> Value:
+def passive_as_majorant(p: SimpleNamespace) -> Value:
     """LuGre's condition; k_v large enough that m - |v| <= F_s/sigma_1 makes it sufficient. With v_d, also v_d small."""
     constant = both(p.sigma_2 * p.F_c >= p.sigma_1 * (p.F_s - p.F_c), p.sigma_1 * m_0(p) <= p.F_s)
     return constant if p.v_d is None else either(constant, _damped(p, m_0(p)))
 
 
-def passive_as_arctan(p: Any) -> Value:
+def passive_as_arctan(p: SimpleNamespace) -> Value:
     """Without bristle damping, as z is not bounded; or with v_d small."""
     return p.sigma_1 <= 0 if p.v_d is None else _damped(p)
 
 
-def smooth_curve(p: Any) -> Value:
+def smooth_curve(p: SimpleNamespace) -> Value:
     """Where |v| in the Stribeck curve has a derivative at rest that nothing multiplies by 0: delta above 1."""
     return True if p.delta is None else p.delta > 1
 
@@ -45,7 +45,7 @@ class LuGre(BristleLaw):
     claims = Claims(unique=True, bounded=True, smooth=False, passive=passive_as_lugre, drift_free=False)
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         return v - abs(v) / g(p, v) * z
 
 
@@ -60,7 +60,7 @@ class LuGreArctan(BristleLaw):
     k_v = K_V
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         return v - S_2(p, v) / g(p, v) * z
 
 
@@ -73,7 +73,7 @@ class LuGreSobczyk(BristleLaw):
     k_v = K_V
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         return S_1(p, v) * v - S_2(p, v) / g(p, v) * z
 
 
@@ -87,5 +87,5 @@ class LuGreMajorant(BristleLaw):
     smooth_abs = SMOOTH_ABS
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         return v - m(p, v) / g(p, v) * z

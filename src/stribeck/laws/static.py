@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, exp, larger, sign, smaller, tanh
@@ -21,11 +21,11 @@ class CoulombViscous(StaticLaw):
     k_v = Constant(K_V.unit, K_V.meaning, above=0, default=1e6, rotary_unit=K_V.rotary_unit)
 
     @staticmethod
-    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+    def friction(p: SimpleNamespace, v: Value, z: Value, dz_dt: Value) -> Value:
         return p.F_c * S_0(p, v) + p.sigma_2 * v
 
     @staticmethod
-    def scales(p: Any) -> Scales:
+    def scales(p: SimpleNamespace) -> Scales:
         """The speed 1/k_v at which the sign is half way."""
         return Scales(_TIME / p.k_v, 1 / p.k_v, p.F_c)
 
@@ -41,12 +41,12 @@ class Stribeck(StaticLaw):
     k_v = Constant(K_V.unit, K_V.meaning, above=0, optional=True, rotary_unit=K_V.rotary_unit)
 
     @staticmethod
-    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+    def friction(p: SimpleNamespace, v: Value, z: Value, dz_dt: Value) -> Value:
         S = sign(v) if p.k_v is None else S_0(p, v)
         return S * (p.F_c + (p.F_s - p.F_c) * exp(-(abs(v / p.v_s) ** p.delta))) + p.sigma_2 * v
 
     @staticmethod
-    def scales(p: Any) -> Scales:
+    def scales(p: SimpleNamespace) -> Scales:
         """The Stribeck velocity, or 1/k_v where the smooth sign is given."""
         speed = p.v_s if p.k_v is None else smaller(p.v_s, 1 / p.k_v)
         return Scales(_TIME * speed, speed, p.F_s)
@@ -65,11 +65,11 @@ class Makkar(StaticLaw):
     g6 = Constant("N s/m", "viscous friction", at_least=0, rotary_unit="N m s/rad", example=0.01)
 
     @staticmethod
-    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+    def friction(p: SimpleNamespace, v: Value, z: Value, dz_dt: Value) -> Value:
         return p.g1 * (tanh(p.g2 * v) - tanh(p.g3 * v)) + p.g4 * tanh(p.g5 * v) + p.g6 * v
 
     @staticmethod
-    def scales(p: Any) -> Scales:
+    def scales(p: SimpleNamespace) -> Scales:
         """The speed at which the steeper tanh bends."""
         speed = 1 / larger(p.g2, p.g5)
         return Scales(_TIME * speed, speed, larger(larger(p.g1, p.g4), p.g6 * speed))
@@ -87,11 +87,11 @@ class StribeckTanh(StaticLaw):
     )
 
     @staticmethod
-    def friction(p: Any, v: Value, z: Value, dz_dt: Value) -> Value:
+    def friction(p: SimpleNamespace, v: Value, z: Value, dz_dt: Value) -> Value:
         return tanh(p.k_v * v) * (p.F_c + (p.F_s - p.F_c) * exp(-((v / p.v_s) ** 2))) + p.sigma_2 * v
 
     @staticmethod
-    def scales(p: Any) -> Scales:
+    def scales(p: SimpleNamespace) -> Scales:
         """The Stribeck velocity, or 1/k_v where that is slower."""
         speed = smaller(p.v_s, 1 / p.k_v)
         return Scales(_TIME * speed, speed, p.F_s)

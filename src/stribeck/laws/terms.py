@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import wraps
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, atan, exp, pi, sqrt, where
@@ -24,7 +24,7 @@ def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
 
     def decorate(function: Callable[..., Value]) -> Callable[..., Value]:
         @wraps(function)
-        def named(p: Any, *args: Value) -> Value:
+        def named(p: SimpleNamespace, *args: Value) -> Value:
             value = function(p, *args)
             on_term = told(p)
             return value if on_term is None else on_term(function.__name__, latex, args, value)
@@ -35,30 +35,30 @@ def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
 
 
 @term("g")
-def g(p: Any, v: Value) -> Value:
+def g(p: SimpleNamespace, v: Value) -> Value:
     """Steady deflection in m (the paper's f_s, eq. 3; the exponent delta as in Tustin and Bo & Pavelescu 1982)."""
     x = (v / p.v_s) ** 2 if getattr(p, "delta", None) is None else abs(v / p.v_s) ** p.delta
     return (p.F_c + (p.F_s - p.F_c) * exp(-x)) / p.sigma_0
 
 
 @term("S_0")
-def S_0(p: Any, v: Value) -> Value:
+def S_0(p: SimpleNamespace, v: Value) -> Value:
     """Smooth sign of v (eq. 4)."""
     return (2 / pi) * atan(p.k_v * v)
 
 
-def S_1(p: Any, v: Value) -> Value:
+def S_1(p: SimpleNamespace, v: Value) -> Value:
     """Factor of the drive of z in the proposed law (eqs 7-9), close to 1 away from rest."""
     return S_0(p, v) ** 2
 
 
-def S_2(p: Any, v: Value) -> Value:
+def S_2(p: SimpleNamespace, v: Value) -> Value:
     """Smooth |v| of the paper in m/s, from below (eqs 7-9)."""
     return v * S_0(p, v)
 
 
 @term("m")
-def m(p: Any, v: Value) -> Value:
+def m(p: SimpleNamespace, v: Value) -> Value:
     """Smooth majorant of |v| in m/s: |v| <= m(v) <= |v| + m(0). docs/theory.md has the proofs."""
     if p.smooth_abs == "sqrt":
         return sqrt(v**2 + (1 / p.k_v) ** 2)
@@ -67,7 +67,7 @@ def m(p: Any, v: Value) -> Value:
     return S_2(p, v) + m_0(p)
 
 
-def m_0(p: Any) -> Value:
+def m_0(p: SimpleNamespace) -> Value:
     """m(0), which is also the most by which m exceeds |v|, m/s."""
     if p.smooth_abs == "sqrt":
         return 1 / p.k_v
@@ -75,6 +75,6 @@ def m_0(p: Any) -> Value:
 
 
 @term("\\sigma_1")
-def sigma_1(p: Any, v: Value) -> Value:
+def sigma_1(p: SimpleNamespace, v: Value) -> Value:
     """Bristle damping that falls with speed, N s/m (Olsson et al., Eur. J. Control 4(3):176-195, 1998)."""
     return p.sigma_1 * exp(-((v / p.v_d) ** 2))

@@ -49,6 +49,6 @@ class Constants(SimpleNamespace):
         return Constants({**vars(self), **values}, self._on_term)
 
 
-def told(p: Any) -> OnTerm | None:
+def told(p: SimpleNamespace) -> OnTerm | None:
     """Who is to be told of the terms of equations that take the constants ``p``."""
     return p._on_term if isinstance(p, Constants) else None

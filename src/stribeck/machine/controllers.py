@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value
@@ -29,12 +30,12 @@ class Controller(Element):
         return cls.states
 
     @staticmethod
-    def output(p: Any, r: Reference, y: Value, v: Value, x: Own) -> Value:
+    def output(p: SimpleNamespace, r: Reference, y: Value, v: Value, x: Own) -> Value:
         """The output without its limit, N or N m."""
         raise NotImplementedError
 
     @staticmethod
-    def state_scales(p: Any, length: float, force: float) -> tuple[float, ...]:
+    def state_scales(p: SimpleNamespace, length: float, force: float) -> tuple[float, ...]:
         """Natural magnitudes of the controller's own states, for the default tolerances."""
         return ()
 
@@ -50,17 +51,17 @@ class Pid(Controller):
     integrals = ("I",)
 
     @staticmethod
-    def output(p: Any, r: Reference, y: Value, v: Value, x: Own) -> Value:
+    def output(p: SimpleNamespace, r: Reference, y: Value, v: Value, x: Own) -> Value:
         """-K_p (y - r) - K_i I - K_d v."""
         return -p.K_p * (y - r.value) - p.K_i * x[0] - p.K_d * v
 
     @staticmethod
-    def rates(p: Any, r: Reference, y: Value, v: Value, x: Own) -> tuple[Value, ...]:
+    def rates(p: SimpleNamespace, r: Reference, y: Value, v: Value, x: Own) -> tuple[Value, ...]:
         """dI/dt."""
         return (y - r.value,)
 
     @staticmethod
-    def state_scales(p: Any, length: float, force: float) -> tuple[float, ...]:
+    def state_scales(p: SimpleNamespace, length: float, force: float) -> tuple[float, ...]:
         """The integral that makes the friction force, or a length for a second."""
         return (force / abs(p.K_i) if p.K_i else length,)
 
@@ -81,22 +82,22 @@ class Cascade(Controller):
         return cls.states if "T_i" in form else ()
 
     @staticmethod
-    def _error(p: Any, r: Reference, y: Value, v: Value) -> Value:
+    def _error(p: SimpleNamespace, r: Reference, y: Value, v: Value) -> Value:
         return p.K_p * (r.value - y) + r.rate - v
 
     @classmethod
-    def output(cls, p: Any, r: Reference, y: Value, v: Value, x: Own) -> Value:
+    def output(cls, p: SimpleNamespace, r: Reference, y: Value, v: Value, x: Own) -> Value:
         """K_v (v_r - v) + (K_v/T_i) I."""
         u = p.K_v * cls._error(p, r, y, v)
         return u if p.T_i is None else u + p.K_v / p.T_i * x[0]
 
     @classmethod
-    def rates(cls, p: Any, r: Reference, y: Value, v: Value, x: Own) -> tuple[Value, ...]:
+    def rates(cls, p: SimpleNamespace, r: Reference, y: Value, v: Value, x: Own) -> tuple[Value, ...]:
         """dI/dt."""
         return () if p.T_i is None else (cls._error(p, r, y, v),)
 
     @staticmethod
-    def state_scales(p: Any, length: float, force: float) -> tuple[float, ...]:
+    def state_scales(p: SimpleNamespace, length: float, force: float) -> tuple[float, ...]:
         """The integral that makes the friction force, or a length."""
         return () if p.T_i is None else (force * p.T_i / abs(p.K_v) if p.K_v else length,)
 

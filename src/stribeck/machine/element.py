@@ -83,6 +83,6 @@ class Element:
         return Form(on, counts=tuple((n, len(values[n])) for n in cls.lists()))
 
     @staticmethod
-    def rates(p: Any, *arguments: Any) -> tuple[Value, ...]:
+    def rates(p: SimpleNamespace, *arguments: Any) -> tuple[Value, ...]:
         """The time derivatives of the element's own states, from what its force is made of."""
         return ()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any
 
 from stribeck.expressions.graph import Expr, derivative, is_zero, substitute, symbol, symbols, wrap
 from stribeck.expressions.names import Names
@@ -58,7 +57,7 @@ def _factor(factor: Factor, d: Expr, t: Expr) -> Expr:
     return wrap(1 + sum_of_waves(p, d))
 
 
-def steady_force(law: type[Law], p: Any, v: Expr, called: Names) -> Expr:
+def steady_force(law: type[Law], p: SimpleNamespace, v: Expr, called: Names) -> Expr:
     """The friction force at a speed v > 0 that is held, as an expression: the closed form where dz/dt is linear in z,
     else Newton's method from the largest deflection."""
     if not law.has_z:

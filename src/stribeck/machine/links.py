@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, clip
@@ -24,12 +24,12 @@ class Link(Element):
     gap = Constant("m", "total play", at_least=0, optional=True, rotary_unit="rad")
 
     @staticmethod
-    def stretch(p: Any, d: Value) -> Value:
+    def stretch(p: SimpleNamespace, d: Value) -> Value:
         """What the spring is stretched by: d, less the play."""
         return d if p.gap is None else d - clip(d, -p.gap / 2, p.gap / 2)
 
     @classmethod
-    def force(cls, p: Any, d: Value, w: Value, x: Own = ()) -> Value:
+    def force(cls, p: SimpleNamespace, d: Value, w: Value, x: Own = ()) -> Value:
         """The force f: it acts as -ratio f on `from` and as f on `to`; with play as Modelica's ElastoBacklash, whose
         damper acts in contact only and never pulls."""
         f_c = p.stiffness * cls.stretch(p, d)
@@ -40,6 +40,6 @@ class Link(Element):
         return f_c + clip(p.damping * w, -abs(f_c), abs(f_c))
 
     @classmethod
-    def stored_energy(cls, p: Any, d: Value, x: Own = ()) -> Value:
+    def stored_energy(cls, p: SimpleNamespace, d: Value, x: Own = ()) -> Value:
         """The spring's energy, J."""
         return p.stiffness * cls.stretch(p, d) ** 2 / 2

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, cos, sin
@@ -22,12 +23,12 @@ class Load(Element):
     conservative: ClassVar[bool] = False
 
     @staticmethod
-    def force(p: Any, r: Value, y: Value, v: Value, x: Own = ()) -> Value:
+    def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: Own = ()) -> Value:
         """The force on the body, N or N m; ``r`` is the signal where the load has one."""
         raise NotImplementedError
 
     @staticmethod
-    def stored_energy(p: Any, y: Value) -> Value:
+    def stored_energy(p: SimpleNamespace, y: Value) -> Value:
         """The energy that a conservative load stores, J."""
         return 0.0 * y
 
@@ -38,7 +39,7 @@ class Follower(Load):
     kind, follows_signal = "signal", True
 
     @staticmethod
-    def force(p: Any, r: Value, y: Value, v: Value, x: Own = ()) -> Value:
+    def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: Own = ()) -> Value:
         """The signal."""
         return r
 
@@ -51,12 +52,12 @@ class Pendulum(Load):
     phase = Constant("rad", "angle at y = 0, from hanging down", default=0.0)
 
     @staticmethod
-    def force(p: Any, r: Value, y: Value, v: Value, x: Own = ()) -> Value:
+    def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: Own = ()) -> Value:
         """-amplitude sin(y + phase)."""
         return -p.amplitude * sin(y + p.phase)
 
     @staticmethod
-    def stored_energy(p: Any, y: Value) -> Value:
+    def stored_energy(p: SimpleNamespace, y: Value) -> Value:
         """amplitude (1 - cos(y + phase))."""
         return p.amplitude * (1 - cos(y + p.phase))
 
@@ -70,12 +71,12 @@ class Ripple(Load):
     phase = Many(Constant("rad", "phase of a wave at y = 0", default=0.0))
 
     @staticmethod
-    def force(p: Any, r: Value, y: Value, v: Value, x: Own = ()) -> Value:
+    def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: Own = ()) -> Value:
         """The sum of the waves."""
         return sum_of_waves(p, y)
 
 
-def sum_of_waves(p: Any, at: Value) -> Value:
+def sum_of_waves(p: SimpleNamespace, at: Value) -> Value:
     """Sum of amplitude_k sin(waves_k at + phase_k)."""
     total = 0.0
     for amplitude, waves, phase in zip(p.amplitude, p.waves, p.phase, strict=True):

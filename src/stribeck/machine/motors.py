@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value, clip
@@ -20,12 +20,14 @@ class Motor(Element):
     current_time = Constant("s", "time constant of the current loop", above=0, default=1e-3)
 
     @staticmethod
-    def limited(p: Any, V: Value) -> Value:
+    def limited(p: SimpleNamespace, V: Value) -> Value:
         """The voltage within its limit."""
         return V if p.voltage is None else clip(V, -p.voltage, p.voltage)
 
     @classmethod
-    def with_inductance(cls, p: Any, wanted: Value, V: Value, v: Value, i: Value) -> tuple[Value, Value, Value]:
+    def with_inductance(
+        cls, p: SimpleNamespace, wanted: Value, V: Value, v: Value, i: Value
+    ) -> tuple[Value, Value, Value]:
         """Current, voltage and di/dt; ``wanted`` is the current that a controller asks for, or None where V is given."""
         if wanted is not None:
             V = p.R * wanted + p.K * v + p.L * (wanted - i) / p.current_time
@@ -33,7 +35,7 @@ class Motor(Element):
         return i, V, (V - p.R * i - p.K * v) / p.L
 
     @classmethod
-    def without_inductance(cls, p: Any, wanted: Value, V: Value, v: Value) -> tuple[Value, Value]:
+    def without_inductance(cls, p: SimpleNamespace, wanted: Value, V: Value, v: Value) -> tuple[Value, Value]:
         """Current and voltage."""
         if wanted is None:
             V = cls.limited(p, V)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
 from typing import Any, ClassVar
 
 from stribeck.constants import Constant
@@ -18,12 +19,17 @@ class Mass(Plant):
     }
 
     @staticmethod
-    def acceleration(p: Any, u: Value, F: Value, x: Own = ()) -> Value:
-        """dv/dt in m/s^2 under the drive's force u and the friction force F, N."""
-        return (u - F) / p.mass
+    def net_force(u: Value, F: Value) -> Value:
+        """What accelerates the body, N: the drive's force u less the friction force F."""
+        return u - F
 
     @staticmethod
-    def stored_energy(p: Any, y: Value, v: Value, x: Own) -> Value:
+    def acceleration(p: SimpleNamespace, u: Value, F: Value, x: Own = ()) -> Value:
+        """dv/dt in m/s^2 under the drive's force u and the friction force F, N."""
+        return Mass.net_force(u, F) / p.mass
+
+    @staticmethod
+    def stored_energy(p: SimpleNamespace, y: Value, v: Value, x: Own) -> Value:
         """Kinetic energy, J."""
         return p.mass * v**2 / 2
 

@@ -28,7 +28,7 @@ def law_table(law: Law) -> dict[str, Any] | None:
         if file is None or getattr(sys.modules[cls.__module__], cls.__name__, None) is not cls:
             return None
         name = f"{Path(file).resolve()}:{cls.__name__}"
-    given = {n: x for n, x in law.values.items() if x is not None} | law.choices
+    given = law.p.numbers | law.choices
     given |= {n: x for n, x in law.machine.items() if n not in given}
     machine = {n: x for n, x in given.items() if n in PARAMETERS}
     return {"name": name, **{n: x for n, x in given.items() if n not in machine}, "parameters": machine}

@@ -7,6 +7,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 from stribeck import laws
@@ -31,7 +32,7 @@ class WorstLevel(BristleLaw):
     delta = None
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         """With the smallest g."""
         return v - abs(v) * p.sigma_0 / p.F_c * z
 
@@ -47,7 +48,7 @@ class WorstLevelMajorant(BristleLaw):
     smooth_abs = SMOOTH_ABS
 
     @staticmethod
-    def dz_dt(p: Any, v: Value, z: Value) -> Value:
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         """With the smallest g."""
         return v - m(p, v) * p.sigma_0 / p.F_c * z
 
@@ -158,7 +159,7 @@ class Varied:
 
     def exactly(self) -> dict[str, list[str]]:
         """The ranges of all that a proof takes, as text of rational numbers."""
-        names = [n for n, x in self.law.values.items() if x is not None]
+        names = list(self.law.p.numbers)
         return {n: [str(x) if x is not None else "inf" for x in self.range(n)] for n in names}
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from stribeck.constants import DECIDED
+from stribeck.constants import DECIDED, SHOWN
 from stribeck.properties.ports import MachineVerdicts
 from stribeck.properties.verdicts import ranges_in_words
 from stribeck.report import chapters
@@ -12,8 +12,6 @@ from stribeck.report.check import evidence, replay_figure, verdicts_chapter
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, Table
 from stribeck.scenario import Scenario
-
-_SHOWN = {True: "yes", False: "no", None: "not shown"}
 
 
 def write(found: MachineVerdicts, scenario: Scenario, folder: Path, command: str = "") -> list[Path]:
@@ -30,7 +28,7 @@ def write(found: MachineVerdicts, scenario: Scenario, folder: Path, command: str
         figures += own
     made += chapters.of_laws(scenario)
     paths = [path for figure in figures for path in write_figure(figure, folder)]
-    introduction = [f"Passive at its ports: {_SHOWN[found.passive]}: {found.why}."]
+    introduction = [f"Passive at its ports: {SHOWN[found.passive]}: {found.why}."]
     return [*paths, chapters.write_page(folder, f"What {found.name} guarantees", introduction, made, command)]
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
+from stribeck.constants import DECIDED
 from stribeck.errors import left_out
 from stribeck.files import together, write_json, write_text
 from stribeck.loops import Design
@@ -75,7 +76,7 @@ def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: st
     made = [_verdict(found), _errors(found)]
     if found.lines:
         rows = [
-            [b.path, f"{b.value:.6g}", b.below, b.above, f"{b.low:.6g} to {b.high:.6g}", "yes" if b.sure else "no"]
+            [b.path, f"{b.value:.6g}", b.below, b.above, f"{b.low:.6g} to {b.high:.6g}", DECIDED[b.sure]]
             for line in found.lines for b in line.boundaries
         ]  # fmt: skip
         head = ["path", "boundary", "below", "above", "lies within", "same verdicts 5 % away"]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.analysis.lyapunov import Along
+from stribeck.constants import DECIDED
 from stribeck.control.gains import Condition, GainVerdict, Proof
 from stribeck.errors import left_out
 from stribeck.files import write_json
@@ -61,7 +62,7 @@ def _conditions(
 
 def _row(name: str, c: Condition) -> list[str]:
     speed = "any" if c.largest_speed is None else f"{c.largest_speed:.4g}"
-    return [name, "yes" if c.holds else "no", f"{c.least_K_D:.4g}", f"{c.margin:.4g}", speed]
+    return [name, DECIDED[c.holds], f"{c.least_K_D:.4g}", f"{c.margin:.4g}", speed]
 
 
 def _along(found: Along) -> FigureSvg:

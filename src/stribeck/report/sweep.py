@@ -168,7 +168,7 @@ class Sweep:
             sorted((*key, x) for key, x in s.values().items()),
             s.initial,
             s.atol(),
-            s.levels() if s.rig else s.threshold,
+            s.thresholds() if s.rig else s.threshold,
             s.end,
         ]
         settings = [

@@ -1,4 +1,4 @@
-/* ---- Events: where a watched quantity passes its level within a step. --------------------------------------------- */
+/* ---- Events: where a watched quantity passes its threshold within a step. --------------------------------------------- */
 
 enum { MOST_EVENTS = 16 }; /* of one step */
 
@@ -22,17 +22,17 @@ static int crossings(const double b[5], double noise, double s0, double s1, int 
     }
     double left[5], right[5], w[5];
     for (int i = 0; i < 5; i++) w[i] = b[i];
-    for (int level = 0; level < 5; level++) { /* de Casteljau at the middle */
-        left[level] = w[0];
-        right[4 - level] = w[4 - level];
-        for (int i = 0; i < 4 - level; i++) w[i] = 0.5 * (w[i] + w[i + 1]);
+    for (int row = 0; row < 5; row++) { /* de Casteljau at the middle */
+        left[row] = w[0];
+        right[4 - row] = w[4 - row];
+        for (int i = 0; i < 4 - row; i++) w[i] = 0.5 * (w[i] + w[i + 1]);
     }
     const double middle = 0.5 * (s0 + s1);
     count = crossings(left, noise, s0, middle, depth + 1, found, rises, count);
     return crossings(right, noise, middle, s1, depth + 1, found, rises, count);
 }
 
-/* What happened: bit 0 tells whether the magnitude fell, bit 1 whether the value was at -level. */
+/* What happened: bit 0 tells whether the magnitude fell, bit 1 whether the value was at -threshold. */
 enum { FELL = 1, AT_MINUS = 2 };
 
 /* The Bernstein coefficients of a quartic from its ends and the coefficients of its dense output. */
@@ -55,10 +55,10 @@ static inline void bernstein_of_values(const double f[5], double b[5])
     b[4] = f[4];
 }
 
-/* Where a quartic passes +level and -level, as shares of the step in order, and what happens there; how many. */
-static int events_within(double level, const double b[5], double *s, int8_t *what)
+/* Where a quartic passes +threshold and -threshold, as shares of the step in order, and what happens there; how many. */
+static int events_within(double threshold, const double b[5], double *s, int8_t *what)
 {
-    double lowest = b[0], highest = b[0], largest = level, shifted[5];
+    double lowest = b[0], highest = b[0], largest = threshold, shifted[5];
     for (int i = 0; i < 5; i++) {
         lowest = b[i] < lowest ? b[i] : lowest;
         highest = b[i] > highest ? b[i] : highest;
@@ -66,11 +66,11 @@ static int events_within(double level, const double b[5], double *s, int8_t *wha
     }
     const double noise = 1e-14 * largest;
     if (!(highest - lowest < 1e100)) return 0; /* a trajectory that is about to fail */
-    if ((lowest > -level && highest < level) || lowest >= level || highest <= -level) return 0;
-    for (int i = 0; i < 5; i++) shifted[i] = b[i] - level;
+    if ((lowest > -threshold && highest < threshold) || lowest >= threshold || highest <= -threshold) return 0;
+    for (int i = 0; i < 5; i++) shifted[i] = b[i] - threshold;
     int count = crossings(shifted, noise, 0, 1, 0, s, what, 0);
     const int upper = count;
-    for (int i = 0; i < 5; i++) shifted[i] = -b[i] - level;
+    for (int i = 0; i < 5; i++) shifted[i] = -b[i] - threshold;
     count += crossings(shifted, noise, 0, 1, 0, s + upper, what + upper, 0);
     for (int i = 0; i < count; i++) what[i] = (int8_t)((i < upper ? 0 : AT_MINUS) | !what[i]);
     for (int i = 1; i < count; i++) { /* two sorted lists into one */

@@ -1,12 +1,12 @@
 /* ---- Many trajectories in the lanes of vectors: each with its own time and step, its lane refilled when it is done. - */
 
-/* What Python and C share; the same fields in the same order stand in simulation/lanes.py. Arrays of several numbers a
-   trajectory hold them one trajectory after the other. */
+/* What Python and C share: simulation/layout.py reads the fields from here. Arrays of several numbers a trajectory hold
+   them one trajectory after the other. */
 typedef struct {
     const double *parameters;     /* the fields of Parameters */
     const double *atol;           /* absolute tolerance of each state */
     const double *x0;             /* the state at t = 0 */
-    const double *levels;         /* of the watched quantities, 0 for none */
+    const double *thresholds;     /* of the watched quantities, 0 for none */
     const double *h_limit;
     const double *noise;          /* standard normal numbers, noise_room for each sampled controller */
     double *queue;                /* outputs of sampled controllers that do not act yet: queue_room for each */
@@ -50,7 +50,7 @@ typedef struct {
     int64_t sampled[HELD][LANES], acted[HELD][LANES];
 #endif
 #if WATCHES > 0
-    real level[WATCHES];               /* nan where nothing is looked out for */
+    real threshold[WATCHES];               /* nan where nothing is looked out for */
 #endif
     real atol[N], x[N], t, h, h_limit, t_stop, last_h, last_root;
     real row_t;                        /* the time of the next row */
@@ -194,10 +194,10 @@ static void pass(const Batch *b, Lanes *l, int lane, int first)
     watch(&l->p, &l->c, &old, l->t, l->x, w0);
     watch(&l->p, &l->c, &l->piece, l->t, l->x, w1);
     for (int j = 0; j < WATCHES; j++) {
-        const double level = l->level[j][lane], a = w0[j][lane], z = w1[j][lane];
-        if (!(level > 0)) continue;
-        if ((a >= level) != (z >= level)) count_event(b, l, lane, j, !(z >= level));
-        if ((-a >= level) != (-z >= level)) count_event(b, l, lane, j, AT_MINUS | !(-z >= level));
+        const double threshold = l->threshold[j][lane], a = w0[j][lane], z = w1[j][lane];
+        if (!(threshold > 0)) continue;
+        if ((a >= threshold) != (z >= threshold)) count_event(b, l, lane, j, !(z >= threshold));
+        if ((-a >= threshold) != (-z >= threshold)) count_event(b, l, lane, j, AT_MINUS | !(-z >= threshold));
     }
 #endif
 }
@@ -225,8 +225,8 @@ static void refill(const Batch *b, Lanes *l, int lane)
     put_lane(&l->piece, lane, b->piece_rows + l->piece_at[lane] * PIECE, PIECE);
 #if WATCHES > 0
     for (int j = 0; j < WATCHES; j++) {
-        const double level = b->levels[i * WATCHES + j];
-        l->level[j][lane] = !none && level > 0 ? level : NAN;
+        const double threshold = b->thresholds[i * WATCHES + j];
+        l->threshold[j][lane] = !none && threshold > 0 ? threshold : NAN;
     }
 #endif
 #if HELD > 0
@@ -313,13 +313,13 @@ static void attend(const Batch *b, Lanes *l, mask rows, mask events, mask last, 
             for (int j = 0; j < WATCHES; j++) {
                 double s[MOST_EVENTS], q[5];
                 int8_t what[MOST_EVENTS];
-                if (!(l->level[j][lane] > 0)) continue;
+                if (!(l->threshold[j][lane] > 0)) continue;
                 if (IS_CURVED[j]) {
                     const double f[5] = {w[0][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], w[4][j][lane]};
                     bernstein_of_values(f, q);
                 } else
                     bernstein_of_dense(w[0][j][lane], w[4][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], q);
-                const int count = events_within(l->level[j][lane], q, s, what);
+                const int count = events_within(l->threshold[j][lane], q, s, what);
                 for (int e = 0; e < count; e++) count_event(b, l, lane, j, what[e]);
             }
 #else
@@ -343,7 +343,7 @@ static void attend(const Batch *b, Lanes *l, mask rows, mask events, mask last, 
 }
 
 #if WATCHES > 0
-/* Where a watched quantity may pass its level in a step; w holds its ends and, between them, the coefficients of its
+/* Where a watched quantity may pass its threshold in a step; w holds its ends and, between them, the coefficients of its
    dense output, or its values at equal distances where it is no linear function of the states. */
 static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], const real *x_new, real w[5][WATCHES + 1])
 {
@@ -388,8 +388,8 @@ static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], cons
             low -= stray;
             high += stray;
         }
-        const real level = l->level[j];
-        events |= ((low <= level) & (high >= level)) | ((low <= -level) & (high >= -level));
+        const real threshold = l->threshold[j];
+        events |= ((low <= threshold) & (high >= threshold)) | ((low <= -threshold) & (high >= -threshold));
     }
     return events;
 }

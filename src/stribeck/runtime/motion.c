@@ -1,6 +1,6 @@
 /* ---- The motion of a body under a law's friction and a measured force: the same for every law. -------------------
 
-   m dv/dt = F(t) - offset - friction(v, z),   dz/dt = rate(v, z),   dy/dt = v
+   m dv/dt = net_force(F(t) - offset, friction(v, z)),   dz/dt = rate(v, z),   dy/dt = v
 
    Between two samples F is a parabola. The equations are integrated by RODAS3, an L-stable Rosenbrock method of order 3
    with an embedded method of order 2 (Sandu, Verwer, Blom, Spee, Carmichael, Potra, Atmospheric Environment
@@ -24,7 +24,7 @@ static inline State step(const double *p, double m, double F0, double F1, double
     double r_v, r_z, f_v, f_z;
     linearise(p, x.v, x.z, &r_v, &r_z, &f_v, &f_z);
     const double a = 2 / h, b = 1 / h, w = 1 / m;
-    const double vv = a + w * f_v, vz = w * f_z, zv = -r_v, zz = a - r_z, det = 1 / (vv * zz - vz * zv);
+    const double by_F = -w * net_force_by_F(), vv = a + by_F * f_v, vz = by_F * f_z, zv = -r_v, zz = a - r_z, det = 1 / (vv * zz - vz * zv);
 #define SOLVE(k, ry, rv, rz) \
     State k; \
     { \
@@ -33,14 +33,14 @@ static inline State step(const double *p, double m, double F0, double F1, double
         k.z = (vv * right_z - zv * right_v) * det; \
         k.y = ((ry) + k.v) / a; \
     }
-    const double fv = w * (F0 - force(p, x.v, x.z)), fz = rate(p, x.v, x.z), ft = w * dF;
+    const double fv = w * net_force(F0, force(p, x.v, x.z)), fz = rate(p, x.v, x.z), ft = w * net_force_by_u() * dF;
     SOLVE(k1, x.v, fv + 0.5 * ft, fz)
     SOLVE(k2, x.v + 4 * b * k1.y, fv + 1.5 * ft + 4 * b * k1.v, fz + 4 * b * k1.z)
     const double v3 = x.v + 2 * k1.v, z3 = x.z + 2 * k1.z;
-    SOLVE(k3, v3 + b * (k1.y - k2.y), w * (F1 - force(p, v3, z3)) + b * (k1.v - k2.v),
+    SOLVE(k3, v3 + b * (k1.y - k2.y), w * net_force(F1, force(p, v3, z3)) + b * (k1.v - k2.v),
           rate(p, v3, z3) + b * (k1.z - k2.z))
     const double v4 = v3 + k3.v, z4 = z3 + k3.z, c = 8.0 / 3;
-    SOLVE(k4, v4 + b * (k1.y - k2.y - c * k3.y), w * (F1 - force(p, v4, z4)) + b * (k1.v - k2.v - c * k3.v),
+    SOLVE(k4, v4 + b * (k1.y - k2.y - c * k3.y), w * net_force(F1, force(p, v4, z4)) + b * (k1.v - k2.v - c * k3.v),
           rate(p, v4, z4) + b * (k1.z - k2.z - c * k3.z))
 #undef SOLVE
     *error = k4;

@@ -1,6 +1,6 @@
 /* ---- One trajectory. ---------------------------------------------------------------------------------------------- */
 
-/* What Python and C share; the same fields in the same order stand in simulation/native.py. */
+/* What Python and C share: simulation/layout.py reads the fields from here. */
 typedef struct {
     const double *parameters;   /* the fields of Parameters */
     const double *atol;         /* absolute tolerance of each state */
@@ -9,7 +9,7 @@ typedef struct {
     const double *piece_rows;   /* the rows: the first PIECE fields of Segment */
     double *out;                /* rows of states and held outputs */
     double *event_time;
-    const double *levels;       /* of the watched quantities; 0 for none */
+    const double *thresholds;   /* of the watched quantities; 0 for none */
     double *held;               /* the outputs of sampled controllers that act at t */
     double *memory;             /* what sampled controllers remember */
     double *queue;              /* their outputs that do not act yet: queue_room for each */
@@ -71,7 +71,7 @@ static void note(Run *run, int which, int what, double t)
 }
 #endif
 
-/* Note where watched quantities pass their levels within the step from run->t. */
+/* Note where watched quantities pass their thresholds within the step from run->t. */
 static inline void note_events(Run *run, const Parameters *p, const Coefficients *c, const Segment *piece, double h,
                                double k[STAGES][N], const double *x_new)
 {
@@ -98,7 +98,7 @@ static inline void note_events(Run *run, const Parameters *p, const Coefficients
     }
 #endif
     for (int j = 0; j < WATCHES; j++) {
-        if (!(run->levels[j] > 0)) continue;
+        if (!(run->thresholds[j] > 0)) continue;
         double b[5], s[MOST_EVENTS];
         int8_t what[MOST_EVENTS];
         bernstein_of_dense(w0[j], w1[j], dw[0][j], dw[1][j], dw[2][j], b);
@@ -106,7 +106,7 @@ static inline void note_events(Run *run, const Parameters *p, const Coefficients
         if (IS_CURVED[j])
             bernstein_of_values((const double[5]){w0[j], inside[0][j], inside[1][j], inside[2][j], w1[j]}, b);
 #endif
-        const int count = events_within(run->levels[j], b, s, what);
+        const int count = events_within(run->thresholds[j], b, s, what);
         for (int i = 0; i < count; i++) note(run, j, what[i], run->t + s[i] * h);
     }
 #else
@@ -192,10 +192,10 @@ static void pass(Run *run, const Parameters *p, const Coefficients *c, int first
     watch(p, c, &old, run->t, run->x, w0);
     watch(p, c, &new, run->t, run->x, w1);
     for (int j = 0; j < WATCHES; j++) {
-        const double level = run->levels[j];
-        if (!(level > 0)) continue;
-        if ((w0[j] >= level) != (w1[j] >= level)) note(run, j, !(w1[j] >= level), run->t);
-        if ((-w0[j] >= level) != (-w1[j] >= level)) note(run, j, AT_MINUS | !(-w1[j] >= level), run->t);
+        const double threshold = run->thresholds[j];
+        if (!(threshold > 0)) continue;
+        if ((w0[j] >= threshold) != (w1[j] >= threshold)) note(run, j, !(w1[j] >= threshold), run->t);
+        if ((-w0[j] >= threshold) != (-w1[j] >= threshold)) note(run, j, AT_MINUS | !(-w1[j] >= threshold), run->t);
     }
 #endif
 }

@@ -260,9 +260,9 @@ class Scenario:
             return Pieces(np.zeros(1), np.zeros((1, 3)), np.ones(1, np.int8))
         return pieces(self.signal)
 
-    def levels(self) -> list[float]:
+    def thresholds(self) -> list[float]:
         """The level of each watched quantity, 0 for none."""
-        return self.rig.levels() if self.rig is not None else [self.threshold] * len(self.system.watched)
+        return self.rig.thresholds() if self.rig is not None else [self.threshold] * len(self.system.watched)
 
     def sampling(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed of each sampled controller that is compiled."""

@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,7 +71,7 @@ def constants(kind: type[Signal] | None) -> tuple[str, ...]:
     return () if kind is None or issubclass(kind, Curve) else tuple(kind.constants)
 
 
-def reference(kind: type[Signal] | None, p: Any, t: Expr, direction: Value = 0.0) -> Reference:
+def reference(kind: type[Signal] | None, p: SimpleNamespace, t: Expr, direction: Value = 0.0) -> Reference:
     """The signal and its derivatives as expressions of its numbers ``p`` and the time."""
     value = wrap(equation_of(kind).equation(p, t))
     rate = derivative(value, t)

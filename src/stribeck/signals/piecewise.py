@@ -46,7 +46,7 @@ class Segment:
     slope: Value
 
     @staticmethod
-    def equation(p: Any, t: Value) -> Value:
+    def equation(p: Segment | SimpleNamespace, t: Value) -> Value:
         """The signal within its current segment."""
         return p.value + p.slope * (t - p.start)
 
@@ -68,7 +68,7 @@ class Signal:
         raise NotImplementedError
 
     @staticmethod
-    def equation(p: Any, t: Value) -> Value:
+    def equation(p: SimpleNamespace, t: Value) -> Value:
         """The signal at time t, for smooth signals."""
         raise NotImplementedError
 
@@ -158,7 +158,7 @@ class Sine(Signal):
     }
 
     @staticmethod
-    def equation(p: Any, t: Value) -> Value:
+    def equation(p: SimpleNamespace, t: Value) -> Value:
         """The signal at time t."""
         return p.offset + p.amplitude * sin(2 * pi * p.frequency * t + p.phase)
 

@@ -59,7 +59,7 @@ class Curve(Signal):
         return found
 
     @staticmethod
-    def equation(p: Any, t: Value) -> Value:
+    def equation(p: SimpleNamespace, t: Value) -> Value:
         """The current polynomial."""
         x, total = t - p.start, 0.0 * t
         for name in reversed(_COEFFICIENTS):

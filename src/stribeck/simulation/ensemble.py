@@ -25,6 +25,8 @@ from stribeck.simulation.single import simulate
 from stribeck.simulation.solution import Solution
 from stribeck.simulation.variations import LaneByLane, Variations, vary
 
+_Solver = Callable[[Variations, Callable[[float], None] | None], lanes.Outcome]
+
 
 class Ensemble:
     """A scenario simulated with many values: ``ensemble["y"]`` has the shape (lanes, times).
@@ -135,6 +137,21 @@ def simulate_ensemble(
         values = {**scenario.values, **(values or {})}
     shared = scenario.machine if isinstance(scenario, Varied) else scenario
     variations = vary(scenario_of(shared, t_end, step), values or {})
+    _check(variations, threads)
+    threads = threads or lanes.threads_of_this_machine()
+    lanes_in = _Lanes(variations)
+    if not len(lanes_in.possible):
+        return lanes_in.ensemble()
+    solve = _solver(variations, device, threads)
+    if solve is None or not isinstance(variations, Variations):
+        return lanes_in.ensemble(_one_by_one(lanes_in, threads, progress))
+    some = variations if lanes_in.all_possible else variations.part(lanes_in.possible)
+    lanes_in.take(some, solve(some, progress))
+    return lanes_in.ensemble()
+
+
+def _check(variations: Variations | LaneByLane, threads: int | None) -> None:
+    """Refuse what is no number of threads, and what memory does not hold."""
     scenario, count = variations.scenario, len(variations)
     if threads is not None and (isinstance(threads, bool) or not isinstance(threads, int) or threads < 1):
         raise InputError(f"threads: {threads}: must be a whole number >= 1")
@@ -142,40 +159,55 @@ def simulate_ensemble(
     if needed > room:
         text = f"{count} lanes of {scenario.rows} rows would take {memory.size(needed)} of memory"
         raise InputError(f"{text}, and {memory.size(room)} are free: use fewer rows, or 'stribeck sweep'")
-    reason, columns = variations.problems(), None
-    possible = np.flatnonzero([text is None for text in reason])
-    width = len(scenario.system.states) + len(scenario.system.held)
-    states = np.full((count, scenario.rows, width), np.nan)
-    counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected")}
-    counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
-    if len(possible):
-        on_gpu = device == "cuda"
-        if on_gpu and not isinstance(variations, Variations):
-            raise StribeckError("device 'cuda': this scenario runs lane by lane, which a GPU cannot; use the processor")
-        library = _library(scenario) if isinstance(variations, Variations) and not on_gpu else None
-        threads = threads or lanes.threads_of_this_machine()
-        if (on_gpu or library is not None) and isinstance(variations, Variations):
-            some = variations if len(possible) == count else variations.part(possible)
-            if library is None:
-                from stribeck.simulation import cuda
 
-                found = cuda.solve(some, progress)
+
+class _Lanes:
+    """What becomes of the lanes: rows, reasons and counts, nan and 0 where nothing was found."""
+
+    def __init__(self, variations: Variations | LaneByLane) -> None:
+        self.variations, self.reason = variations, variations.problems()
+        self.possible = np.flatnonzero([text is None for text in self.reason])
+        scenario, count = variations.scenario, len(variations)
+        width = len(scenario.system.states) + len(scenario.system.held)
+        self.states = np.full((count, scenario.rows, width), np.nan)
+        self.counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected")}
+        self.counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
+
+    @property
+    def all_possible(self) -> bool:
+        """Whether every lane has values that a scenario may have."""
+        return len(self.possible) == len(self.variations)
+
+    def take(self, some: Variations, found: lanes.Outcome) -> None:
+        """The outcome of the possible lanes, solved at once."""
+        scenario = some.scenario
+        self.states[self.possible] = found.states
+        watched = found.counts["happened"].shape[1]
+        for name, x in self.counts.items():
+            if name == "happened":
+                x[self.possible, :watched] = found.counts[name]
             else:
-                found = lanes.solve(library, some, threads, progress)
-            states[possible] = found.states
-            watched = found.counts["happened"].shape[1]
-            for name, x in counts.items():
-                if name == "happened":
-                    x[possible, :watched] = found.counts[name]
-                else:
-                    x[possible] = found.counts[name]
-            for lane, status, t in zip(possible, found.counts["status"], found.t_reached, strict=True):
-                reason[lane] = failure(int(status), float(t), scenario.solve.max_steps)
-            if scenario.rig is None and scenario.drive.sets_velocity:
-                _count_crossings(some, possible, found, counts)
-        else:
-            columns = _one_by_one(variations, possible, threads, states, reason, counts, progress)
-    return Ensemble(variations, states, reason, counts, columns)
+                x[self.possible] = found.counts[name]
+        for lane, status, t in zip(self.possible, found.counts["status"], found.t_reached, strict=True):
+            self.reason[lane] = failure(int(status), float(t), scenario.solve.max_steps)
+        if scenario.rig is None and scenario.drive.sets_velocity:
+            _count_crossings(some, self.possible, found, self.counts)
+
+    def ensemble(self, columns: dict[str, Array] | None = None) -> Ensemble:
+        """All of it; ``columns`` where they were found with the states."""
+        return Ensemble(self.variations, self.states, self.reason, self.counts, columns)
+
+
+def _solver(variations: Variations | LaneByLane, device: str, threads: int) -> _Solver | None:
+    """What solves many lanes at once; None where they are to be solved one by one."""
+    if device == "cuda":
+        if not isinstance(variations, Variations):
+            raise StribeckError("device 'cuda': this scenario runs lane by lane, which a GPU cannot; use the processor")
+        from stribeck.simulation import cuda
+
+        return cuda.solve
+    library = _library(variations.scenario) if isinstance(variations, Variations) else None
+    return None if library is None else lambda some, progress: lanes.solve(library, some, threads, progress)
 
 
 def _library(scenario: Scenario) -> ctypes.CDLL | None:
@@ -190,21 +222,12 @@ def _library(scenario: Scenario) -> ctypes.CDLL | None:
     return library
 
 
-def _one_by_one(
-    variations: Variations | LaneByLane,
-    places: NDArray[np.int64],
-    threads: int,
-    states: Array,
-    reason: list[str | None],
-    counts: dict[str, NDArray[np.int64]],
-    progress: Callable[[float], None] | None,
-) -> dict[str, Array]:
+def _one_by_one(found: _Lanes, threads: int, progress: Callable[[float], None] | None) -> dict[str, Array]:
     """The lanes as single runs, where vectors do not serve; their columns."""
     from concurrent.futures import ThreadPoolExecutor
 
-    scenario = variations.scenario
-    columns = {c.name: np.full(states.shape[:2], np.nan) for c in scenario.system.columns}
-
+    variations, places, scenario = found.variations, found.possible, found.variations.scenario
+    columns = {c.name: np.full(found.states.shape[:2], np.nan) for c in scenario.system.columns}
     stopped = Event()
 
     def go_on(share: float) -> None:
@@ -217,12 +240,12 @@ def _one_by_one(
     with ThreadPoolExecutor(threads) as pool:
         try:
             for done, (lane, solution) in enumerate(zip(places, pool.map(run, map(int, places)), strict=True)):
-                states[lane, : len(solution.t), : solution.states.shape[1]] = solution.states
+                found.states[lane, : len(solution.t), : solution.states.shape[1]] = solution.states
                 for name, x in columns.items():
                     x[lane, : len(solution.t)] = solution[name]
-                reason[lane] = solution.reason
-                counts["happened"][lane] = solution.counts
-                counts["accepted"][lane], counts["rejected"][lane] = (
+                found.reason[lane] = solution.reason
+                found.counts["happened"][lane] = solution.counts
+                found.counts["accepted"][lane], found.counts["rejected"][lane] = (
                     solution.stats[k] for k in ("accepted", "rejected")
                 )
                 if progress is not None:

@@ -140,7 +140,7 @@ class _Run:
         atol = scenario.atol()
         self.atol: Any = np.array([atol[name] for name in names])  # the stubs know only one number
         self.x = np.array([scenario.initial.get(name, 0.0) for name in names])
-        self.levels = np.array(scenario.levels())
+        self.thresholds = np.array(scenario.thresholds())
         self.moved = names.index("E_in") if scenario.system.moved_energy() is not None else None
         self.rows = np.arange(scenario.rows) * scenario.output.step
         self.out, self.row = np.empty((scenario.rows, len(names) + len(self.equations.held))), 0
@@ -181,9 +181,9 @@ class _Run:
             self.x[self.moved] += e.moved(self.t, self.x) - energy
         if why == JUMP or (held != e.held).any():
             after = e.watch(self.t, self.x)
-            for j, level in enumerate(self.levels):
+            for j, threshold in enumerate(self.thresholds):
                 for side, sign in ((0, 1.0), (2, -1.0)):
-                    if level > 0 and (sign * before[j] >= level) != (over := sign * after[j] >= level):
+                    if threshold > 0 and (sign * before[j] >= threshold) != (over := sign * after[j] >= threshold):
                         self.events.append((self.t, 4 * j + side + (not over)))
 
     def advance(self, begin: float, end: float) -> None:
@@ -233,20 +233,20 @@ class _Run:
             self._put_rows(self.t * (1 + _SAME_TIME))
 
     def _events(self, dense: Any) -> list[tuple[float, int]]:
-        """Where a watched quantity passes its level within a step; the cubic is looked at in ten parts."""
+        """Where a watched quantity passes its threshold within a step; the cubic is looked at in ten parts."""
         from scipy.optimize import brentq
 
-        if not (self.levels > 0).any():
+        if not (self.thresholds > 0).any():
             return []
         times = np.linspace(dense.t_old, dense.t, 11)
         values = np.array([self.equations.watch(t, x) for t, x in zip(times, dense(times).T, strict=True)])
         found = []
-        for j, level in enumerate(self.levels):
-            for side, sign in ((0, 1.0), (2, -1.0)) if level > 0 else ():
-                over = sign * values[:, j] - level
+        for j, threshold in enumerate(self.thresholds):
+            for side, sign in ((0, 1.0), (2, -1.0)) if threshold > 0 else ():
+                over = sign * values[:, j] - threshold
 
-                def passed(t: float, j: int = j, sign: float = sign, level: float = level) -> float:
-                    return float(sign * self.equations.watch(t, dense(t))[j] - level)
+                def passed(t: float, j: int = j, sign: float = sign, threshold: float = threshold) -> float:
+                    return float(sign * self.equations.watch(t, dense(t))[j] - threshold)
 
                 for i in np.flatnonzero((over[:-1] >= 0) != (over[1:] >= 0)):
                     t = brentq(passed, times[i], times[i + 1], xtol=1e-14, rtol=1e-14)

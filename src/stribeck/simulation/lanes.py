@@ -15,32 +15,20 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.errors import BuildError
+from stribeck.simulation.layout import fields
 from stribeck.simulation.native import step_share
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
 
 Integers = NDArray[np.int64]
 
-# The fields of Batch in runtime/lanes.c, in the same order.
-_INPUTS = ("parameters", "atol", "x0", "levels", "h_limit", "noise", "queue")
-_PIECES = ("piece_start", "piece_rows")
 _COUNTS = ("rows_reached", "status", "accepted", "rejected", "happened")
 
 
 class Batch(ctypes.Structure):
     """What Python and the compiled solver share."""
 
-    _fields_ = (
-        *((name, POINTER(c_double)) for name in _INPUTS),
-        *((name, POINTER(c_int64)) for name in ("piece_first", "piece_end")),
-        *((name, POINTER(c_double)) for name in (*_PIECES, "out")),
-        ("piece_restart", POINTER(c_int8)),
-        *((name, POINTER(c_int64)) for name in _COUNTS),
-        ("t_reached", POINTER(c_double)),
-        ("turn", POINTER(c_int64)),
-        *((name, c_double) for name in ("rtol", "t_end", "step")),
-        *((name, c_int64) for name in ("count", "rows", "most_attempts", "queue_room", "noise_room")),
-    )
+    _fields_ = fields("lanes.c", "Batch")
 
 
 @dataclass(frozen=True)
@@ -84,18 +72,18 @@ class Arrays:
 def arrays(lanes: Variations) -> Arrays:
     """What the compiled solver of the lanes reads and writes."""
     scenario, count = lanes.scenario, len(lanes)
-    share, pieces, levels = step_share(scenario), lanes.pieces(), lanes.levels()
+    share, pieces, thresholds = step_share(scenario), lanes.pieces(), lanes.thresholds()
     room, noise = held_back(scenario.end, lanes.sampling())
     held = len(scenario.system.held)
     numbers = {
         "parameters": lanes.parameters(), "atol": share * lanes.atol(), "x0": lanes.initial(),
-        "levels": levels, "h_limit": lanes.longest_step(), "noise": noise, "queue": np.zeros((count, held, room)),
+        "thresholds": thresholds, "h_limit": lanes.longest_step(), "noise": noise, "queue": np.zeros((count, held, room)),
         "piece_start": pieces.whole.start, "piece_rows": pieces.whole.rows,
         "out": np.full((count, scenario.rows, len(scenario.system.states) + held), np.nan), "t_reached": np.zeros(count),
     }  # fmt: skip
     integers = {"piece_first": pieces.first, "piece_end": pieces.end, "turn": np.zeros(3, np.int64)}
     integers |= {name: np.zeros(count, np.int64) for name in _COUNTS}
-    integers["happened"] = np.zeros((count, levels.shape[1], 4), np.int64)
+    integers["happened"] = np.zeros((count, thresholds.shape[1], 4), np.int64)
     restart = np.ascontiguousarray(pieces.whole.restart)
     numbers = {name: np.ascontiguousarray(x, float) for name, x in numbers.items()}
     batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)

@@ -114,9 +114,9 @@ class MachineVariations(Variations):
         own = {key: float(x[lane]) for key, x in self._varied.items() if key in self.rig.values}
         return replace(self.rig, values={**self.rig.values, **own})
 
-    def levels(self) -> Array:
-        """The level of each watched quantity, 0 for none."""
-        rig, found = self.rig, list[Any](self.rig.levels())
+    def thresholds(self) -> Array:
+        """The threshold of each watched quantity, 0 for none."""
+        rig, found = self.rig, list[Any](self.rig.thresholds())
         j = 0
         for contact in rig.machine.contacts:
             found[j] = self._varied.get((contact.law_path, "v_s"), found[j])

@@ -12,21 +12,10 @@ from stribeck.control.sampled import Held
 from stribeck.errors import BuildError
 from stribeck.expressions.ops import Value, clip, larger, smaller, sqrt
 from stribeck.scenario import Scenario
+from stribeck.simulation.layout import fields
 from stribeck.simulation.result import Result, ended, failure, held_back, intervals
 from stribeck.system import Groups
 
-# The fields of Run in runtime/run.c, in the same order.
-_POINTERS = (
-    "parameters", "atol", "x", "piece_start", "piece_rows", "out", "event_time", "levels", "held", "memory", "queue",
-    "noise",
-)  # fmt: skip
-_DOUBLES = (
-    "rtol", "t", "t_end", "h", "h_limit", "step", "h_smallest", "h_largest", "last_h", "last_root", "output_h",
-)  # fmt: skip
-_INTEGERS = (
-    "pieces", "piece", "rows", "row", "event_room", "events", "queue_room", "noise_room", "accepted", "rejected", "rates",
-    "jacobians", "attempts_left", "held_back", "restart",
-)  # fmt: skip
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
 EVENT_ROOM = 4096
 _STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
@@ -44,14 +33,7 @@ _DONE, _MORE, _EVENTS_FULL, _NOT_FINITE = 0, 1, 2, -2
 class Run(ctypes.Structure):
     """What Python and the compiled solver share."""
 
-    _fields_ = (
-        *((name, POINTER(c_double)) for name in _POINTERS),
-        ("piece_restart", POINTER(c_int8)),
-        ("event_what", POINTER(c_int32)),
-        *((name, POINTER(c_int64)) for name in ("sampled", "acted")),
-        *((name, c_double) for name in _DOUBLES),
-        *((name, c_int64) for name in _INTEGERS),
-    )
+    _fields_ = fields("run.c", "Run")
 
 
 def step_share(scenario: Scenario) -> float:
@@ -118,74 +100,95 @@ def check(library: ctypes.CDLL) -> None:
 
 def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with its compiled and checked system; ``progress`` is told the share of time done."""
-    system, values, atol = scenario.system, scenario.values(), scenario.atol()
-    share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
-    room, noise = held_back(scenario.end, [scenario.sampling()])
-    x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
-    out = np.empty((scenario.rows, len(system.states) + held))
-    event_room = max(EVENT_ROOM, library.stribeck_event_room())
-    event_time, event_what = np.empty(event_room), np.empty(event_room, np.int32)
-    arrays = {
-        "parameters": np.array([values[key] for key in system.parameters]),
-        "atol": share * np.array([atol[state.name] for state in system.states]),
-        "x": x, "out": out, "event_time": event_time, "levels": np.array(scenario.levels()),
-        "piece_start": np.ascontiguousarray(pieces.start), "piece_rows": np.ascontiguousarray(pieces.rows),
-        "held": np.zeros(held), "memory": np.zeros(sum(map(len, system.memory.values()))),
-        "queue": np.zeros((held, room)), "noise": noise,
-    }  # fmt: skip
-    counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}
-    restart = np.ascontiguousarray(pieces.restart)
-    run = Run()
-    for name, array in arrays.items():
-        setattr(run, name, array.ctypes.data_as(POINTER(c_double)))
-    for name, count in counts.items():
-        setattr(run, name, count.ctypes.data_as(POINTER(c_int64)))
-    run.piece_restart = restart.ctypes.data_as(POINTER(c_int8))
-    run.event_what = event_what.ctypes.data_as(POINTER(c_int32))
-    run.rtol, run.step = share * scenario.solve.rtol, scenario.output.step
-    run.h = run.h_smallest = np.inf
-    run.h_limit, run.queue_room, run.noise_room = scenario.longest_step, room, noise.shape[1]
-    run.pieces, run.rows = len(pieces.start), scenario.rows
-    run.event_room = event_room
+    return _Solving(library, scenario).to_the_end(progress)
 
-    times: list[float] = []
-    what: list[int] = []
-    status, left, log = _DONE, scenario.solve.max_steps, Held()
-    place = {key: i for i, key in enumerate(system.parameters)}
-    stretches = intervals(scenario, log)
-    interval = next(stretches, None)
-    while interval is not None and status == _DONE:
-        run.t_end, changes = interval
-        for key, value in changes.items():
-            arrays["parameters"][place[key]] = value
+
+class _Solving:
+    """A run of the compiled solver: the struct that it shares with Python, and the arrays that this points to."""
+
+    def __init__(self, library: ctypes.CDLL, scenario: Scenario) -> None:
+        self.library, self.scenario, self.log = library, scenario, Held()
+        system, values, atol = scenario.system, scenario.values(), scenario.atol()
+        share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
+        room, noise = held_back(scenario.end, [scenario.sampling()])
+        self.x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
+        self.out = np.empty((scenario.rows, len(system.states) + held))
+        self.parameters = np.array([values[key] for key in system.parameters])
+        self.place = {key: i for i, key in enumerate(system.parameters)}
+        event_room = max(EVENT_ROOM, library.stribeck_event_room())
+        self.event_time, self.event_what = np.empty(event_room), np.empty(event_room, np.int32)
+        self.events: list[tuple[float, int]] = []
+        doubles = {
+            "parameters": self.parameters, "x": self.x, "out": self.out, "event_time": self.event_time,
+            "atol": share * np.array([atol[state.name] for state in system.states]),
+            "thresholds": np.array(scenario.thresholds()),
+            "piece_start": np.ascontiguousarray(pieces.start), "piece_rows": np.ascontiguousarray(pieces.rows),
+            "held": np.zeros(held), "memory": np.zeros(sum(map(len, system.memory.values()))),
+            "queue": np.zeros((held, room)), "noise": noise,
+        }  # fmt: skip
+        counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}
+        restart = np.ascontiguousarray(pieces.restart)
+        self._alive = doubles, counts, restart  # as long as the struct points to them
+        self.run = run = Run()
+        for name, array in doubles.items():
+            setattr(run, name, array.ctypes.data_as(POINTER(c_double)))
+        for name, count in counts.items():
+            setattr(run, name, count.ctypes.data_as(POINTER(c_int64)))
+        run.piece_restart = restart.ctypes.data_as(POINTER(c_int8))
+        run.event_what = self.event_what.ctypes.data_as(POINTER(c_int32))
+        run.rtol, run.step = share * scenario.solve.rtol, scenario.output.step
+        run.h = run.h_smallest = np.inf
+        run.h_limit, run.queue_room, run.noise_room = scenario.longest_step, room, noise.shape[1]
+        run.pieces, run.rows = len(pieces.start), scenario.rows
+        run.event_room = event_room
+
+    def to_the_end(self, progress: Callable[[float], None] | None) -> Result:
+        """From each sample of a controller to the next, and the last to the end."""
+        status, left = _DONE, self.scenario.solve.max_steps
+        stretches = intervals(self.scenario, self.log)
+        interval = next(stretches, None)
+        while interval is not None and status == _DONE:
+            self.run.t_end, changes = interval
+            for key, value in changes.items():
+                self.parameters[self.place[key]] = value
+            status, left = self._stretch(left, progress)
+            if status == _DONE:
+                try:
+                    interval = stretches.send(self.x)
+                except StopIteration:
+                    interval = None
+        return self._result(status)
+
+    def _stretch(self, left: int, progress: Callable[[float], None] | None) -> tuple[int, int]:
+        """To the stretch's end, with ``left`` steps at most; how it ended, and how many steps are left."""
+        run, end = self.run, self.scenario.end
         status, run.restart = _MORE, 1
         while status in (_MORE, _EVENTS_FULL) and left > 0:
             run.attempts_left = attempts = min(_SLICE, left)
             before = run.t
-            status = library.stribeck_advance(ctypes.byref(run))
+            status = self.library.stribeck_advance(ctypes.byref(run))
             left -= attempts - max(run.attempts_left, 0)
-            if run.events:
-                times += event_time[: run.events].tolist()
-                what += event_what[: run.events].tolist()
+            if count := run.events:
+                self.events += zip(self.event_time[:count].tolist(), self.event_what[:count].tolist(), strict=True)
                 run.events = 0
-            if status == _MORE and run.t - before < _STALL * scenario.end and ended(scenario, run.t, x):
+            if status == _MORE and run.t - before < _STALL * end and ended(self.scenario, run.t, self.x):
                 status = _NOT_FINITE  # time is finer than the position where the equations end
             if progress is not None:
-                progress(run.t / scenario.end)
-        if status == _DONE:
-            try:
-                interval = stretches.send(x)
-            except StopIteration:
-                interval = None
-    return Result(
-        states=out[: run.row],
-        events=list(zip(times, what, strict=True)),
-        reason=(ended(scenario, run.t, x) if status < 0 else None) or failure(status, run.t, scenario.solve.max_steps),
-        log=log if log.t else None,
-        stats={
-            "accepted": run.accepted, "rejected": run.rejected, "rates": run.rates, "jacobians": run.jacobians,
-            "smallest_step": run.h_smallest if np.isfinite(run.h_smallest) else None,
-            "largest_step": run.h_largest or None,
-            "solver": "rodas5p",
-        },
-    )  # fmt: skip
+                progress(run.t / end)
+        return status, left
+
+    def _result(self, status: int) -> Result:
+        run, scenario = self.run, self.scenario
+        why = ended(scenario, run.t, self.x) if status < 0 else None
+        return Result(
+            states=self.out[: run.row],
+            events=self.events,
+            reason=why or failure(status, run.t, scenario.solve.max_steps),
+            log=self.log if self.log.t else None,
+            stats={
+                "accepted": run.accepted, "rejected": run.rejected, "rates": run.rates, "jacobians": run.jacobians,
+                "smallest_step": run.h_smallest if np.isfinite(run.h_smallest) else None,
+                "largest_step": run.h_largest or None,
+                "solver": "rodas5p",
+            },
+        )  # fmt: skip

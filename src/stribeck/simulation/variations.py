@@ -135,8 +135,8 @@ class Variations:
         """The speed that slip and stick are told by; 0 for none."""
         return self._table([self._varied.get(("law", "v_s"), self.scenario.threshold)])[:, 0]
 
-    def levels(self) -> Array:
-        """The level of each watched quantity, 0 for none."""
+    def thresholds(self) -> Array:
+        """The threshold of each watched quantity, 0 for none."""
         return np.repeat(self.threshold()[:, np.newaxis], len(self.scenario.system.watched), axis=1)
 
     def sampling(self) -> list[list[dict[str, float]]]:

@@ -13,22 +13,18 @@ from pathlib import Path
 from typing import Any
 
 from stribeck import laws
-from stribeck.constants import Constant, show
+from stribeck.constants import show
 from stribeck.errors import InputError, nearest
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
-from stribeck.steepness.cost import Cost, SampleTime, cost
+from stribeck.steepness.asked import Asked
+from stribeck.steepness.cost import Cost, cost
 from stribeck.steepness.level import LEVELLED, LevelAdvice, level_advice
-from stribeck.steepness.search import Requirement, Tolerance, counterpart, family, with_k_v
-from stribeck.steepness.simulated import PositionError, PreslidingError
-from stribeck.steepness.steady import Creep, SteadyError
+from stribeck.steepness.search import Requirement, counterpart, family, with_k_v
 
 __all__ = ["Advice", "Cost", "LevelAdvice", "Requirement", "advise"]
 
-_POSITIVE = Constant("", "", above=0)
 MAJORANTS = {"lugre": "lugre_majorant", "elastoplastic": "elastoplastic_majorant"}
-_TOLERANCES = ("creep", "steady_error", "presliding_error", "position_error", "sample_time")
-_FASTEST = 100.0  # v_max as a multiple of v_s, unless given
 
 
 @dataclass(frozen=True)
@@ -100,55 +96,46 @@ def advise(
         InputError: what is wrong, one line for each problem.
         StribeckError: a simulation failed.
     """
-    if isinstance(scenario, str | Path):
-        scenario = Scenario.load(scenario)
-    given = {
-        "creep": creep, "share": share, "steady_error": steady_error, "speed": speed, "presliding_error": presliding_error,
-        "force_rate": force_rate, "position_error": position_error, "sample_time": sample_time, "v_max": v_max, "mass": mass,
-    }  # fmt: skip
-    only_level = level is not None and all(given[name] is None for name in _TOLERANCES)
-    problems = _problems(given, scenario, only_level)
-    if level is not None and not 0 < level[0] <= level[1] < float("inf"):
-        problems.append(f"level: {show(list(level))}: must be two finite numbers, 0 < LOW <= HIGH")
-    if only_level and not problems:
-        return advise_level(law, parameters, scenario, level, constants)
+    asked = Asked(
+        creep=creep, share=share, steady_error=steady_error, speed=speed, presliding_error=presliding_error,
+        force_rate=force_rate, position_error=position_error, sample_time=sample_time, v_max=v_max, mass=mass, level=level,
+        scenario=Scenario.load(scenario) if isinstance(scenario, str | Path) else scenario,
+    )  # fmt: skip
+    return _advices(law, parameters, asked, constants)
+
+
+def _advices(
+    name: str, parameters: str | Mapping[str, float] | None, asked: Asked, constants: Mapping[str, float | str]
+) -> dict[str, Advice]:
+    """For the law and its majorant; for the law alone where only the level is asked about."""
+    problems = asked.problems()
+    if asked.only_level and not problems:
+        return _about_level(name, parameters, asked, constants)
     if "k_v" in constants:
         problems.append(f"k_v: {show(constants['k_v'])}: is what is asked for; must be left out")
     if problems:
         raise InputError(problems)
-    asked = _law(law, parameters, scenario, constants)
+    law = _law(name, parameters, asked.scenario, constants)
     advices = {}
-    for each in dict.fromkeys((asked.name, MAJORANTS[family(asked)])):
-        one = asked if each == asked.name else counterpart(asked, each)
-        fastest = v_max if v_max is not None else _FASTEST * one.scales(one.p).speed
-        wanted: list[Tolerance] = []
-        wanted += [Creep(creep, share)] if creep is not None else []
-        wanted += [SteadyError(steady_error, speed)] if steady_error is not None and speed is not None else []
-        if presliding_error is not None and force_rate is not None:
-            wanted.append(PreslidingError(tolerance=presliding_error, force_rate=force_rate, share=share, mass=mass))
-        if position_error is not None and scenario is not None:
-            wanted.append(PositionError(tolerance=position_error, given=scenario))
-        wanted += [SampleTime(sample_time, fastest)] if sample_time is not None else []
-        advices[each] = _advice(one, [tolerance.need(one) for tolerance in wanted], fastest, mass)
-        if level is not None and advices[each].k_v and each in LEVELLED:
-            there = with_k_v(one, advices[each].k_v or 1.0)
-            advices[each] = replace(advices[each], level=level_advice(there, *level, fastest))
+    for each in dict.fromkeys((law.name, MAJORANTS[family(law)])):
+        one = law if each == law.name else counterpart(law, each)
+        fastest = asked.fastest(one)
+        found = _advice(one, [tolerance.need(one) for tolerance in asked.tolerances(one)], fastest, asked.mass)
+        if asked.level is not None and found.k_v and each in LEVELLED:
+            found = replace(found, level=level_advice(with_k_v(one, found.k_v), *asked.level, fastest))
+        advices[each] = found
     return advices
 
 
-def advise_level(
-    law: str,
-    parameters: Any,
-    scenario: Scenario | None,
-    level: tuple[float, float] | None,
-    constants: Mapping[str, Any],
+def _about_level(
+    name: str, parameters: str | Mapping[str, float] | None, asked: Asked, constants: Mapping[str, Any]
 ) -> dict[str, Advice]:
     """The answer about the level alone, for one law and any k_v."""
-    assert level is not None
-    if parameters is None and scenario is not None:
-        parameters = dict(scenario.law.machine)
-    found = laws.law(law, parameters, **constants)
-    answer = level_advice(found, *level, _FASTEST * found.scales(found.p).speed)
+    assert asked.level is not None
+    if parameters is None and asked.scenario is not None:
+        parameters = dict(asked.scenario.law.machine)
+    found = laws.law(name, parameters, **constants)
+    answer = level_advice(found, *asked.level, replace(asked, v_max=None).fastest(found))
     return {found.name: Advice(found.name, found.values.get("k_v"), (), None, answer)}
 
 
@@ -157,24 +144,6 @@ def _advice(law: Law, found: Iterable[Requirement], v_max: float, mass: float | 
     needed = [each.k_v for each in found if each.k_v is not None]
     k_v = max(needed) if len(needed) == len(found) else None
     return Advice(law.name, k_v, found, cost(law, k_v, v_max, mass) if k_v else None)
-
-
-def _problems(given: Mapping[str, float | None], scenario: Scenario | None, only_level: bool) -> list[str]:
-    found = []
-    for name, value in given.items():
-        if value is not None and (text := _POSITIVE.problem(value)):
-            found.append(f"{name}: {show(value)}: {text}")
-    if not found and not 0 < (given["share"] or 0.0) < 1:
-        found.append(f"share: {show(given['share'])}: must be between 0 and 1, without them")
-    for one, other in (("steady_error", "speed"), ("presliding_error", "force_rate"), ("position_error", "scenario")):
-        missing = scenario is None if other == "scenario" else given[other] is None
-        if given[one] is not None and missing:
-            found.append(f"{other}: missing: must be given with {one}")
-    if not only_level and all(given[name] is None for name in _TOLERANCES):
-        found.append(f"missing: what is tolerated: at least one of {', '.join(_TOLERANCES)}, level")
-    if given["position_error"] is not None and scenario is not None and scenario.drive.sets_velocity:
-        found.append("scenario: its drive sets the velocity, so the position does not depend on the law: use another")
-    return found
 
 
 def _law(

@@ -61,7 +61,7 @@ class Tolerance(ABC):
 
 def with_k_v(law: Law, k_v: float) -> Law:
     """The law with another steepness."""
-    values = {n: x for n, x in law.values.items() if x is not None}
+    values = law.p.numbers
     return type(law)({**law.machine, **values, **law.choices, "k_v": k_v})
 
 
@@ -74,7 +74,7 @@ def counterpart(law: Law, name: str) -> Law:
     """Another law with the constants that both have."""
     found = laws.find(name)
     known = {**PARAMETERS, **found.constants()}
-    return found({n: x for n, x in {**law.machine, **law.values}.items() if n in known and x is not None})
+    return found({n: x for n, x in {**law.machine, **law.p.numbers}.items() if n in known})
 
 
 def smallest(

@@ -93,7 +93,7 @@ async function solve(instance, law, setting, tell, current) {
   const x = memory.doubles(setting.x);
   const place = {
     parameters: p, atol: memory.doubles(found.atol), x, piece_start: starts, piece_rows: table, out, event_time: times,
-    levels: memory.doubles([setting.level, 0]), held: memory.empty(1), memory: memory.empty(1), queue: memory.empty(1),
+    thresholds: memory.doubles([setting.level, 0]), held: memory.empty(1), memory: memory.empty(1), queue: memory.empty(1),
     noise: memory.empty(1), piece_restart: restart, event_what: what, sampled: memory.empty(1), acted: memory.empty(1),
     rtol: found.share * setting.rtol, step: setting.step, h: Infinity, h_smallest: Infinity, h_limit: found.longest,
     queue_room: 1, pieces: pieces.start.length, rows, event_room: eventRoom, t_end: setting.end, restart: 1,

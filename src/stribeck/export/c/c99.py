@@ -8,7 +8,7 @@ from typing import Any
 
 from stribeck.errors import InputError, arg
 from stribeck.export.c import cascade
-from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, condition, render
+from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, condition, net_force, render
 from stribeck.export.request import Request
 from stribeck.laws import builtin
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
@@ -52,6 +52,7 @@ def context(request: Request) -> dict[str, Any]:
         "smooth": law.differentiable,
         "costs": costs(law),
         "with_body": request.part in ("law", "body"),
+        "net_force": net_force(),
         "with_observer": equations.observable and request.part in ("law", "observer"),
         "proven_observer": equations.observable and equations.linear,
     }

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from stribeck.constants import Constant
-from stribeck.control.cascade import MEASURED, Cascade
+from stribeck.control.cascade import F_HAT, MEASURED, Cascade, E, S
 from stribeck.control.observer import START, Z_HAT
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
@@ -17,6 +17,7 @@ from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbol
 from stribeck.expressions.names import Names
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
+from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import Scenario
 from stribeck.scenario.cascade import CascadeSettings, controller_of
 from stribeck.system import System
@@ -30,16 +31,15 @@ PATH = (
 INPUTS = (
     Column("y", "m", "position"),
     Column("v", "m/s", "velocity"),
-    Column("p_1", "Pa", "absolute pressure in chamber 1"),
-    Column("p_2", "Pa", "absolute pressure in chamber 2"),
+    *(replace(column, meaning=f"absolute {column.meaning}") for column in Cylinder.states),
     Column("acceleration", "m/s^2", "acceleration"),
 )
 OUTPUTS = (
-    Column("u", "V", "valve voltage, within +-u_max; a positive one fills chamber 1"),
-    Column("F_hat", "N", "friction force that the controller assumes"),
+    replace(Cylinder.takes, meaning="valve voltage, within +-u_max; a positive one fills chamber 1"),
+    F_HAT,
     Column("p_d", "Pa", "desired pressure difference p_1 - p_2"),
-    Column("e", "m", "position error y - y_d"),
-    Column("s", "m/s", "de/dt + lambda e"),
+    E,
+    S,
 )
 _ABOUT = {
     "drive": "gains and limit",

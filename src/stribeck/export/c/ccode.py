@@ -14,6 +14,7 @@ from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
 from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
+from stribeck.plants.mass import Mass
 
 _FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
 DIALECT = Dialect(
@@ -119,6 +120,13 @@ def expression(node: Expr, names: Iterable[str]) -> str:
     """An expression of these symbols in C, on one line."""
     line = CWriter(DIALECT, {name: name for name in names}, taken=_TAKEN).write([("result", node)])[-1]
     return line.removeprefix("result = ").removesuffix(";")
+
+
+def net_force() -> dict[str, str]:
+    """What accelerates a body under the drive's force u and the friction F, and its derivative by F, in C."""
+    u, F = symbol("u"), symbol("F")
+    value = wrap(Mass.net_force(u, F))
+    return {"value": expression(value, ("u", "F")), "by_F": expression(derivative(value, F), ("u", "F"))}
 
 
 def render(template: str, **values: Any) -> str:

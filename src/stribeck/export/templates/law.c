@@ -294,6 +294,10 @@ int {{ P }}_observer_step(const parameters *p, {{ P }}_state *s, real v, real er
 {% endif %}
 {% if with_body %}
 
+/* What accelerates the body, and its derivative by the friction. */
+static real net_force(real u, real F) { return {{ net_force.value }}; }
+static const real net_force_by_F = {{ net_force.by_F }};
+
 /* How far a velocity w at the end of the step is from balance, {{ u("N") }}; z there, the derivative by w, the friction, and the
  * sum of the absolute terms. */
 typedef struct {
@@ -308,8 +312,8 @@ static Balance balance(const parameters *p, const {{ P }}_body *s, real mass, re
     r.z = settle(p, w, s->z, dt);
     slopes(p, w, r.z, &l);
     r.force = l.force;
-    r.excess = inertia * (w - s->v) + l.force - u;
-    r.slope = inertia + l.force_v + l.force_z * dt * l.rate_v / (1 - dt * l.rate_z);
+    r.excess = inertia * (w - s->v) - net_force(u, l.force);
+    r.slope = inertia - net_force_by_F * (l.force_v + l.force_z * dt * l.rate_v / (1 - dt * l.rate_z));
     r.terms = inertia * (FN(fabs)(w) + FN(fabs)(s->v)) + FN(fabs)(l.force) + FN(fabs)(u)
         + FN(fabs)(l.force_v * w) + FN(fabs)(l.force_z * r.z);
     return r;
@@ -339,7 +343,7 @@ int {{ P }}_body_step(const parameters *p, {{ P }}_body *s, real mass, real u, r
         r = balance(p, s, mass, u, dt, w);
     }
     if (!(FN(fabs)(r.excess) <= 1e3F * EPSILON * r.terms) && !enclosed) return {{ P }}_NO_SOLUTION;
-    const real y = s->y + dt * w, F = r.force - r.excess; /* where the force jumps, between its two sides */
+    const real y = s->y + dt * w, F = r.force + r.excess / net_force_by_F; /* where the force jumps, between its two sides */
     if (!isfinite(y) || !isfinite(w) || !isfinite(r.z) || !isfinite(F)) return {{ P }}_NOT_FINITE;
     s->y = y;
     s->v = w;

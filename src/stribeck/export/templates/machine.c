@@ -77,7 +77,7 @@ static void bind({{ P }} *m)
     m->run.piece_rows = PIECE_ROWS;
     m->run.piece_restart = PIECE_RESTART;
     m->run.out = m->row;
-    m->run.levels = m->none; /* all 0: no events are noted */
+    m->run.thresholds = m->none; /* all 0: no events are noted */
     m->run.held = m->held;
     m->run.memory = m->memory;
     m->run.queue = m->queue;

@@ -76,16 +76,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
             f"{number}: {count} gaps in time, the longest {steps[gaps].max():.3g} s (step {step:.3g} s); "
             "the log is cut there, and nothing is filtered across a gap"
         )
-    bad = _clipped(columns, number, notes)
-    bad |= _stuck(columns, number, notes, bad)
-    breaks = new_run | gaps | (bad[1:] != bad[:-1])
-    cuts = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(time)]
-    pieces = [slice(a, b) for a, b in pairwise(cuts) if not bad[a]]
-    runs = [r for r in pieces if r.stop - r.start >= FEWEST]
-    if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST):
-        notes.append(f"{number}: {lost} rows stand in pieces shorter than {FEWEST} rows and were left out")
-    if not runs:
-        raise InputError(f"{arg('data')}: {number}: no piece without a gap has {FEWEST} rows or more")
+    runs = _pieces(columns, new_run | gaps, number, notes)
     off = max(_jitter(time[r]) for r in runs)
     even = off <= _EVEN
     if not even:
@@ -94,6 +85,21 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
             "resampled to even steps by straight lines"
         )
     return Clean(columns, runs, step, even, notes)
+
+
+def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[str]) -> list[slice]:
+    """The rows between breaks and stretches of bad sensors, as far as they are many enough."""
+    bad = _clipped(columns, number, notes)
+    bad |= _stuck(columns, number, notes, bad)
+    breaks = breaks | (bad[1:] != bad[:-1])
+    cuts = [0, *(np.flatnonzero(breaks) + 1).tolist(), len(bad)]
+    pieces = [slice(a, b) for a, b in pairwise(cuts) if not bad[a]]
+    runs = [r for r in pieces if r.stop - r.start >= FEWEST]
+    if lost := sum(r.stop - r.start for r in pieces if r.stop - r.start < FEWEST):
+        notes.append(f"{number}: {lost} rows stand in pieces shorter than {FEWEST} rows and were left out")
+    if not runs:
+        raise InputError(f"{arg('data')}: {number}: no piece without a gap has {FEWEST} rows or more")
+    return runs
 
 
 def _jitter(time: Array) -> float:

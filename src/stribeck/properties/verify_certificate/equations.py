@@ -23,7 +23,7 @@ def compare(law: Law, dz_dt: Node, force: Node) -> None:
         Refused: they differ.
     """
     v, z, rate = symbol("v"), symbol("z"), symbol("dz_dt")
-    numbers = {n: x for n, x in law.values.items() if x is not None}
+    numbers = law.p.numbers
     made = [  # with numbers folded where they meet, as an evaluation would, and with the constants' names
         SimpleNamespace(**{n: x if x is None else constant(x) for n, x in law.values.items()}, **law.choices),
         law.symbolic(symbol, law.form),

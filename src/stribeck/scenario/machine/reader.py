@@ -180,7 +180,7 @@ class MachineReader(Reading):
         self.problems += reader.problems
         if law is not None:
             self.laws[path] = law
-            self.values |= {(path, n): x for n, x in law.values.items() if x is not None}
+            self.values |= {(path, n): x for n, x in law.p.numbers.items()}
         return law
 
     def _level(self, contact: str, path: str, table: Any, law: Law | None) -> Level | None:

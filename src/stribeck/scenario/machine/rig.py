@@ -56,8 +56,8 @@ class Rig:
         """The longest step that cannot miss a wave of a signal, s."""
         return min((signal.longest_step for signal in self.signals.values()), default=np.inf)
 
-    def levels(self) -> list[float]:
-        """The level of each watched quantity: v_s of a contact, half of the play, the limit of a controller."""
+    def thresholds(self) -> list[float]:
+        """The threshold of each watched quantity: v_s of a contact, half of the play, the limit of a controller."""
         found = [self.laws[c.law_path].machine.get("v_s", 0.0) for c in self.machine.contacts]
         found += [self.values[x.path, "gap"] / 2 for x in self.machine.links if "gap" in x.form]
         for each in self.machine.controllers:

@@ -1,0 +1,32 @@
+"""The synthetic rig: what it measures is the law, the body and the sensors that it was given."""
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.rig.synthetic import Body, Sensors, experiment
+from tests.simulation.rig import needs_compiler
+
+pytestmark = needs_compiler
+
+T = np.arange(0, 2, 1e-3)
+V = 0.01 * np.sin(2 * np.pi * T)
+LAW = stribeck.law("stribeck", parameters="canudas1995")
+
+
+def test_the_force_is_friction_inertia_spring_and_offset():
+    found = experiment(LAW, (T, V), Sensors(position_resolution=0.0), Body(mass=2.0, stiffness=30.0, offset=0.5))
+    y = found.log.position
+    expected = LAW.steady_force(V) + 2.0 * np.gradient(V, 1e-3) + 30.0 * y + 0.5
+    assert found.log.force == pytest.approx(expected, abs=1e-9)
+    assert all("SYNTHETIC" in word for word in found.log.sources.values())
+
+
+def test_sensors_add_the_noise_and_the_steps_that_they_have():
+    sensors = Sensors(position_resolution=1e-6, force_noise=0.2, force_memory=0.02)
+    clean, noisy = (experiment(LAW, (T, V), s, seed=3).log for s in (Sensors(), sensors))
+    assert noisy.position * 1e6 == pytest.approx(np.round(noisy.position * 1e6), abs=1e-6)
+    noise = noisy.force - clean.force
+    assert np.std(noise) == pytest.approx(0.2, rel=0.3)
+    assert np.corrcoef(noise[1:], noise[:-1])[0, 1] == pytest.approx(np.exp(-1e-3 / 0.02), abs=0.03)
+    assert experiment(LAW, (T, V), sensors, seed=3).log.force == pytest.approx(noisy.force)

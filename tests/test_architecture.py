@@ -1,0 +1,51 @@
+"""docs/architecture.md against the tree: every room is there, in the order of the imports."""
+
+import re
+import tomllib
+from itertools import pairwise
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+SOURCE = ROOT / "src" / "stribeck"
+PAGE = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+DRAWING = PAGE.split("```")[1]
+
+
+def rooms():
+    """The rooms of the table, row by row from the bottom."""
+    table = PAGE.split("| room |")[1].split("\n\n")[0]
+    return [re.findall(r"`([^`]+)`", row.split("|")[1]) for row in table.splitlines()[2:]]
+
+
+def test_the_table_names_every_room_once():
+    named = [room.rstrip("/") for row in rooms() for room in row]
+    there = [p.name for p in SOURCE.iterdir() if (p.is_dir() and (p / "__init__.py").exists()) or p.suffix == ".py"]
+    assert sorted(named) == sorted(set(there) - {"__init__.py", "__main__.py"})
+
+
+def test_the_table_has_the_order_of_the_imports():
+    contract = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]
+    layers = [re.split(r" \| ", layer) for layer in reversed(contract["layers"])]
+    height = {name: i for i, layer in enumerate(layers) for name in layer}
+    of_rows = [
+        [height[n] for room in row if (n := room.rstrip("/").removesuffix(".py")) != "runtime"] for row in rooms()
+    ]
+    assert all(max(lower) < min(upper) for lower, upper in pairwise(of_rows))
+
+
+def test_what_the_page_and_its_drawing_name_exists():
+    for path in re.findall(r"`([a-z_]+(?:/[a-z_]*)*(?:\.py)?)`", PAGE):
+        if "/" in path and not path.startswith(("proofs/", "src/")):
+            assert (SOURCE / path).exists() or (ROOT / path).exists(), path
+    inside = {
+        "export": "c fmu machine text python learning",
+        "identify": "data features models methods statistics report actuator",
+    }
+    for room, parts in inside.items():
+        line = next(line for line in DRAWING.splitlines() if f"{room}/" in line)
+        drawn = re.findall(r"([a-z]+)/", line.split(f"{room}/", 1)[1])
+        assert drawn == parts.split()
+        folders = {p.name for p in (SOURCE / room).iterdir() if (p / "__init__.py").exists()}
+        assert folders == set(drawn), room
+    for name in re.findall(r"([a-z_]+)/", DRAWING.replace("→", "")):
+        assert any((SOURCE / name).exists() or (SOURCE / room / name).exists() for room in inside), name
