@@ -92,3 +92,15 @@ def test_units_do_not_change_what_a_fit_comes_to(law):
         for s, f in ((1.0, 1.0), (1e-6, 1e5))
     )  # fmt: skip
     assert other.relative_force_error == pytest.approx(usual.relative_force_error, rel=0.02)
+
+
+def test_viscous_friction_is_seen_at_any_speed():
+    """Of an arm at hundreds of rad/s, a small number times a large one."""
+    rng = np.random.default_rng(4)
+    t = np.arange(800) * 2e-3
+    v = 1e3 * np.sin(2 * np.pi * 1.1 * t)
+    force = np.sign(v) + 1e-3 * v + 0.02 * rng.standard_normal(len(t))
+    columns = {"t": t, "v": v, "F": force}
+    fit = stribeck.fit(columns, "coulomb_viscous", time="t", velocity="v", force="F", mass=0.0, decimate=1, cutoff=0)
+    assert fit.estimates["sigma_2"].value == pytest.approx(1e-3, rel=0.02)
+    assert fit.estimates["F_c"].value == pytest.approx(1.0, rel=0.02)
