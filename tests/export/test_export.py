@@ -185,3 +185,9 @@ def test_the_names_of_the_contract():
     assert list(TARGETS) == names
     assert list(PARTS)[:4] == ["law", "body", "observer", "cascade"]
     assert callable(stribeck.export)
+
+
+def test_the_header_says_plainly_what_is_not_guaranteed(tmp_path):
+    files = stribeck.export(stribeck.law("lugre_majorant", "canudas1995", k_v=1e6), "c", tmp_path)
+    said = " ".join(line.strip(" *") for line in next(f for f in files if f.suffix == ".h").read_text().splitlines())
+    assert "The law is unique, bounded and smooth; it is not passive and not drift-free." in said

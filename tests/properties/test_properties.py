@@ -307,3 +307,10 @@ def test_the_matrix_knows_which_laws_a_set_suffices_for():
     assert list(check_all({"sigma_0": 1e5, "F_c": 1.0})) == ["dahl"]
     with pytest.raises(InputError):
         check_all({**values, "F_s": 1.0})
+
+
+@pytest.mark.parametrize("v_max", [-1.0, 0.0, float("nan"), float("inf")])
+@pytest.mark.parametrize("level", [None, (1.0, 2.0)])
+def test_a_speed_that_makes_no_sense_is_refused(v_max, level):
+    with pytest.raises(InputError, match=rf"^v_max: {v_max}: must be a finite number > 0"):
+        check(stribeck.law("dahl", sigma_0=1e5, F_c=1.0), v_max, level=level)

@@ -96,11 +96,14 @@ class Request:
         rotary, linear = "rotary motion: N m and rad", "linear motion; a rotary machine has N m for N and rad for m"
         lines.append(f"  ({rotary if self.rotary else linear})")
         if kept or lost:
-            lines.append(
-                f"The law is {', '.join(kept) or 'none of the five properties'}{'; not ' if lost else ''}{', '.join(lost)}."
-            )
+            told = [*([_listed(kept)] if kept else []), *([_listed([f"not {name}" for name in lost])] if lost else [])]
+            lines.append(f"The law is {'; it is '.join(told)}.")
         lines.append(made_by())
         return [ascii_only(line) for line in lines]
+
+
+def _listed(words: list[str]) -> str:
+    return " and ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
 
 
 def valued(name: str, value: float, constant: Constant) -> str:

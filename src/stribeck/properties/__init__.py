@@ -6,9 +6,11 @@ import importlib
 import logging
 from collections.abc import Callable
 from functools import partial
+from math import inf
 from time import process_time
 
-from stribeck.errors import needed
+from stribeck.constants import show as shown
+from stribeck.errors import InputError, arg, needed
 from stribeck.laws.base import Law
 from stribeck.properties.checked import Checked
 from stribeck.properties.storage import storage_interval
@@ -37,8 +39,11 @@ def check(
         The verdicts: each true with a proof, false with a counterexample, or null with the reason. docs/check.md.
 
     Raises:
-        InputError: ``level`` is no range, or the law does not allow such constants.
+        InputError: ``v_max`` is no finite number > 0, ``level`` is no range, or the law does not allow such
+            constants.
     """
+    if v_max is not None and not 0 < v_max < inf:
+        raise InputError(f"{arg('v_max')}: {shown(v_max)}: must be a finite number > 0, in m/s")
     if level is not None:
         from stribeck.properties.level import check_level
 

@@ -109,7 +109,7 @@ def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
     notes = fit.notes
     if least["cross_validated_error"] < (1 - _WORTH) * settled.left_out.error:
         told = f"{least['name']} ({least['law']}) predicts data left out better: {least['cross_validated_error']:.3%}"
-        notes = (f"{told}; without --law the best law and terms are looked for", *notes)
+        notes = (f"{told}; where no law is named, the best law and terms are looked for", *notes)
     return replace(fit, notes=notes, details={**fit.details, "candidates": found})
 
 
