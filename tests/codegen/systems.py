@@ -24,7 +24,7 @@ def one_signal_each(law, form):
     """A system with energy under each drive, the sorts of signal in turn: neighbouring variants have the other one."""
     turn = IDS.index("_".join((law.name, *form.words)))
     sorts = (None, Sine)
-    return [System(law, form, drive, sorts[(turn + i) % 2], True) for i, drive in enumerate(KINDS.values())]
+    return [System(law, form, drive(), sorts[(turn + i) % 2], True) for i, drive in enumerate(KINDS.values())]
 
 
 # of the order of 1, so that finite differences are exact to many digits

@@ -52,9 +52,9 @@ def balance(xp: Any, loop: Callable[..., Any], law: Any, p: Any, w: Any, given: 
     k = inertia / dt
     x = settled(xp, loop, law, p, w, z, dt)
     _, force, rate_v, rate_z, force_v, force_z = law.slopes(p, w, x)
-    slope = k + force_v + force_z * dt * rate_v / (1 - dt * rate_z)
+    slope = k + (force_v + force_z * dt * rate_v / (1 - dt * rate_z))
     terms = k * (abs(w) + abs(v)) + abs(force) + abs(effort) + abs(force_v * w) + abs(force_z * x)
-    return k * (w - v) + force - effort, slope, terms, force, x
+    return k * (w - v) - (effort - force), slope, terms, force, x
 
 
 def solved(xp: Any, loop: Callable[..., Any], law: Any, p: Any, given: Any) -> tuple[Any, ...]:
