@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.control.cascade import Cascade
+from stribeck.control.cascade import PressureCascade
 from stribeck.control.gains import at_speed, damping, decay
 from stribeck.control.proof import ERRORS, derive
 from stribeck.errors import StribeckError, needed
@@ -65,7 +65,7 @@ def along(solution: Solution) -> Along:
     """
     scenario = solution.scenario
     system = scenario.system
-    if not isinstance(system, System) or not isinstance(system.drive, Cascade) or not len(solution.t):
+    if not isinstance(system, System) or not isinstance(system.drive, PressureCascade) or not len(solution.t):
         raise StribeckError(f"{scenario.name}: V needs the solution of a servo, with rows")
     saturated = np.abs(solution["u"]) >= scenario.drive_values["u_max"] * (1 - 1e-9)
     drive, observer = system.drive, scenario.settings.observer

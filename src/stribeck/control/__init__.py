@@ -1,7 +1,7 @@
 """Controllers that compensate friction: their equations, written once, and their Lyapunov function."""
 
-from stribeck.control.cascade import Cascade
+from stribeck.control.cascade import PressureCascade
 
-__all__ = ["KINDS", "Cascade"]
+__all__ = ["KINDS", "PressureCascade"]
 
-KINDS = {Cascade.kind: Cascade}
+KINDS = {PressureCascade.kind: PressureCascade}

@@ -36,7 +36,7 @@ _ADAPTED = (
 
 
 @dataclass(frozen=True)
-class Cascade(Drive):
+class PressureCascade(Drive):
     """A tracking law for the piston that asks for a pressure difference, and one for the valve that provides it.
 
     Attributes:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.control.cascade import MEASURED, Cascade
+from stribeck.control.cascade import MEASURED, PressureCascade
 from stribeck.control.observer import START
 from stribeck.drives.base import Course
 from stribeck.expressions.emit import python_function
@@ -85,7 +85,7 @@ class Controller:
     """The controller's equations at an instant, and its states from one sample to the next."""
 
     def __init__(
-        self, cascade: Cascade, course: Course, values: Mapping[tuple[str, str], float], signal: Signal
+        self, cascade: PressureCascade, course: Course, values: Mapping[tuple[str, str], float], signal: Signal
     ) -> None:
         self.states = [state.name for state in cascade.remembered]
         found = cascade.controller(course, {symbol("t"): ONE})
@@ -116,7 +116,7 @@ def intervals(
     system: System, sampling: Sampling, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Held
 ) -> Generator[Interval, Array, None]:  # fmt: skip
     """The stretches of a run in which the voltage is held; what is sent back is the plant's state at the end of each."""
-    assert isinstance(system.drive, Cascade)
+    assert isinstance(system.drive, PressureCascade)
     controller = Controller(system.drive, system.reference(symbol("t")), values, signal)
     random = np.random.default_rng(sampling.seed)
     acceleration = _acceleration(system, values)

@@ -10,7 +10,7 @@ import numpy as np
 
 from stribeck.analysis.comparison import compared
 from stribeck.constants import rotary_words
-from stribeck.control import Cascade
+from stribeck.control import PressureCascade
 from stribeck.drives import Drive
 from stribeck.report import machines, plots
 from stribeck.report.page import FigureSvg
@@ -42,7 +42,9 @@ _CASCADE = (
     Panel("F", "friction force", also=", and what the controller assumes", beside=("F_hat",), alone=True),
     Panel("F", "friction against velocity", x="v", near_rest=True),
 )
-_OF_DRIVE: dict[type[Drive], tuple[Panel, ...]] = {Cascade: _CASCADE}  # where a drive has more to see than a force
+_OF_DRIVE: dict[type[Drive], tuple[Panel, ...]] = {
+    PressureCascade: _CASCADE
+}  # where a drive has more to see than a force
 
 
 def panels(solution: Solution) -> tuple[Panel, ...]:

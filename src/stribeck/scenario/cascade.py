@@ -15,7 +15,7 @@ from pydantic import Field
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
-from stribeck.control.cascade import Cascade
+from stribeck.control.cascade import PressureCascade
 from stribeck.control.observer import Adaptation
 from stribeck.control.sampled import Held, Sampling, intervals
 from stribeck.drives import Drive
@@ -110,12 +110,14 @@ class CascadeSettings(Settings):
     @classmethod
     def fullest(cls, kind: type[Drive]) -> Drive:
         """With an observer that is adapted."""
-        return Cascade(BristleLaw, adaptive=True)
+        return PressureCascade(BristleLaw, adaptive=True)
 
     def drive(self, kind: type[Drive], given: Collection[str]) -> Drive:
         """The controller's structure."""
         law, form = (type(self.observer), self.observer.form) if self.observer else (None, USUAL)
-        return Cascade(law, form, "supply_droop" in given, self.adaptation is not None, self.sampling is not None)
+        return PressureCascade(
+            law, form, "supply_droop" in given, self.adaptation is not None, self.sampling is not None
+        )
 
     def values(self) -> dict[tuple[str, str], float]:
         """The constants of the plant as it is known, of the observer and of its adaptation."""

@@ -18,7 +18,7 @@ from stribeck.scenario.tables import Table, number
 from stribeck.scenario.trust import in_a_file
 
 DRIVES: dict[str, type[drives.Drive]] = {**drives.KINDS, **control.KINDS}
-_SETTINGS: dict[str, type[Settings]] = {control.Cascade.kind: CascadeSettings}
+_SETTINGS: dict[str, type[Settings]] = {control.PressureCascade.kind: CascadeSettings}
 
 
 def settings(drive: type[drives.Drive]) -> type[Settings]:

@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import Any
 
 from stribeck.constants import Constant
-from stribeck.control.cascade import F_HAT, MEASURED, Cascade, E, S
+from stribeck.control.cascade import F_HAT, MEASURED, E, PressureCascade, S
 from stribeck.control.observer import START, Z_HAT
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
@@ -91,10 +91,10 @@ class ControllerCode:
         return replace(system, drive=self.controller)
 
     @cached_property
-    def controller(self) -> Cascade:
+    def controller(self) -> PressureCascade:
         """The controller's equations."""
         drive = self.settings.drive(self.scenario.drive, self.scenario.drive_values)
-        assert isinstance(drive, Cascade)
+        assert isinstance(drive, PressureCascade)
         return replace(drive, sampled=False)
 
     @property
