@@ -56,6 +56,8 @@ BESIDE_THE_ROOMS = {
 }
 TESTED_ELSEWHERE = {"examples": "tests/cli and tests/scenario run each"}
 PRIVATE_IMPORTS: dict[str, str] = {}
+# It shares nothing with the rest, so that it can be read alone: it says the same things once more, in the same words.
+APART = "properties/verify_certificate/"
 
 
 def relative(path: Path) -> str:
@@ -94,6 +96,16 @@ def test_private_names_stay_in_their_module():
                     if name.name.startswith("_") and not name.name.startswith("__")
                 }
     assert found == set(PRIVATE_IMPORTS)
+
+
+def test_a_class_has_a_name_of_its_own():
+    where: dict[str, list[str]] = {}
+    for path in FILES:
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef) and not relative(path).startswith(APART):
+                where.setdefault(node.name, []).append(relative(path))
+    found = {name: files for name, files in where.items() if len(files) > 1 and not name.startswith("_")}
+    assert not found, f"two classes of one name: {found}"
 
 
 def test_an_array_is_declared_once():

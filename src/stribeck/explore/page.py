@@ -23,7 +23,7 @@ from stribeck.files import write_text
 from stribeck.laws import table
 from stribeck.laws.render import Equation, condition, equations
 from stribeck.scenario import Scenario
-from stribeck.signals import Points
+from stribeck.signals import PointsSignal
 from stribeck.simulation.native import EVENT_ROOM
 from stribeck.system import System
 from stribeck.version import __version__
@@ -138,7 +138,7 @@ def _path(scenario: Scenario, name: str) -> str:
 def _signal(scenario: Scenario) -> dict[str, Any]:
     signal = scenario.signal
     found: dict[str, Any] = {"kind": signal.kind, "smooth": signal.smooth}
-    if isinstance(signal, Points):
+    if isinstance(signal, PointsSignal):
         scale = float(scenario.data["drive"]["signal"].get("scale", 1.0))
         found |= {"t": signal.t.tolist(), "value": signal.value.tolist(), "scale": scale}
     return found

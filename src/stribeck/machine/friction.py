@@ -10,7 +10,7 @@ from stribeck.expressions.ops import Value, clip, where
 from stribeck.laws.base import Law
 from stribeck.laws.values import Constants
 from stribeck.machine.loads import sum_of_waves
-from stribeck.machine.parts import Compensation, ContactPart, Factor, made
+from stribeck.machine.parts import CompensationPart, ContactPart, Factor, made
 from stribeck.signals.pieces import Reference
 
 _SLOWEST = 1e-100  # m/s or rad/s
@@ -80,7 +80,7 @@ def steady_force(law: type[Law], p: SimpleNamespace, v: Expr, called: Names) -> 
 
 
 def compensation(
-    c: Compensation, r: Reference, v: Expr, z: Expr, called: Names, exact: bool
+    c: CompensationPart, r: Reference, v: Expr, z: Expr, called: Names, exact: bool
 ) -> tuple[Expr, Expr | None]:
     """The force that makes up for friction, and the rate of the observer's deflection where there is one.
 

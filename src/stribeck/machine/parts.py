@@ -18,10 +18,10 @@ from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
-from stribeck.machine.controllers import Controller
-from stribeck.machine.links import Link
-from stribeck.machine.loads import Load
-from stribeck.machine.motors import Motor
+from stribeck.machine.controllers import ControllerElement
+from stribeck.machine.links import LinkElement
+from stribeck.machine.loads import LoadElement
+from stribeck.machine.motors import MotorElement
 from stribeck.signals import Signal
 from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
 
@@ -66,7 +66,7 @@ class SignalUse:
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyPart:
     """A body: ``leader`` where it is tied to another, ``driven`` where its velocity is given."""
 
     name: str
@@ -112,7 +112,7 @@ class LinkPart:
     """A link between two bodies."""
 
     name: str
-    kind: type[Link]
+    kind: type[LinkElement]
     form: Form
     span: Span
 
@@ -174,7 +174,7 @@ class LoadPart:
     """A force on a body."""
 
     name: str
-    kind: type[Load]
+    kind: type[LoadElement]
     form: Form
     on: str
     signal: SignalUse | None = None
@@ -198,7 +198,7 @@ class MotorPart:
     form: Form
     on: str
     signal: SignalUse | None = None
-    kind: type[Motor] = Motor
+    kind: type[MotorElement] = MotorElement
 
     @property
     def path(self) -> str:
@@ -217,7 +217,7 @@ class MotorPart:
 
 
 @dataclass(frozen=True)
-class Compensation:
+class CompensationPart:
     """Which law a controller takes the friction for, and at which speed."""
 
     law: type[Law]
@@ -255,13 +255,13 @@ class ControllerPart:
     """A controller on a motor or a body."""
 
     name: str
-    kind: type[Controller]
+    kind: type[ControllerElement]
     form: Form
     on: str
     measures: str
     signal: SignalUse
     feedforward: bool = False
-    compensation: Compensation | None = None
+    compensation: CompensationPart | None = None
     sampling: Sampled | None = None
 
     @property

@@ -13,8 +13,8 @@ from stribeck.constants import DECIDED
 from stribeck.errors import left_out
 from stribeck.files import together, write_json, write_text
 from stribeck.loops import Design
-from stribeck.loops.boundary import Line
-from stribeck.loops.compensation import Compensation, with_compensation
+from stribeck.loops.boundary import PathVerdicts
+from stribeck.loops.compensation import CompensationResult, with_compensation
 from stribeck.report import chapters, plots
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
@@ -49,7 +49,7 @@ def write(found: Design, summary: dict[str, Any], folder: Path, command: str = "
     return files
 
 
-def best(found: Design) -> Compensation | None:
+def best(found: Design) -> CompensationResult | None:
     """The compensation with the least worst error of those that stay quiet."""
     quiet = [c for c in found.compensations if c.largest_quiet_share is not None]
     return min(quiet, key=lambda c: c.worst_error) if quiet else None
@@ -136,7 +136,7 @@ def _compensations(found: Design) -> Chapter:
     return Chapter("compensations", "What may be done against friction", text, [Table(head, rows)])
 
 
-def _line(line: Line, i: int) -> FigureSvg:
+def _line(line: PathVerdicts, i: int) -> FigureSvg:
     """The verdict along one number."""
     with plots.style():
         made, axes = plots.figure([["verdict"]], 2.2)
@@ -157,7 +157,7 @@ def _line(line: Line, i: int) -> FigureSvg:
         )
 
 
-def _shares(found: Sequence[Compensation]) -> FigureSvg:
+def _shares(found: Sequence[CompensationResult]) -> FigureSvg:
     """Error against margin: what each compensation leaves, and how far it may be turned up."""
     with plots.style():
         made, axes = plots.figure([["error"]], 2.6)

@@ -23,7 +23,7 @@ from stribeck.errors import InputError, arg, needed
 from stribeck.files import write_json, write_parquet, write_with
 from stribeck.report.files import write_csv
 from stribeck.scenario import Scenario
-from stribeck.scenario.objects import Machine, Varied, scenario_of
+from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.simulation.native import step_share
 from stribeck.simulation.variations import arrays, vary
@@ -255,7 +255,7 @@ class Sweep:
 
 
 def sweep(
-    scenario: Scenario | Machine | Varied | str | Path | Mapping[str, Any],
+    scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, Any],
     values: Mapping[str, Any] | None = None,
     out: str | Path = "sweep",
     *,
@@ -284,9 +284,9 @@ def sweep(
     Raises:
         InputError: a path cannot be varied, or the folder holds another sweep.
     """
-    if isinstance(scenario, Varied):
+    if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **(values or {})}
-    shared = scenario.machine if isinstance(scenario, Varied) else scenario
+    shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
     found = Sweep(scenario_of(shared, t_end, step), arrays(values or {}), Path(out), summary, as_csv)
     found.folder.mkdir(parents=True, exist_ok=True)
     found.run(threads, progress)

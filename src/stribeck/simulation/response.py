@@ -91,7 +91,7 @@ class Response:
         return out if status == 0 and np.isfinite(out).all() else None
 
 
-class Motion:
+class ForcedBody:
     """The motion of a body under a measured force and a law's friction: y(t), v(t) for F(t) given by samples.
 
     Args:
