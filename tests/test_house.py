@@ -108,6 +108,24 @@ def test_a_class_has_a_name_of_its_own():
     assert not found, f"two classes of one name: {found}"
 
 
+def test_a_function_imported_by_its_bare_name_is_the_only_one_so_imported():
+    """Modules may each have their ``files`` or ``chapter``, called as ``module.files``; a bare name means one thing."""
+    defined: set[tuple[str, str]] = set()
+    imported: set[tuple[str, str]] = set()
+    for path in FILES:
+        if relative(path).startswith(APART):
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        here = ".".join(("stribeck", *path.relative_to(SOURCE).with_suffix("").parts)).removesuffix(".__init__")
+        defined |= {(here, n.name) for n in tree.body if isinstance(n, ast.FunctionDef)}
+        froms = [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and here != "stribeck"]
+        imported |= {(n.module or "", name.name) for n in froms for name in n.names if not name.asname}
+    homes: dict[str, list[str]] = {}
+    for home, name in sorted(defined & imported):
+        homes.setdefault(name, []).append(home)
+    assert not (found := {name: where for name, where in homes.items() if len(where) > 1}), found
+
+
 def test_an_array_is_declared_once():
     found = [relative(path) for path in FILES if "NDArray[np.float64]" in path.read_text(encoding="utf-8")]
     assert found == ["arrays.py"]

@@ -112,7 +112,7 @@ class SampledCascade:
         return tuple(found[:4])
 
 
-def intervals(
+def held_intervals(
     system: System, sampling: Sampling, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Held
 ) -> Generator[Interval, Array, None]:  # fmt: skip
     """The stretches of a run in which the voltage is held; what is sent back is the plant's state at the end of each."""

@@ -33,12 +33,12 @@ def explore(
     scenario: Scenario, out: Path, laws: Iterable[str] | None = None, command: str = "",
     progress: Callable[[float], None] | None = None, fitted: Mapping[str, Any] | None = None,
 ) -> Path:  # fmt: skip
-    """Write the page of a scenario; see :func:`page`."""
-    write_text(out, page(scenario, laws, command, progress, fitted))
+    """Write the page of a scenario; see :func:`explorer_page`."""
+    write_text(out, explorer_page(scenario, laws, command, progress, fitted))
     return out
 
 
-def page(
+def explorer_page(
     scenario: Scenario, laws: Iterable[str] | None = None, command: str = "",
     progress: Callable[[float], None] | None = None, fitted: Mapping[str, Any] | None = None,
 ) -> str:  # fmt: skip

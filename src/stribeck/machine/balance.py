@@ -17,8 +17,8 @@ from stribeck.expressions.graph import (
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import both, clip, where
 from stribeck.machine.controllers import Own
-from stribeck.machine.friction import compensation, parameters
-from stribeck.machine.parts import BodyPart, ControllerPart, LinkPart, MotorPart, Span, made
+from stribeck.machine.friction import compensation, contact_parameters
+from stribeck.machine.parts import BodyPart, ControllerPart, LinkPart, MotorPart, Span, symbols_of
 from stribeck.signals.pieces import Reference
 
 if TYPE_CHECKING:
@@ -186,7 +186,7 @@ class Balance:
         for contact in self.machine.contacts:
             d, w, ratio = self.span(contact.span, contact.path)
             z = symbol(f"{contact.name}.z") if contact.law.has_z else ZERO
-            p = parameters(contact, d, forces, T, self.called)
+            p = contact_parameters(contact, d, forces, T, self.called)
             rate = wrap(contact.law.dz_dt(p, w, z)) if contact.law.has_z else ZERO
             F = wrap(contact.law.friction(p, w, z, rate))
             if rate.args:
@@ -194,7 +194,9 @@ class Balance:
             self.k[f"{contact.name}.z"], self.k[f"{contact.name}.w"] = z, w
             self._name(f"{contact.name}.F", F)
             self._act(contact.span, ratio, F)
-            stored = wrap(contact.law.stored_energy(contact.law.symbolic(made(contact.law_path), contact.form), z))
+            stored = wrap(
+                contact.law.stored_energy(contact.law.symbolic(symbols_of(contact.law_path), contact.form), z)
+            )
             self.stored = self.stored + stored
             self.lost = self.lost + (F * w - (derivative(stored, z) * rate if contact.law.has_z else ZERO))
             if contact.law.has_z:

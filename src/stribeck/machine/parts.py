@@ -31,7 +31,7 @@ _INPUT = Constant("", "added to the signal", default=0.0)
 Named = dict[str, Constant]
 
 
-def made(path: str) -> Any:
+def symbols_of(path: str) -> Any:
     """What makes the symbol of a constant of the table ``path``."""
     return lambda name: symbol(f"{path}.{name}")
 
@@ -124,7 +124,7 @@ class LinkPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ class LoadPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -213,7 +213,7 @@ class MotorPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -228,7 +228,7 @@ class CompensationPart:
 
     def symbolic(self, called: Names) -> Constants:
         """The law's constants as symbols."""
-        return self.law.symbolic(made(self.path), self.form, called.term)
+        return self.law.symbolic(symbols_of(self.path), self.form, called.term)
 
     @property
     def observes(self) -> bool:
@@ -278,16 +278,16 @@ class ControllerPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
-def opened(part: Any) -> Any:
+def with_inputs(part: Any) -> Any:
     """A machine, or a part of one, to whose signals something can be added from outside; not to those that multiply
     parameters, which must stay positive."""
     if isinstance(part, SignalUse):
         return part if ".factors." in part.path else replace(part, open=True)
     if isinstance(part, tuple):
-        return tuple(map(opened, part))
+        return tuple(map(with_inputs, part))
     if is_dataclass(part) and not isinstance(part, type):
-        return replace(part, **{field.name: opened(getattr(part, field.name)) for field in fields_of(part)})
+        return replace(part, **{field.name: with_inputs(getattr(part, field.name)) for field in fields_of(part)})
     return part

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.codegen.response import motion_source, parameters, response_source
+from stribeck.codegen.response import motion_source, response_parameters, response_source
 from stribeck.errors import BuildError
 from stribeck.laws.base import Law
 from stribeck.laws.form import USUAL, Form
@@ -48,7 +48,7 @@ class Response:
     """
 
     def __init__(self, law: type[Law], form: Form = USUAL) -> None:
-        self.names = parameters(law, form)
+        self.names = response_parameters(law, form)
         library = _built(response_source(law, form))
         self._call = library.stribeck_respond
 
@@ -103,7 +103,7 @@ class ForcedBody:
     """
 
     def __init__(self, law: type[Law], form: Form = USUAL) -> None:
-        self.names = parameters(law, form)
+        self.names = response_parameters(law, form)
         self._call = _built(motion_source(law, form)).stribeck_move
 
     def of(

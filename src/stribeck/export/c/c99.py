@@ -8,7 +8,7 @@ from typing import Any
 
 from stribeck.errors import InputError, arg
 from stribeck.export.c import cascade
-from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, condition, net_force, render
+from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, c_condition, net_force, render
 from stribeck.export.request import Request
 from stribeck.laws import builtin
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
@@ -76,7 +76,7 @@ def costs(law: Law) -> list[str]:
 def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, str]]:
     """(the constant to blame, what is allowed, the condition in C) for every relation of the law."""
     found = dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB))
-    return [(r.key, r.allowed, condition(r.holds, law)) for r in found if all(need in constants for need in r.needs)]
+    return [(r.key, r.allowed, c_condition(r.holds, law)) for r in found if all(need in constants for need in r.needs)]
 
 
 def notes(request: Request) -> list[str]:

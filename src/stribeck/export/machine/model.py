@@ -12,10 +12,10 @@ from stribeck.codegen import PORTABLE, parameter_names, with_columns
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
-from stribeck.export.c.ccode import WORDS, condition
+from stribeck.export.c.ccode import WORDS, c_condition
 from stribeck.export.request import ascii_only, made_by, valued
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
-from stribeck.machine.parts import INPUT, SignalUse, opened
+from stribeck.machine.parts import INPUT, SignalUse, with_inputs
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation.native import step_share
@@ -64,7 +64,7 @@ class MachineModel:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'machine' needs a machine (schema = 2)")
         self.scenario, self.rig, self.origin = scenario, scenario.rig, origin
-        self.machine: MachineSystem = opened(scenario.rig.machine)
+        self.machine: MachineSystem = with_inputs(scenario.rig.machine)
 
     @cached_property
     def name(self) -> str:
@@ -129,7 +129,7 @@ class MachineModel:
                 blamed = by_path.get(f"{path}.{r.key}")
                 if blamed is None or any(f"{path}.{n}" not in by_path for n in r.needs):
                     continue
-                text = condition(r.holds, law, "p->@")
+                text = c_condition(r.holds, law, "p->@")
                 text = re.sub(r"p->@(\w+)", lambda m, p=path: f"p->{by_path[f'{p}.{m[1]}'].name}", text)  # type: ignore[misc]
                 found.append((blamed, r.allowed, text))
         return found

@@ -17,7 +17,7 @@ from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, estimat
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.recordings import Logs, read_logs
 from stribeck.identify.actuator.result import LogResult, MachineFit
-from stribeck.identify.actuator.runs import made
+from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed
@@ -76,7 +76,7 @@ def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
     sought: list[MachineCoordinate] = []
     for i, recording in enumerate(logs.recordings):
         try:
-            made(scenario, recording, i)
+            recorded_run(scenario, recording, i)
         except InputError as error:
             problems += error.problems
     if scenario.rig is not None:

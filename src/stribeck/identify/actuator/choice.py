@@ -124,11 +124,11 @@ def _speeds(fit: Fitting) -> dict[str, float]:
     found = {}
     for contact in fit.scenario.data.get("contacts", {}):
         try:
-            from stribeck.identify.actuator.runs import made
+            from stribeck.identify.actuator.runs import recorded_run
             from stribeck.simulation.single import simulate
 
             i, recording = fit.fitted[0]
-            solution = simulate(made(fit.scenario, recording, i).scenario)
+            solution = simulate(recorded_run(fit.scenario, recording, i).scenario)
             w = solution[f"{contact}.w"]
             found[contact] = max(float(np.sqrt(np.nanmean(w**2))), 1e-6)
         except (StribeckError, KeyError):

@@ -12,8 +12,8 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Trace
-from stribeck.identify.actuator.runs import RecordedRun, made
-from stribeck.identify.actuator.solve import Found, cost, scanned, search
+from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.solve import Found, half_squares, scanned, search
 from stribeck.identify.actuator.starts import begun, stretches
 from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
@@ -202,7 +202,7 @@ def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPo
     """The fit with each column weighted by the noise that it turned out to have."""
     problem = estimate.problem
     for _ in range(_WEIGHTINGS):
-        if estimate.stopped or cost(problem.residuals(estimate.u[None]))[0] > 1e200:
+        if estimate.stopped or half_squares(problem.residuals(estimate.u[None]))[0] > 1e200:
             return estimate
         old, share = dict(problem.noise), problem.size / max(problem.size - len(problem.sought), 1)
         for column, (left, _) in leftovers(problem, estimate.u).items():
@@ -257,6 +257,3 @@ def unit_of(scenario: Scenario, column: str) -> str:
     """The unit of a machine's column."""
     assert scenario.rig is not None
     return next((c.unit for c in scenario.rig.machine.columns if c.name == column), "")
-
-
-__all__ = ["BestPoint", "estimate", "made", "traces"]

@@ -10,7 +10,7 @@ from scipy.stats import chi2, f
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.solve import STEP, cost, relaxed
+from stribeck.identify.actuator.solve import STEP, half_squares, relaxed
 
 THRESHOLD = float(chi2.ppf(0.95, 1))
 _CLOSE = 0.01  # of the threshold's root
@@ -133,7 +133,7 @@ class Ends:
 
 def profiles(problem: MachineProblem, u: Array, s: Spread, wanted: list[int]) -> dict[int, Ends]:
     """The 95 % profile intervals of the coordinates ``wanted``; all sides of all of them advance together in lanes."""
-    base = float(cost(problem.residuals(u[None]))[0])
+    base = float(half_squares(problem.residuals(u[None]))[0])
     root = np.sqrt(threshold(s.freedom))
     sides = [_Side(problem, u, s, k, sign, root) for k in wanted for sign in (-1, 1)]
     for _ in range(_TRIES):

@@ -125,7 +125,7 @@ def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel
     return found
 
 
-def made(
+def recorded_run(
     scenario: Scenario, recording: Recording, log: int, span: tuple[float, float] | None = None, fine: bool = False
 ) -> RecordedRun:
     """The scenario of a recording, or of a stretch of it; ``fine``: with rows between its samples, for sensors' clocks.

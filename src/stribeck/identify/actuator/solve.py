@@ -36,7 +36,7 @@ class Found:
     others: tuple[Array, ...] = ()  # where other starts ended
 
 
-def cost(r: Array) -> Array:
+def half_squares(r: Array) -> Array:
     """Half the sum of squares of each row, infinite where a simulation failed."""
     with np.errstate(all="ignore"):
         total = 0.5 * np.sum(np.square(r), axis=-1)
@@ -64,7 +64,7 @@ def search(
         else:
             U = np.array(begin)
         U = problem.repaired(np.concatenate([U, *(x[None] for x in more)]))
-        costs = cost(problem.residuals(U))
+        costs = half_squares(problem.residuals(U))
         order = np.argsort(costs)[: _KEEP[0]]
         if 0 not in order:
             order = np.append(order[:-1], 0)
@@ -106,7 +106,7 @@ def _step(problem: MachineProblem, U: Array, costs: Array, damping: Array) -> tu
         U[p] + direction(r[p], J[p], U[p], problem, damping[p] * share) for p in range(len(U)) for share in _DAMPINGS
     ]
     tried = problem.repaired(np.array(trials))
-    found = cost(problem.residuals(tried)).reshape(len(U), -1)
+    found = half_squares(problem.residuals(tried)).reshape(len(U), -1)
     tried = tried.reshape(len(U), -1, n)
     new, out, after = costs.copy(), U.copy(), damping.copy()
     for p in range(len(U)):
@@ -155,7 +155,7 @@ def scanned(problem: MachineProblem, found: Found, steps: int = 5) -> list[Array
 
 def relaxed(problem: MachineProblem, points: Array, held: list[int], rounds: int = 2) -> tuple[Array, Array]:
     """The points with all coordinates but the one held moved to where the cost is least, and the cost."""
-    costs = cost(problem.residuals(points))
+    costs = half_squares(problem.residuals(points))
     for _ in range(rounds):
         r, J = problem.slopes(points, np.full(points.shape[1], STEP))
         trials = []
@@ -167,7 +167,7 @@ def relaxed(problem: MachineProblem, points: Array, held: list[int], rounds: int
                 step[k] = 0.0
                 trials.append(points[p] + step)
         tried = np.clip(np.array(trials), problem.low, problem.high)
-        new = cost(problem.residuals(tried)).reshape(len(points), -1)
+        new = half_squares(problem.residuals(tried)).reshape(len(points), -1)
         for p in range(len(points)):
             i = int(np.argmin(new[p]))
             if new[p, i] < costs[p]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.recordings import Channel, Recording
-from stribeck.identify.actuator.runs import RecordedRun, made
+from stribeck.identify.actuator.runs import RecordedRun, recorded_run
 from stribeck.scenario import Scenario
 
 _NEAR = 12  # samples from which a state is estimated
@@ -71,7 +71,7 @@ def begun(
     roughly, and the fit precisely.
     """
     late = any((n.startswith("outputs.") and n.endswith((".delay", ".clock"))) or ".outputs." in n for n in named)
-    run = made(scenario, recording, log, span, late)
+    run = recorded_run(scenario, recording, log, span, late)
     at = span[0] if span else 0.0
     found: list[MachineCoordinate] = []
     told: set[str] = set()

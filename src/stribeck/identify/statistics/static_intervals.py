@@ -94,7 +94,9 @@ def _is_log(name: str) -> bool:
     return TERMS[name].positive if name in TERMS else True
 
 
-def judge(rows: Rows, model: StaticModel, solution: Minimum, profiles: bool = True) -> StaticConfidenceIntervals:
+def static_intervals(
+    rows: Rows, model: StaticModel, solution: Minimum, profiles: bool = True
+) -> StaticConfidenceIntervals:
     """Intervals and verdicts for everything that was to be fitted."""
     at = linearised(model.whole, solution)
     half, notes, details = _half_widths(rows, model, solution, at)
