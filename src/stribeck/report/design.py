@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import tomli_w
@@ -32,7 +31,7 @@ _MEANING = {
 VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
 
 
-def write_design(found: Design, summary: dict[str, Any], folder: Path, command: str = "") -> list[str]:
+def write_design(found: Design, summary: dict[str, object], folder: Path, command: str = "") -> list[str]:
     """Write machine.toml (with the best compensation and tuned gains, ready to run), the figures and the page, and, last,
     summary.json; the paths."""
     with together(folder) as place:
