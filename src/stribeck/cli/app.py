@@ -363,6 +363,10 @@ def design(
         list[str] | None,
         typer.Option("--vary", metavar="PATH=LOW:HIGH", help="Find where the verdict changes; may be repeated."),
     ] = None,
+    map_: Annotated[
+        list[str] | None,
+        typer.Option("--map", metavar="PATH=LOW:HIGH", help="Given twice: the verdict over two numbers, as a picture."),
+    ] = None,
     tune: Annotated[
         str | None, typer.Option("--tune", metavar="K_p,K_v", help="Search gains of the controller, or paths.")
     ] = None,
@@ -388,9 +392,24 @@ def design(
 
     options = {
         "vary": vary or [], "tune": tune.split(",") if tune else [], "uncertainty_file": uncertainty, "controller": controller,
-        "compensations": compensations, "seed": seed,
+        "compensations": compensations, "seed": seed, "map": map_ or [],
     }  # fmt: skip
     return command.run(scenario, set_ or [], options, out, json, trust)
+
+
+@app.command(epilog="Example: stribeck hunting machine.toml")
+def hunting(
+    scenario: ScenarioFile,
+    controller: ControllerName = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Will this loop hunt? By simulation, and by describing functions as a second opinion."""
+    from stribeck.cli import design as command
+
+    return command.hunt(scenario, set_ or [], controller, json, trust)
 
 
 @app.command(epilog="Example: stribeck doctor --json")

@@ -109,12 +109,7 @@ def export(
         content, notes = _content(chosen, request)
     for text in notes:
         note(text)
-    if not chosen.folder:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        (data,) = content.values()
-        write_with(out, lambda beside: beside.write_bytes(_encode(data)))
-        return [out]
-    return _write_folder(out, content)
+    return _write_folder(out, content) if chosen.folder else _write_file(out, content)
 
 
 def _content(chosen: Target, request: Request) -> tuple[dict[str, str | bytes], list[str]]:
@@ -174,6 +169,14 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
         text = "must be left out: part 'cascade' has the law of the scenario's [drive.observer]"
         raise InputError(f"{arg('law')}: {law.name!r}: {text}, {own.name!r}")
     return law or own
+
+
+def _write_file(out: Path, content: dict[str, str | bytes]) -> list[Path]:
+    """The one file of a target."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    (data,) = content.values()
+    write_with(out, lambda beside: beside.write_bytes(_encode(data)))
+    return [out]
 
 
 def _write_folder(out: Path, content: dict[str, str | bytes]) -> list[Path]:

@@ -10,6 +10,7 @@ RUB = law(sigma_0=1e5, sigma_1=300.0, sigma_2=20.0, F_c=6.0, F_s=9.0, v_s=5e-3, 
 CASCADE = {"kind": "cascade", "K_p": 30.0, "K_v": 150.0, "T_i": 0.05, "limit": 14.0, "feedforward": {"inertia": 2.0}}
 CASES = {
     "measured": {**CASCADE, "compensation": {"contact": "guide", "speed": "measured", "share": 0.8}},
+    "led": {**CASCADE, "compensation": {"contact": "guide", "speed": "measured", "share": 0.8, "lead": 1e-3}},
     "reference": {**CASCADE, "compensation": {"contact": "guide", "speed": "reference"}, "signal": WAVE},
     "filtered": {"kind": "pid", "K_p": 9e3, "K_d": 200.0, "K_i": 2e4, "sampling": {**SAMPLING, "bandwidth": 800.0}},
 }

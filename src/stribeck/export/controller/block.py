@@ -18,6 +18,7 @@ from stribeck.expressions.names import Names
 from stribeck.expressions.ops import sign
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
+from stribeck.machine.balance import lead_of
 from stribeck.machine.friction import compensation
 from stribeck.machine.parts import ControllerPart, Sampled
 from stribeck.machine.sampled import observed, sampled_states, stepped
@@ -141,7 +142,7 @@ class Block:
         each = self.controller
         assert each.compensation is not None
         v, z = symbol("input.v"), symbol("state.z_hat")
-        force, rate = compensation(each.compensation, r, v, z, self.called, exact=True)
+        force, rate = compensation(each.compensation, r, v, z, self.called, exact=True, lead=lead_of(each))
         if each.compensation.share:
             force = symbol(f"{each.path}.compensation.share") * force
         if rate is None or not self._observed:
