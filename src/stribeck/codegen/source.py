@@ -91,7 +91,7 @@ class _Source:
         solution = eliminate(matrix, self.c_names, right, self._keep_factor)
         parts = [
             self._head(),
-            _runtime("vector.c" if self.lanes else "scalar.c"),
+            runtime_text("vector.c" if self.lanes else "scalar.c"),
             self._struct("Parameters", self.fields, [f"{owner}|{name}" for owner, name in self.system.parameters]),
             self._struct("Coefficients", list(self.coefficients), None),
             "/* The current pieces of the signals, and what sampled controllers hold. */\n"
@@ -124,9 +124,9 @@ class _Source:
             ),
             *self._watching(),
             *self._sampling(),
-            _runtime("method.c"),
-            _runtime("events.c"),
-            _runtime("lanes.c" if self.lanes else "run.c"),
+            runtime_text("method.c"),
+            runtime_text("events.c"),
+            runtime_text("lanes.c" if self.lanes else "run.c"),
         ]  # fmt: skip
         return "\n\n".join(parts)
 
@@ -322,7 +322,8 @@ _COMMON = "const Parameters *p, const Coefficients *c"
 _NOW = "const Segment *piece, real t, const real *x"
 
 
-def _runtime(name: str) -> str:
+def runtime_text(name: str) -> str:
+    """A file of ``runtime/``: the code that is the same for every system."""
     return files("stribeck.runtime").joinpath(name).read_text(encoding="utf-8")
 
 

@@ -41,8 +41,8 @@ class Design:
     controller: str
     judgement: Judgement
     errors: dict[str, dict[str, float | None]]
-    lines: list[boundary.Line]
-    compensations: list[compensation.Compensation]
+    lines: list[boundary.PathVerdicts]
+    compensations: list[compensation.CompensationResult]
     why_not: str
     proof: dict[str, Any]
     tuned: tuning.Tuned | None = None
@@ -113,7 +113,7 @@ def design(
     found = judge(loop, tell=part("the verdict"))[0]
     measured = errors(loop, name)
     lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
-    compared: list[compensation.Compensation] = []
+    compared: list[compensation.CompensationResult] = []
     why_not = "" if compensations else "not asked for"
     if compensations:
         try:
