@@ -38,7 +38,8 @@ class Explorer(SphinxDirective):
         page = Path(self.env.app.outdir) / "explorers" / name
         if not page.is_file():
             page.parent.mkdir(parents=True, exist_ok=True)
-            subprocess.run([sys.executable, "-m", "stribeck", "explore", *words, "--out", str(page)], check=True)
+            command = [sys.executable, "-m", "stribeck", "explore", *words, "--out", str(page)]
+            subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         up = "../" * self.env.docname.count("/")
         text = (
             f'<p><a href="{up}explorers/{name}">Open the live explorer on a page of its own</a></p>\n'
