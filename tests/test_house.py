@@ -52,6 +52,7 @@ BESIDE_THE_ROOMS = {
     "proofs": "proofs/, the Coq developments",
     "properties/nasty": "laws written to mislead, which tests/properties reads",
     "reference": "reference trajectories and published numbers, by others",
+    "site": "docs/, the site: its references, links, examples",
     "theory": "docs/theory.md, step by step",
 }
 TESTED_ELSEWHERE = {"examples": "tests/cli and tests/scenario run each"}
