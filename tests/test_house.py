@@ -26,7 +26,7 @@ ANY: dict[str, tuple[int, str]] = {
     "cli": (20, "summaries for JSON that are read again by their keys, to be printed"),
     "exchange": (14, "the files of other programs, as JSON and XML hold them"),
     "explore": (11, "Bokeh's figures; numbers for the page"),
-    "export": (17, "the contexts of the templates of an FMU; optional fields of its variables"),
+    "export": (19, "the contexts of the templates of an FMU; optional fields of its variables"),
     "expressions": (
         8,
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
@@ -38,7 +38,7 @@ ANY: dict[str, tuple[int, str]] = {
     "paper": (6, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
     "properties": (230, "flint has no types; certificates are JSON"),
-    "report": (16, "certificates and manifests as JSON; Matplotlib's options; columns of any type"),
+    "report": (17, "certificates and manifests as JSON; Matplotlib's options; columns of any type"),
     "scenario": (215, "a file's tables before they are validated, and Pydantic's models made at run time"),
     "simulation": (14, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
     "": (16, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),
@@ -49,6 +49,7 @@ BESIDE_THE_ROOMS = {
     "proofs": "proofs/, the Coq developments",
     "properties/nasty": "laws written to mislead, which tests/properties reads",
     "reference": "reference trajectories and published numbers, by others",
+    "site": "docs/, the site: its references, links, examples",
     "theory": "docs/theory.md, step by step",
 }
 TESTED_ELSEWHERE = {"examples": "tests/cli and tests/scenario run each"}

@@ -25,7 +25,7 @@ def test_step(name, own):
     compensation = CompensationPart(type(law), law.form, "law", "measured")
     z, v, period, called = symbol("z"), symbol("v"), symbol("period"), Names()
     rate = type(law).dz_dt(compensation.symbolic(called), v, z)
-    after = sampled._step(SimpleNamespace(compensation=compensation), rate, z, v, period, called)
+    after = sampled.observed(SimpleNamespace(compensation=compensation), rate, z, v, period, called)
     step = python_function(("z", "v", "period", *(f"law.{n}" for n in law.p.numbers)), [after])
     rates = friction(name, {**P, **own})
     for speed in (0.003, -0.1):

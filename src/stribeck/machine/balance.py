@@ -257,11 +257,17 @@ def unlimited(
     if each.feedforward:
         u = u + symbol(f"{each.path}.feedforward.inertia") * r.second
     if each.compensation is not None:
-        force, rate = compensation(each.compensation, r, v, x.get("z_hat", ZERO), called, exact)
+        force, rate = compensation(each.compensation, r, v, x.get("z_hat", ZERO), called, exact, lead_of(each))
         u = u + (symbol(f"{each.path}.compensation.share") * force if each.compensation.share else force)
         if rate is not None and "z_hat" in x:
             rates["z_hat"] = rate
     return wrap(u), rates
+
+
+def lead_of(each: ControllerPart) -> Expr | None:
+    """The lag by which a controller's compensation is led."""
+    led = each.compensation is not None and each.compensation.lead
+    return symbol(f"{each.path}.compensation.lead") if led else None
 
 
 def limited(each: ControllerPart, u: Expr) -> Expr:

@@ -80,17 +80,41 @@ def steady_force(law: type[Law], p: SimpleNamespace, v: Expr, called: Names) -> 
 
 
 def compensation(
-    c: CompensationPart, r: Reference, v: Expr, z: Expr, called: Names, exact: bool
+    c: CompensationPart, r: Reference, v: Expr, z: Expr, called: Names, exact: bool, lead: Expr | None = None
 ) -> tuple[Expr, Expr | None]:
     """The force that makes up for friction, and the rate of the observer's deflection where there is one.
 
     ``exact``: where the reference rests the force is 0, as at a sample; else the sign is that of the present piece.
+    ``lead``: that times dF/dt is added, with the reference's second derivative for the acceleration: what lags by it
+    follows F (the paper's inner loop, Sobczyk, Perondi, Cunha, eq. 13, which has dF/dt in the derivative of p_d).
     """
     p = c.symbolic(called)
     if c.speed == "reference":
         speed = wrap(abs(r.rate))
         moving = wrap(where(speed > _SLOWEST, speed, _SLOWEST))  # at rest the limit: |v|/|v| is no number there
         force = r.direction * steady_force(c.law, p, moving, called)
+        if lead is not None:
+            rising = symbol("rising")
+            (slope,) = substitute(
+                [derivative(steady_force(c.law, p, rising, called), rising)], {rising: moving}, called
+            )
+            force = force + lead * slope * r.second
         return (wrap(where(speed <= 0, 0.0, force)) if exact and not is_zero(speed) else wrap(force)), None
     rate = wrap(c.law.dz_dt(p, v, z)) if c.law.has_z else None
-    return wrap(c.law.friction(p, v, z, 0.0 * v if rate is None else rate)), rate
+    force = wrap(c.law.friction(p, v, z, 0.0 * v if rate is None else rate))
+    if lead is None:
+        return force, rate
+    by_v, by_z = _slopes(c, p)
+    slopes = substitute([by_v, by_z], {_V: v, _Z: z}, called)
+    change = slopes[0] * r.second + (slopes[1] * rate if rate is not None else 0.0)
+    return wrap(force + lead * change), rate
+
+
+_V, _Z = symbol("held v"), symbol("held z")
+
+
+def _slopes(c: CompensationPart, p: SimpleNamespace) -> tuple[Expr, Expr]:
+    """dF/dv and dF/dz of a law."""
+    rate = wrap(c.law.dz_dt(p, _V, _Z)) if c.law.has_z else 0.0 * _V
+    force = wrap(c.law.friction(p, _V, _Z, rate))
+    return derivative(force, _V), derivative(force, _Z)

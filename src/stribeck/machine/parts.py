@@ -225,6 +225,7 @@ class CompensationPart:
     path: str  # of the law's table: the contact's, or one of its own
     speed: str  # "reference" or "measured"
     share: bool = False  # whether a share of it other than the whole is given
+    lead: bool = False  # whether lead dF/dt is added, so that an inner loop that lags follows F
 
     def symbolic(self, called: Names) -> Constants:
         """The law's constants as symbols."""

@@ -43,6 +43,7 @@ _FEEDFORWARD = Constant("kg", "force by the signal's second derivative", rotary_
 FEEDFORWARD = _FEEDFORWARD
 FACTOR, GAIN, WEIGHT = _FACTOR, _GAIN, _WEIGHT
 SHARE = Constant("", "share of the law's force that the controller adds", at_least=0)
+LEAD = Constant("s", "lag of the inner loop that the force is led by: lead dF/dt is added", above=0)
 
 
 @dataclass(frozen=True)
@@ -179,8 +180,9 @@ class MachineSystem(Equations):
             found[f"{each.path}.feedforward"] = {"inertia": _FEEDFORWARD}
         if each.compensation is not None and each.compensation.path.startswith(each.path):
             found[each.compensation.path] = each.compensation.law.numbers(each.compensation.form)
-        if each.compensation is not None and each.compensation.share:
-            found[f"{each.path}.compensation"] = {"share": SHARE}
+        if each.compensation is not None and (each.compensation.share or each.compensation.lead):
+            on = {"share": (each.compensation.share, SHARE), "lead": (each.compensation.lead, LEAD)}
+            found[f"{each.path}.compensation"] = {n: constant for n, (there, constant) in on.items() if there}
         if each.sampling is not None:
             part = each.sampling.numbers
             found[f"{each.path}.sampling"] = {n: c for n, c in _SAMPLING.items() if part[n]}

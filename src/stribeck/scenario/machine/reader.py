@@ -263,6 +263,9 @@ class MachineReader(Reading):
         form = self._constants(kind, values, path)
         if not ok or signal is None or form is None or not isinstance(measures, str):
             return None
+        led = compensation is not None and compensation.lead
+        if led and values.feedforward is None and (text := wiring.no_second_derivative(self.signals[signal])):
+            self.problems.append((f"{path}.signal.kind", text.replace("feedforward", "compensation.lead")))
         if values.feedforward is not None:
             if text := wiring.no_second_derivative(self.signals[signal]):
                 self.problems.append((f"{path}.signal.kind", text))
@@ -303,4 +306,11 @@ class MachineReader(Reading):
             return None
         if values.share is not None:
             self.values[path, "share"] = values.share
-        return CompensationPart(type(law), law.form, place, values.speed, values.share is not None)
+        if values.lead is not None:
+            if not law.differentiable:
+                text = f"law '{law.name}' has no dF/dt; must be left out, or the law a smooth one"
+                self.problems.append((f"{path}.lead", f"{values.lead:g}: {text}"))
+            self.values[path, "lead"] = values.lead
+        return CompensationPart(
+            type(law), law.form, place, values.speed, values.share is not None, values.lead is not None
+        )

@@ -11,7 +11,7 @@ from stribeck.constants import Constant
 from stribeck.machine import controllers, loads
 from stribeck.machine.element import Element
 from stribeck.machine.motors import MotorElement
-from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, SAMPLING, SHARE
+from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, LEAD, SAMPLING, SHARE
 from stribeck.scenario.tables import StrictTable, number
 
 GROUND = "ground"
@@ -64,6 +64,7 @@ class CompensationTable(StrictTable):
     )
     law: dict[str, Any] | None = Field(None, description="the law, if it is not the contact's")
     share: float | None = Field(None, ge=0, description=f"{SHARE.meaning}; 1 unless given")
+    lead: float | None = Field(None, gt=0, description=LEAD.meaning)
 
 
 def _numbers(constants: dict[str, Constant]) -> dict[str, Any]:
