@@ -295,3 +295,15 @@ class EvenSpring(_LuGre):
     @staticmethod
     def h(p, v, z, dz_dt):
         return p.sigma_0 * sqrt(z**2) - p.sigma_0 * z
+
+
+class ConditionsWithoutEnd(_LuGre):
+    """h = 100 v where v > 0 and z < inf, or z > inf, or (v < -inf and z > 0): for v > 0: h v >= 0: B1, passive. B0."""
+
+    truth = "unique bounded -smooth passive -drift_free"
+
+    @staticmethod
+    def h(p, v, z, dz_dt):
+        endless = float("inf")
+        never = either(z > endless, both(v < -endless, z > 0))
+        return where(either(both(v > 0, z < endless), never), 100.0 * v, 0.0)
