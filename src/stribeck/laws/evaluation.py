@@ -86,7 +86,7 @@ class Evaluation:
         """Friction force in N for velocities v (m/s), deflections z (m) and rates dz/dt (m/s)."""
         return np.asarray(self._in_floats(lambda p: self.friction(p, v, z, dz_dt)))
 
-    def _in_floats(self, equation: Callable[[Constants], Any]) -> Any:
+    def _in_floats(self, equation: Callable[[Constants], Value]) -> Value:
         """An equation's value; inf or nan, as NumPy has it, where a number of its constants leaves the range of floats."""
         with np.errstate(all="ignore"):
             try:
