@@ -37,7 +37,10 @@ ANY: dict[str, tuple[int, str]] = {
     "machine": (10, "values of an own element's constants"),
     "paper": (6, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
-    "properties": (230, "flint has no types; certificates are JSON"),
+    "properties": (
+        6,
+        "six names for what has no type of its own: flint's numbers, data for JSON, what NumPy broadcasts",
+    ),
     "report": (17, "certificates and manifests as JSON; Matplotlib's options; columns of any type"),
     "scenario": (215, "a file's tables before they are validated, and Pydantic's models made at run time"),
     "simulation": (14, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),

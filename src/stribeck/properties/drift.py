@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -14,6 +13,7 @@ from stribeck.properties import replay
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import own_speeds
 from stribeck.properties.verdicts import Verdict, proved, undecided
@@ -96,7 +96,7 @@ def _shown(law: Law, apart: dict[str, float]) -> Verdict:
     return Verdict(False, _MOVED, {"not_elastic": apart})
 
 
-def _moved_at(law: Law, speed: float) -> tuple[dict[str, Any], dict[str, Any]] | None:
+def _moved_at(law: Law, speed: float) -> tuple[dict[str, Json], dict[str, Json]] | None:
     scales = law.scales(law.p)
     own = getattr(law.p, "z_ba", None)
     stiffness = abs(float(law.force(0.0, 1e-6 * scales.length))) / (1e-6 * scales.length)

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice
 from time import process_time
-from typing import Any
 
 from stribeck import laws
 from stribeck.constants import show
@@ -23,6 +22,7 @@ from stribeck.properties.certificate import Certificate
 from stribeck.properties.checked import SHARES, Checked
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import SIGNS, Model, Unreadable
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import own_speeds
 from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
@@ -83,7 +83,7 @@ class LevelVerdicts(Verdicts):
             verdict.verified = covers and not verify(stated, self.proofs[name], name, self.v_max)
         return all(verdict.verified is not False for verdict in self.properties.values())
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Json]:
         """As for a law, with the ranges under ``level``."""
         return {**super().to_json(), "level": self.level}
 
@@ -240,7 +240,7 @@ class _Decided:
             return None
         return proved(model, certificate, _DAMPED, {"z_within": None, **self._theorem(True)})
 
-    def _theorem(self, any_z: bool) -> dict[str, Any]:
+    def _theorem(self, any_z: bool) -> dict[str, Json]:
         """The theorem of proofs/Level.v that says the same for every set of constants."""
         law, varying = self.varied.law, {n for n, (a, b) in self.varied.ranges.items() if a != b}
         proved_there = ("lugre", "elastoplastic", *MAJORANT)

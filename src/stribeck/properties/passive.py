@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -17,6 +16,7 @@ from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.endless import steady_gain, without_limit
 from stribeck.properties.model import RATE, SIGNS, Model, U, V, W, Z, depends, divided
+from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, largest_speed
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
@@ -213,7 +213,7 @@ def _by_cycle(model: Model, storage: Storage, cycle: cycles.Cycle) -> Verdict | 
     bounds = enclosed.programme(model, cycle.start, cycle.speeds, cycle.turns)
     if bounds is None or not bounds[1] < 0:
         return None
-    evidence: dict[str, Any] = {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}}
+    evidence: dict[str, Json] = {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}}
     tables = cycles.scenario(storage.law, cycle)
     solution = replay.run(tables)
     span = max(*cycle.turns, cycle.start) - min(*cycle.turns, cycle.start)

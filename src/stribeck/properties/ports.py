@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from time import process_time
-from typing import Any
 
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
@@ -18,6 +17,7 @@ from stribeck.properties import WORK, check
 from stribeck.properties.claims import NULL
 from stribeck.properties.level import check_varied
 from stribeck.properties.model import SIGNS, Model
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
 from stribeck.properties.ranges import of_contact
 from stribeck.properties.verdicts import Verdict, Verdicts, undecided
@@ -68,11 +68,11 @@ class MachineVerdicts:
         found = [verdicts.verify() for verdicts in self.contacts.values()]  # every one, also after one that fails
         return all(found)
 
-    def certificates(self) -> dict[str, Any]:
+    def certificates(self) -> dict[str, Json]:
         """The certificates of all contacts, as plain data."""
         return {"contacts": {name: verdicts.certificates() for name, verdicts in self.contacts.items()}}
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Json]:
         """Plain data."""
         machine = {
             "passive": self.passive, "why": self.why, "spoiled_by": self.spoiled_by, "undecided": self.undecided,
@@ -85,7 +85,7 @@ class MachineVerdicts:
 
 
 def check_machine(
-    scenario: Any, v_max: float | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
+    scenario: Json, v_max: float | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
     work: float = WORK,
 ) -> MachineVerdicts:  # fmt: skip
     """Each contact of a machine, for every history of its constants that the file allows, and what follows for the whole.
@@ -137,7 +137,7 @@ def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
         raise InputError(problems)
 
 
-def _names(parts: Any) -> list[str]:
+def _names(parts: Json) -> list[str]:
     return [part.name for part in parts]
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from stribeck.expressions.ranges import EVERYTHING, Box, Range
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U, W, depends, divided
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget, Spent
 from stribeck.properties.switching import Joints, SwitchingSurface, present, switching_surfaces
 from stribeck.properties.verdicts import Verdict, proved, undecided
@@ -209,7 +209,7 @@ def _apart(a: Range, b: Range) -> bool:
 
 def _verdict(name: str, where: str, at: tuple[float, float], by: Expr | None, above: Range, below: Range) -> Verdict:
     what = "value" if by is None else f"derivative of {name} by {'v' if by is U else 'z'}"
-    evidence: dict[str, Any] = {
+    evidence: dict[str, Json] = {
         "of": name, "v": at[0], "z": at[1], "where": where,
         "derivative": what if by is not None else f"value of {name}",
         "from_below": 0.5 * (below[0] + below[1]), "from_above": 0.5 * (above[0] + above[1]),

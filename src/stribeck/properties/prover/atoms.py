@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import ceil, floor, isqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stribeck.expressions.graph import Expr, constant, rebuild
 from stribeck.expressions.ops import sqrt
 from stribeck.expressions.ranges import INF, PI, Range, ends_of
+from stribeck.properties.plain import Polynomial
 from stribeck.properties.prover.region import down, up
 from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 
@@ -215,7 +216,7 @@ def ranged(leaf: Leaf, atom: Quotient, node: Expr, of: Quotient | None = None) -
         leaf.put(index, value, leaf.number(Fraction(2)), "pi range", low_share, high_share)
         return atom
     a, b = Fraction(low), Fraction(high)
-    share: Any = leaf.fresh() if b > a else 0
+    share: Polynomial = leaf.fresh() if b > a else 0
     leaf.put(index, leaf.number(a) + leaf.number(b - a) * share, None, "range", a, b)
     return atom
 

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import log
-from typing import Any
 
 from stribeck.expressions.graph import Expr, ordered
 from stribeck.expressions.ranges import INF, Box, Range
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.leaf import Leaf, Rules
 from stribeck.properties.prover.region import Axis, End, Region
 from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 
-Tree = list[Any]
+Tree = list[Json]
 _NARROW = 1e-9  # relative width at which halving ends
 _DEEP = 60
 _TERMS = 40  # of a polynomial: as much work again as a leaf
@@ -73,7 +73,7 @@ class Prover:
     ring: Ring
     inputs: Mapping[str, Range]
     hints: Hints = field(default_factory=Hints)
-    proved: dict[Any, Tree | None] = field(default_factory=dict)
+    proved: dict[Hashable, Tree | None] = field(default_factory=dict)
 
     def show(
         self, expr: Expr, relation: str, ranges: Mapping[str, tuple[Fraction, End]], work: Budget, closed: bool = False,
@@ -98,7 +98,7 @@ class Prover:
             self.proved[key] = self.proved[same] if same is not None else self.proved[key]
         return self.proved[key]
 
-    def _same(self, expr: Expr, relation: str, region: Region) -> Any:
+    def _same(self, expr: Expr, relation: str, region: Region) -> Hashable:
         """What two claims share whose normal forms are the same, such as those for (v, z) and for (-v, -z)."""
         try:
             value = self.leaf(region, Rules(opaque=True)).convert(expr)
