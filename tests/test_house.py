@@ -52,10 +52,13 @@ BESIDE_THE_ROOMS = {
     "proofs": "proofs/, the Coq developments",
     "properties/nasty": "laws written to mislead, which tests/properties reads",
     "reference": "reference trajectories and published numbers, by others",
+    "site": "docs/, the site: its references, links, examples",
     "theory": "docs/theory.md, step by step",
 }
 TESTED_ELSEWHERE = {"examples": "tests/cli and tests/scenario run each"}
 PRIVATE_IMPORTS: dict[str, str] = {}
+# It shares nothing with the rest, so that it can be read alone: it says the same things once more, in the same words.
+APART = "properties/verify_certificate/"
 
 
 def relative(path: Path) -> str:
@@ -94,6 +97,34 @@ def test_private_names_stay_in_their_module():
                     if name.name.startswith("_") and not name.name.startswith("__")
                 }
     assert found == set(PRIVATE_IMPORTS)
+
+
+def test_a_class_has_a_name_of_its_own():
+    where: dict[str, list[str]] = {}
+    for path in FILES:
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef) and not relative(path).startswith(APART):
+                where.setdefault(node.name, []).append(relative(path))
+    found = {name: files for name, files in where.items() if len(files) > 1 and not name.startswith("_")}
+    assert not found, f"two classes of one name: {found}"
+
+
+def test_a_function_imported_by_its_bare_name_is_the_only_one_so_imported():
+    """Modules may each have their ``files`` or ``chapter``, called as ``module.files``; a bare name means one thing."""
+    defined: set[tuple[str, str]] = set()
+    imported: set[tuple[str, str]] = set()
+    for path in FILES:
+        if relative(path).startswith(APART):
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        here = ".".join(("stribeck", *path.relative_to(SOURCE).with_suffix("").parts)).removesuffix(".__init__")
+        defined |= {(here, n.name) for n in tree.body if isinstance(n, ast.FunctionDef)}
+        froms = [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and here != "stribeck"]
+        imported |= {(n.module or "", name.name) for n in froms for name in n.names if not name.asname}
+    homes: dict[str, list[str]] = {}
+    for home, name in sorted(defined & imported):
+        homes.setdefault(name, []).append(home)
+    assert not (found := {name: where for name, where in homes.items() if len(where) > 1}), found
 
 
 def test_an_array_is_declared_once():

@@ -32,9 +32,9 @@ def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path |
         found = design(scenario, tell=tell, **options)
     summary = found.to_json()
     if out is not None:
-        from stribeck.report.design import write
+        from stribeck.report.design import write_design
 
-        summary["files"] = write(found, summary, out, show.command_line())
+        summary["files"] = write_design(found, summary, out, show.command_line())
     if json:
         show.print_json(summary)
     else:

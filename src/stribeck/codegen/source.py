@@ -92,8 +92,8 @@ class _Source:
         solution = eliminate(matrix, self.c_names, right, self._keep_factor)
         parts = [
             self._head(),
-            _runtime("vector.c" if self.lanes else "scalar.c"),
-            *([STRICT + _runtime("portable.c")] if self.memory and not self.lanes else []),
+            runtime_text("vector.c" if self.lanes else "scalar.c"),
+            *([STRICT + runtime_text("portable.c")] if self.memory and not self.lanes else []),
             self._struct("Parameters", self.fields, [f"{owner}|{name}" for owner, name in self.system.parameters]),
             self._struct("Coefficients", list(self.coefficients), None),
             "/* The current pieces of the signals, and what sampled controllers hold. */\n"
@@ -126,9 +126,9 @@ class _Source:
             ),
             *self._watching(),
             *self._sampling(),
-            _runtime("method.c"),
-            _runtime("events.c"),
-            _runtime("lanes.c" if self.lanes else "run.c"),
+            runtime_text("method.c"),
+            runtime_text("events.c"),
+            runtime_text("lanes.c" if self.lanes else "run.c"),
         ]  # fmt: skip
         return "\n\n".join(parts)
 
@@ -346,7 +346,8 @@ _COMMON = "const Parameters *p, const Coefficients *c"
 _NOW = "const Segment *piece, real t, const real *x"
 
 
-def _runtime(name: str) -> str:
+def runtime_text(name: str) -> str:
+    """A file of ``runtime/``: the code that is the same for every system."""
     return files("stribeck.runtime").joinpath(name).read_text(encoding="utf-8")
 
 

@@ -81,7 +81,7 @@ def phi_1(x: float) -> float:
     return expm1(x) / x if x else 1.0
 
 
-class Controller:
+class SampledCascade:
     """The controller's equations at an instant, and its states from one sample to the next."""
 
     def __init__(
@@ -112,12 +112,12 @@ class Controller:
         return tuple(found[:4])
 
 
-def intervals(
+def held_intervals(
     system: System, sampling: Sampling, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Held
 ) -> Generator[Interval, Array, None]:  # fmt: skip
     """The stretches of a run in which the voltage is held; what is sent back is the plant's state at the end of each."""
     assert isinstance(system.drive, PressureCascade)
-    controller = Controller(system.drive, system.reference(symbol("t")), values, signal)
+    controller = SampledCascade(system.drive, system.reference(symbol("t")), values, signal)
     random = np.random.default_rng(sampling.seed)
     acceleration = _acceleration(system, values)
     T, u = sampling.time, 0.0

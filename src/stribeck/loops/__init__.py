@@ -49,8 +49,8 @@ class Design:
     controller: str
     judgement: Judgement
     errors: dict[str, dict[str, float | None]]
-    lines: list[boundary.Line]
-    compensations: list[compensation.Compensation]
+    lines: list[boundary.PathVerdicts]
+    compensations: list[compensation.CompensationResult]
     why_not: str
     proof: dict[str, Any]
     tuned: tuning.Tuned | None = None
@@ -163,7 +163,7 @@ def _compared(
     samples: dict[str, Array],
     wanted: bool,
     part: Callable[[str], Callable[[float], None] | None],
-) -> tuple[list[compensation.Compensation], Excess | None, str]:
+) -> tuple[list[compensation.CompensationResult], Excess | None, str]:
     """What may be done against friction, from which share on it pushes, and why there is nothing of this."""
     if not wanted:
         return [], None, "not asked for"

@@ -23,7 +23,7 @@ _ROUNDS = 4
 
 
 @dataclass(frozen=True)
-class Compensation:
+class CompensationResult:
     """One way to make up for friction.
 
     Attributes:
@@ -110,7 +110,7 @@ def with_compensation(scenario: Scenario, controller: str, contact: str, kind: s
 
 def compare(
     loop: Loop, controller: str, samples: dict[str, Array], tell: Callable[[float], None] | None = None
-) -> list[Compensation]:
+) -> list[CompensationResult]:
     """Each kind with its largest quiet share and the error that it leaves.
 
     Raises:
@@ -129,7 +129,7 @@ def compare(
         wide = {**samples, **{p: np.full(count, x) for p, x in given.items()}}
         own = float(reversal_errors(made, controller, {p: np.array([x]) for p, x in given.items()})[0])
         worst = float(np.nanmax(reversal_errors(made, controller, wide)))
-        found.append(Compensation(kind, share, largest, own, worst, made))
+        found.append(CompensationResult(kind, share, largest, own, worst, made))
         if tell is not None:
             tell((i + 1) / len(kinds))
     return found

@@ -11,14 +11,14 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.loops.compensation import contact_of, with_compensation
 from stribeck.loops.loop import Loop, controller_of
-from stribeck.machine.controllers import Cascade, Pid
+from stribeck.machine.controllers import Cascade, PidController
 from stribeck.scenario import Scenario
 from stribeck.simulation.single import simulate
 
 BEYOND = 0.05  # of the share, in the run that shows it
 _SPEEDS = 400
 _DECADES = (1e-2, 1e3)  # of v_s
-_OFF = {Pid: ("K_p", "K_i", "K_d"), Cascade: ("K_p", "K_v")}
+_OFF = {PidController: ("K_p", "K_i", "K_d"), Cascade: ("K_p", "K_v")}
 
 
 @dataclass(frozen=True)

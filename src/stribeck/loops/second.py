@@ -6,10 +6,10 @@ from copy import deepcopy
 from typing import Any
 
 from stribeck.analysis.hunting import Hunting, hunting
-from stribeck.drives.pid import Pid as PidDrive
+from stribeck.drives.pid import Pid
 from stribeck.errors import InputError, StribeckError
 from stribeck.loops.loop import Loop, controller_of
-from stribeck.machine.controllers import Cascade, Pid
+from stribeck.machine.controllers import Cascade, PidController
 from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
 
@@ -90,7 +90,7 @@ def as_machine(scenario: Scenario) -> Scenario:
     Raises:
         InputError: its drive is no PID controller, or its plant not a single mass.
     """
-    if scenario.drive is not PidDrive:
+    if scenario.drive is not Pid:
         raise InputError(f"drive.kind: {scenario.drive.kind!r}: must be 'pid' to hunt")
     if scenario.plant is not Mass:
         raise InputError(f"plant.kind: {scenario.data['plant']['kind']!r}: must be {Mass.kind!r} to hunt")
@@ -110,7 +110,7 @@ def as_machine(scenario: Scenario) -> Scenario:
 
 def pid_gains(kind: type, own: dict[str, float]) -> dict[str, float] | None:
     """The gains of the PID controller that does the same while the signal rests."""
-    if kind is Pid:
+    if kind is PidController:
         return {n: own[n] for n in ("K_p", "K_i", "K_d")}
     if kind is not Cascade:
         return None

@@ -13,7 +13,7 @@ from stribeck.machine.parts import ControllerPart
 from stribeck.signals.pieces import Reference
 
 if TYPE_CHECKING:
-    from stribeck.machine.system import Machine
+    from stribeck.machine.system import MachineSystem
 
 # An observer whose law is not linear in z takes so many steps until it could have gone 25 times its largest deflection; it is
 # as good as steady then.
@@ -27,7 +27,7 @@ def sampled_states(each: ControllerPart) -> tuple[str, ...]:
     return ("readings", *estimator, *each.states)
 
 
-def samples_of(machine: Machine, called: Names) -> list[Sample]:
+def samples_of(machine: MachineSystem, called: Names) -> list[Sample]:
     """What each sampled controller does at its instants."""
     from stribeck.machine.balance import Balance
 

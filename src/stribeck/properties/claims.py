@@ -11,7 +11,7 @@ from stribeck.expressions.ops import exp
 from stribeck.properties.certificate import Claim
 from stribeck.properties.model import SIGNS, Model, U, V, W, Z
 from stribeck.properties.prover.region import ExactRange
-from stribeck.properties.prover.search import Work
+from stribeck.properties.prover.search import Budget
 
 Ranges = Mapping[str, ExactRange]
 NULL = Fraction(0)
@@ -22,7 +22,7 @@ _QUADRANT: Ranges = {"u": (NULL, None), "w": (NULL, None)}
 class ClaimProver:
     """Builds the expressions of claims and proves them."""
 
-    def __init__(self, model: Model, work: Work) -> None:
+    def __init__(self, model: Model, work: Budget) -> None:
         self.model, self.work = model, work
 
     def _shown(self, expr: Expr, relation: str, ranges: Ranges, closed: bool = False, cones: bool = False) -> Any:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 from itertools import product
 from typing import Any
 
@@ -14,7 +13,7 @@ from stribeck.expressions.ranges import EVERYTHING, Box, Range
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U, W, depends, divided
-from stribeck.properties.switching import EVERYWHERE, Joints, SwitchingSurface, switching_surfaces
+from stribeck.properties.switching import Joints, SwitchingSurface, present, switching_surfaces
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
 _METHOD = (
@@ -53,7 +52,7 @@ def _smooth(model: Model, claims: ClaimProver, expr: Expr) -> list[Claim] | str:
         form = model.form_of(expr, s, t)
         for node in ordered([form]):
             for part, relation in _delicate(model, node):
-                claim = claims.divisor((s, t), part, relation, _present(part))
+                claim = claims.divisor((s, t), part, relation, present(part))
                 if claim is None:
                     return f"a {node.op} in {{}} may be singular somewhere"
                 found.append(claim)
@@ -84,10 +83,6 @@ def _delicate(model: Model, node: Expr) -> Iterator[tuple[Expr, str]]:
         return
     if depends(part, U, W) or (part.op != "constant" and relation != ">=0"):
         yield part, relation
-
-
-def _present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
-    return {n: r for n, r in EVERYWHERE.items() if depends(expr, {"u": U, "w": W}[n])}
 
 
 # -- kinks -------------------------------------------------------------------------------------------------------------

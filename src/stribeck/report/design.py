@@ -13,12 +13,13 @@ from stribeck.constants import DECIDED
 from stribeck.errors import left_out
 from stribeck.files import together, write_json, write_text
 from stribeck.loops import Design
-from stribeck.loops.boundary import Line
-from stribeck.loops.compensation import Compensation, with_compensation
+from stribeck.loops.boundary import PathVerdicts
+from stribeck.loops.compensation import CompensationResult, with_compensation
 from stribeck.loops.judge import Judgement
 from stribeck.loops.plane import Plane
 from stribeck.machine.parts import ControllerPart
 from stribeck.report import chapters, plots
+from stribeck.report.cells import digits
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import human
@@ -35,7 +36,7 @@ _MEANING = {
 VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
 
 
-def write(found: Design, summary: dict[str, Any], folder: Path, command: str = "") -> list[str]:
+def write_design(found: Design, summary: dict[str, Any], folder: Path, command: str = "") -> list[str]:
     """Write machine.toml (with the best compensation and tuned gains, ready to run), the figures and the page, and, last,
     summary.json; the paths."""
     with together(folder) as place:
@@ -56,7 +57,7 @@ def write(found: Design, summary: dict[str, Any], folder: Path, command: str = "
     return files
 
 
-def best(found: Design) -> Compensation | None:
+def best(found: Design) -> CompensationResult | None:
     """The compensation with the least worst error of those that stay quiet."""
     quiet = [c for c in found.compensations if c.largest_quiet_share is not None]
     return min(quiet, key=lambda c: c.worst_error) if quiet else None
@@ -152,7 +153,7 @@ def _verdict(found: Design) -> Chapter:
 
 def _errors(found: Design) -> Chapter:
     keys = ("peak", "rms", "reversal", "standstill", "settling")
-    rows = [[move, *(_digits(row.get(key)) for key in keys)] for move, row in found.errors.items()]
+    rows = [[move, *(digits(row.get(key), count=4) for key in keys)] for move, row in found.errors.items()]
     text = [
         "Errors in the unit of the body that is measured, settling in s. 'file' is the file's own signal; the sine's "
         "reversals are those of a circle's quadrants for each of its axes."
@@ -171,13 +172,9 @@ def _map(p: Plane) -> Chapter:
     return Chapter("map", "The verdict over two numbers", text, [Table(head, rows)])
 
 
-def _digits(x: float | None) -> str:
-    return "-" if x is None else f"{x:.4g}"
-
-
 def _compensations(found: Design) -> Chapter:
     rows = [
-        [c.kind, _digits(c.largest_quiet_share), _digits(c.share), _digits(c.reversal_error), _digits(c.worst_error)]
+        [c.kind, *(digits(x, count=4) for x in (c.largest_quiet_share, c.share, c.reversal_error, c.worst_error))]
         for c in found.compensations
     ]
     text = [
@@ -191,7 +188,7 @@ def _compensations(found: Design) -> Chapter:
     return Chapter("compensations", "What may be done against friction", text, [Table(head, rows)])
 
 
-def _line(line: Line, i: int) -> FigureSvg:
+def _line(line: PathVerdicts, i: int) -> FigureSvg:
     """The verdict along one number."""
     with plots.style():
         made, axes = plots.figure([["verdict"]], 2.2)
@@ -238,7 +235,7 @@ def _plane(p: Plane) -> FigureSvg:
         )
 
 
-def _shares(found: Sequence[Compensation]) -> FigureSvg:
+def _shares(found: Sequence[CompensationResult]) -> FigureSvg:
     """Error against margin: what each compensation leaves, and how far it may be turned up."""
     with plots.style():
         made, axes = plots.figure([["error"]], 2.6)

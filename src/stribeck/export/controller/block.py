@@ -11,7 +11,7 @@ from functools import cached_property
 from stribeck.constants import Constant, show
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg, nearest
-from stribeck.export.c.ccode import WORDS, condition
+from stribeck.export.c.ccode import WORDS, c_condition
 from stribeck.export.request import ascii_only, made_by, valued
 from stribeck.expressions.graph import Expr, ordered, symbol, symbols, wrap
 from stribeck.expressions.names import Names
@@ -217,7 +217,7 @@ class Block:
         law, found = self.scenario.rig.laws[made.path], []
         for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
             if all(f"friction_{need}" in self.constants for need in (r.key, *r.needs)):
-                text = condition(r.holds, law, "p->friction_")
+                text = c_condition(r.holds, law, "p->friction_")
                 found.append((f"friction_{r.key}", r.allowed, text))
         return found
 

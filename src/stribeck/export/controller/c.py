@@ -10,7 +10,7 @@ import numpy as np
 
 from stribeck.codegen import SAME
 from stribeck.export.c.ccode import DIALECT, WORDS, CWriter, render
-from stribeck.export.c.selftest import spread
+from stribeck.export.c.selftest import output_spread
 from stribeck.export.controller.block import Block
 from stribeck.expressions.emit import C_FUNCTIONS, python_function
 from stribeck.expressions.graph import ordered
@@ -63,12 +63,12 @@ def _path(block: Block) -> str:
 
 
 def rows(block: Block) -> list[tuple[str, ...]]:
-    """Rows for the self-test: inputs and states; then the outputs and the states after, each with its ``spread``."""
+    """Rows for the self-test: inputs and states; then the outputs and the states after, each with its spread."""
     constants = {path: value for _, value, path in block.constants.values()}
     inputs = [f"input.{c.name}" for c in block.inputs] + [f"state.{c.name}" for c in block.states]
     wanted = [block.expressions[c.name] for c in block.outputs]
     wanted += [block.expressions[f"next.{c.name}"] for c in block.states]
-    function = python_function([*constants, *inputs], [*wanted, *spread(wanted)])
+    function = python_function([*constants, *inputs], [*wanted, *output_spread(wanted)])
     size, random, found = sizes(block), np.random.default_rng(1), []
     for _ in range(_ROWS):
         x = [float(np.float32(size[name.partition(".")[2]] * random.uniform(-1, 1))) for name in inputs]

@@ -6,7 +6,7 @@ from stribeck.errors import InputError
 from stribeck.export.controller.block import Block
 from stribeck.export.request import Target, made_by
 from stribeck.export.text.table import fit
-from stribeck.machine.controllers import Cascade, Pid
+from stribeck.machine.controllers import Cascade, PidController
 
 TARGET = Target("mit", "controller.mit", "gains of a drive in MIT mode, as YAML", ("controller",), folder=False)
 
@@ -20,12 +20,12 @@ def files(block: Block) -> dict[str, str | bytes]:
     rig, each = block.scenario.rig, block.controller
     assert rig is not None
     value = {n: rig.values[each.path, n] for n in each.kind.numbers(each.form)}
-    if each.kind is Pid and not value.get("K_i"):
+    if each.kind is PidController and not value.get("K_i"):
         kp, kd, about = value["K_p"], value["K_d"], "kp = K_p, kd = K_d; send v_des = 0"
     elif each.kind is Cascade and "T_i" not in each.form:
         kp, kd, about = value["K_p"] * value["K_v"], value["K_v"], "kp = K_p K_v, kd = K_v; send v_des = dr/dt"
     else:
-        what = "an integral (K_i, T_i)" if each.kind in (Pid, Cascade) else f"kind {each.kind.kind!r}"
+        what = "an integral (K_i, T_i)" if each.kind in (PidController, Cascade) else f"kind {each.kind.kind!r}"
         raise InputError(f"{each.path}: {what}: must be a pid or a cascade without one: MIT mode has kp and kd alone")
     unit, speed = ("N m", "rad/s") if block.rotary else ("N", "m/s")
     lines = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 from stribeck.errors import InputError
 from stribeck.export.c.ccode import render
 from stribeck.export.controller.block import Block
-from stribeck.export.text.st import StWriter, number
+from stribeck.export.text.st import StWriter, st_number
 from stribeck.expressions.graph import ordered
 
 _OWN = ("reset", "ok", "x")
@@ -27,6 +27,6 @@ def files(block: Block) -> dict[str, str | bytes]:
     used = {node.op for node in ordered(e for _, e in wanted)}
     text = render(
         "block.st", P=block.name, b=block, about=block.about(), lines=lines, variables=list(dict.fromkeys(writer.variables)),
-        constants=[(n, number(value), c) for n, (c, value, _) in block.constants.items()], used=used,
+        constants=[(n, st_number(value), c) for n, (c, value, _) in block.constants.items()], used=used,
     )  # fmt: skip
     return {f"{block.name}.st": text}

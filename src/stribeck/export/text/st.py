@@ -62,10 +62,10 @@ class StWriter(Writer):
 
     def _format(self, node: Expr) -> tuple[str, int]:
         text, precedence = super()._format(node)
-        return (number(node.value), precedence) if isinstance(node.value, float) else (text, precedence)
+        return (st_number(node.value), precedence) if isinstance(node.value, float) else (text, precedence)
 
 
-def number(x: float) -> str:
+def st_number(x: float) -> str:
     """A number as the standard writes it: with a point."""
     mantissa, e, exponent = repr(float(x)).partition("e")
     return f"{mantissa if '.' in mantissa else mantissa + '.0'}{'E' if e else ''}{int(exponent) if e else ''}"
@@ -96,7 +96,7 @@ def files(request: Request) -> dict[str, str | bytes]:
         "force": [*(statements([("w_rate", "rate")]) if law.has_z else []), *statements([("F", "force_at_rate")])],
     }
     declared = request.declared
-    constants = [(n, number(x), declared[n]) for n, x in request.constants.items()]
+    constants = [(n, st_number(x), declared[n]) for n, x in request.constants.items()]
     text = render(
         "law.st", name=request.name, about=request.about(), law=law, eq=equations, constants=constants,
         u=request.unit, w=request.words,

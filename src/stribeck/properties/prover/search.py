@@ -29,7 +29,7 @@ class Spent(Exception):
 
 
 @dataclass
-class Work:
+class Budget:
     """Work that may still be done, in leaves; it does not depend on the machine's speed."""
 
     left: float
@@ -46,11 +46,11 @@ class Work:
         if self.left < 0:
             raise Spent
 
-    def part(self, most: float) -> Work:
+    def part(self, most: float) -> Budget:
         """At most so much of it, to be given back by :meth:`add`."""
-        return Work(min(most, self.left))
+        return Budget(min(most, self.left))
 
-    def add(self, part: Work) -> None:
+    def add(self, part: Budget) -> None:
         """Count what a part has done."""
         self.left -= part.done
         self.done += part.done
@@ -75,7 +75,7 @@ class Prover:
     proved: dict[Any, Tree | None] = field(default_factory=dict)
 
     def show(
-        self, expr: Expr, relation: str, ranges: Mapping[str, tuple[Fraction, End]], work: Work, closed: bool = False,
+        self, expr: Expr, relation: str, ranges: Mapping[str, tuple[Fraction, End]], work: Budget, closed: bool = False,
         cones: bool = False,
     ) -> Tree | None:  # fmt: skip
         """A tree that shows the relation (">=0", ">0", "!=0", "=0") on the ranges of u and w; None where none was found."""
@@ -111,7 +111,7 @@ class Prover:
 
 
 class _Search:
-    def __init__(self, prover: Prover, expr: Expr, relation: str, work: Work, cones: bool) -> None:
+    def __init__(self, prover: Prover, expr: Expr, relation: str, work: Budget, cones: bool) -> None:
         self.prover, self.expr, self.relation, self.work, self.cones = prover, expr, relation, work, cones
         ops = {node.op for node in ordered([expr])}
         self.cased = bool(ops & {"where", "abs", "sign"})
