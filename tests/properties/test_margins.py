@@ -5,7 +5,9 @@ import pytest
 import stribeck
 
 
-@pytest.mark.parametrize("ask", [stribeck.margins, lambda law, v_max=None: stribeck.storage_interval(law, [0.0], v_max)])
+@pytest.mark.parametrize(
+    "ask", [stribeck.margins, lambda law, v_max=None: stribeck.storage_interval(law, [0.0], v_max)]
+)
 def test_what_cannot_be_asked(ask):
     static = stribeck.law("coulomb_viscous", parameters="canudas1995", k_v=1e4)
     with pytest.raises(stribeck.InputError, match="must be a law with z"):

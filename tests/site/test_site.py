@@ -37,7 +37,9 @@ def anchors(page):
 
 
 def test_every_public_name_stands_in_the_reference():
-    shown = re.findall(r"^\.\. auto\w+:: stribeck\.(?:export\.)?(\w+)$", (DOCS / "api.md").read_text(encoding="utf-8"), re.M)
+    shown = re.findall(
+        r"^\.\. auto\w+:: stribeck\.(?:export\.)?(\w+)$", (DOCS / "api.md").read_text(encoding="utf-8"), re.M
+    )
     assert sorted(shown) == sorted(stribeck.__all__)
 
 

@@ -1,4 +1,4 @@
-"""The gallery runs: a log, a fit, a controller in C, and a loop whose error is smaller."""
+"""The three axes of docs run: a log, a fit, a controller in C, and a loop whose error is smaller."""
 
 import subprocess
 import sys
@@ -8,18 +8,18 @@ import numpy as np
 
 from tests.export.harness import need
 
-FOLDER = Path(__file__).parent.parent.parent / "docs" / "gallery"
+FOLDER = Path(__file__).parent.parent.parent / "docs" / "axes"
 
 
 def test_from_the_log_of_a_stage_to_its_controller(tmp_path, monkeypatch):
     need("gcc")
     monkeypatch.syspath_prepend(str(FOLDER))
     try:
-        import gallery
+        import axes
 
-        found = gallery.show("stage", tmp_path, quick=True)
+        found = axes.show("stage", tmp_path, quick=True)
     finally:
-        for name in ("gallery", "machines"):
+        for name in ("axes", "machines"):
             sys.modules.pop(name, None)
     assert found["rms_after"] < 0.5 * found["rms_before"]
     assert (tmp_path / "stage.svg").stat().st_size > 5000

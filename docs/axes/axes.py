@@ -1,6 +1,6 @@
 """From a log to the controller's C, for three axes: log, fit, design, export, and the closed loop before and after.
 
-    python docs/gallery/gallery.py [NAME ...] [--out DIR]
+    python docs/axes/axes.py [NAME ...] [--out DIR]
 
 The logs are simulated: the machine moves to and fro under its controller, and position, speed and force are kept with
 noise. The fit sees nothing else; the design starts from what was fitted; the loops before and after are of the machine with
@@ -141,7 +141,7 @@ def main() -> None:
     """All of them, or those named."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", default=list(MACHINES))
-    parser.add_argument("--out", type=Path, default=Path("gallery"))
+    parser.add_argument("--out", type=Path, default=Path("axes"))
     parser.add_argument("--quick", action="store_true", help="take the feedforward without comparing")
     options = parser.parse_args()
     for name in options.names:
