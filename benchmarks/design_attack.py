@@ -168,10 +168,11 @@ def verdict(data: Data, slowest: float, windows: int = 1) -> tuple[str, float]:
     return ("unstable" if grows else "hunting"), third[-1]
 
 
-def same(expected: str, found: str) -> bool:
-    """Quiet against what moves; hunting and unstable both oscillate, and a limit decides which it is called."""
+def same(expected: str, found: str, strict: bool) -> bool:
+    """Quiet against what moves: hunting and unstable both oscillate, and a limit decides which it is called; ``strict`` where
+    the boundary is one between these two."""
     moves = {"hunting", "unstable"}
-    return expected == found or (expected in moves and found in moves)
+    return expected == found or (not strict and expected in moves and found in moves)
 
 
 def boundaries(kind: str, data: Data, vary: str) -> list[Data]:
@@ -180,18 +181,21 @@ def boundaries(kind: str, data: Data, vary: str) -> list[Data]:
     rows = []
     for line in found.lines:
         for b in line.boundaries:
+            strict = {b.below, b.above} == {"hunting", "unstable"}
             for share, expected in ((1 - AWAY, b.below), (1 + AWAY, b.above)):
                 other = changed(data, b.path, share * b.value)
                 slowest = stribeck.design(stribeck.Scenario(other), compensations=False).loop.slowest
                 slowest = max(slowest, found.loop.slowest)
                 got, size = verdict(other, slowest)
                 windows = 1
-                while not same(expected, got) and windows < 8:  # an integral may wind up for long before it breaks away
+                while (
+                    not same(expected, got, strict) and windows < 8
+                ):  # an integral may wind up for long before it breaks away
                     windows *= 4
                     got, size = verdict(other, slowest, windows)
                 rows.append(
                     {"kind": kind, "path": b.path, "value": b.value, "at": share * b.value, "said": expected, "found": got,
-                     "agrees": same(expected, got), "sure": b.sure, "peak_to_peak": size, "windows": windows}
+                     "agrees": same(expected, got, strict), "sure": b.sure, "peak_to_peak": size, "windows": windows}
                 )  # fmt: skip
                 print(json.dumps(rows[-1]), flush=True)
     if not rows:

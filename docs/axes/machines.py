@@ -36,7 +36,10 @@ def stage() -> dict[str, Any]:
         "schema": 2, "name": "stage",
         "bodies": {"nut": {"mass": 6.0}, "table": {"mass": 2.0}},
         "links": {"play": {"from": "nut", "to": "table", "stiffness": 2e6, "damping": 400.0, "gap": 2e-5}},
-        "contacts": {"guide": {"from": "nut", "law": _law(8e5, 2500.0, 40.0, 14.0, 20.0, 5e-3)}},
+        "contacts": {
+            "guide": {"from": "nut", "law": _law(8e5, 2500.0, 40.0, 14.0, 20.0, 5e-3)},
+            "seal": {"from": "table", "law": _law(1e5, 400.0, 5.0, 1.0, 1.2, 5e-3)},
+        },
         "controllers": {"axis": {
             "kind": "cascade", "on": "nut", "measures": "nut", "K_p": 40.0, "K_v": 1200.0, "limit": 400.0, "signal": move,
             "sampling": SAMPLING, "feedforward": {"inertia": 8.0},
