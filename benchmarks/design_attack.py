@@ -88,7 +88,7 @@ def machines(random: np.random.Generator, count: int) -> list[tuple[str, Data, s
             own |= {"K_i": 0.25 * routh}
             F_c = data["contacts"]["guide"]["law"]["parameters"]["F_c"]
             data["contacts"]["guide"]["law"]["parameters"]["F_s"] = 1.3 * F_c
-            vary = f"contacts.guide.law.F_s={F_c}:{2 * F_c}"
+            vary = f"contacts.guide.law.parameters.F_s={F_c}:{2 * F_c}"
         else:
             own |= {"K_i": 0.2 * routh}
             vary = f"controllers.hold.K_d={own['K_d']}:{30 * own['K_d']}"
@@ -250,10 +250,19 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=RESULTS / "design_attack.json")
     options = parser.parse_args()
     random, begun = np.random.default_rng(options.seed), time.process_time()
-    factors = [row for _ in range(options.axes) for row in compensation(random)]
-    rows = [row for kind, data, vary in machines(random, options.machines) for row in boundaries(kind, data, vary)]
-    about = {"machine": machine(), "seed": options.seed, "seconds": round(time.process_time() - begun)}
-    options.out.write_text(json.dumps({**about, "boundaries": rows, "factors": factors}, indent=1) + "\n")
+    rows: list[Data] = []
+    factors: list[Data] = []
+
+    def keep() -> None:
+        about = {"machine": machine(), "seed": options.seed, "seconds": round(time.process_time() - begun)}
+        options.out.write_text(json.dumps({**about, "boundaries": rows, "factors": factors}, indent=1) + "\n")
+
+    for _ in range(options.axes):
+        factors += compensation(random)
+        keep()
+    for kind, data, vary in machines(random, options.machines):
+        rows += boundaries(kind, data, vary)
+        keep()
     print(f"{sum(r['agrees'] for r in rows)} of {len(rows)} points 5 % away agree; "
           f"{sum(r['agrees'] for r in factors)} of {len(factors)} factors within 20 %")  # fmt: skip
 
