@@ -184,6 +184,8 @@ def boundaries(kind: str, data: Data, vary: str) -> list[Data]:
         for b in line.boundaries:
             strict = {b.below, b.above} == {"hunting", "unstable"}
             for share, expected in ((1 - AWAY, b.below), (1 + AWAY, b.above)):
+                if not line.turned.low <= share * b.value <= line.turned.high:
+                    continue  # outside of the range that was asked for, where a number may not be allowed
                 other = changed(data, b.path, share * b.value)
                 slowest = loop_of(stribeck.Scenario(other)).slowest
                 slowest = max(slowest, found.loop.slowest)
