@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any
 
@@ -27,6 +28,16 @@ class ClaimProver:
 
     def _shown(self, expr: Expr, relation: str, ranges: Ranges, closed: bool = False, cones: bool = False) -> Any:
         return self.model.prover.show(expr, relation, ranges, self.work, closed, cones)
+
+    @contextmanager
+    def at_most(self, amount: float) -> Iterator[None]:
+        """So much of the work, and no more, for what is proved within."""
+        whole, self.work = self.work, self.work.part(amount)
+        try:
+            yield
+        finally:
+            whole.add(self.work)
+            self.work = whole
 
     def number(self, x: Fraction) -> Expr:
         """An exact number as a symbol."""

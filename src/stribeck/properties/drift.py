@@ -82,7 +82,7 @@ def _shown(law: Law, apart: dict[str, float]) -> Verdict:
     slow = own_speeds(law)[0]
     best: Verdict | None = None
     for speed in (_SLOW * getattr(law.p, "v_s", law.scales(law.p).speed), slow, slow / 10):
-        found = _moved_at(law, speed)
+        found = _moved_at(law, speed) if speed > 0 else None
         if found is None:
             break
         evidence, tables = found

@@ -102,7 +102,7 @@ class Storage:
         with np.errstate(all="ignore"):
             f, *others = law.rate(v, signs * z)
             f = np.where(abs(f) > _CANCELS * np.maximum(*np.abs(others)), f, 0.0)
-            energy = law.friction(law.p, v, z, f) * v / f
+            energy = law.force_with(v, z, f) * v / f
         return f, energy if raw else np.where(np.isfinite(energy), energy, 0.0)
 
     def interval(self, z: ArrayLike) -> tuple[Array, Array]:

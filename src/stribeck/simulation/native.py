@@ -63,7 +63,7 @@ def _wanted_share(scenario: Scenario) -> float:
 
 def share_of(damping: Value) -> Value:
     """What one step may err by where nothing else sets it: a number, or an expression of one."""
-    return _STEP_SHARE * clip((damping / _WELL_DAMPED) ** 2, _LEAST_DAMPED, 1.0)
+    return _STEP_SHARE * clip(smaller(damping / _WELL_DAMPED, 1.0) ** 2, _LEAST_DAMPED, 1.0)
 
 
 def damping_ratio(scenario: Scenario) -> float:

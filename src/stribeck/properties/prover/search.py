@@ -18,6 +18,7 @@ Tree = list[Any]
 _NARROW = 1e-9  # relative width at which halving ends
 _DEEP = 60
 _TERMS = 40  # of a polynomial: as much work again as a leaf
+_COEFFICIENTS = 150  # of Bernstein: likewise
 _NONE: Mapping[str, int] = {}
 _MANY_ATOMS = 8  # from earlier claims: then they are forgotten
 _LEAP = 16
@@ -234,6 +235,8 @@ class _Search:
                     return ["leaf", leaf.certificate()]
             except Unclear:
                 continue
+            finally:
+                self.work.take(leaf.coefficients / _COEFFICIENTS)
         return None
 
     def holds(self, leaf: Leaf, value: Quotient) -> bool:
