@@ -198,7 +198,8 @@ def boundaries(kind: str, data: Data, vary: str) -> list[Data]:
                     got, size = verdict(other, slowest, windows)
                 rows.append(
                     {"kind": kind, "path": b.path, "value": b.value, "at": share * b.value, "said": expected, "found": got,
-                     "agrees": same(expected, got, strict), "sure": b.sure, "peak_to_peak": size if math.isfinite(size) else None, "windows": windows}
+                     "agrees": same(expected, got, strict), "sure": b.sure, "windows": windows,
+                     "peak_to_peak": size if math.isfinite(size) else None}
                 )  # fmt: skip
                 print(json.dumps(rows[-1]), flush=True)
     if not rows:
