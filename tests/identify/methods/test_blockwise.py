@@ -6,7 +6,7 @@ from scipy.optimize import least_squares
 
 from stribeck.identify.methods.blockwise import solve
 from stribeck.identify.models.dynamic_problem import velocity_problem
-from stribeck.identify.models.problem import Coordinate
+from stribeck.identify.models.problem import Coordinate, linear_step
 from tests.identify import rig
 
 WINDOWS = (slice(0, 30), slice(30, 70), slice(70, 75))
@@ -110,3 +110,9 @@ def test_derivatives_beyond_what_a_law_allows_are_those_of_the_residuals():
 
 def test_it_ends_when_the_evaluations_do():
     assert not solve(Decays(), START, 1e-12, 2).converged
+
+
+def test_what_the_output_does_not_hang_on_is_not_moved():
+    x = np.linspace(0, 1, 50)
+    slopes = np.column_stack([np.ones(50), 1e-20 * x, np.zeros(50)])
+    assert linear_step(slopes, 2 + 3 * x) == pytest.approx([2, 3e20, 0], rel=1e-9)

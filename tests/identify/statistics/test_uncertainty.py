@@ -73,6 +73,19 @@ def test_a_profile_ends_where_the_likelihood_has_fallen():
     assert problem.coordinates[k].outer(u[k]) == pytest.approx(fit.estimates["sigma_1"].value, rel=1e-4)
 
 
+def test_an_interval_that_is_wide_with_what_no_residual_shows_is_not_known(monkeypatch):
+    """It came out as 47000 to 200000, and known: the verdict was that of the narrower one."""
+    log = rig.measured([*rig.LOOPS, *rig.STROKES[:3]])
+    problem, _, _, _ = velocity_problem(log, "lugre", mass=0.0)
+    u = solve(problem, problem.point({**rig.TRUTH, "offset": 0.0, "z_0": 0.0}), 1e-10, 50).point
+    monkeypatch.setattr(uncertainty, "systematic", lambda problem, u, slopes: np.full(len(u), 0.75))
+    monkeypatch.setattr(uncertainty, "hangs", lambda c, bias: "")
+    found = uncertainty.judge(problem, u, log, profiles=False).estimates["sigma_0"]
+    assert found.high / found.low > 4
+    assert not found.identifiable
+    assert "spans a factor of" in found.why
+
+
 def test_noise_with_memory_widens_the_intervals():
     white, slow = (
         fit_dynamic(rig.measured([*rig.LOOPS, *rig.STROKES], memory=m), "lugre", mass=0.0, starts=2)
