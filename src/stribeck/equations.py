@@ -40,6 +40,7 @@ class Sample:
     """
 
     name: str
+    timing: str  # the table that has its period and delay
     output: Expr
     memory: dict[str, Expr]
 
@@ -98,6 +99,11 @@ class Equations(ABC):
     @property
     def held(self) -> tuple[str, ...]:
         """What stays from one output of a sampled controller to the next, as ``segment.NAME`` in the equations."""
+        return ()
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """What of the controllers' memory the output shows, as ``memory.NAME``: the first of it."""
         return ()
 
     def samples(self, called: Names | None = None) -> list[Sample]:

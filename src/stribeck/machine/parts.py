@@ -13,6 +13,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from stribeck.constants import Constant
+from stribeck.control.sampled import Sampled
 from stribeck.expressions.graph import Expr, symbol
 from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
@@ -234,20 +235,6 @@ class Compensation:
     def observes(self) -> bool:
         """Whether a deflection of its own is followed."""
         return self.speed == "measured" and self.law.has_z
-
-
-@dataclass(frozen=True)
-class Sampled:
-    """What of the sampling changes the form of the equations."""
-
-    resolution: bool
-    noise: bool
-    bandwidth: bool
-
-    @property
-    def numbers(self) -> dict[str, bool]:
-        """The constants of the table, and whether they take part."""
-        return {"period": True, "delay": True, **vars(self)}
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,6 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from stribeck.arrays import Array
 from stribeck.constants import kind_of
 from stribeck.drives import Drive
@@ -256,8 +254,6 @@ class Scenario:
         """The signals as a table of pieces."""
         if self.rig is not None:
             return self.rig.pieces(self.end)
-        if self.signal.smooth:
-            return Pieces(np.zeros(1), np.zeros((1, 3)), np.ones(1, np.int8))
         return pieces(self.signal)
 
     def thresholds(self) -> list[float]:
@@ -266,7 +262,7 @@ class Scenario:
 
     def sampling(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed of each sampled controller that is compiled."""
-        return self.rig.sampling() if self.rig is not None else []
+        return self.rig.sampling() if self.rig is not None else self.settings.sampling_of()
 
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Any]:
         """Every column of the output by name, from the states (and what controllers held) at the times t."""
@@ -275,17 +271,18 @@ class Scenario:
             return self.rig.columns(t, states, held or {}, self.end)
         assert isinstance(system, System)
         if system.drive.differentiates:
-            return system.table({**self.values(), **self.signal_values(t)}, t, states)
+            values, rows = self.values(), self.pieces().at(t)
+            inputs: dict[str, Any] = {f"{owner}.{name}": values[owner, name] for owner, name in system.parameters}
+            inputs |= {f"segment.{name}": rows[:, i] for i, name in enumerate(system.piece_fields)}
+            inputs |= {f"segment.{name}": x for name, x in (held or {}).items() if name in system.held}
+            inputs |= {f"memory.{name}": x for name, x in (held or {}).items() if name in system.shown}
+            return system.table({**inputs, "t": t, **states})
         return system.quantities(self.groups(), self.signal.at(t), states)
 
     def groups(self) -> Groups:
         """The constants by owner, for evaluating the system's equations with NumPy."""
         plant, drive = SimpleNamespace(**self.plant_values), SimpleNamespace(**self.drive_values)
         return Groups(self.law.p, plant, drive, SimpleNamespace(**self.signal.values))
-
-    def signal_values(self, t: Array) -> dict[tuple[str, str], Any]:
-        """The constants of a smooth signal at the times t."""
-        return {("signal", n): x for n, x in self.signal.values_at(t).items()}
 
     def values(self) -> dict[tuple[str, str], float]:
         """The system's run-time constants by (group, name)."""

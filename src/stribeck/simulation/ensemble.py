@@ -168,7 +168,7 @@ class _Lanes:
         self.variations, self.reason = variations, variations.problems()
         self.possible = np.flatnonzero([text is None for text in self.reason])
         scenario, count = variations.scenario, len(variations)
-        width = len(scenario.system.states) + len(scenario.system.held)
+        width = len(scenario.system.states) + len(scenario.system.held) + len(scenario.system.shown)
         self.states = np.full((count, scenario.rows, width), np.nan)
         self.counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected")}
         self.counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)

@@ -64,7 +64,7 @@ def simulate(
     )
     solution = Solution(scenario, result)
     if solution.reason is None:
-        for text in scenario.settings.remarks(scenario, solution, result.log):
+        for text in scenario.settings.remarks(scenario, solution):
             note(text)
     return solution
 

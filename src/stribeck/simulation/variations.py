@@ -52,8 +52,7 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
         from stribeck.simulation.machines import vary_machine
 
         return vary_machine(scenario, values)
-    simple = not scenario.drive.differentiates and len(scenario.signal.pieces if scenario.signal.smooth else ()) <= 1
-    return (Variations if simple else LaneByLane)(scenario, values)
+    return (LaneByLane if scenario.drive.differentiates else Variations)(scenario, values)
 
 
 class Variations:
@@ -163,8 +162,7 @@ class Variations:
     def pieces(self) -> Tables:
         """The signals as tables of pieces."""
         signals, which = self.signals
-        smooth = Pieces(np.zeros(1), np.zeros((1, 3)), np.ones(1, np.int8))
-        return Tables.of([smooth if signal.smooth else pieces_of(signal) for signal in signals], which)
+        return Tables.of([pieces_of(signal) for signal in signals], which)
 
     # -- values that no scenario may have --------------------------------------------------------------------------
 
