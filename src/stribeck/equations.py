@@ -48,6 +48,7 @@ class Sample:
 class Equations(ABC):
     """What a system is to the code generator; hashable, and equal to another with the same equations."""
 
+    by_element: ClassVar[bool] = True  # events are told by the element's name; a single body has none
     piece_fields: ClassVar[tuple[str, ...]] = STRAIGHT  # the numbers that change from breakpoint to breakpoint
 
     @property

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 from stribeck.arrays import Array
 from stribeck.constants import Constant
@@ -49,6 +49,8 @@ class System(Equations):
 
     Two scenarios that differ in numbers only have equal systems, and share compiled code.
     """
+
+    by_element: ClassVar[bool] = False
 
     law: type[Law]
     form: Form  # of the law's equations

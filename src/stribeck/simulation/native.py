@@ -9,11 +9,10 @@ from ctypes import POINTER, c_double, c_int, c_int8, c_int32, c_int64
 import numpy as np
 
 from stribeck.errors import BuildError
-from stribeck.expressions.ops import Value, clip, larger, smaller, sqrt
+from stribeck.expressions.ops import Value, clip, larger, smaller
 from stribeck.scenario import Scenario
 from stribeck.simulation.layout import fields
 from stribeck.simulation.result import Result, ended, failure, held_back
-from stribeck.system import Groups
 
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
 EVENT_ROOM = 4096
@@ -67,19 +66,7 @@ def share_of(damping: Value) -> Value:
 
 def damping_ratio(scenario: Scenario) -> float:
     """Of a body on its bristles, at rest; infinite where there is no such thing."""
-    if scenario.rig is not None:  # a machine has many bodies and contacts
-        return float("inf")
-    return float(damping_of(scenario, scenario.groups()))
-
-
-def damping_of(scenario: Scenario, constants: Groups) -> Value:
-    """The damping ratio of the scenario's body with these values, as numbers or as expressions."""
-    p, mass = constants.law, scenario.plant.inertia(constants.plant)
-    sigma_0 = getattr(p, "sigma_0", None)
-    if sigma_0 is None or mass is None or scenario.drive.sets_velocity or not scenario.law.has_z:
-        return float("inf")
-    given = [getattr(p, name, None) for name in ("sigma_1", "sigma_2")]
-    return (sum(x for x in given if x is not None) + getattr(constants.drive, "K_d", 0.0)) / (2 * sqrt(sigma_0 * mass))
+    return float(scenario.whole.damping())
 
 
 def check(library: ctypes.CDLL) -> None:

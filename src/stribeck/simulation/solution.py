@@ -124,10 +124,10 @@ class Solution:
     @property
     def laws(self) -> dict[str, Any]:
         """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
-        rig = self.scenario.rig
-        if rig is None:
-            return {"law": _about(self.scenario.law)}
-        return {"contacts": {c.name: {"law": _about(rig.laws[c.law_path])} for c in rig.machine.contacts}}
+        whole = self.scenario.whole
+        if not whole.equations.by_element:
+            return {"law": _about(whole.law)}
+        return {"contacts": {name: {"law": _about(law)} for name, law in whole.named_laws.items()}}
 
     def summary(self) -> dict[str, Any]:
         """What ``stribeck run --json`` prints, without the files."""
@@ -155,7 +155,7 @@ def _lists(events: dict[str, Any]) -> dict[str, Any]:
 def _events(scenario: Scenario, found: list[tuple[float, int]]) -> dict[str, Any]:
     """The times of what happened; of a machine by element, of a single body without its name."""
     watched = scenario.system.watched
-    if scenario.rig is None:
+    if not scenario.system.by_element:
         times = {"slip": [t for t, what in found if not what & 1], "stick": [t for t, what in found if what & 1]}
         return {name: np.array(each) for name, each in times.items()}
     events: dict[str, dict[str, list[float]]] = {name: {kind: [] for kind in kinds} for name, kinds in watched}

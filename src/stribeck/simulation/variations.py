@@ -138,6 +138,13 @@ class Variations:
         """The threshold of each watched quantity, 0 for none."""
         return np.repeat(self.threshold()[:, np.newaxis], len(self.scenario.system.watched), axis=1)
 
+    def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
+        """Events of a lane that no state tells, as far as it came (:meth:`Single.more_events`)."""
+        if not self.scenario.single.drive.sets_velocity or not (threshold := float(self.threshold()[lane])) > 0:
+            return []
+        signals, which = self.signals
+        return [(t, int(not rises)) for t, rises in signals[which[lane]].crossings(threshold, reached)]
+
     def sampling(self) -> list[list[dict[str, float]]]:
         """Period, delay, noise and seed of the sampled controllers of each lane."""
         return []
