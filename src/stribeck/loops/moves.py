@@ -52,7 +52,7 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     return Moves(amplitude, fastest if fastest > 0.1 * slow else slow)
 
 
-def signals_of(moves: Moves) -> dict[str, tuple[dict[str, Any], float]]:
+def signals_of(moves: Moves) -> dict[str, tuple[dict[str, object], float]]:
     """The standard moves: signal and duration. The sine's reversals are those of a circle's quadrants, for each of its
     two axes; the ramp goes through a reversal at a tenth of the speed; the step is half a move."""
     T, A = moves.period, moves.amplitude

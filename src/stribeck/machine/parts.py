@@ -6,11 +6,12 @@ the file and the run-time constants name it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any
+from typing import TypeVar, cast
 
 from stribeck.constants import Constant
 from stribeck.control.sampled import Sampled
@@ -30,9 +31,10 @@ RATIO = Constant("", "how far `from` counts", default=1.0)
 INPUT = "input"  # what an exported machine adds to a signal
 _INPUT = Constant("", "added to the signal", default=0.0)
 Named = dict[str, Constant]
+_Part = TypeVar("_Part")
 
 
-def made(path: str) -> Any:
+def made(path: str) -> Callable[[str], Expr]:
     """What makes the symbol of a constant of the table ``path``."""
     return lambda name: symbol(f"{path}.{name}")
 
@@ -268,13 +270,13 @@ class ControllerPart:
         return self.kind.symbolic(made(self.path), self.form)
 
 
-def opened(part: Any) -> Any:
+def opened(part: _Part) -> _Part:
     """A machine, or a part of one, to whose signals something can be added from outside; not to those that multiply
     parameters, which must stay positive."""
     if isinstance(part, SignalUse):
         return part if ".factors." in part.path else replace(part, open=True)
     if isinstance(part, tuple):
-        return tuple(map(opened, part))
+        return cast(_Part, tuple(map(opened, part)))
     if is_dataclass(part) and not isinstance(part, type):
         return replace(part, **{field.name: opened(getattr(part, field.name)) for field in fields_of(part)})
     return part
