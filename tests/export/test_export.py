@@ -181,7 +181,20 @@ def test_a_crash_leaves_nothing(tmp_path, monkeypatch):
 
 
 def test_the_names_of_the_contract():
-    names = ["c", "fmu", "isaaclab", "mjwarp", "modelica", "mujoco", "newton", "st", "table"]
+    names = [
+        "c",
+        "fmu",
+        "isaaclab",
+        "mit",
+        "mjwarp",
+        "modelica",
+        "mujoco",
+        "mujoco_plugin",
+        "newton",
+        "odrive",
+        "ros2_control",
+    ]
+    names += ["simplefoc", "st", "table"]
     assert list(TARGETS) == names
     assert list(PARTS)[:4] == ["law", "body", "observer", "cascade"]
     assert callable(stribeck.export)

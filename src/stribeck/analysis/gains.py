@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck.analysis.lyapunov import Along, along
 from stribeck.constants import show
-from stribeck.control.gains import GainVerdict, Proof, Staying, judge, prove, staying
+from stribeck.control.gains import GainVerdict, Proof, Staying, gain_verdict, prove, staying
 from stribeck.control.proof import derive
 from stribeck.errors import InputError, arg
 from stribeck.scenario import Scenario
@@ -76,7 +76,7 @@ def gains(
     observer, d = controller.observer, rig.drive_values
     assert observer is not None
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
-    verdict, proof = judge(observer, d, speed), prove(observer, d, (-speed, speed))
+    verdict, proof = gain_verdict(observer, d, speed), prove(observer, d, (-speed, speed))
     if not len(solution.t):
         return Gains(solution, verdict, proof, None, None, doubts(rig, controller))
     return Gains(solution, verdict, proof, along(solution), _staying(rig, solution, speed), doubts(rig, controller))

@@ -10,7 +10,7 @@ from stribeck.cli import show
 from stribeck.cli.text import say
 from stribeck.errors import InputError
 from stribeck.identify.actuator import MachineFit, fit_machine
-from stribeck.identify.actuator.page import digits, write
+from stribeck.identify.actuator.page import number_or_open, write_machine_fit
 from stribeck.scenario import Scenario, parse_assignment
 
 
@@ -30,7 +30,7 @@ def fit(
         )
     summary: dict[str, Any] = {**found.to_json(), "files": []}
     if out is not None:
-        summary["files"] = write(
+        summary["files"] = write_machine_fit(
             found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}", scenario.folder
         )
     if json:
@@ -56,8 +56,8 @@ def _print(fit: MachineFit, files: Sequence[str]) -> None:
     width = max(map(len, fit.parameters), default=4)
     print(f"  {'':{width}}  {'value':>12}  {'95 % interval':>27}  {'unit':<10}  verdict")
     for name, p in fit.parameters.items():
-        interval = "-" if p.verdict == "not judged" else f"{digits(p.low)} ... {digits(p.high)}"
-        print(f"  {name:{width}}  {digits(p.value):>12}  {interval:>27}  {p.unit:<10}  {p.verdict}")
+        interval = "-" if p.verdict == "not judged" else f"{number_or_open(p.low)} ... {number_or_open(p.high)}"
+        print(f"  {name:{width}}  {number_or_open(p.value):>12}  {interval:>27}  {p.unit:<10}  {p.verdict}")
     for name, p in fit.parameters.items():
         if p.why and p.verdict != "not judged":
             say(f"{name}: {p.verdict}: {p.why}", 6, "  ")

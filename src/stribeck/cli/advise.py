@@ -34,10 +34,10 @@ def advise(
     advices = find(law, parameters, **tolerated, **constants)
     summary: dict[str, Any] = {"laws": {name: each.summary() for name, each in advices.items()}, "files": []}
     if out is not None:
-        from stribeck.report.advise import write
+        from stribeck.report.advise import write_advice
 
         show.check_folder(out)
-        summary["files"] = write(advices, out, summary)
+        summary["files"] = write_advice(advices, out, summary)
     if json:
         show.print_json(summary)
     else:

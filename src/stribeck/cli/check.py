@@ -61,7 +61,7 @@ def check(
         with left_out("the page"):
             from stribeck.report import check as report
 
-            data["report"] = [str(path) for path in report.write(verdicts, out, data, show.command_line())]
+            data["report"] = [str(path) for path in report.write_check(verdicts, out, data, show.command_line())]
     if certificate is not None:
         from stribeck.files import write_text
 

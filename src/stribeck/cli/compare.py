@@ -12,6 +12,7 @@ from stribeck.cli import show
 from stribeck.cli.text import say, width
 from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS
+from stribeck.report.cells import percent
 from stribeck.scenario import parse_assignment
 
 _NUMBERS = 40  # columns of a row beside the label
@@ -35,9 +36,9 @@ def compare(
         comparison = compare_laws(variants, tell)
     summary: dict[str, Any] = {**comparison.summary(), "files": []}
     if out is not None:
-        from stribeck.report.compare import write
+        from stribeck.report.compare import write_comparison
 
-        summary["files"] = write(comparison, out, summary, show.command_line())
+        summary["files"] = write_comparison(comparison, out, summary, show.command_line())
     if json:
         show.print_json(summary)
     else:
@@ -76,10 +77,6 @@ def _print(comparison: Comparison, files: list[str]) -> None:
             print(f"  {label}")
         for i, (name, d) in enumerate(deviations.items()):
             named = label if beside and not i else ""
-            print(f"  {named:{beside}}{d['max']:14.4g}{_percent(d['max_relative']):>12}  {name} ({units[name]})")
+            print(f"  {named:{beside}}{d['max']:14.4g}{percent(d['max_relative']):>12}  {name} ({units[name]})")
     for file in files:
         print(f"  wrote {file}")
-
-
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100 * share:.3g} %"

@@ -34,9 +34,11 @@ def gains(path: Path, v_max: float | None, assignments: list[str], out: Path | N
         found = analysis.gains(scenario, v_max, tell)
     solution, summary = found.solution, found.summary()
     if out is not None:
-        from stribeck.report.gains import write
+        from stribeck.report.gains import write_gains
 
-        summary["files"] = write(solution, found.verdict, found.proof, found.along, summary, out, show.command_line())
+        summary["files"] = write_gains(
+            solution, found.verdict, found.proof, found.along, summary, out, show.command_line()
+        )
     if json:
         show.print_json(summary)
     else:

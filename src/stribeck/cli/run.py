@@ -29,9 +29,9 @@ def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c
         write_text(keep_c, c_source(scenario))
         summary["files"].append(str(keep_c))
     if out is not None:
-        from stribeck.report.run import write
+        from stribeck.report.run import write_run
 
-        summary["files"] += write(solution, out, summary, show.command_line())
+        summary["files"] += write_run(solution, out, summary, show.command_line())
     if json:
         show.print_json(summary)
     else:

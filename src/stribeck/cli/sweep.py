@@ -55,7 +55,7 @@ def sweep(
     with left_out("the page"):
         from stribeck.report import sweep_page
 
-        report["files"] += map(str, sweep_page.write(job, show.command_line()))
+        report["files"] += map(str, sweep_page.write_sweep_page(job, show.command_line()))
     if json:
         show.print_json(report)
     else:

@@ -67,7 +67,7 @@ def at_speed(law: Law, expr: Expr) -> Callable[[Any], Any]:
     return lambda v: function(*numbers.values(), v)[0]
 
 
-def judge(law: Law, gains: Mapping[str, float], v_max: float) -> GainVerdict:
+def gain_verdict(law: Law, gains: Mapping[str, float], v_max: float) -> GainVerdict:
     """The conditions for gains K_D, K and a law that is linear in z, in plant and observer alike.
 
     With v_d they hold for sigma_1 at rest, its largest value: sufficient then, as both ask less of a smaller one.

@@ -12,7 +12,7 @@ from types import SimpleNamespace
 from typing import Any
 
 from stribeck.control.cascade import PressureCascade
-from stribeck.control.observer import observe
+from stribeck.control.observer import least_K_D, observe
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw
@@ -114,7 +114,18 @@ def derive() -> QuadraticForm:
         for old, new in by_errors:
             rate = rate.subs(old, new)
         rates[name] = sympy.expand(sympy.expand(rate)).subs(sympy.Function("w")(v), sympy.Symbol("w", real=True))
-    return _form(rates, PressureCascade.energy(c, m.mass, *E.values()), E, {y, v, p_1, p_2, z, *path})
+    form = _form(rates, PressureCascade.energy(c, m.mass, *E.values()), E, {y, v, p_1, p_2, z, *path})
+    _hold_against(form, c.K_D, least_K_D(c.K, p.sigma_0, p.sigma_1, sympy.Symbol("w", real=True)))
+    return form
+
+
+def _hold_against(form: QuadraticForm, K_D: Any, least: Any) -> None:
+    """The condition that exports tell must be the one that follows from the form: ``exact`` is 0 there and grows beyond."""
+    import sympy
+
+    at_least, slope = sympy.expand(form.exact.subs(K_D, least)), sympy.diff(form.exact, K_D)
+    if at_least != 0 or not slope.is_positive:
+        raise StribeckError("the smallest K_D that exports tell is not the one that dV/dt gives")
 
 
 def _form(rates: dict[str, Any], V: Any, E: dict[str, Any], others: set[Any]) -> QuadraticForm:

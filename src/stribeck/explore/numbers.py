@@ -10,7 +10,7 @@ from stribeck.constants import Constant
 from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario
 from stribeck.scenario.tables import Output, Solve, initial_table
-from stribeck.signals import File, Points
+from stribeck.signals import FileSignal, PointsSignal
 
 _MOST_POINTS = 12  # a signal of more points is a curve, not a set of numbers to turn
 
@@ -102,7 +102,7 @@ def _of_signal(scenario: Scenario) -> Iterator[Number]:
             constant.unit.replace("signal", unit), constant.meaning, constant.above, constant.at_least
         )  # fmt: skip
         yield _number(group, name, value, own, 1.0, f"signal.{name}" if signal.smooth else "")
-    if isinstance(signal, Points) and not isinstance(signal, File) and len(signal.t) <= _MOST_POINTS:
+    if isinstance(signal, PointsSignal) and not isinstance(signal, FileSignal) and len(signal.t) <= _MOST_POINTS:
         for i, (t, value) in enumerate(zip(signal.t, signal.value, strict=True)):
             size = float(max(abs(signal.value))) or 1.0
             yield _number(group, f"t[{i}]", float(t), Constant("s", f"time of point {i + 1}"), scenario.solve.t_end, "")

@@ -23,7 +23,7 @@ from stribeck.files import write_text
 from stribeck.laws import table
 from stribeck.laws.render import Equation, condition, equations
 from stribeck.scenario import Scenario
-from stribeck.signals import Points
+from stribeck.signals import PointsSignal
 from stribeck.simulation.native import EVENT_ROOM
 from stribeck.system import System
 from stribeck.version import __version__
@@ -33,12 +33,12 @@ def explore(
     scenario: Scenario, out: Path, laws: Iterable[str] | None = None, command: str = "",
     progress: Callable[[float], None] | None = None, fitted: Mapping[str, Any] | None = None,
 ) -> Path:  # fmt: skip
-    """Write the page of a scenario; see :func:`page`."""
-    write_text(out, page(scenario, laws, command, progress, fitted))
+    """Write the page of a scenario; see :func:`explorer_page`."""
+    write_text(out, explorer_page(scenario, laws, command, progress, fitted))
     return out
 
 
-def page(
+def explorer_page(
     scenario: Scenario, laws: Iterable[str] | None = None, command: str = "",
     progress: Callable[[float], None] | None = None, fitted: Mapping[str, Any] | None = None,
 ) -> str:  # fmt: skip
@@ -138,7 +138,7 @@ def _path(scenario: Scenario, name: str) -> str:
 def _signal(scenario: Scenario) -> dict[str, Any]:
     signal = scenario.signal
     found: dict[str, Any] = {"kind": signal.kind, "smooth": signal.smooth}
-    if isinstance(signal, Points):
+    if isinstance(signal, PointsSignal):
         scale = float(scenario.data["drive"]["signal"].get("scale", 1.0))
         found |= {"t": signal.t.tolist(), "value": signal.value.tolist(), "scale": scale}
     return found

@@ -66,7 +66,7 @@ class Claims:
 
     unique: one solution z(t) for every piecewise continuous v(t). bounded: z stays within :meth:`Law.z_bound`
     whatever v(t). smooth: dz/dt is continuously differentiable in (v, z). passive: from v to F, with z within that
-    bound (unrestricted where there is none). drift_free: dz/dt = v exactly for |z| <= :meth:`Law.z_elastic`.
+    bound (unrestricted where there is none). drift_free: dz/dt = v exactly for ``|z|`` <= :meth:`Law.z_elastic`.
     """
 
     unique: Claim = None

@@ -74,7 +74,7 @@ class Boundary:
 
 
 @dataclass(frozen=True)
-class Line:
+class PathVerdicts:
     """The verdict along one path: the values simulated, in order, the judgement at each, and the boundaries."""
 
     turned: Turned
@@ -96,7 +96,7 @@ def known_path(loop: Loop, path: str) -> None:
         raise InputError(f"vary: {path}: no number of the machine{nearest(path, known)}")
 
 
-def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None) -> Line:
+def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None) -> PathVerdicts:
     """The verdict over a range of one number.
 
     Raises:
@@ -131,7 +131,7 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
         for low, high, value in found
     ]
     values = np.array(sorted(seen))
-    return Line(turned, values, [seen[x] for x in values.tolist()], boundaries)
+    return PathVerdicts(turned, values, [seen[x] for x in values.tolist()], boundaries)
 
 
 def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:

@@ -20,10 +20,10 @@ from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
-from stribeck.machine.controllers import Controller
-from stribeck.machine.links import Link
-from stribeck.machine.loads import Load
-from stribeck.machine.motors import Motor
+from stribeck.machine.controllers import ControllerElement
+from stribeck.machine.links import LinkElement
+from stribeck.machine.loads import LoadElement
+from stribeck.machine.motors import MotorElement
 from stribeck.signals import Signal
 from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
 
@@ -34,7 +34,7 @@ Named = dict[str, Constant]
 _Part = TypeVar("_Part")
 
 
-def made(path: str) -> Callable[[str], Expr]:
+def symbols_of(path: str) -> Callable[[str], Expr]:
     """What makes the symbol of a constant of the table ``path``."""
     return lambda name: symbol(f"{path}.{name}")
 
@@ -69,7 +69,7 @@ class SignalUse:
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyPart:
     """A body: ``leader`` where it is tied to another, ``driven`` where its velocity is given."""
 
     name: str
@@ -115,7 +115,7 @@ class LinkPart:
     """A link between two bodies."""
 
     name: str
-    kind: type[Link]
+    kind: type[LinkElement]
     form: Form
     span: Span
 
@@ -127,7 +127,7 @@ class LinkPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -177,7 +177,7 @@ class LoadPart:
     """A force on a body."""
 
     name: str
-    kind: type[Load]
+    kind: type[LoadElement]
     form: Form
     on: str
     signal: SignalUse | None = None
@@ -190,7 +190,7 @@ class LoadPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -201,7 +201,7 @@ class MotorPart:
     form: Form
     on: str
     signal: SignalUse | None = None
-    kind: type[Motor] = Motor
+    kind: type[MotorElement] = MotorElement
 
     @property
     def path(self) -> str:
@@ -216,11 +216,11 @@ class MotorPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
-class Compensation:
+class CompensationPart:
     """Which law a controller takes the friction for, and at which speed."""
 
     law: type[Law]
@@ -228,10 +228,11 @@ class Compensation:
     path: str  # of the law's table: the contact's, or one of its own
     speed: str  # "reference" or "measured"
     share: bool = False  # whether a share of it other than the whole is given
+    lead: bool = False  # whether lead dF/dt is added, so that an inner loop that lags follows F
 
     def symbolic(self, called: Names) -> Constants:
         """The law's constants as symbols."""
-        return self.law.symbolic(made(self.path), self.form, called.term)
+        return self.law.symbolic(symbols_of(self.path), self.form, called.term)
 
     @property
     def observes(self) -> bool:
@@ -244,13 +245,13 @@ class ControllerPart:
     """A controller on a motor or a body."""
 
     name: str
-    kind: type[Controller]
+    kind: type[ControllerElement]
     form: Form
     on: str
     measures: str
     signal: SignalUse
     feedforward: bool = False
-    compensation: Compensation | None = None
+    compensation: CompensationPart | None = None
     sampling: Sampled | None = None
 
     @property
@@ -267,16 +268,16 @@ class ControllerPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
-def opened(part: _Part) -> _Part:
+def with_inputs(part: _Part) -> _Part:
     """A machine, or a part of one, to whose signals something can be added from outside; not to those that multiply
     parameters, which must stay positive."""
     if isinstance(part, SignalUse):
         return part if ".factors." in part.path else replace(part, open=True)
     if isinstance(part, tuple):
-        return cast(_Part, tuple(map(opened, part)))
+        return cast(_Part, tuple(map(with_inputs, part)))
     if is_dataclass(part) and not isinstance(part, type):
-        return replace(part, **{field.name: opened(getattr(part, field.name)) for field in fields_of(part)})
+        return replace(part, **{field.name: with_inputs(getattr(part, field.name)) for field in fields_of(part)})
     return part

@@ -72,8 +72,3 @@ def record(solutions: Mapping[str, Solution]) -> dict[str, Any]:
     names = ("t", *(column.name for column in next(iter(solutions.values())).columns))
     labels = np.repeat(list(solutions), [len(s.t) for s in solutions.values()])
     return {"law": labels, **{name: np.concatenate([s[name] for s in solutions.values()]) for name in names}}
-
-
-def percent(share: float | None) -> str:
-    """A share as a percentage with three digits."""
-    return "-" if share is None else f"{100 * share:.3g} %"

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, solve
+from stribeck.paper.common import PROPOSED, REFERENCE, Done, solve
+from stribeck.report.cells import percent
 from stribeck.report.page import Chapter, Table
 from stribeck.scenario import Scenario
 

@@ -67,6 +67,9 @@ def _safely(decide: Callable[[], Verdict], name: str) -> Verdict:
     """A verdict; undecided where the equations are such that the check itself fails."""
     try:
         return decide()
+    except (OverflowError, ZeroDivisionError) as error:
+        _log.debug("numbers of '%s' leave the floats", name, exc_info=True)
+        return undecided(f"a number on the way is too large or too small for a float ({error})")
     except Exception as error:
         _log.debug("the check of '%s' failed", name, exc_info=True)
         return undecided(f"the equations cannot be treated: {type(error).__name__}: {error}")

@@ -37,7 +37,7 @@ def _number(tree: Any) -> Any:
     return tree if isinstance(tree, str) else rational(Fraction(tree))
 
 
-class Writer:
+class PrefixWriter:
     """Expressions as prefix lists, with the numbers of a law in place of its constants; shared parts get a name.
 
     Args:
@@ -91,7 +91,7 @@ class Claim:
     tree: Tree
     extra: Mapping[str, Any] = field(default_factory=dict)
 
-    def to_json(self, writer: Writer) -> dict[str, Any]:
+    def to_json(self, writer: PrefixWriter) -> dict[str, Any]:
         """Plain data."""
         data: dict[str, Any] = {"about": self.about, "v": self.v, "z": self.z}
         for name, x in self.extra.items():
@@ -102,7 +102,7 @@ class Claim:
         return data
 
 
-def _plain(x: Any, writer: Writer) -> Any:
+def _plain(x: Any, writer: PrefixWriter) -> Any:
     if isinstance(x, Expr):
         return writer.write(x)
     if isinstance(x, Fraction):
@@ -110,7 +110,7 @@ def _plain(x: Any, writer: Writer) -> Any:
     return [_plain(a, writer) for a in x] if isinstance(x, list | tuple) else x
 
 
-def _tree(tree: Tree, writer: Writer) -> Any:
+def _tree(tree: Tree, writer: PrefixWriter) -> Any:
     if tree[0] == "leaf":
         return ["leaf", [[writer.write(node), *(_plain(x, writer) for x in rule)] for node, rule in tree[1]]]
     return [_tree(part, writer) if isinstance(part, list) else part for part in tree]
@@ -134,8 +134,8 @@ class Certificate:
     def to_json(self, model: Any) -> dict[str, Any]:
         """Plain data."""
         law = model.law
-        shared = Writer(model.values, [model.rate, model.force])
-        plain = Writer(model.values)
+        shared = PrefixWriter(model.values, [model.rate, model.force])
+        plain = PrefixWriter(model.values)
         return {
             "format": FORMAT,
             "law": law.name,

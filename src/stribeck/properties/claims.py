@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any
 
@@ -11,7 +12,7 @@ from stribeck.expressions.ops import exp
 from stribeck.properties.certificate import Claim
 from stribeck.properties.model import SIGNS, Model, U, V, W, Z
 from stribeck.properties.prover.region import ExactRange
-from stribeck.properties.prover.search import Work
+from stribeck.properties.prover.search import Budget
 
 Ranges = Mapping[str, ExactRange]
 NULL = Fraction(0)
@@ -22,11 +23,21 @@ _QUADRANT: Ranges = {"u": (NULL, None), "w": (NULL, None)}
 class ClaimProver:
     """Builds the expressions of claims and proves them."""
 
-    def __init__(self, model: Model, work: Work) -> None:
+    def __init__(self, model: Model, work: Budget) -> None:
         self.model, self.work = model, work
 
     def _shown(self, expr: Expr, relation: str, ranges: Ranges, closed: bool = False, cones: bool = False) -> Any:
         return self.model.prover.show(expr, relation, ranges, self.work, closed, cones)
+
+    @contextmanager
+    def at_most(self, amount: float) -> Iterator[None]:
+        """So much of the work, and no more, for what is proved within."""
+        whole, self.work = self.work, self.work.part(amount)
+        try:
+            yield
+        finally:
+            whole.add(self.work)
+            self.work = whole
 
     def number(self, x: Fraction) -> Expr:
         """An exact number as a symbol."""

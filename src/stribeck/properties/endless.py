@@ -12,7 +12,7 @@ from stribeck.expressions.ranges import Box, Range
 from stribeck.properties import cycles, replay
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
-from stribeck.properties.prover.search import Work
+from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import Storage, own_speeds
 from stribeck.properties.verdicts import Verdict
 
@@ -88,7 +88,7 @@ def unwinding(
         (f * -t, ">0"),
         (claims.number(most) * U + f * t, ">=0"),
     )
-    work = Work(_WORK)
+    work = Budget(_WORK)
     if any(model.prover.show(wrap(e), relation, ranges, work) is None for e, relation in claims_made):
         return None
     evidence: dict[str, Any] = {

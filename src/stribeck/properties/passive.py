@@ -20,6 +20,7 @@ from stribeck.properties.model import RATE, SIGNS, Model, U, V, W, Z, depends, d
 from stribeck.properties.storage import Storage, largest_speed
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
+_PATIENCE = 3  # times its share of the work, after which a cell is given up, and with it the fit
 _OWN = (
     "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with the elastic energy as storage S"
 )
@@ -171,13 +172,15 @@ def _with_cells(
     if shown is None:
         return None
     table = []
+    most = _PATIENCE * claims.work.left / len(cells.slope)
     for low, high, value in zip(cells.low, cells.high, cells.slope, strict=True):
         side = 1 if high > 0 else -1
         ends = sorted(abs(Fraction(float(x))) for x in (low, high))
         if abs(float(ends[1]) - float(reach)) <= 1e-12 * float(reach):
             ends[1] = reach
         number = claims.number(Fraction(float(value)))
-        part = claims.power(number, u, (ends[0], ends[1]), (side,))
+        with claims.at_most(most):
+            part = claims.power(number, u, (ends[0], ends[1]), (side,))
         if part is None:
             return None
         shown += part

@@ -68,7 +68,7 @@ def run(tables: Mapping[str, Any] | None) -> Solution | None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StribeckNote)
             solution = simulate(Scenario(tables))
-    except InputError:
+    except (InputError, ArithmeticError):  # constants at the ends of the floats leave nothing to simulate
         return None
     return solution if solution.status == "done" else None
 

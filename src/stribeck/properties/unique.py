@@ -36,7 +36,8 @@ def prove(
         more = _bounded_slope(claims, growth, w)
         if more is None:
             continue
-        rest = every(claims.finite(s, growth, sign) for s in (0, *SIGNS) for sign in SIGNS)
+        at_0 = {**growth, **{n: growth[n] * growth["l"] for n in "ab"}}  # m/s, where the slope's bound is in 1/s
+        rest = every(claims.finite(s, at_0, sign) for s in (0, *SIGNS) for sign in SIGNS)
         if rest is None:
             return "dz/dt at z = 0 is not shown to be finite"
         hypotheses = {}

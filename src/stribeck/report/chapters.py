@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ from stribeck.constants import rotary_words
 from stribeck.files import write_text
 from stribeck.laws.base import Law
 from stribeck.laws.render import equations
+from stribeck.report.cells import digits
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
@@ -124,13 +124,3 @@ def _short(data: Mapping[str, Any]) -> dict[str, Any]:
 def plots(figures: Sequence[FigureSvg], text: Sequence[str] = ()) -> list[Chapter]:
     """A chapter of figures, where there are any."""
     return [Chapter("plots", "Plots", text, figures=figures)] if figures else []
-
-
-def digits(x: float | None) -> str:
-    """A number with six digits."""
-    return "-" if x is None or math.isnan(x) else f"{x:.6g}"
-
-
-def percent(share: float | None) -> str:
-    """A share as a percentage with three digits."""
-    return "-" if share is None else f"{100 * share:.3g} %"

@@ -20,7 +20,7 @@ from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.simulation import Solution
 
 
-def write(
+def write_gains(
     solution: Solution, verdict: GainVerdict, proof: Proof, found: Along | None, summary: dict[str, Any], folder: Path,
     command: str = "",
 ) -> list[str]:  # fmt: skip

@@ -53,7 +53,7 @@ def csv(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "".join(",".join(f'"{cell}"' if "," in cell else cell for cell in row) + "\n" for row in (head, *rows))
 
 
-def write(limits: Limits, folder: Path) -> list[str]:
+def write_rig(limits: Limits, folder: Path) -> list[str]:
     """Write programme.csv, motion.csv (what motion-controlled tests play, every ms) and programme.svg."""
     tests = programme(limits)
     t, v = motion(tests, STEP)

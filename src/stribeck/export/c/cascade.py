@@ -11,7 +11,7 @@ from stribeck.control.cascade import F_HAT, MEASURED, E, PressureCascade, S
 from stribeck.control.observer import START, Z_HAT
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
-from stribeck.export.c.ccode import WORDS, condition, render, statements
+from stribeck.export.c.ccode import WORDS, c_condition, render, statements
 from stribeck.export.request import Request, ascii_only, made_by, valued
 from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
 from stribeck.expressions.names import Names
@@ -150,7 +150,7 @@ class ControllerCode:
         law, has = self.settings.observer, self.constants.get("observer", {})
         found = dict.fromkeys((*(law.relations if law else ()), *STATIC_ABOVE_COULOMB))
         return [
-            (f"observer_{r.key}", r.allowed, condition(r.holds, law, "p->observer."))
+            (f"observer_{r.key}", r.allowed, c_condition(r.holds, law, "p->observer."))
             for r in found
             if law is not None and all(need in has for need in r.needs)
         ]

@@ -109,7 +109,7 @@ class LawCode:
         return any(node.op in operations for node in ordered(self.expressions.values()))
 
 
-def condition(holds: Callable[[Any], Any], law: Law, place: str = "p->") -> str:
+def c_condition(holds: Callable[[Any], Any], law: Law, place: str = "p->") -> str:
     """A relation between the constants as a condition in C; ``place``: of what they are members."""
     writer = CWriter(DIALECT, {name: f"{place}{name}" for name in law.constants()}, taken=_TAKEN)
     line = writer.write([("result", wrap(holds(law.symbolic(symbol, law.form))))])[-1]

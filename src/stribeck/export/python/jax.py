@@ -9,7 +9,7 @@ from stribeck.errors import note
 from stribeck.export.optional import package
 from stribeck.export.python import stepping
 from stribeck.export.python.constants import checked
-from stribeck.export.python.written import FUNCTIONS, equations
+from stribeck.export.python.written import FUNCTIONS, written_equations
 from stribeck.expressions import ops
 from stribeck.laws.base import Law
 from stribeck.laws.values import Constants
@@ -94,7 +94,7 @@ def _loop(body: Any, state: Any) -> Any:
 def _equations(law: Law) -> Any:
     jnp: Any = package("jax.numpy", "jax")
     backend = _Backend()
-    return equations(law, {**{name: getattr(backend, name) for name in FUNCTIONS}, "like": jnp.full_like})
+    return written_equations(law, {**{name: getattr(backend, name) for name in FUNCTIONS}, "like": jnp.full_like})
 
 
 def _differentiable(law: Law) -> Any:

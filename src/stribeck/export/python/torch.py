@@ -8,7 +8,7 @@ from typing import Any
 from stribeck.export.optional import package
 from stribeck.export.python import stepping
 from stribeck.export.python.constants import checked
-from stribeck.export.python.written import FUNCTIONS, equations
+from stribeck.export.python.written import FUNCTIONS, written_equations
 from stribeck.expressions import ops
 from stribeck.laws.base import Law
 
@@ -37,7 +37,7 @@ class TorchLaw:
         self.law = law
         self._torch = torch
         scope = {name: getattr(torch, _NAMES.get(name, name)) for name in FUNCTIONS}
-        self._equations = equations(law, {**scope, "like": torch.full_like})
+        self._equations = written_equations(law, {**scope, "like": torch.full_like})
 
     def rate(self, v: Any, z: Any, **constants: Any) -> Any:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""

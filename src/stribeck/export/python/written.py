@@ -117,7 +117,7 @@ class Written:
         return "\n".join(parts)
 
 
-def equations(law: Law, scope: dict[str, Any]) -> Any:
+def written_equations(law: Law, scope: dict[str, Any]) -> Any:
     """The class of :meth:`Written.equations`, made with the functions of an array library in ``scope``."""
     exec(compile(Written(law).equations(), f"<equations of {law.name}>", "exec"), scope)
     return scope["law"]

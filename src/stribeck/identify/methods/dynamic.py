@@ -114,7 +114,7 @@ def cross_validated(problem: VelocityProblem, point: Array, log: Log, folds: int
 
 def judged_of(
     problem: Problem, optimum: Optimum, log: Log, profiles: bool, noise: Noise, work: Work
-) -> uncertainty.Judgement:  # fmt: skip
+) -> uncertainty.ConfidenceIntervals:  # fmt: skip
     """What is known at an optimum; the bare values where Ctrl-C comes before that is clear."""
     try:
         return uncertainty.judge(problem, optimum.point, log, profiles, noise, work)
@@ -124,7 +124,7 @@ def judged_of(
 
 
 def fit_of(
-    problem: VelocityProblem, point: Array, judged: uncertainty.Judgement, optimum: Optimum, log: Log, work: Work
+    problem: VelocityProblem, point: Array, judged: uncertainty.ConfidenceIntervals, optimum: Optimum, log: Log, work: Work
 ) -> Fit:  # fmt: skip
     """The fit from its optimum and what was judged of it; ``point``: the optimum in the problem's coordinates."""
     force = problem.force(point[None, :])

@@ -12,7 +12,8 @@ from scipy.stats import qmc
 
 from stribeck.arrays import Array
 from stribeck.identify.models.problem import Problem
-from stribeck.identify.work import Stopped, Work, cores
+from stribeck.identify.work import Stopped, Work
+from stribeck.simulation.lanes import threads_of_this_machine
 
 STOPPED = "stopped by Ctrl-C: the best values so far"
 _MANY = 200  # evaluations
@@ -90,7 +91,7 @@ def multistart(
     work = work or Work()
     best: dict[str, Any] = {"cost": np.inf, "point": None}
     watched = _Watched(problem, work, best)
-    batch, tried = max(cores(), 2), 0
+    batch, tried = max(threads_of_this_machine(), 2), 0
     done: list[_Run] = []
     looks: list[_Run] = []
     try:

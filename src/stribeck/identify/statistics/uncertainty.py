@@ -53,7 +53,7 @@ _FRESH_STARTS = 4
 
 
 @dataclass(frozen=True)
-class Judgement:
+class ConfidenceIntervals:
     """Estimates with intervals; covariance of ``names`` (values, not logarithms); profiles; what a reader should know.
 
     ``point``: the optimum, which may be better than the one given: profiles sometimes find one. ``noise``: its standard
@@ -71,7 +71,7 @@ class Judgement:
 
 def judge(
     problem: Problem, u: Array, log: Log, profiles: bool = True, noise: Noise | None = None, work: Work | None = None
-) -> Judgement:
+) -> ConfidenceIntervals:
     """Intervals and verdicts for every coordinate that is no nuisance, at the optimum ``u``.
 
     A fit that misses what was measured, by more than noise can, has no intervals: its numbers are those of another machine.
@@ -101,7 +101,7 @@ def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
     return np.asarray(np.sqrt(noise**2 + filtered**2 + sampling(problem, u, slopes) ** 2))
 
 
-def without(problem: Problem, u: Array, why: str) -> Judgement:
+def without(problem: Problem, u: Array, why: str) -> ConfidenceIntervals:
     """The best values found, and nothing that is known of them."""
     values = {c.name: c.outer(x) for c, x in zip(problem.coordinates, u.tolist(), strict=True) if not c.nuisance}
     units = {c.name: c.unit for c in problem.coordinates}
@@ -109,7 +109,9 @@ def without(problem: Problem, u: Array, why: str) -> Judgement:
     deviation = float("nan") if misfit is None else float(np.sqrt(np.mean(misfit**2)))
     estimates = {n: Estimate(None, None, None, units[n], False, why, best=x) for n, x in values.items()}
     nothing = np.full((len(values), len(values)), np.nan)
-    return Judgement(u, estimates, tuple(values), nothing, {}, (), {"standard_deviation": deviation, "memory": 0})
+    return ConfidenceIntervals(
+        u, estimates, tuple(values), nothing, {}, (), {"standard_deviation": deviation, "memory": 0}
+    )
 
 
 def misses(problem: Problem, misfit: Array, noise: Noise) -> str:
@@ -175,7 +177,7 @@ class _Optimum:
         return motion and self.deviation < _MORE * self.expected.expected
 
 
-def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise, work: Work) -> Judgement:
+def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise, work: Work) -> ConfidenceIntervals:
     slopes, misfit = problem.sensitivities(u), problem.misfit(u)
     if slopes is None or misfit is None:
         return without(problem, u, "the simulation fails beside the best values")
@@ -213,7 +215,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     notes += widened(problem, estimates, bias, at.inner)
     noise = {"standard_deviation": at.deviation, "memory": len(at.memory)}
     curves = {problem.coordinates[k].name: ends[k][2] for k in at.own if k in ends}
-    return Judgement(u, estimates, names, outer, curves, tuple(notes), noise)
+    return ConfidenceIntervals(u, estimates, names, outer, curves, tuple(notes), noise)
 
 
 def _at_optimum(

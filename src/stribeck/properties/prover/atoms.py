@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import floor
+from math import ceil, floor, isqrt
 from typing import TYPE_CHECKING, Any
 
 from stribeck.expressions.graph import Expr, constant, rebuild
@@ -162,8 +162,14 @@ def _root(leaf: Leaf, index: int, x: Quotient) -> bool:
     if not (rest.top.is_constant() and rest.bottom.is_constant() and leaf.signs(rest)[0]) or leaf.places[1] is None:
         return False
     square = rational(rest) if not rest.is_zero else Fraction(0)
-    r = Fraction(ends_of("sqrt", up(square))[1])
+    r = _root_above(square)
     return leaf.put(index, leaf.places[1] + leaf.number(r) * leaf.fresh(), None, "root", "u", r)
+
+
+def _root_above(x: Fraction) -> Fraction:
+    """A number that is not below the root of x; x may be larger than any float."""
+    top = ends_of("sqrt", up(x))[1]
+    return Fraction(top) if top < INF else Fraction(isqrt(ceil(x)) + 1)
 
 
 def _about_1(leaf: Leaf, node: Expr, y: Quotient, known: Range) -> Range:

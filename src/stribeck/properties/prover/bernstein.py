@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import comb
 from typing import Any
@@ -44,13 +44,17 @@ def _in_pi(powers: dict[int, Any]) -> int | None:
     return 1 if low > 0 else -1 if high < 0 else 0 if low == high == 0 else None
 
 
-def signs(terms: dict[tuple[int, ...], Any], kinds: Sequence[str | None], opened: Sequence[bool]) -> Signs:
+def signs(
+    terms: dict[tuple[int, ...], Any], kinds: Sequence[str | None], opened: Sequence[bool],
+    spend: Callable[[int], None] = lambda coefficients: None,
+) -> Signs:  # fmt: skip
     """The sign of a polynomial with the given terms (powers -> coefficient).
 
     Args:
         terms: the first power is that of pi.
         kinds: for each further variable UNIT, POSITIVE, or None where it does not occur.
         opened: for each further variable whether it is > 0 strictly.
+        spend: told how many coefficients are looked at.
     """
     if not terms:
         return True, True, False
@@ -69,6 +73,7 @@ def signs(terms: dict[tuple[int, ...], Any], kinds: Sequence[str | None], opened
         groups.setdefault(outer, {}).setdefault(inner, {})[int(k[0])] = c
     if size * len(groups) > _MOST:
         return UNKNOWN
+    spend(int(size) * len(groups))
     above, below, strict = True, True, False
     for outer, table in groups.items():
         found = {_in_pi(x) for x in _coefficients(table, degrees)}

@@ -54,9 +54,11 @@ class Leaf:
         self.places[0] = self.pi
         self._place()
         self.listed: dict[int, list[Any]] = {}  # atoms used: rule and numbers
+        self.coefficients = 0  # looked at so far: work
         self._signs: dict[int, Signs] = {}
         self._factors: dict[Any, Signs] = {}
         self._known: dict[Expr, Quotient] = {}
+        self._unclear: dict[Expr, str] = {}  # what cannot be treated here, and why
         self._defined: dict[Expr, bool] = {}
 
     def number(self, x: Fraction) -> Any:
@@ -94,7 +96,13 @@ class Leaf:
         """
         found = self._known.get(node)
         if found is None:
-            found = self._known[node] = self._value(node)
+            if node in self._unclear:
+                raise Unclear(self._unclear[node])
+            try:
+                found = self._known[node] = self._value(node)
+            except Unclear as reason:  # kept: nested cases would ask for it again and again
+                self._unclear[node] = str(reason)
+                raise
         return found
 
     def _value(self, node: Expr) -> Quotient:
@@ -280,9 +288,12 @@ class Leaf:
                 return self._factors[key]
             composed = self._composed(factor)
             if composed is not None:
-                p, n, s = signs(composed[0].to_dict(), self.kinds, self.opened)
+                p, n, s = signs(composed[0].to_dict(), self.kinds, self.opened, self._spend)
                 self._factors[key] = p, n, s
         return self._factors[key]
+
+    def _spend(self, coefficients: int) -> None:
+        self.coefficients += coefficients
 
     def _positive_atom(self, factor: Any) -> bool:
         """Whether it is an atom that is > 0 by its nature: exp, or a root of something > 0."""

@@ -18,6 +18,7 @@ Tree = list[Any]
 _NARROW = 1e-9  # relative width at which halving ends
 _DEEP = 60
 _TERMS = 40  # of a polynomial: as much work again as a leaf
+_COEFFICIENTS = 150  # of Bernstein: likewise
 _NONE: Mapping[str, int] = {}
 _MANY_ATOMS = 8  # from earlier claims: then they are forgotten
 _LEAP = 16
@@ -29,7 +30,7 @@ class Spent(Exception):
 
 
 @dataclass
-class Work:
+class Budget:
     """Work that may still be done, in leaves; it does not depend on the machine's speed."""
 
     left: float
@@ -46,11 +47,11 @@ class Work:
         if self.left < 0:
             raise Spent
 
-    def part(self, most: float) -> Work:
+    def part(self, most: float) -> Budget:
         """At most so much of it, to be given back by :meth:`add`."""
-        return Work(min(most, self.left))
+        return Budget(min(most, self.left))
 
-    def add(self, part: Work) -> None:
+    def add(self, part: Budget) -> None:
         """Count what a part has done."""
         self.left -= part.done
         self.done += part.done
@@ -75,7 +76,7 @@ class Prover:
     proved: dict[Any, Tree | None] = field(default_factory=dict)
 
     def show(
-        self, expr: Expr, relation: str, ranges: Mapping[str, tuple[Fraction, End]], work: Work, closed: bool = False,
+        self, expr: Expr, relation: str, ranges: Mapping[str, tuple[Fraction, End]], work: Budget, closed: bool = False,
         cones: bool = False,
     ) -> Tree | None:  # fmt: skip
         """A tree that shows the relation (">=0", ">0", "!=0", "=0") on the ranges of u and w; None where none was found."""
@@ -111,7 +112,7 @@ class Prover:
 
 
 class _Search:
-    def __init__(self, prover: Prover, expr: Expr, relation: str, work: Work, cones: bool) -> None:
+    def __init__(self, prover: Prover, expr: Expr, relation: str, work: Budget, cones: bool) -> None:
         self.prover, self.expr, self.relation, self.work, self.cones = prover, expr, relation, work, cones
         ops = {node.op for node in ordered([expr])}
         self.cased = bool(ops & {"where", "abs", "sign"})
@@ -234,6 +235,8 @@ class _Search:
                     return ["leaf", leaf.certificate()]
             except Unclear:
                 continue
+            finally:
+                self.work.take(leaf.coefficients / _COEFFICIENTS)
         return None
 
     def holds(self, leaf: Leaf, value: Quotient) -> bool:
