@@ -33,8 +33,7 @@ ANY: dict[str, tuple[int, str]] = {
     ),
     "identify": (120, "data frames and mappings of users; details for JSON"),
     "laws": (3, "constants as users give them"),
-    "loops": (20, "summaries for JSON"),
-    "machine": (10, "values of an own element's constants"),
+    "loops": (16, "summaries for JSON, a file's tables, and columns of either"),
     "paper": (6, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
     "properties": (
@@ -42,7 +41,7 @@ ANY: dict[str, tuple[int, str]] = {
         "six names for what has no type of its own: flint's numbers, data for JSON, what NumPy broadcasts",
     ),
     "report": (17, "certificates and manifests as JSON; Matplotlib's options; columns of any type"),
-    "scenario": (215, "a file's tables before they are validated, and Pydantic's models made at run time"),
+    "scenario": (210, "a file's tables before they are validated, and Pydantic's models made at run time"),
     "simulation": (14, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
     "": (16, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),
 }
