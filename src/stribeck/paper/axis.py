@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from stribeck.errors import StribeckError
@@ -30,7 +28,7 @@ _FREQUENCY, _WAVES = 1.0, 2
 _SHARE = 0.8
 
 
-def _machine() -> dict[str, Any]:
+def _machine() -> dict[str, object]:
     """A slide of 8 kg on a guide, under a sampled controller with an encoder of a micrometre."""
     return {
         "schema": 2, "name": "slide",
