@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from stribeck.cli import show
 from stribeck.cli.text import say
@@ -28,15 +27,15 @@ def fit(
         found = fit_machine(
             scenario, logs, laws=_laws(laws), transfer_to=transfer, starts=starts, seed=seed, progress=tell, folder=out
         )
-    summary: dict[str, Any] = {**found.to_json(), "files": []}
+    summary, files = found.to_json(), list[str]()
     if out is not None:
-        summary["files"] = write_machine_fit(
+        files = write_machine_fit(
             found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}", scenario.folder
         )
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
     else:
-        _print(found, summary["files"])
+        _print(found, files)
     return {"done": 0, "stopped": 130}.get(found.status, 1)
 
 

@@ -106,7 +106,9 @@ def _needs_parameters(name: str | None) -> bool:
     return found is not None and any(found.constants()[n].required for n in found.uses)
 
 
-def _all(parameters: str | None, given: Mapping[str, Any], v_max: float | None, json: bool, verify: bool) -> int:
+def _all(
+    parameters: str | None, given: Mapping[str, float | str], v_max: float | None, json: bool, verify: bool
+) -> int:
     from stribeck.properties.matrix import every_law
 
     values = dict(parameter_sets.load(parameters).values) if parameters else {}

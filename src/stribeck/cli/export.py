@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import stribeck.export as exports
 from stribeck import laws, parameter_sets
@@ -70,7 +69,7 @@ def export(
     return 0
 
 
-def _summary(law: Law | None, rig: Scenario | None) -> dict[str, Any]:
+def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
     """What was exported: the law, or the controller's constants by group."""
     if law is not None:
         return {"law": law.name, "parameters": law.values, "guarantees": law.guarantees()}

@@ -78,14 +78,14 @@ def _save(result: Fit | Choice, columns: ColumnNames, how: Preparation, out: Pat
     return str(out / predict.FILE)
 
 
-def drive(text: str) -> dict[str, Any]:
+def drive(text: str) -> dict[str, object]:
     """``KIND:KEY=VALUE,...`` as the table [drive] of a scenario.
 
     Raises:
         InputError: it is something else.
     """
     kind, _, rest = text.partition(":")
-    found: dict[str, Any] = {"kind": kind}
+    found: dict[str, object] = {"kind": kind}
     for part in filter(None, rest.split(",")):
         if "=" not in part:
             raise InputError(f"--drive: {text!r}: must be KIND or KIND:KEY=VALUE,...")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import Any
 
 from stribeck.cli import show
 from stribeck.identify import api as fitting
@@ -81,7 +80,8 @@ def validate(
     loaded = show.load(scenario, assignments, trust)
     with show.progress("validate"):
         found = validating.validate(loaded, data, columns.names, columns.units, columns.force_gain)
-    summary: dict[str, Any] = {**found.to_json(), "scenario": loaded.name, "data": str(data), "files": []}
+    summary = {**found.to_json(), "scenario": loaded.name, "data": str(data)}
+    files: list[str] = []
     if out is not None:
         from stribeck.identify.report import overlay
 
@@ -90,16 +90,16 @@ def validate(
         introduction = [f"The scenario {loaded.name} against {data.name}, {len(found.time)} rows."]
         command = "stribeck " + shlex.join(sys.argv[1:])
         title = f"{loaded.name} against {data.name}"
-        summary["files"] = [overlay.write_overlay(out, "validation.html", title, introduction, rows, figures, command)]
+        files = [overlay.write_overlay(out, "validation.html", title, introduction, rows, figures, command)]
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
     else:
         print(f"{loaded.name} against {data.name}: {found.status}, {len(found.time)} rows")
         for name, e in found.errors.items():
             print(
                 f"  {name:10} rms {e['rms']:.4g} {e['unit']}, largest {e['largest']:.4g}, relative {percent(e['relative'], 3)}"
             )
-        for file in summary["files"]:
+        for file in files:
             print(f"  wrote {file}")
     if found.status != "done":
         show.failed(loaded.name, found.reason)

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import asdict, dataclass, replace
 
 from stribeck.constants import Constant
 from stribeck.laws.base import PARAMETERS
@@ -35,7 +34,7 @@ class Number:
     target: str = ""  # the system's constant that it sets: ``group.name``
     whole: bool = False
 
-    def as_data(self) -> dict[str, Any]:
+    def as_data(self) -> dict[str, object]:
         """For the page."""
         return asdict(self)
 
@@ -86,7 +85,7 @@ def _others(scenario: Scenario) -> Iterator[Number]:
         yield _number("solve.atol", name, value, Constant("", f"absolute tolerance of {name}", above=0), 0.0, "", 1e4)
     steps = Constant("", str(Solve.model_fields["max_steps"].description), at_least=1)
     number = _number("solve", "max_steps", scenario.solve.max_steps, steps, 0.0, "", 1e4)
-    yield Number(**{**number.as_data(), "whole": True})
+    yield replace(number, whole=True)
     every = Constant("s", str(step.description).partition(",")[0], above=0)
     yield _number("output", "step", scenario.output.step, every, 0.0, "", 10)
 

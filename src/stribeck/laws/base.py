@@ -45,7 +45,7 @@ PARAMETERS: dict[str, Constant] = {
     "v_s": Constant("m/s", "Stribeck velocity", above=0, rotary_unit="rad/s"),
 }
 
-Claim = bool | Callable[[Any], Value] | None
+Claim = bool | Callable[[SimpleNamespace], Value] | None
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Relation:
 
     key: str
     allowed: str
-    holds: Callable[[Any], bool]
+    holds: Callable[[SimpleNamespace], bool]
     needs: tuple[str, ...]
 
 

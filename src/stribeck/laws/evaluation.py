@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,8 @@ from stribeck.arrays import Array
 from stribeck.errors import NotDifferentiable
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol, symbols, wrap
+from stribeck.expressions.ops import Value
+from stribeck.laws.form import Form
 from stribeck.laws.numeric import first_root, shaped
 from stribeck.laws.values import Constants
 
@@ -24,7 +26,7 @@ class _Derivatives:
     """What the graph of a law's equations gives: a function (constants, v, z) -> F and the derivatives of dz/dt and F
     by v and by z; and whether dz/dt is linear in z."""
 
-    function: Callable[..., tuple[Any, ...]]
+    function: Callable[..., tuple[Value, ...]]
     names: tuple[str, ...]
     linear: bool
 
@@ -34,14 +36,19 @@ class Evaluation:
 
     name: ClassVar[str]
     has_z: ClassVar[bool]
-    form: Any  # of the equations: a property of the law
-    dz_dt: Callable[..., Any]
-    friction: Callable[..., Any]
-    scales: Callable[..., Any]
-    symbolic: Callable[..., Any]
+
+    @property
+    def form(self) -> Form:
+        """Of the equations."""
+        raise NotImplementedError
+
+    dz_dt: Callable[..., Value]
+    friction: Callable[..., Value]
+    scales: Callable[..., Value]
+    symbolic: Callable[..., Value]
     guarantees: Callable[[], dict[str, bool | None]]
     p: Constants
-    _derivatives: ClassVar[dict[Any, _Derivatives]] = {}
+    _derivatives: ClassVar[dict[tuple[object, ...], _Derivatives]] = {}
 
     @property
     def jumps_at_rest(self) -> bool:
@@ -79,7 +86,7 @@ class Evaluation:
         """Friction force in N for velocities v (m/s), deflections z (m) and rates dz/dt (m/s)."""
         return np.asarray(self._in_floats(lambda p: self.friction(p, v, z, dz_dt)))
 
-    def _in_floats(self, equation: Callable[[Constants], Any]) -> Any:
+    def _in_floats(self, equation: Callable[[Constants], Value]) -> Value:
         """An equation's value; inf or nan, as NumPy has it, where a number of its constants leaves the range of floats."""
         with np.errstate(all="ignore"):
             try:

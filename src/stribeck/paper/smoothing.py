@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from stribeck.expressions.ops import Value
 from stribeck.laws.terms import S_0, S_1, S_2, m
 from stribeck.paper.common import STEEPNESSES, Done
 from stribeck.report import plots
@@ -50,16 +51,16 @@ class SmoothedFunction(NamedTuple):
 
     name: str
     title: str
-    exact: Callable[[Any], Any]
-    smooth: Callable[[Any, Any], Any]
+    exact: Callable[[Value], Value]
+    smooth: Callable[[Value, Value], Value]
     is_speed: bool = False
 
 
 def _beside(
     name: str,
     caption: str,
-    v: Any,
-    steep: dict[float, Any],
+    v: Value,
+    steep: dict[float, Value],
     labels: dict[float, str],
     exact: str,
     *panels: SmoothedFunction,

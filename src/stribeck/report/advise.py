@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from stribeck.files import together, write_json, write_text
 from stribeck.report import plots
@@ -12,7 +11,7 @@ from stribeck.report.page import FigureSvg
 from stribeck.steepness import Advice
 
 
-def write_advice(advices: Mapping[str, Advice], folder: Path, summary: dict[str, Any]) -> list[str]:
+def write_advice(advices: Mapping[str, Advice], folder: Path, summary: dict[str, object]) -> list[str]:
     """Write advise.svg and, last, summary.json; the paths."""
     names = ("advise.svg", "summary.json")
     files = [str(folder / name) for name in names]

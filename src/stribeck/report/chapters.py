@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from stribeck.arrays import Array
 from stribeck.constants import rotary_words
 from stribeck.files import write_text
 from stribeck.laws.base import Law
@@ -56,9 +57,9 @@ def result(solution: Solution) -> Chapter:
     return Chapter("result", "Result", text, tables)
 
 
-def _flat(events: Mapping[str, Any]) -> dict[str, Any]:
+def _flat(events: Mapping[str, Any]) -> dict[str, Array]:
     """What happened at all; of a machine under names such as 'mesh: slip'."""
-    found: dict[str, Any] = {}
+    found: dict[str, Array] = {}
     for name, each in events.items():
         found |= {f"{name}: {kind}": times for kind, times in each.items()} if isinstance(each, dict) else {name: each}
     return {name: times for name, times in found.items() if len(times)}
@@ -80,7 +81,7 @@ def of_laws(scenario: Scenario) -> list[Chapter]:
 def of_law(law: Law, key: str = "law", of: str = "") -> Chapter:
     """A law: its equations and its constants; ``of``: words for where it acts."""
     declared = law.constants()
-    values: dict[str, Any] = law.p.numbers | law.p.words
+    values: dict[str, object] = law.p.numbers | law.p.words
     words = rotary_words if law.rotary else str
     rows = [
         [
@@ -110,10 +111,10 @@ def of_scenario(scenario: Scenario) -> Chapter:
     return Chapter("scenario", "The scenario", ["As a file for 'stribeck run':"], code=dumps(_short(scenario.data)))
 
 
-def _short(data: Mapping[str, Any]) -> dict[str, Any]:
+def _short(data: Mapping[str, object]) -> dict[str, object]:
     """The data with long lists cut, which says so."""
 
-    def cut(value: Any) -> Any:
+    def cut(value: object) -> object:
         if isinstance(value, dict):
             return {key: cut(inner) for key, inner in value.items() if inner is not None}
         if isinstance(value, list) and len(value) > 24:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 from stribeck.analysis.comparison import Comparison, compared
 from stribeck.errors import left_out
@@ -17,7 +16,7 @@ from stribeck.report.page import Chapter, FigureSvg, Table
 _LONGEST = 100  # characters of a label in a file's name
 
 
-def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
+def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, object], command: str = "") -> list[str]:
     """Write a trajectory for each law, compare.svg, .png and .pdf, report.html and, last, summary.json with the
     deviations; the paths."""
     paths: list[Path] = []

@@ -36,7 +36,7 @@ _MEANING = {
 VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
 
 
-def write_design(found: Design, summary: dict[str, Any], folder: Path, command: str = "") -> list[str]:
+def write_design(found: Design, summary: dict[str, object], folder: Path, command: str = "") -> list[str]:
     """Write machine.toml (with the best compensation and tuned gains, ready to run), the figures and the page, and, last,
     summary.json; the paths."""
     with together(folder) as place:

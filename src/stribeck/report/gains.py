@@ -21,7 +21,7 @@ from stribeck.simulation import Solution
 
 
 def write_gains(
-    solution: Solution, verdict: GainVerdict, proof: Proof, found: Along | None, summary: dict[str, Any], folder: Path,
+    solution: Solution, verdict: GainVerdict, proof: Proof, found: Along | None, summary: Mapping[str, Any], folder: Path,
     command: str = "",
 ) -> list[str]:  # fmt: skip
     """Write gains.svg and plot.svg (with PNG and PDF), report.html and, last, summary.json; the paths."""

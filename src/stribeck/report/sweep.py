@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.arrays import Array
@@ -255,8 +255,8 @@ class Sweep:
 
 
 def sweep(
-    scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, Any],
-    values: Mapping[str, Any] | None = None,
+    scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
+    values: Mapping[str, ArrayLike] | None = None,
     out: str | Path = "sweep",
     *,
     t_end: float | None = None,
@@ -316,7 +316,7 @@ def _alone(folder: Path) -> Iterator[None]:
 
 # -- the tables of a part ----------------------------------------------------------------------------------------------
 
-Column = tuple[str, str, str, Any]  # name, unit, meaning, values
+Column = tuple[str, str, str, NDArray[Any]]  # name, unit, meaning, values
 
 
 def _about_lanes(e: Ensemble, first: int, lanes: NDArray[np.int64]) -> list[Column]:

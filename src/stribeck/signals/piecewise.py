@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -82,7 +82,7 @@ class Signal:
         """When the equation of a smooth signal changes its constants, and to what; one piece unless said."""
         return [(0.0, self.values)]
 
-    def values_at(self, t: ArrayLike) -> dict[str, Any]:
+    def values_at(self, t: ArrayLike) -> dict[str, Value]:
         """The constants of a smooth signal's equation at the times t."""
         return self.values
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -78,7 +78,7 @@ class Curve(Signal):
             for start, row in zip(self._start[first:], self._rows[first:], strict=True)
         ]
 
-    def values_at(self, t: ArrayLike) -> dict[str, Any]:
+    def values_at(self, t: ArrayLike) -> dict[str, Value]:
         i = np.clip(np.searchsorted(self._start, np.asarray(t, float), side="right") - 1, 0, None)
         return {"start": self._start[i], **{name: self._rows[i, n] for n, name in enumerate(_COEFFICIENTS)}}
 

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
 from threading import Event
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,7 +97,7 @@ class Ensemble:
 
 
 def simulate_ensemble(
-    scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, Any],
+    scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
     values: Mapping[str, ArrayLike] | None = None,
     *,
     t_end: float | None = None,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from importlib.resources import files as resources
-from typing import Any
 
 from stribeck.control.observer import least_K_D
 from stribeck.errors import InputError, arg
@@ -34,7 +33,7 @@ def files(request: Request) -> dict[str, str | bytes]:
     return content
 
 
-def context(request: Request) -> dict[str, Any]:
+def context(request: Request) -> dict[str, object]:
     """What the templates need."""
     law, equations = request.law, LawCode(request.law)
     if request.part == "observer" and not equations.observable:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 from stribeck.constants import Constant
 from stribeck.control.cascade import F_HAT, MEASURED, E, PressureCascade, S
@@ -188,7 +187,7 @@ class ControllerCode:
             lines += [valued(f"{group}.{n}", x, c) for n, (c, x) in constants.items()]
         return [ascii_only(line) for line in (*lines, made_by())]
 
-    def context(self) -> dict[str, Any]:
+    def context(self) -> dict[str, object]:
         """What the templates need."""
         name = self.name
         bad = [n for constants in self.constants.values() for n in constants if n in WORDS or not n.isascii()]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from stribeck.export.request import Request
 from stribeck.expressions import ops
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, ordered, partials, wrap
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
 
@@ -39,7 +39,7 @@ def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
     return found
 
 
-def terms(equations: LawCode, names: tuple[str, ...]) -> Any:
+def terms(equations: LawCode, names: tuple[str, ...]) -> Value:
     """A function (v, z) -> for each expression the sum of its absolute terms: what its rounding is measured by."""
     known: dict[Expr, Expr] = {}
     outputs = [equations.expressions[name] for name in names]
@@ -142,5 +142,5 @@ def advance(law: Law, v: float, z: float, dt: float) -> float:
     return float(solution.y[0, -1])
 
 
-def _row(numbers: Any) -> tuple[str, ...]:
+def _row(numbers: Value) -> tuple[str, ...]:
     return tuple(repr(float(x)) for x in numbers)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from importlib.resources import files as resources
-from typing import Any
 
 import numpy as np
 
@@ -32,7 +31,7 @@ def files(block: Block, self_test: bool = False) -> dict[str, str | bytes]:
     return content
 
 
-def context(block: Block) -> dict[str, Any]:
+def context(block: Block) -> dict[str, object]:
     """What the templates need."""
     used = {node.op for node in ordered(block.expressions.values())}
     portable = resources("stribeck.runtime").joinpath("portable.c").read_text(encoding="utf-8")

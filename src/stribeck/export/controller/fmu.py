@@ -16,7 +16,7 @@ def files(block: Block, fmi: int = 3) -> dict[str, str | bytes]:
     values, variables = context(block), variables_of(block)
     values |= {
         "fmi": fmi, "model": block.name, "variables": variables, "derivatives": [], "exchange": False, "states": [],
-        "token": token(block.name, fmi, values["about"], variables),
+        "token": token(block.name, fmi, block.about(), variables),
     }  # fmt: skip
     sources = {
         f"{block.name}.h": render("block.h", **values),

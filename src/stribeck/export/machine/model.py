@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from stribeck.codegen import PORTABLE, parameter_names, with_columns
 from stribeck.constants import Constant
@@ -147,7 +146,7 @@ class MachineModel:
         lines += [valued(each.path, each.value, each.constant) for each in self.tunable]
         return [ascii_only(line) for line in (*lines, made_by())]
 
-    def context(self) -> dict[str, Any]:
+    def context(self) -> dict[str, object]:
         """What the templates need."""
         scenario, machine, held = self.scenario, self.machine, len(self.machine.held)
         pieces, share = scenario.pieces(), step_share(scenario)

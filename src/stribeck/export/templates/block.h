@@ -12,18 +12,7 @@
  * where it is safe then. There is no allocation, no input or output, no global state. For single precision compile
  * everything with -D{{ P | upper }}_FLOAT{% if b.states | selectattr("name", "equalto", "last") | list %}; a position then has 24 bits, and the speed is a difference of two{% endif %}.
  */
-#ifndef {{ P | upper }}_H
-#define {{ P | upper }}_H
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-#ifdef {{ P | upper }}_FLOAT
-typedef float {{ P }}_real;
-#else
-typedef double {{ P }}_real;
-#endif
+{% include "real.h" %}
 
 /* Constants; {{ P }}_defaults fills them in, {{ P }}_check tells whether they are allowed. */
 typedef struct {

@@ -21,18 +21,7 @@
  * {{ line }}
 {% endfor %}
  */
-#ifndef {{ P | upper }}_H
-#define {{ P | upper }}_H
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-#ifdef {{ P | upper }}_FLOAT
-typedef float {{ P }}_real;
-#else
-typedef double {{ P }}_real;
-#endif
+{% include "real.h" %}
 
 /* Constants of the law; {{ P }}_defaults fills them in, {{ P }}_check tells whether they are allowed. */
 typedef struct {
