@@ -1,4 +1,4 @@
-# make setup | demo | test | bench | fuzz | proofs   (Python 3.11 or newer; a C compiler makes it fast)
+# make setup | demo | docs | test | thorough | bench | fuzz | proofs   (Python 3.11 or newer; a C compiler makes it fast)
 PYTHON ?= $(firstword $(foreach p,python3.13 python3.12 python3.11 python3,$(if $(shell $(p) -c 'import sys; print(sys.version_info >= (3, 11) or "")' 2>/dev/null),$(p))))
 VENV := .venv
 BIN := $(VENV)/bin
@@ -7,7 +7,7 @@ READY := $(VENV)/.ready
 # bytecode is kept: each command of the tests would compile its libraries anew
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: setup demo test bench fuzz proofs clean
+.PHONY: setup demo docs test thorough bench fuzz proofs clean
 
 # install EXTRA: the package with an extra, by uv where there is one
 define install
@@ -31,12 +31,21 @@ $(VENV)/.demo: pyproject.toml
 demo: $(if $(wildcard $(READY)),$(READY),$(VENV)/.demo)
 	$(BIN)/stribeck paper --out stribeck-report
 
+# the site: every page, the gallery's scripts run, live explorers, the references of Python and of the commands
+docs: setup
+	$(BIN)/python -m sphinx -W --keep-going -q -b html docs build/site
+	@echo "open build/site/index.html"
+
 test: setup
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/python -m pytest -n auto
+	$(BIN)/python -m pytest -n auto -m "not thorough"
+
+# the rest of the tests: whole families of cases of which 'make test' runs some
+thorough: setup
+	$(BIN)/python -m pytest -n auto -m thorough
 
 bench: setup
 	-xargs -n1 $(BIN)/python -m pip install --quiet --disable-pip-version-check < benchmarks/requirements.txt
@@ -51,4 +60,4 @@ fuzz: setup
 	$(BIN)/python tools/fuzz/run.py --seed $(or $(SEED),1)
 
 clean:
-	rm -rf $(VENV) build dist src/*.egg-info stribeck-report
+	rm -rf $(VENV) build docs/made dist src/*.egg-info stribeck-report

@@ -8,7 +8,7 @@ conditions of docs/theory.md, evaluated here with rational numbers. A counterexa
 
 prints a table: laws, verdicts, wrong ones, crashes, undecided (of natural laws and ordinary sets apart), CPU seconds.
 Every yes is given to the second checker, and counts as wrong where that one refuses its certificate.
-With ``--results`` a run goes on where the last one with the same sources of the check, sets and seed stopped.
+With ``--results`` a run goes on where the last one with the same sources of the check and seed stopped, also with more sets.
 """
 
 from __future__ import annotations
@@ -283,7 +283,7 @@ def builtin(kind: str, names: list[str], progress: Progress) -> Iterator[Row]:
             except stribeck.InputError:  # z_ba rounded up to F_c/sigma_0
                 continue
             row.judge(f"{name} {values}", law, truth_of(name, values))
-        progress.save()
+            progress.save()
         yield row
 
 
@@ -293,7 +293,7 @@ class Progress:
     def __init__(self, file: Path | None, sets: int, seed: int, seconds: float) -> None:
         self.file, self.sets, self.seed, self.until = file, sets, seed, time.process_time() + seconds
         self.rows: dict[str, Row] = {}
-        self.about = {"check": sources(), "sets": sets, "seed": seed}
+        self.about = {"check": sources(), "seed": seed}
         if file is not None and file.exists():
             data = json.loads(file.read_text())
             if all(data.get(n) == x for n, x in self.about.items()):
@@ -311,13 +311,15 @@ class Progress:
         """Write what is done."""
         if self.file is not None:
             whole = total("all", list(self.rows.values()))
-            table = {**self.about, "done": all(row.sets >= self.sets for row in self.rows.values())}
+            table = {**self.about, "sets": self.sets, "done": all(row.sets >= self.sets for row in self.rows.values())}
             counts = {
                 "laws": whole.laws, "verdicts": whole.verdicts, "undecided": whole.undecided, "wrong": len(whole.wrong),
                 "crashes": len(whole.crashes), "cpu_seconds": whole.seconds, "slowest_law_cpu_seconds": whole.slowest,
             }  # fmt: skip
             rows = {n: asdict(row) for n, row in self.rows.items()}
-            self.file.write_text(json.dumps({**table, "all": counts, "rows": rows}, indent=1) + "\n")
+            beside = self.file.with_suffix(".part")
+            beside.write_text(json.dumps({**table, "all": counts, "rows": rows}, indent=1) + "\n")
+            beside.replace(self.file)
 
 
 def sources() -> str:

@@ -2,6 +2,51 @@
 
 import pytest
 
+# Families of cases of which `make test` runs one in so many (0: none), and `make thorough`, which CI runs too, the rest:
+# each has a sibling that is always run, and costs seconds of processor time.
+THINNED = {
+    "codegen/test_equations.py::test_compiled_functions": 5,
+    "codegen/test_equations.py::test_graph": 5,
+    "codegen/test_source.py::test_compiles_for_lanes_without_a_warning": 5,
+    "codegen/test_source.py::test_compiles_without_a_warning": 5,
+    "codegen/test_source.py::test_depends_on_the_system_alone": 5,
+    "analysis/test_hunting.py::test_hunting_of_the_papers_loop_beside_its_simulation": 0,
+    "cli/test_check.py::test_the_commands_of_the_page": 0,
+    "cli/test_terminal.py::test_no_line_folds": 3,
+    "export/test_c99.py::test_agrees_with_python": 4,
+    "export/test_c99.py::test_check_names_the_bad_constant": 4,
+    "export/test_cascade.py::test_what_the_simulation_computes": 3,
+    "export/test_controllers.py::test_structured_text_runs": 3,
+    "export/test_fmu.py::test_valid": 4,
+    "export/test_stepping.py::test_the_step_is_that_of_the_exported_c": 4,
+    "identify/methods/test_random_records.py::test_a_random_record_is_fitted_or_refused_in_words": 4,
+    "identify/methods/test_static.py::test_a_better_model_of_emps_predicts_blocks_left_out": 0,
+    "identify/statistics/test_uncertainty.py::test_intervals_cover_the_truth_in_twenty_experiments": 0,
+    "laws/test_claims.py::test_built_in_laws_keep_their_claims": 4,
+    "laws/test_claims.py::test_claims_do_not_depend_on_the_steepness": 4,
+    "laws/test_claims.py::test_claims_of_other_majorants": 4,
+    "laws/test_claims.py::test_claims_with_damping_that_falls": 4,
+    "laws/test_claims.py::test_passive_up_to_the_threshold": 4,
+    "loops/test_design.py::test_another_solver_agrees_on_both_sides_of_a_boundary": 0,
+    "paper/test_chapters.py::test_the_matrix": 0,
+    "simulation/test_fallback.py::test_same_numbers": 4,
+    "site/test_site.py::test_a_notebook_runs": 3,
+    "site/test_site.py::test_a_script_of_the_gallery": 6,
+    "steepness/test_advise.py::test_every_law_and_machine": 5,
+    "test_published_records.py::test_a_row_is_what_its_command_prints": 5,
+}
+
+
+def pytest_collection_modifyitems(items):
+    """Mark what of the families above is left to `make thorough`."""
+    seen = {}
+    for item in items:
+        family = item.nodeid.partition("tests/")[2].partition("[")[0]
+        if family in THINNED:
+            n = seen[family] = seen.get(family, -1) + 1
+            if not THINNED[family] or n % THINNED[family]:
+                item.add_marker("thorough")
+
 
 @pytest.fixture(scope="session", autouse=True)
 def _cache_folder(tmp_path_factory):

@@ -22,29 +22,29 @@ LONG_FUNCTIONS: dict[str, str] = {
 }
 # Rooms that hold `Any`, how often at most, and what forces it there; there is none in the others.
 ANY: dict[str, tuple[int, str]] = {
-    "analysis": (10, "summaries for JSON"),
-    "cli": (45, "summaries for JSON, and tables of files"),
-    "control": (50, "SymPy has no types"),
-    "drives": (10, "the constants of whatever plant a drive meets, numbers or symbols"),
-    "exchange": (20, "the files of other programs, as JSON and XML hold them"),
-    "explore": (35, "what goes into the page as JSON"),
-    "export": (230, "tensors of PyTorch, JAX, Warp, CasADi and python-control, one text for all"),
-    "expressions": (85, "a node's value is a number of NumPy, SymPy, flint, CasADi or JAX"),
+    "analysis": (1, "a summary that is read again by its keys"),
+    "cli": (20, "summaries for JSON that are read again by their keys, to be printed"),
+    "exchange": (14, "the files of other programs, as JSON and XML hold them"),
+    "explore": (11, "Bokeh's figures; numbers for the page"),
+    "export": (19, "the contexts of the templates of an FMU; optional fields of its variables"),
+    "expressions": (
+        8,
+        "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
+    ),
     "identify": (120, "data frames and mappings of users; details for JSON"),
-    "laws": (45, "constants as users give them; objects of other libraries that a law becomes"),
+    "laws": (3, "constants as users give them"),
     "loops": (20, "summaries for JSON"),
     "machine": (10, "values of an own element's constants"),
-    "paper": (35, "numbers of chapters for JSON"),
-    "parameter_sets": (5, "a file's tables"),
-    "plants": (25, "constants of a user's own plant; SymPy's symbols in the servo's proof"),
-    "properties": (230, "flint has no types; certificates are JSON"),
-    "report": (45, "Matplotlib's axes; summaries for JSON"),
-    "rig": (10, "Matplotlib's axes"),
+    "paper": (6, "numbers of chapters and tables of machines, read again by their keys"),
+    "parameter_sets": (1, "a file's tables"),
+    "properties": (
+        6,
+        "six names for what has no type of its own: flint's numbers, data for JSON, what NumPy broadcasts",
+    ),
+    "report": (17, "certificates and manifests as JSON; Matplotlib's options; columns of any type"),
     "scenario": (215, "a file's tables before they are validated, and Pydantic's models made at run time"),
-    "signals": (5, "a file's tables"),
-    "simulation": (35, "SciPy's solver; summaries for JSON"),
-    "steepness": (10, "SciPy's functions; summaries for JSON"),
-    "": (50, "a file's tables, cells of tables, and what users hand over"),
+    "simulation": (14, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
+    "": (16, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),
 }
 # Folders of tests that are no room of src/stribeck, and what they test; rooms that other folders test.
 BESIDE_THE_ROOMS = {
@@ -52,10 +52,13 @@ BESIDE_THE_ROOMS = {
     "proofs": "proofs/, the Coq developments",
     "properties/nasty": "laws written to mislead, which tests/properties reads",
     "reference": "reference trajectories and published numbers, by others",
+    "site": "docs/, the site: its references, links, examples",
     "theory": "docs/theory.md, step by step",
 }
 TESTED_ELSEWHERE = {"examples": "tests/cli and tests/scenario run each"}
 PRIVATE_IMPORTS: dict[str, str] = {}
+# It shares nothing with the rest, so that it can be read alone: it says the same things once more, in the same words.
+APART = "properties/verify_certificate/"
 
 
 def relative(path: Path) -> str:
@@ -96,6 +99,34 @@ def test_private_names_stay_in_their_module():
     assert found == set(PRIVATE_IMPORTS)
 
 
+def test_a_class_has_a_name_of_its_own():
+    where: dict[str, list[str]] = {}
+    for path in FILES:
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.ClassDef) and not relative(path).startswith(APART):
+                where.setdefault(node.name, []).append(relative(path))
+    found = {name: files for name, files in where.items() if len(files) > 1 and not name.startswith("_")}
+    assert not found, f"two classes of one name: {found}"
+
+
+def test_a_function_imported_by_its_bare_name_is_the_only_one_so_imported():
+    """Modules may each have their ``files`` or ``chapter``, called as ``module.files``; a bare name means one thing."""
+    defined: set[tuple[str, str]] = set()
+    imported: set[tuple[str, str]] = set()
+    for path in FILES:
+        if relative(path).startswith(APART):
+            continue
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        here = ".".join(("stribeck", *path.relative_to(SOURCE).with_suffix("").parts)).removesuffix(".__init__")
+        defined |= {(here, n.name) for n in tree.body if isinstance(n, ast.FunctionDef)}
+        froms = [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and here != "stribeck"]
+        imported |= {(n.module or "", name.name) for n in froms for name in n.names if not name.asname}
+    homes: dict[str, list[str]] = {}
+    for home, name in sorted(defined & imported):
+        homes.setdefault(name, []).append(home)
+    assert not (found := {name: where for name, where in homes.items() if len(where) > 1}), found
+
+
 def test_an_array_is_declared_once():
     found = [relative(path) for path in FILES if "NDArray[np.float64]" in path.read_text(encoding="utf-8")]
     assert found == ["arrays.py"]
@@ -125,3 +156,13 @@ def test_the_architecture_shows_every_room():
     shown = (SOURCE.parent.parent / "docs" / "architecture.md").read_text(encoding="utf-8")
     rooms = {f"{p.name}/" for p in SOURCE.iterdir() if (p / "__init__.py").is_file()}
     assert not (missing := {room for room in rooms if f"`{room}`" not in shown}), missing
+
+
+def test_what_is_thinned_is_there():
+    """A family that was renamed would be run whole, in silence."""
+    from tests.conftest import THINNED
+
+    tests = Path(__file__).parent
+    for family in THINNED:
+        file, _, name = family.partition("::")
+        assert f"def {name}(" in (tests / file).read_text(encoding="utf-8"), family

@@ -9,7 +9,6 @@ import math
 import re
 from dataclasses import dataclass, replace
 from numbers import Real
-from typing import Any
 
 from stribeck.errors import nearest
 
@@ -55,7 +54,7 @@ class Constant:
         """True where a value must be given."""
         return self.default is None and not self.optional and not self.choices
 
-    def problem(self, value: Any) -> str | None:
+    def problem(self, value: object) -> str | None:
         """What is wrong with a value, or None."""
         if self.choices:
             if isinstance(value, str):
@@ -99,7 +98,7 @@ DECIDED = {True: "yes", False: "no", None: "undecided"}  # a verdict, in a word
 SHOWN = {**DECIDED, None: "not shown"}  # the same of what is true or not known
 
 
-def kind_of(value: Any) -> str:
+def kind_of(value: object) -> str:
     """What a value of a file is, in plain words."""
     names = {bool: "a true/false value", str: "text", list: "a list", dict: "a table", type(None): "nothing"}
     if isinstance(value, Real) and not isinstance(value, bool):
@@ -107,7 +106,7 @@ def kind_of(value: Any) -> str:
     return names.get(type(value), f"a {type(value).__name__}")
 
 
-def show(value: Any) -> str:
+def show(value: object) -> str:
     """A value as it may stand in a message of one line."""
     if isinstance(value, str):
         text = repr(value)

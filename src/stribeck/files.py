@@ -12,13 +12,14 @@ import stat
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from hashlib import file_digest
 from pathlib import Path
 from typing import Any, BinaryIO
 
 from stribeck.errors import needed
 
 
-def write_with(path: Path, write: Callable[[Path], Any]) -> None:
+def write_with(path: Path, write: Callable[[Path], object]) -> None:
     """Have ``write`` make the file under another name, then rename it; on any failure nothing is left behind.
 
     A link stays one, and its target is written; devices and pipes such as /dev/stdout are written as they are.
@@ -148,7 +149,7 @@ def arrow_array(values: Any) -> Any:
     return pyarrow.Array.from_buffers(pyarrow.float64(), len(values), [None, buffer])
 
 
-def write_columns(path: Path, columns: Mapping[str, Any]) -> None:
+def write_columns(path: Path, columns: Mapping[str, object]) -> None:
     """Columns of equal length as a Parquet file."""
     with needed("a Parquet file"):
         import pyarrow
@@ -158,7 +159,7 @@ def write_columns(path: Path, columns: Mapping[str, Any]) -> None:
     write_with(path, lambda beside: write_parquet(table, beside))
 
 
-def write_parquet(table: Any, path: Path, **options: Any) -> None:
+def write_parquet(table: object, path: Path, **options: object) -> None:
     """An Arrow table as a Parquet file; pyarrow itself takes no name that is not text."""
     from pyarrow import parquet
 
@@ -175,6 +176,12 @@ def finite(data: Any) -> Any:
     return None if isinstance(data, float) and not math.isfinite(data) else data
 
 
-def write_json(path: Path, data: Any) -> None:
+def sha256_of(path: Path) -> str:
+    """The SHA-256 of a file's bytes, in hexadecimal."""
+    with path.open("rb") as file:
+        return file_digest(file, "sha256").hexdigest()
+
+
+def write_json(path: Path, data: object) -> None:
     """Write data as JSON for people and programs."""
     write_text(path, json.dumps(finite(data), indent=2, allow_nan=False) + "\n")

@@ -5,7 +5,7 @@ A single body under a force and a pneumatic cylinder under a sampled controller 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from types import SimpleNamespace
@@ -36,9 +36,9 @@ class Groups:
     """The constants of a system by their owner, as values or as symbols; ``signal`` holds the current piece where the
     signal is made of pieces."""
 
-    law: Any
-    plant: Any
-    drive: Any
+    law: SimpleNamespace
+    plant: SimpleNamespace
+    drive: SimpleNamespace
     signal: Any
 
 
@@ -185,7 +185,7 @@ class System(Equations):
         k = self.quantities(q, r, x)
         return {column.name: wrap(k[column.name]) for column in self.columns}
 
-    def table(self, values: dict[tuple[str, str], Any], t: Array, states: dict[str, Array]) -> dict[str, Any]:
+    def table(self, values: dict[tuple[str, str], Value], t: Array, states: dict[str, Array]) -> dict[str, Value]:
         """Every column of the output by name, from the constants' values (or arrays over time) and the states."""
         names = [f"{owner}.{name}" for owner, name in values]
         function = _columns(self, (*names, "t", *states))
@@ -193,7 +193,7 @@ class System(Equations):
 
 
 @lru_cache(maxsize=32)
-def _columns(system: System, names: tuple[str, ...]) -> Any:
+def _columns(system: System, names: tuple[str, ...]) -> Callable[..., tuple[Value, ...]]:
     return python_function(names, list(system.outputs.values()))
 
 
@@ -203,11 +203,11 @@ class Nothing(Plant):
     kind = "nothing"
 
     @staticmethod
-    def acceleration(p: Any, u: Value, F: Value, x: tuple[Value, ...] = ()) -> Value:
+    def acceleration(p: SimpleNamespace, u: Value, F: Value, x: tuple[Value, ...] = ()) -> Value:
         """Not a state's."""
         return 0.0
 
     @staticmethod
-    def stored_energy(p: Any, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
+    def stored_energy(p: SimpleNamespace, y: Value, v: Value, x: tuple[Value, ...]) -> Value:
         """None."""
         return 0.0

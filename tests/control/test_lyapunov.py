@@ -11,7 +11,7 @@ import stribeck
 from stribeck.analysis.lyapunov import along
 from stribeck.cli import _status
 from stribeck.control import observer
-from stribeck.control.gains import at_speed, decay, judge, prove
+from stribeck.control.gains import at_speed, decay, gain_verdict, prove
 from stribeck.control.proof import derive
 from stribeck.laws import BristleLaw
 from tests.control.servos import servo, solved
@@ -88,10 +88,10 @@ def test_the_derivative_of_the_adaptive_loop(monkeypatch):
 
 def test_conditions_of_table_1():
     law = stribeck.law("lugre_sobczyk", **TABLE_1)
-    exact = judge(law, {"K_D": 300.0, "K": 1e-6}, 0.1).exact
+    exact = gain_verdict(law, {"K_D": 300.0, "K": 1e-6}, 0.1).exact
     assert exact.least_K_D == pytest.approx(218, abs=1)
     assert exact.holds
-    verdict = judge(law, {"K_D": 300.0, "K": (1 - 1e-9) * 2 / 316.22776601683796}, 0.1)
+    verdict = gain_verdict(law, {"K_D": 300.0, "K": (1 - 1e-9) * 2 / 316.22776601683796}, 0.1)
     assert verdict.sufficient.least_K_D == pytest.approx(1.4e6, rel=0.02)
     assert not verdict.sufficient.holds
     assert verdict.largest_K_sufficient == pytest.approx(2 / 316.22776601683796)
@@ -99,21 +99,21 @@ def test_conditions_of_table_1():
 
 def test_conditions_of_the_example():
     scenario = servo()
-    verdict = judge(scenario.law, scenario.drive_values, 0.5)
+    verdict = gain_verdict(scenario.law, scenario.drive_values, 0.5)
     assert verdict.exact.largest_speed == pytest.approx(21.6, abs=0.1)
     assert verdict.sufficient.largest_speed == pytest.approx(0.011, abs=0.001)
     speed = verdict.exact.largest_speed
-    assert judge(scenario.law, scenario.drive_values, 0.999 * speed).exact.holds
-    assert not judge(scenario.law, scenario.drive_values, 1.001 * speed).exact.holds
+    assert gain_verdict(scenario.law, scenario.drive_values, 0.999 * speed).exact.holds
+    assert not gain_verdict(scenario.law, scenario.drive_values, 1.001 * speed).exact.holds
 
 
 @pytest.mark.parametrize("v_max", [0.5, 30.0, 300.0])
 def test_proposed_gains_hold_with_room(v_max):
     scenario = servo()
     given = scenario.drive_values
-    proposed = judge(scenario.law, given, v_max).proposed
+    proposed = gain_verdict(scenario.law, given, v_max).proposed
     for name, value in proposed.items():
-        verdict = judge(scenario.law, {**given, name: value}, v_max)
+        verdict = gain_verdict(scenario.law, {**given, name: value}, v_max)
         assert verdict.exact.holds
         assert prove(scenario.law, {**given, name: value}, (-v_max, v_max)).proven
 
@@ -121,7 +121,7 @@ def test_proposed_gains_hold_with_room(v_max):
 @pytest.mark.parametrize("name", ["lugre", "lugre_arctan", "lugre_sobczyk", "lugre_majorant"])
 def test_proof_by_intervals(name):
     law = stribeck.law(name, parameters="canudas1995", **({} if name == "lugre" else {"k_v": 1e6}))
-    least = judge(law, {"K_D": 300.0, "K": 1e-6}, 0.1).exact.least_K_D
+    least = gain_verdict(law, {"K_D": 300.0, "K": 1e-6}, 0.1).exact.least_K_D
     for factor, proven in ((1 + 1e-6, True), (1 - 1e-6, False)):
         assert prove(law, {"K_D": factor * least, "K": 1e-6}, (-0.1, 0.1)).proven is proven
 
@@ -202,7 +202,7 @@ def test_command(tmp_path, capsys, monkeypatch):
 def test_without_bristle_damping_any_gains_hold():
     table_1 = stribeck.law("lugre_sobczyk", **TABLE_1)
     law = type(table_1)({**table_1.values, "sigma_1": 0.0})
-    verdict = judge(law, {"K_D": 1.0, "K": 1.0}, 10.0)
+    verdict = gain_verdict(law, {"K_D": 1.0, "K": 1.0}, 10.0)
     assert verdict.exact.holds
     assert verdict.sufficient.holds
     assert verdict.exact.largest_speed is None
@@ -218,7 +218,7 @@ def test_damping_that_falls_with_speed():
     assert np.max(np.abs(found.dV_dt - found.bound)[~found.saturated]) <= 1e-6 * np.max(np.abs(found.dV_dt))
     assert not found.rises.any()
     law = stribeck.law("lugre_sobczyk", **TABLE_1, v_d=0.1)
-    verdict = judge(law, {"K_D": 1.0, "K": 1e-6}, 0.1)
+    verdict = gain_verdict(law, {"K_D": 1.0, "K": 1e-6}, 0.1)
     assert verdict.exact.least_K_D == pytest.approx(218, abs=1)
     assert not verdict.exact.holds
     p, w = law.p, at_speed(law, decay(law))

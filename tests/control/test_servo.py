@@ -7,7 +7,7 @@ import pytest
 
 from stribeck import InputError, Scenario, simulate
 from stribeck.control.sampled import Filter
-from stribeck.signals import PointToPoint, Spline
+from stribeck.signals import PointToPointSignal, SplineSignal
 from tests.control.servos import data, last, servo, solved
 from tests.simulation.rig import needs_compiler
 
@@ -17,7 +17,7 @@ MOVES = {"kind": "point_to_point", "t": [0.0, 1.0, 2.0, 3.0], "value": [0.5, 0.6
 # -- paths -----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("cls", [PointToPoint, Spline])
+@pytest.mark.parametrize("cls", [PointToPointSignal, SplineSignal])
 def test_curves_pass_their_points_with_three_derivatives(cls):
     t, value = np.array([0.5, 1.0, 2.5, 3.0]), np.array([0.1, 0.4, 0.2, 0.3])
     curve = cls(t, value)
@@ -29,14 +29,14 @@ def test_curves_pass_their_points_with_three_derivatives(cls):
             left = before.deriv(order)(end - begin) if order else before(end - begin)
             right = after.deriv(order)(0.0) if order else after(0.0)
             assert left == pytest.approx(right, abs=1e-9), (end, order)
-    if cls is PointToPoint:
+    if cls is PointToPointSignal:
         assert curve.at(0.75) == pytest.approx(0.25)
 
 
 def test_a_spline_through_two_points_is_the_move():
     t, value = np.array([0.0, 2.0]), np.array([0.1, 0.4])
     x = np.linspace(-1, 3, 50)
-    assert Spline(t, value).at(x) == pytest.approx(PointToPoint(t, value).at(x), abs=1e-12)
+    assert SplineSignal(t, value).at(x) == pytest.approx(PointToPointSignal(t, value).at(x), abs=1e-12)
 
 
 @needs_compiler

@@ -66,6 +66,15 @@ def test_every_file_of_bam_is_read():
             Scenario(from_bam(path))
 
 
+def test_quadratic_terms_are_left_out_with_a_note(tmp_path):
+    path = tmp_path / "m6.json"
+    path.write_text(json.dumps({**MODELS["m5"], "load_friction_motor_quad": 0.02, "model": "m6", "actuator": "servo"}))
+    with pytest.warns(StribeckNote, match=r"load_friction_motor_quad"):
+        found = from_bam(path)
+    plain = from_bam({**MODELS["m5"], "model": "m6", "actuator": "servo"})
+    assert found["contacts"] == plain["contacts"]
+
+
 def test_what_is_missing_or_strange_is_told():
     with pytest.raises(InputError) as error:
         from_bam({"armature": "heavy", "friction_base": 0.1, "friction_wet": 1.0})

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from stribeck.export.python import stepping
-from stribeck.export.python.written import equations
+from stribeck.export.python.written import written_equations
 from tests.export.harness import LAWS, law
 
 SCOPE = {name: getattr(np, name) for name in ("exp", "log", "sqrt", "sin", "cos", "tanh", "sign", "floor", "where")}
@@ -16,7 +16,7 @@ class Stepped:
     """A law's step, and its derivatives."""
 
     def __init__(self, of):
-        self.law, self.equations = of, equations(of, dict(SCOPE))
+        self.law, self.equations = of, written_equations(of, dict(SCOPE))
         self.constants = {n: x for n, x in of.values.items() if x is not None}
 
     def solve(self, *given, **constants):

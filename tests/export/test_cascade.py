@@ -91,16 +91,16 @@ class Controller:
 
 def recorded(scenario, monkeypatch):
     """What the controller of a sampled simulation was given and computed at each sample, and the run."""
-    rows, original = [], sampled.Controller.sample
+    rows, original = [], sampled.SampledCascade.sample
 
     def sample(self, period, path, measured):
         before = list(self.x)
         rows.append((before, measured, original(self, period, path, measured), list(self.x)))
         return rows[-1][2]
 
-    monkeypatch.setattr(sampled.Controller, "sample", sample)
+    monkeypatch.setattr(sampled.SampledCascade, "sample", sample)
     run = stribeck.simulate(scenario)
-    monkeypatch.setattr(sampled.Controller, "sample", original)
+    monkeypatch.setattr(sampled.SampledCascade, "sample", original)
     assert run.status == "done", run.reason
     return rows, run
 
@@ -145,7 +145,7 @@ def test_in_the_loop(case, folder, monkeypatch):
         self.x = list(x)
         return (*map(float, out[:3]), before)
 
-    monkeypatch.setattr(sampled.Controller, "sample", sample)
+    monkeypatch.setattr(sampled.SampledCascade, "sample", sample)
     found = stribeck.simulate(rig(case))
     assert (exact.status, found.status) == ("done", "done")
     assert found["y"] == pytest.approx(exact["y"], abs=1e-9)
@@ -325,7 +325,7 @@ def test_fmu_in_the_loop(instance, monkeypatch):
             each.doStep(currentCommunicationPoint=measured[0], communicationStepSize=period)
         return (*one.getFloat64(outputs[:3]), z_hat)
 
-    monkeypatch.setattr(sampled.Controller, "sample", sample)
+    monkeypatch.setattr(sampled.SampledCascade, "sample", sample)
     found = stribeck.simulate(rig("adaptive", **{"solve.t_end": 1.0}))
     for name, off in (("y", 1e-9), ("u", 1e-5), ("F_hat", 1e-5), ("z_hat", 1e-12)):
         assert found[name] == pytest.approx(exact[name], abs=off), name

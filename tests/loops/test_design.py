@@ -249,3 +249,136 @@ def test_a_set_in_a_file_is_found_from_the_folder_of_the_machine_that_is_written
         == 0
     )
     assert _status(["run", str(tmp_path / "deep" / "out" / "machine.toml")]) == 0
+
+
+def test_over_compensation_pushes_from_the_share_that_is_named(tmp_path):
+    """The run at 5 % more speeds up by itself; at 5 % less than the share the same body comes to rest."""
+    from stribeck.loops import uncertainty
+    from stribeck.loops.excess import excess
+
+    loop = loop_of(Scenario(axis(contact=law("lugre", sigma_1=30.0, sigma_2=2.0))))
+    samples = uncertainty.samples(uncertainty.intervals(loop, None))
+    found = excess(loop, "hold", samples)
+    assert found.share == pytest.approx(1.0, rel=1e-9)  # the same law on both sides
+    v = found.speed
+    taken, added = (
+        p["F_c"] + (p["F_s"] - p["F_c"]) * np.exp(-((v / p["v_s"]) ** 2)) + p["sigma_2"] * v
+        for p in (
+            {name.rpartition(".")[2]: x for name, x in found.sample.items()},
+            loop.scenario.data["contacts"]["guide"]["law"]["parameters"],
+        )
+    )
+    assert found.worst_share == pytest.approx(taken / added, rel=1e-9)
+    assert found.worst_share < 0.9
+    run = stribeck.simulate(found.counterexample)
+    assert run["a.v"][-1] > 2 * v
+    assert run["E_in"][-1] > 0  # what the compensation supplied
+    path = "controllers.hold.compensation.share"
+    less = found.counterexample.with_changes({path: 0.95 * found.worst_share})
+    assert stribeck.simulate(less)["a.v"][-1] < 0.5 * v
+
+
+def test_the_standard_sine_of_a_sine_is_that_sine():
+    """Its speed was that of the spline which begins at rest, in other cases that of an aliased wave."""
+    from stribeck.loops.moves import moves_of
+
+    data = axis(t_end=4.0, signal={"kind": "sine", "amplitude": 0.05, "frequency": 0.5})
+    moves = moves_of(loop_of(Scenario(data)), "hold")
+    assert moves.amplitude == pytest.approx(0.05, rel=1e-4)
+    assert moves.period == pytest.approx(2.0, rel=1e-3)
+
+
+def test_what_grows_until_it_cannot_be_followed_is_unstable():
+    """It was called failed: without a limit the step fell below what floating point resolves."""
+    assert only(axis(K_i=30 * 200.0 * 35.0)).verdict == "unstable"
+
+
+def test_a_map_over_two_numbers():
+    """Its boundary is Routh's where the loop goes from rest to growth; the file's point lies in it."""
+    rub = law("lugre", sigma_1=30.0, sigma_2=15.0, F_s=1.0)  # no Stribeck effect: nothing hunts
+    found = only(
+        axis(contact=rub, signal={"kind": "step", "time": 0.0, "value": 1.0}, limit=1e5),
+        map=["controllers.hold.K_d=10:40", "controllers.hold.K_i=2e3:1.2e4"],
+    ).plane
+    assert found.point == (20.0, 0.0)
+    words = {j.verdict for column in found.found for j in column}
+    assert "quiet" in words
+    assert len(words) > 1
+    outer = [e for e in found.edges if "unstable" in (e.one, e.other)]
+    assert outer
+    for edge in outer:  # friction can only take more than the linear loop does
+        assert edge.y >= 0.97 * 200.0 * (edge.x + 15.0)
+    with pytest.raises(InputError, match="must be two"):
+        only(axis(), map=["controllers.hold.K_d=10:40"])
+    with pytest.raises(InputError, match="different numbers"):
+        only(axis(), map=["controllers.hold.K_d=10:40", "controllers.hold.K_d=1:4"])
+
+
+def test_the_second_opinion_is_that_of_the_pid_loop():
+    """The gains of a cascade are those of the PID controller that does the same at rest: their linear loops have one
+    characteristic polynomial."""
+    from stribeck.loops.second import pid_gains
+    from stribeck.machine.controllers import Cascade
+
+    K_p, K_v, T_i, m = 30.0, 5.0, 0.1, 2.0
+    pid = pid_gains(Cascade, {"K_p": K_p, "K_v": K_v, "T_i": T_i})
+    s = np.roots([m, pid["K_d"], pid["K_p"], pid["K_i"]])
+    # m s^2 y = -K_v (K_p + s) y - (K_v/T_i) (K_p/s + 1) y, times s
+    assert np.abs(m * s**3 + K_v * (K_p + s) * s + K_v / T_i * (K_p + s)).max() < 1e-9 * np.abs(s).max() ** 3
+
+
+def test_the_hunting_command(tmp_path, capsys):
+    import tomli_w
+
+    from stribeck import examples
+    from stribeck.cli import _status
+
+    file = tmp_path / "axis.toml"
+    file.write_text(tomli_w.dumps(axis()))
+    assert _status(["hunting", str(file), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["verdict"] == "quiet"
+    assert "no cycle" in found["second_opinion"]["why_not"]
+    assert _status(["hunting", str(file), "--controller", "other"]) == 2
+    assert "must be one of hold" in capsys.readouterr().err
+    assert _status(["hunting", str(examples.path("stick_slip"))]) == 2
+    assert "must be 'pid' to hunt" in capsys.readouterr().err
+
+
+def test_an_inner_loop_that_leads_makes_up_for_the_lag_of_the_drive():
+    """The force that acts lags by the delay; with lead dF/dt it is nearer to the law's at the moving body's speed."""
+    from stribeck.loops.compensation import kinds_of, lag_of, with_compensation
+
+    sampling = {"period": 1e-3, "delay": 5e-3}
+    wave = {"kind": "sine", "amplitude": 0.02, "frequency": 1.0}
+    rub = law(sigma_0=5e4, sigma_1=100.0, sigma_2=5.0, k_v=1e3)
+    loop = loop_of(Scenario(axis(contact=rub, signal=wave, K_p=3e3, K_d=60.0, sampling=sampling)))
+    assert lag_of(loop.scenario, "hold") == pytest.approx(5.5e-3)
+    assert kinds_of(loop, "hold", "guide")[-1] == "inner_loop"
+    errors = []
+    for kind in ("none", "measured", "inner_loop"):
+        made = with_compensation(loop.scenario, "hold", "guide", kind, 0.8)
+        run = stribeck.simulate(made.with_changes({"solve.t_end": 2.0, "output.step": 1e-3}))
+        assert run.status == "done"
+        errors.append(np.abs(run["hold.r"] - run["a.y"])[1000:].max())
+    assert errors[2] < errors[1] < errors[0]
+    rough = loop_of(Scenario(axis(contact=law("lugre"), signal=wave, sampling=sampling)))
+    assert "inner_loop" not in kinds_of(rough, "hold", "guide")
+    with pytest.raises(InputError, match="has no dF/dt"):
+        Scenario(
+            axis(
+                contact=law("lugre"), signal=wave, compensation={"contact": "guide", "speed": "measured", "lead": 1e-3}
+            )
+        )
+
+
+def test_changes_within_a_hair_are_one_boundary():
+    """A lane caught on its way between rest and a cycle was named as a verdict of its own, with two boundaries."""
+    from stribeck.loops.boundary import _apart
+    from stribeck.loops.judge import Judgement
+
+    words = {1.0: "quiet", 4.999: "quiet", 5.0: "creeping", 5.001: "hunting", 9.0: "hunting"}
+    seen = {x: Judgement(word, "a", 0.0, 0.0) for x, word in words.items()}
+    assert _apart([(4.999, 5.0), (5.0, 5.001)], seen) == [(4.999, 5.001)]
+    far = {**seen, 7.0: Judgement("quiet", "a", 0.0, 0.0)}
+    assert _apart([(4.999, 5.0), (5.0, 5.001), (5.001, 7.0)], far) == [(4.999, 5.001), (5.001, 7.0)]

@@ -262,11 +262,12 @@ class Machine:
         dz_hat = 0.0
         if "compensation" in c:
             law, p = self.law_of(c)
+            share = c["compensation"].get("share", 1.0)
             if c["compensation"]["speed"] == "reference":
-                u += copysign(self.steady(law, p, abs(dr)), dr) if dr else 0.0
+                u += share * copysign(self.steady(law, p, abs(dr)), dr) if dr else 0.0
             else:
                 dz_hat, F = friction(law, p)(v, z_hat)
-                u += F
+                u += share * F
         return u, rate, gain * rate, dz_hat
 
     @staticmethod

@@ -10,7 +10,7 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import symbol
 from stribeck.expressions.names import Names
 from stribeck.machine import sampled
-from stribeck.machine.parts import Compensation
+from stribeck.machine.parts import CompensationPart
 from tests.simulation.independent import friction
 
 P = {"sigma_0": 6e3, "sigma_1": 5.0, "sigma_2": 1.0, "F_c": 0.8, "F_s": 0.95, "v_s": 0.05}
@@ -22,10 +22,10 @@ Z = P["F_s"] / P["sigma_0"]
 )
 def test_step(name, own):
     law = st.law(name, **own, parameters=P)
-    compensation = Compensation(type(law), law.form, "law", "measured")
+    compensation = CompensationPart(type(law), law.form, "law", "measured")
     z, v, period, called = symbol("z"), symbol("v"), symbol("period"), Names()
     rate = type(law).dz_dt(compensation.symbolic(called), v, z)
-    after = sampled._step(SimpleNamespace(compensation=compensation), rate, z, v, period, called)
+    after = sampled.observed(SimpleNamespace(compensation=compensation), rate, z, v, period, called)
     step = python_function(("z", "v", "period", *(f"law.{n}" for n in law.p.numbers)), [after])
     rates = friction(name, {**P, **own})
     for speed in (0.003, -0.1):

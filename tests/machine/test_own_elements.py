@@ -12,7 +12,7 @@ from stribeck import InputError, Scenario
 from stribeck.cli import _status
 from stribeck.export.fmu import binaries
 from stribeck.machine import controllers, loads
-from stribeck.machine.links import Link
+from stribeck.machine.links import LinkElement
 from stribeck.scenario.machine import tables
 from tests.machine.machines import assert_balanced, law, machine, push, solved
 from tests.simulation.rig import needs_compiler
@@ -20,13 +20,13 @@ from tests.simulation.rig import needs_compiler
 FILE = '''
 from stribeck.constants import Constant
 from stribeck.expressions.ops import exp, sin
-from stribeck.machine.controllers import Controller
+from stribeck.machine.controllers import ControllerElement
 from stribeck.machine.element import State
-from stribeck.machine.links import Link
-from stribeck.machine.loads import Load
+from stribeck.machine.links import Link, LinkElement  # Link: its first name
+from stribeck.machine.loads import LoadElement
 
 
-class Hardening(Link):
+class Hardening(LinkElement):
     """A spring that hardens: stiffness d + cubic d^3, with a damper."""
 
     cubic = Constant("N/m^3", "hardening", at_least=0)
@@ -59,7 +59,7 @@ class Maxwell(Link):
         return p.stiffness * (d - x[0]) ** 2 / 2
 
 
-class Drag(Load):
+class Drag(LoadElement):
     """Air: -drag v |v|."""
 
     drag = Constant("kg/m", "drag", at_least=0)
@@ -69,7 +69,7 @@ class Drag(Load):
         return -p.drag * v * abs(v)
 
 
-class Proportional(Controller):
+class Proportional(ControllerElement):
     """u = gain (r - y) - rate v."""
 
     gain = Constant("N/m", "gain")
@@ -132,7 +132,7 @@ def test_a_load_and_a_controller(folder):
     ("kind", "text"),
     [
         ("own.py:Hard", "has no link 'Hard' (it has Hardening, Maxwell)"),
-        ("own.py:Drag", "Drag must be derived from stribeck.machine's Link"),
+        ("own.py:Drag", "Drag must be derived from stribeck.machine's LinkElement"),
         ("other.py:Hardening", "cannot read"),
         ("Hardening", "must be one of link"),
     ],
@@ -184,7 +184,7 @@ def test_the_pages_name_every_table_and_key():
     """docs/machines.md names each key that the reader takes, of every table."""
     text = (Path(__file__).parent.parent.parent / "docs" / "machines.md").read_text(encoding="utf-8")
     models = [
-        tables.BodyTable, tables.link_table(Link), tables.contact_table(), tables.motor_table(),
+        tables.BodyTable, tables.link_table(LinkElement), tables.contact_table(), tables.motor_table(),
         *(tables.load_table(kind) for kind in loads.KINDS.values()), tables.CompensationTable, tables.sampling_table(),
         *(tables.controller_table(kind) for kind in controllers.KINDS.values()), tables.level_table(False),
         *(tables.factor_table(way) for way in (True, False)),

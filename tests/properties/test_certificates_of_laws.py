@@ -127,10 +127,24 @@ def test_a_yes_that_the_checker_refuses_is_undecided(monkeypatch):
     assert "told to refuse" in found["bounded"].evidence["reason"]
 
 
-@pytest.mark.parametrize("k_v", [5e-324, 1.7e308])
-def test_a_steepness_at_the_end_of_floats_stops_no_proof(k_v):
-    found = stribeck.check(stribeck.law("lugre_majorant", MILD, k_v=k_v))
+@pytest.mark.parametrize(
+    ("k_v", "smooth_abs"), [(5e-324, "atan"), (1.7e308, "atan"), (1e-300, "sqrt"), (1e-300, "compact")]
+)
+def test_a_steepness_at_the_end_of_floats_stops_no_proof(k_v, smooth_abs):
+    law = stribeck.law("lugre_majorant", MILD, k_v=k_v, smooth_abs=smooth_abs)
+    found = stribeck.check(law)
     assert found["bounded"].holds
+    assert not any("cannot be treated" in str(v.evidence.get("reason")) for v in found.properties.values())
+    assert smooth_abs != "sqrt" or law.rate(1e-3, 1e-6) == -math.inf  # as NumPy has it, and no exception
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"sigma_0": 1e-100}, {"sigma_1": 1e160}, {"sigma_2": 1e200}, {"v_s": 5e-324}, {"F_c": 1e307, "F_s": 1.7e308}],
+)
+def test_constants_at_the_ends_of_the_floats_are_decided(change):
+    found = stribeck.check(stribeck.law("lugre", {**MILD, **change}))
+    assert [found[n].holds for n in ("unique", "bounded", "drift_free")] == [True, True, False]
     assert not any("cannot be treated" in str(v.evidence.get("reason")) for v in found.properties.values())
 
 

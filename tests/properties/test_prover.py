@@ -16,7 +16,7 @@ from stribeck.properties import WORK, check
 from stribeck.properties.checked import Checked
 from stribeck.properties.prover.bernstein import POSITIVE, UNIT, signs
 from stribeck.properties.prover.ring import Ring
-from stribeck.properties.prover.search import Prover, Work
+from stribeck.properties.prover.search import Budget, Prover
 
 U, W = symbol("u"), symbol("w")
 TABLE_1 = {"sigma_0": 1e5, "sigma_1": 1e5**0.5, "sigma_2": 200.0, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
@@ -24,7 +24,7 @@ EVERYWHERE = {"u": (Fraction(0), None), "w": (Fraction(0), None)}
 
 
 def shown(expr, relation=">=0", ranges=EVERYWHERE):
-    return Prover(Ring({}), {}).show(expr, relation, ranges, Work(200)) is not None
+    return Prover(Ring({}), {}).show(expr, relation, ranges, Budget(200)) is not None
 
 
 def test_pi_is_pi_and_a_float_is_a_float():

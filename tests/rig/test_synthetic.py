@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.rig.synthetic import Body, Sensors, experiment
+from stribeck.rig.synthetic import Sensors, Slider, experiment
 from tests.simulation.rig import needs_compiler
 
 pytestmark = needs_compiler
@@ -15,7 +15,7 @@ LAW = stribeck.law("stribeck", parameters="canudas1995")
 
 
 def test_the_force_is_friction_inertia_spring_and_offset():
-    found = experiment(LAW, (T, V), Sensors(position_resolution=0.0), Body(mass=2.0, stiffness=30.0, offset=0.5))
+    found = experiment(LAW, (T, V), Sensors(position_resolution=0.0), Slider(mass=2.0, stiffness=30.0, offset=0.5))
     y = found.log.position
     expected = LAW.steady_force(V) + 2.0 * np.gradient(V, 1e-3) + 30.0 * y + 0.5
     assert found.log.force == pytest.approx(expected, abs=1e-9)

@@ -6,12 +6,12 @@ import pytest
 from pyarrow import csv, parquet
 
 from stribeck.errors import InputError
-from stribeck.signals import File, Points, Ramp, Sine, Step
+from stribeck.signals import FileSignal, PointsSignal, RampSignal, SineSignal, StepSignal
 from stribeck.signals.piecewise import KINDS
 
 
 def points(t, value):
-    return Points(np.array(t, float), np.array(value, float))
+    return PointsSignal(np.array(t, float), np.array(value, float))
 
 
 def test_points_are_lines_that_jump_where_two_times_are_equal():
@@ -40,11 +40,11 @@ def test_one_point_is_a_constant():
 
 
 def test_ramp_step_and_sine():
-    np.testing.assert_array_equal(Ramp({"rate": 2.0}).at([0, 1.5]), [0, 3])
-    step = Step({"value": -3.0, "time": 1.0})
+    np.testing.assert_array_equal(RampSignal({"rate": 2.0}).at([0, 1.5]), [0, 3])
+    step = StepSignal({"value": -3.0, "time": 1.0})
     np.testing.assert_array_equal(step.at([0, np.nextafter(1, 0), 1, 2]), [0, 0, -3, -3])
-    np.testing.assert_array_equal(Step({"value": 2.0, "time": -1.0}).at([0, 1]), 2)
-    sine = Sine({"amplitude": 2.0, "frequency": 0.25, "offset": 1.0, "phase": np.pi / 2})
+    np.testing.assert_array_equal(StepSignal({"value": 2.0, "time": -1.0}).at([0, 1]), 2)
+    sine = SineSignal({"amplitude": 2.0, "frequency": 0.25, "offset": 1.0, "phase": np.pi / 2})
     np.testing.assert_allclose(sine.at([0, 1, 2]), [3, 1, -1], atol=1e-14)
 
 
@@ -56,9 +56,9 @@ def test_each_kind_says_what_it_needs():
 
 
 def test_a_step_cannot_miss_a_wave():
-    signal = Sine({"amplitude": 1.0, "frequency": 50.0, "offset": 0.0, "phase": 0.0})
+    signal = SineSignal({"amplitude": 1.0, "frequency": 50.0, "offset": 0.0, "phase": 0.0})
     assert signal.longest_step <= 0.125 / 50
-    assert Ramp({"rate": 1.0}).longest_step == np.inf
+    assert RampSignal({"rate": 1.0}).longest_step == np.inf
 
 
 def crossings(signal, level=1.0, t_end=10.0):
@@ -76,7 +76,7 @@ def test_crossings_at_points_and_jumps():
     assert crossings(points([0, 1, 2, 3, 4], [0, -1, -2, -1, 0])) == [(1, True), (3, False)]
     assert crossings(points([0, 1, 1, 2], [0.5, 0.5, 3, 3])) == [(1, True)]
     assert crossings(points([0, 1, 1, 2, 2], [2, 2, -2, -2, 0])) == [(2, False)]
-    assert crossings(Step({"value": 2.0, "time": 3.0})) == [(3, True)]
+    assert crossings(StepSignal({"value": 2.0, "time": 3.0})) == [(3, True)]
 
 
 def test_a_level_that_is_only_touched_is_not_passed():
@@ -87,12 +87,12 @@ def test_a_level_that_is_only_touched_is_not_passed():
 
 def test_crossings_before_the_start_and_behind_the_end_do_not_count():
     assert crossings(points([-1, 3], [0, 4])) == []
-    assert crossings(Ramp({"rate": 0.05})) == []
-    assert crossings(Ramp({"rate": -0.5})) == [(2, True)]
+    assert crossings(RampSignal({"rate": 0.05})) == []
+    assert crossings(RampSignal({"rate": -0.5})) == [(2, True)]
 
 
 def test_crossings_of_a_sine_are_those_of_its_samples():
-    signal = Sine({"amplitude": -1.5, "frequency": 0.7, "offset": 0.2, "phase": 0.4})
+    signal = SineSignal({"amplitude": -1.5, "frequency": 0.7, "offset": 0.2, "phase": 0.4})
     t = np.linspace(0, 10, 2_000_001)
     above = np.abs(signal.at(t)) >= 1
     expected = [(t[i + 1], bool(above[i + 1])) for i in np.flatnonzero(above[1:] != above[:-1])]
@@ -103,7 +103,7 @@ def test_crossings_of_a_sine_are_those_of_its_samples():
 
 def test_a_sine_that_stays_on_one_side_has_no_crossings():
     for amplitude, offset in ((0.0, 5.0), (0.5, 0.0), (0.5, 2.0)):
-        assert crossings(Sine({"amplitude": amplitude, "frequency": 1.0, "offset": offset, "phase": 0.0})) == []
+        assert crossings(SineSignal({"amplitude": amplitude, "frequency": 1.0, "offset": offset, "phase": 0.0})) == []
 
 
 def test_files_are_read_as_points(tmp_path):
@@ -111,7 +111,7 @@ def test_files_are_read_as_points(tmp_path):
     csv.write_csv(table, tmp_path / "log.csv")
     parquet.write_table(table, tmp_path / "log.parquet")
     for name in ("log.csv", "log.parquet"):
-        np.testing.assert_array_equal(File.read(tmp_path / name, "t", "v").at([0.5, 1, 3]), [1, 5, 5])
+        np.testing.assert_array_equal(FileSignal.read(tmp_path / name, "t", "v").at([0.5, 1, 3]), [1, 5, 5])
 
 
 @pytest.mark.parametrize(
@@ -129,10 +129,10 @@ def test_files_are_read_as_points(tmp_path):
 def test_files_that_are_no_signal(tmp_path, text, message):
     (tmp_path / "log.csv").write_text(text)
     with pytest.raises(InputError) as error:
-        File.read(tmp_path / "log.csv", "t", "v")
+        FileSignal.read(tmp_path / "log.csv", "t", "v")
     assert message in str(error.value)
 
 
 def test_a_file_that_is_not_there(tmp_path):
     with pytest.raises(InputError, match="cannot be read"):
-        File.read(tmp_path / "log.csv", "t", "v")
+        FileSignal.read(tmp_path / "log.csv", "t", "v")

@@ -53,7 +53,7 @@ def test_the_text_of_the_kernel_run_by_the_processor(name, tmp_path):
     )
     library = ctypes.CDLL(str(built))
     library.stribeck_solve_batch.argtypes = [POINTER(lanes.Batch)]
-    made = lanes.arrays(vary(scenario, values))
+    made = lanes.lane_arrays(vary(scenario, values))
     library.stribeck_solve_batch(ctypes.byref(made.batch))
     found = lanes.outcome(made)
     expected = stribeck.simulate_ensemble(scenario, values)

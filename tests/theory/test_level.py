@@ -6,7 +6,7 @@ import sympy as sp
 from stribeck import law
 from stribeck.laws import builtin
 from stribeck.laws.form import Form
-from stribeck.machine.links import Link
+from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import Pendulum
 from tests.theory.test_proofs import FORMS, constants, majorant, numeric
 
@@ -102,17 +102,17 @@ def test_24_links_and_pendulums_lose_nothing_that_is_not_damped():
     """f w - dE/dt = f_d w, and a damper limited to |f_c| has the sign of w."""
     k, damping, gap = sp.symbols("k c gap", positive=True)
     names = {"stiffness": k, "damping": damping, "gap": gap}
-    free = Link.symbolic(names.__getitem__, Form(("damping",)))
-    stored = Link.stored_energy(free, d)
-    assert sp.expand(Link.force(free, d, w) * w - sp.diff(stored, d) * w - damping * w**2) == 0
+    free = LinkElement.symbolic(names.__getitem__, Form(("damping",)))
+    stored = LinkElement.stored_energy(free, d)
+    assert sp.expand(LinkElement.force(free, d, w) * w - sp.diff(stored, d) * w - damping * w**2) == 0
     for k_, c_, gap_ in ((3.0, 2.0, 0.2), (100.0, 1e-3, 1e-6)):
         given = {"stiffness": k_, "damping": c_, "gap": gap_}
-        p = Link.symbolic(given.__getitem__, Form(("damping", "gap")))
+        p = LinkElement.symbolic(given.__getitem__, Form(("damping", "gap")))
         for at in (-1.0, -0.11, 0.0, 0.09, 0.1, 0.5):
             for speed in (-10.0, -0.1, 0.0, 0.1, 10.0):
-                e = Link.stretch(p, at)
+                e = LinkElement.stretch(p, at)
                 spring = k_ * e * speed if abs(at) > gap_ / 2 else 0.0  # dE/dt, with de/dt = w beyond the play
-                assert Link.force(p, at, speed) * speed - spring >= -1e-12
+                assert LinkElement.force(p, at, speed) * speed - spring >= -1e-12
     amplitude, phase, y = sp.symbols("amplitude phase y", positive=True)
     pendulum = Pendulum.symbolic({"amplitude": amplitude, "phase": phase}.__getitem__, Form())
     assert sp.simplify(Pendulum.force(pendulum, 0, y, v) + sp.diff(Pendulum.stored_energy(pendulum, y), y)) == 0

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -40,7 +39,7 @@ class Comparison:
         """``"done"`` when every law was simulated to the end, else ``"failed"``."""
         return "done" if all(s.status == "done" for s in self.solutions.values()) else "failed"
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """What ``stribeck compare --json`` prints, without the files."""
         labels = list(self.solutions)
         failed = {label: s.reason for label, s in self.solutions.items() if s.reason}
@@ -99,7 +98,7 @@ def compare_laws(variants: Mapping[str, Scenario], progress: Callable[[float], N
 
 
 def compare(
-    scenario: Scenario | Machine | str | Path | Mapping[str, Any],
+    scenario: Scenario | Machine | str | Path | Mapping[str, object],
     laws: Sequence[Law | str] | Mapping[str, Law | str],
     *,
     contact: str | None = None,

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from stribeck.analysis.lyapunov import Along, along
 from stribeck.constants import show
-from stribeck.control.gains import GainVerdict, Proof, Staying, judge, prove, staying
+from stribeck.control.gains import GainVerdict, Proof, Staying, gain_verdict, prove, staying
 from stribeck.control.proof import derive
 from stribeck.errors import InputError, arg
 from stribeck.scenario import Scenario
@@ -39,23 +38,23 @@ class Gains:
     staying: Staying | None
     not_covered: tuple[str, ...]
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """What ``stribeck gains --json`` prints, without the files."""
-        found: dict[str, Any] = {
+        found: dict[str, object] = {
             "scenario": self.solution.scenario.name, "derivative": str(derive().derivative), **self.verdict.summary(),
             "proof": {"proven": self.proof.proven, "boxes": self.proof.boxes, "reason": self.proof.reason or None},
             "not_covered": list(self.not_covered),
-            "simulation": {"status": self.solution.status, "reason": self.solution.reason},
         }  # fmt: skip
+        simulation: dict[str, object] = {"status": self.solution.status, "reason": self.solution.reason}
         if self.staying is not None:
             found["staying"] = asdict(self.staying)
         if self.along is not None:
-            found["simulation"] |= self.along.summary()
-        return found
+            simulation |= self.along.summary()
+        return {**found, "simulation": simulation}
 
 
 def gains(
-    scenario: Scenario | str | Path | Mapping[str, Any],
+    scenario: Scenario | str | Path | Mapping[str, object],
     v_max: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Gains:
@@ -76,7 +75,7 @@ def gains(
     observer, d = controller.observer, rig.drive_values
     assert observer is not None
     speed = v_max if v_max is not None else 2 * max(solution.peaks["v"], 1e-6)
-    verdict, proof = judge(observer, d, speed), prove(observer, d, (-speed, speed))
+    verdict, proof = gain_verdict(observer, d, speed), prove(observer, d, (-speed, speed))
     if not len(solution.t):
         return Gains(solution, verdict, proof, None, None, doubts(rig, controller))
     return Gains(solution, verdict, proof, along(solution), _staying(rig, solution, speed), doubts(rig, controller))

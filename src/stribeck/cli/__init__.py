@@ -10,7 +10,7 @@ import threading
 import time
 import warnings
 from contextlib import suppress
-from typing import Any, NoReturn
+from typing import NoReturn
 
 from stribeck.cli.options import said
 from stribeck.errors import EXTRAS, InputError, Line, MissingExtra, StribeckError, StribeckNote, one_line
@@ -123,7 +123,7 @@ def _status(arguments: list[str] | None) -> int:
         return 2
 
 
-def _show(message: Warning | str, category: type[Warning], *rest: Any) -> None:
+def _show(message: Warning | str, category: type[Warning], *rest: object) -> None:
     text = f"{category.__name__}: {message}"
     if isinstance(message, StribeckNote):
         text = said(message.args[0], _command(None))

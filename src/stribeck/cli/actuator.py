@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from stribeck.cli import show
 from stribeck.cli.text import say
 from stribeck.errors import InputError
 from stribeck.identify.actuator import MachineFit, fit_machine
-from stribeck.identify.actuator.page import digits, write
+from stribeck.identify.actuator.page import number_or_open, write_machine_fit
 from stribeck.scenario import Scenario, parse_assignment
 
 
@@ -28,15 +27,15 @@ def fit(
         found = fit_machine(
             scenario, logs, laws=_laws(laws), transfer_to=transfer, starts=starts, seed=seed, progress=tell, folder=out
         )
-    summary: dict[str, Any] = {**found.to_json(), "files": []}
+    summary, files = found.to_json(), list[str]()
     if out is not None:
-        summary["files"] = write(
+        files = write_machine_fit(
             found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}", scenario.folder
         )
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
     else:
-        _print(found, summary["files"])
+        _print(found, files)
     return {"done": 0, "stopped": 130}.get(found.status, 1)
 
 
@@ -56,8 +55,8 @@ def _print(fit: MachineFit, files: Sequence[str]) -> None:
     width = max(map(len, fit.parameters), default=4)
     print(f"  {'':{width}}  {'value':>12}  {'95 % interval':>27}  {'unit':<10}  verdict")
     for name, p in fit.parameters.items():
-        interval = "-" if p.verdict == "not judged" else f"{digits(p.low)} ... {digits(p.high)}"
-        print(f"  {name:{width}}  {digits(p.value):>12}  {interval:>27}  {p.unit:<10}  {p.verdict}")
+        interval = "-" if p.verdict == "not judged" else f"{number_or_open(p.low)} ... {number_or_open(p.high)}"
+        print(f"  {name:{width}}  {number_or_open(p.value):>12}  {interval:>27}  {p.unit:<10}  {p.verdict}")
     for name, p in fit.parameters.items():
         if p.why and p.verdict != "not judged":
             say(f"{name}: {p.verdict}: {p.why}", 6, "  ")

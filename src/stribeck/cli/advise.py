@@ -32,18 +32,19 @@ def advise(
     if tolerated["scenario"] is not None:
         tolerated["scenario"] = Scenario.load(tolerated["scenario"], trust=trust)
     advices = find(law, parameters, **tolerated, **constants)
-    summary: dict[str, Any] = {"laws": {name: each.summary() for name, each in advices.items()}, "files": []}
+    summary: dict[str, object] = {"laws": {name: each.summary() for name, each in advices.items()}}
+    files: list[str] = []
     if out is not None:
-        from stribeck.report.advise import write
+        from stribeck.report.advise import write_advice
 
         show.check_folder(out)
-        summary["files"] = write(advices, out, summary)
+        files = write_advice(advices, out, summary)
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
     else:
         for advice in advices.values():
             _print(advice)
-        for file in summary["files"]:
+        for file in files:
             print(f"  wrote {file}")
     return 0
 

@@ -7,7 +7,22 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.cli.shared import (
+    ControllerName,
+    ExportContact,
+    ExportOut,
+    ExportPart,
+    ExportScenario,
+    ExportStep,
+    ExportTarget,
+    Json,
+    Out,
+    ScenarioFile,
+    Set,
+    Trust,
+    Undetermined,
+    app,
+)  # fmt: skip
 
 __all__ = ["app"]
 
@@ -245,15 +260,8 @@ def paper(
 
 @app.command(epilog="Example: stribeck export lugre --parameters canudas1995 --target c --out firmware")
 def export(
-    target: Annotated[
-        str,
-        typer.Option(
-            "--target", metavar="NAME", help="c, fmu, isaaclab, mjwarp, modelica, mujoco, newton, st or table."
-        ),
-    ],
-    out: Annotated[
-        Path, typer.Option("--out", metavar="PATH", help="Where to: a folder for c and mujoco, else a file.")
-    ],
+    target: ExportTarget,
+    out: ExportOut,
     law: Annotated[
         str | None,
         typer.Argument(
@@ -268,23 +276,11 @@ def export(
         list[str] | None,
         typer.Option("--set", metavar="KEY=VALUE", help="A constant, such as k_v=1e7 (cascade: drive.K_D=80)."),
     ] = None,
-    part: Annotated[
-        str | None,
-        typer.Option(
-            "--part", metavar="PART", help="law, body, observer, cascade or machine (of a machine unless given)."
-        ),
-    ] = None,
-    scenario: Annotated[
-        Path | None,
-        typer.Option("--scenario", metavar="FILE", help="A scenario: mass, controller, and law unless given."),
-    ] = None,
-    contact: Annotated[
-        str | None, typer.Option("--contact", metavar="NAME", help="The contact of a machine whose law it is.")
-    ] = None,
-    step: Annotated[
-        float | None,
-        typer.Option("--step", metavar="S", help="The time step that the tool will take: what is lost is said."),
-    ] = None,
+    part: ExportPart = None,
+    scenario: ExportScenario = None,
+    contact: ExportContact = None,
+    controller: ControllerName = None,
+    step: ExportStep = None,
     self_test: Annotated[bool, typer.Option("--self-test", help="With a program that checks the C.")] = False,
     fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
     trust: Trust = False,
@@ -295,7 +291,20 @@ def export(
     from stribeck.cli import export as command
 
     return command.export(
-        law, target, out, parameters, set_ or [], part, scenario, contact, step, self_test, fmi, json, trust
+        law,
+        target,
+        out,
+        parameters,
+        set_ or [],
+        part,
+        scenario,
+        contact,
+        step,
+        self_test,
+        fmi,
+        json,
+        trust,
+        controller,
     )
 
 
@@ -354,6 +363,10 @@ def design(
         list[str] | None,
         typer.Option("--vary", metavar="PATH=LOW:HIGH", help="Find where the verdict changes; may be repeated."),
     ] = None,
+    map_: Annotated[
+        list[str] | None,
+        typer.Option("--map", metavar="PATH=LOW:HIGH", help="Given twice: the verdict over two numbers, as a picture."),
+    ] = None,
     tune: Annotated[
         str | None, typer.Option("--tune", metavar="K_p,K_v", help="Search gains of the controller, or paths.")
     ] = None,
@@ -379,9 +392,24 @@ def design(
 
     options = {
         "vary": vary or [], "tune": tune.split(",") if tune else [], "uncertainty_file": uncertainty, "controller": controller,
-        "compensations": compensations, "seed": seed,
+        "compensations": compensations, "seed": seed, "map": map_ or [],
     }  # fmt: skip
     return command.run(scenario, set_ or [], options, out, json, trust)
+
+
+@app.command(epilog="Example: stribeck hunting machine.toml")
+def hunting(
+    scenario: ScenarioFile,
+    controller: ControllerName = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Will this loop hunt? By simulation, and by describing functions as a second opinion."""
+    from stribeck.cli import design as command
+
+    return command.hunt(scenario, set_ or [], controller, json, trust)
 
 
 @app.command(epilog="Example: stribeck doctor --json")

@@ -61,7 +61,7 @@ def check(
         with left_out("the page"):
             from stribeck.report import check as report
 
-            data["report"] = [str(path) for path in report.write(verdicts, out, data, show.command_line())]
+            data["report"] = [str(path) for path in report.write_check(verdicts, out, data, show.command_line())]
     if certificate is not None:
         from stribeck.files import write_text
 
@@ -106,7 +106,9 @@ def _needs_parameters(name: str | None) -> bool:
     return found is not None and any(found.constants()[n].required for n in found.uses)
 
 
-def _all(parameters: str | None, given: Mapping[str, Any], v_max: float | None, json: bool, verify: bool) -> int:
+def _all(
+    parameters: str | None, given: Mapping[str, float | str], v_max: float | None, json: bool, verify: bool
+) -> int:
     from stribeck.properties.matrix import every_law
 
     values = dict(parameter_sets.load(parameters).values) if parameters else {}

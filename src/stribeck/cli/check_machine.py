@@ -42,7 +42,9 @@ def check(
         with left_out("the page"):
             from stribeck.report import check_machine as report
 
-            data["report"] = [str(path) for path in report.write(found, scenario, out, show.command_line())]
+            data["report"] = [
+                str(path) for path in report.write_machine_check(found, scenario, out, show.command_line())
+            ]
     if certificate is not None:
         from stribeck.files import write_text
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import re
 import warnings
 from pathlib import Path
-from typing import Any
 
 from stribeck.analysis.comparison import Comparison, compare_laws, law_path
 from stribeck.cli import show
 from stribeck.cli.text import say, width
 from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS
+from stribeck.report.cells import percent
 from stribeck.scenario import parse_assignment
 
 _NUMBERS = 40  # columns of a row beside the label
@@ -33,27 +33,27 @@ def compare(
         show.check_folder(out)
     with show.progress(scenario.name) as tell:
         comparison = compare_laws(variants, tell)
-    summary: dict[str, Any] = {**comparison.summary(), "files": []}
+    summary, files = comparison.summary(), list[str]()
     if out is not None:
-        from stribeck.report.compare import write
+        from stribeck.report.compare import write_comparison
 
-        summary["files"] = write(comparison, out, summary, show.command_line())
+        files = write_comparison(comparison, out, summary, show.command_line())
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
     else:
-        _print(comparison, summary["files"])
+        _print(comparison, files)
     for label, solution in comparison.solutions.items():
         if solution.status != "done":
             show.failed(f"{scenario.name} with {label}", solution.reason)
     return 0 if comparison.status == "done" else 1
 
 
-def _changes(text: str, table: str) -> dict[str, Any]:
+def _changes(text: str, table: str) -> dict[str, object]:
     """``NAME:KEY=VALUE,...`` as changes to a scenario."""
     match = _LAW.fullmatch(text)
     if match is None:
         raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
-    changes: dict[str, Any] = {f"{table}.name": match["name"]}
+    changes: dict[str, object] = {f"{table}.name": match["name"]}
     for part in (match["constants"] or "").split(","):
         if part.strip() or match["constants"] == "":
             if "=" not in part:
@@ -76,10 +76,6 @@ def _print(comparison: Comparison, files: list[str]) -> None:
             print(f"  {label}")
         for i, (name, d) in enumerate(deviations.items()):
             named = label if beside and not i else ""
-            print(f"  {named:{beside}}{d['max']:14.4g}{_percent(d['max_relative']):>12}  {name} ({units[name]})")
+            print(f"  {named:{beside}}{d['max']:14.4g}{percent(d['max_relative']):>12}  {name} ({units[name]})")
     for file in files:
         print(f"  wrote {file}")
-
-
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100 * share:.3g} %"

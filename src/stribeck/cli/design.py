@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from stribeck.cli import show
 from stribeck.cli.text import say
-from stribeck.loops import Design, design
-from stribeck.report.design import sentence
+from stribeck.loops import Design, design, loop_and_controller
+from stribeck.loops.judge import judge
+from stribeck.loops.loop import controller_of
+from stribeck.loops.second import as_machine, second_opinion
+from stribeck.report.design import excess_sentence, second_lines, sentence, sentence_of
 from stribeck.report.quantities import human
 
 _KINDS = {
     "none": "none", "reference": "feedforward of the steady curve at the signal's speed",
     "measured": "the law as an observer at the measured speed",
+    "inner_loop": "that with dF/dt, led by the lag of the drive",
 }  # fmt: skip
 
 
@@ -26,9 +32,9 @@ def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path |
         found = design(scenario, tell=tell, **options)
     summary = found.to_json()
     if out is not None:
-        from stribeck.report.design import write
+        from stribeck.report.design import write_design
 
-        summary["files"] = write(found, summary, out, show.command_line())
+        summary["files"] = write_design(found, summary, out, show.command_line())
     if json:
         show.print_json(summary)
     else:
@@ -41,16 +47,53 @@ def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path |
     return 0
 
 
+def hunt(path: Path, assignments: list[str], controller: str | None, json: bool, trust: bool) -> int:
+    """The verdict on a loop, and what describing functions predict."""
+    scenario = show.load(path, assignments, trust)
+    if scenario.rig is None:
+        scenario = as_machine(scenario)
+    assert scenario.rig is not None
+    with show.stages(scenario.name) as tell:
+        loop, name = loop_and_controller(scenario, controller)
+        j = judge(loop, tell=tell and partial(_told, tell))[0]
+        second = second_opinion(loop, name)
+    rotary = scenario.rig.machine.body[controller_of(loop.scenario, name).measures].rotary
+    cycle = {"amplitude": j.amplitude, "period": j.period, "body": j.body}
+    summary = {
+        "status": "failed" if j.verdict == "failed" else "done", "scenario": scenario.name,
+        "verdict": None if j.verdict == "failed" else j.verdict, "why": j.note or None,
+        "limit_cycle": cycle if j.verdict == "hunting" else None, "second_opinion": second,
+    }  # fmt: skip
+    if json:
+        show.print_json(summary)
+    else:
+        say(f"{scenario.name}: {sentence_of(j, 'rad' if rotary else 'm')}", 4)
+        _print_second(second, "rad" if rotary else "m")
+    if j.verdict == "failed":
+        show.failed(scenario.name, j.note)
+        return 1
+    return 0
+
+
+def _told(tell: Callable[[float, str], None], share: float) -> None:
+    tell(share, "the verdict")
+
+
+def _print_second(second: dict[str, Any], unit: str) -> None:
+    for line in second_lines(second, unit):
+        say(line, 4, "  ")
+
+
 def _print(found: Design) -> None:
     scenario, j = found.loop.scenario, found.judgement
     assert scenario.rig is not None
-    machine = scenario.rig.machine
     say(f"{scenario.name}: {sentence(found)}", 4)
     say(f"the loop's slowest time constant while it slides: {found.loop.slowest:.3g} s", 4, "  ")
+    if found.second is not None:
+        _print_second(found.second, _unit_of(found))
     if found.loop.held:
         say(f"held from t = {found.loop.rest:g} s on, to judge rest: {', '.join(found.loop.held)}", 4, "  ")
-    each = next(c for c in machine.controllers if c.name == found.controller)
-    unit = "rad" if machine.body[each.measures].rotary else "m"
+    unit = _unit_of(found)
     for name, row in found.errors.items():
         told = [
             f"{key} {human(x, 's' if key == 'settling' else unit)}"
@@ -72,6 +115,8 @@ def _print(found: Design) -> None:
             doubt = "" if b.sure else " (mixed near it)"
             say(f"{b.path} = {b.value:.4g}: {b.below} below, {b.above} above{doubt}", 4, "  ")
     _print_compensations(found, unit)
+    if found.excess is not None:
+        say(excess_sentence(found), 4, "  ")
     say(f"proof: {'it cannot hunt' if found.proof['holds'] else 'none'}: {found.proof['why']}", 4, "  ")
     if found.tuned is not None:
         gains = ", ".join(f"{path} = {x:g}" for path, x in found.tuned.gains.items())
@@ -82,6 +127,13 @@ def _print(found: Design) -> None:
         )  # fmt: skip
     if j.note and found.verdict != "failed":
         say(f"note: {j.note}", 4, "  ")
+
+
+def _unit_of(found: Design) -> str:
+    rig = found.loop.scenario.rig
+    assert rig is not None
+    each = next(c for c in rig.machine.controllers if c.name == found.controller)
+    return "rad" if rig.machine.body[each.measures].rotary else "m"
 
 
 def _print_compensations(found: Design, unit: str) -> None:

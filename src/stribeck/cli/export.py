@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import stribeck.export as exports
 from stribeck import laws, parameter_sets
@@ -29,6 +28,7 @@ def export(
     fmi: int,
     json: bool,
     trust: bool,
+    controller: str | None = None,
 ) -> int:
     """Write the files, and say which."""
     if law is not None and law.endswith(".toml"):
@@ -42,15 +42,24 @@ def export(
     chosen: Law | None
     if part == "cascade":
         chosen, rig = None, _controlled(law, parameters, assignments, rig)
-    elif part == "machine":
-        chosen, rig = None, _whole(law, parameters, contact, assignments, rig)
+    elif part == "machine" or part in exports.SAMPLED:
+        chosen, rig = None, _whole(part, law, parameters, contact, assignments, rig)
     else:
         chosen = _law(law, parameters, assignments, rig, contact)
     origin = parameters if parameters is not None and parameters.endswith(".toml") else ""
     if parameters is None and rig is not None:
         origin = f"scenario {rig.name}"
     files = exports.export(
-        chosen, target, out, part=part, scenario=rig, step=step, self_test=self_test, origin=origin, fmi=fmi
+        chosen,
+        target,
+        out,
+        part=part,
+        scenario=rig,
+        step=step,
+        self_test=self_test,
+        origin=origin,
+        fmi=fmi,
+        controller=controller,
     )
     if json:
         print_json(_summary(chosen, rig) | {"target": target, "part": part, "files": [str(file) for file in files]})
@@ -60,7 +69,7 @@ def export(
     return 0
 
 
-def _summary(law: Law | None, rig: Scenario | None) -> dict[str, Any]:
+def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
     """What was exported: the law, or the controller's constants by group."""
     if law is not None:
         return {"law": law.name, "parameters": law.values, "guarantees": law.guarantees()}
@@ -76,11 +85,16 @@ def _summary(law: Law | None, rig: Scenario | None) -> dict[str, Any]:
 
 
 def _whole(
-    law: str | None, parameters: str | None, contact: str | None, assignments: list[str], rig: Scenario | None
+    part: str,
+    law: str | None,
+    parameters: str | None,
+    contact: str | None,
+    assignments: list[str],
+    rig: Scenario | None,
 ) -> Scenario | None:
     """A machine with the changes of --set; everything is taken from it."""
     given = {"LAW": law, "--parameters": parameters, "--contact": contact}
-    if wrong := [f"{n}: {x!r}: must be left out: part 'machine' is the whole file" for n, x in given.items() if x]:
+    if wrong := [f"{n}: {x!r}: must be left out: part '{part}' takes all from the file" for n, x in given.items() if x]:
         raise InputError(wrong)
     return rig.with_changes(dict(parse_assignment(text) for text in assignments)) if rig is not None else None
 

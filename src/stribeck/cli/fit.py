@@ -19,6 +19,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics.choose import Choice
+from stribeck.report.cells import digits, percent
 from stribeck.scenario import parse_assignment
 
 _READ = 0.05  # of the work
@@ -47,10 +48,10 @@ def fit(
     }  # fmt: skip
     summary["files"] = []
     if out is not None:
-        from stribeck.identify.report.files import write
+        from stribeck.identify.report.files import write_fit
 
         command = "stribeck " + shlex.join(sys.argv[1:])
-        summary["files"] = write(result, log, out, command, ", ".join(p.name for p in data))
+        summary["files"] = write_fit(result, log, out, command, ", ".join(p.name for p in data))
         summary["files"].append(_save(result, columns, how, out))
     if json:
         show.print_json(summary)
@@ -77,14 +78,14 @@ def _save(result: Fit | Choice, columns: ColumnNames, how: Preparation, out: Pat
     return str(out / predict.FILE)
 
 
-def drive(text: str) -> dict[str, Any]:
+def drive(text: str) -> dict[str, object]:
     """``KIND:KEY=VALUE,...`` as the table [drive] of a scenario.
 
     Raises:
         InputError: it is something else.
     """
     kind, _, rest = text.partition(":")
-    found: dict[str, Any] = {"kind": kind}
+    found: dict[str, object] = {"kind": kind}
     for part in filter(None, rest.split(",")):
         if "=" not in part:
             raise InputError(f"--drive: {text!r}: must be KIND or KIND:KEY=VALUE,...")
@@ -123,15 +124,15 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
         _print_candidates(result.details["candidates"])
     best = result.best if isinstance(result, Choice) else result
     left_out = best.cross_validated_error
-    beyond = "" if left_out is None else f", on data left out {_percent(left_out)}"
-    error = f"relative force error {_percent(best.relative_force_error)}{beyond}"
+    beyond = "" if left_out is None else f", on data left out {percent(left_out, 3)}"
+    error = f"relative force error {percent(best.relative_force_error, 3)}{beyond}"
     say(f"{best.law}, {best.method}: {len(log)} rows, {error}", 4)
     rows = {**best.estimates, **best.body}
     width = max(map(len, rows), default=4)
     print(f"  {'':{width}}  {'value':>12}  {'95 % interval':>27}  unit")
     for name, e in rows.items():
         if e.identifiable:
-            print(f"  {name:{width}}  {_digits(e.value):>12}  {_interval(e):>27}  {e.unit}")
+            print(f"  {name:{width}}  {digits(e.value):>12}  {_interval(e):>27}  {e.unit}")
     for name, e in rows.items():
         if not e.identifiable:
             say(f"{name}: not determined by the data: {e.doubt}", 6, "  ")
@@ -148,7 +149,7 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
 
 
 def _print_candidates(candidates: list[dict[str, Any]]) -> None:
-    told = ", ".join(f"{c['name']} {_percent(c['cross_validated_error'])}" for c in candidates)
+    told = ", ".join(f"{c['name']} {percent(c['cross_validated_error'], 3)}" for c in candidates)
     print(f"error on data left out: {told}")
 
 
@@ -157,20 +158,12 @@ def _print_choice(choice: Choice) -> None:
     print(f"{'law':{width}}  {'left out':>9}  {'fitted':>9}  numbers")
     for row in choice.table():
         error, whole = row["cross_validated_error"], row["relative_force_error"]
-        print(f"{row['law']:{width}}  {_percent(error):>9}  {_percent(whole):>9}  {row['numbers']}")
+        print(f"{row['law']:{width}}  {percent(error, 3):>9}  {percent(whole, 3):>9}  {row['numbers']}")
     for name, why in choice.failed.items():
         say(why, 6, f"{name:{width}}  ")
     say(f"picked: {choice.picked}: {choice.reason}", 6)
     print()
 
 
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100 * share:.3f} %"
-
-
-def _digits(value: float | None) -> str:
-    return "-" if value is None else f"{value:.6g}"
-
-
 def _interval(e: Estimate) -> str:
-    return f"{_digits(e.low)} ... {_digits(e.high)}"
+    return f"{digits(e.low)} ... {digits(e.high)}"

@@ -22,18 +22,18 @@ def gains(path: Path, v_max: float | None, assignments: list[str], out: Path | N
         show.check_folder(out)
     with show.progress(scenario.name) as tell:
         found = analysis.gains(scenario, v_max, tell)
-    solution, summary = found.solution, found.summary()
+    solution, summary, files = found.solution, found.summary(), list[str]()
     if out is not None:
-        from stribeck.report.gains import write
+        from stribeck.report.gains import write_gains
 
-        summary["files"] = write(solution, found.verdict, found.proof, found.along, summary, out, show.command_line())
+        files = write_gains(solution, found.verdict, found.proof, found.along, summary, out, show.command_line())
     if json:
-        show.print_json(summary)
+        show.print_json(summary | ({"files": files} if out is not None else {}))
     else:
         _print(scenario, found.verdict, found.proof, list(found.not_covered), found.along)
         if found.staying is not None:
             _print_staying(found.staying, found.verdict.v_max)
-        for file in summary.get("files", ()):
+        for file in files:
             print(f"  wrote {file}")
     if solution.status != "done":
         show.failed(scenario.name, solution.reason)

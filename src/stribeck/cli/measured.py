@@ -28,9 +28,11 @@ def fit(
         str | None,
         typer.Option("--force-gain", metavar="X", help="Force per unit of that column; or a constant's name."),
     ] = None,
-    acceleration: Annotated[str | None, typer.Option("--acceleration", metavar="COL")] = None,
+    acceleration: Annotated[
+        str | None, typer.Option("--acceleration", metavar="COL", help="Column of the acceleration.")
+    ] = None,
     load: Annotated[str | None, typer.Option("--load", metavar="COL", help="Column of the normal load.")] = None,
-    pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL")] = None,
+    pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL", help="Column of the pressure.")] = None,
     command: Annotated[
         str | None, typer.Option("--command", metavar="COL", help="Column of what a drive is told (--drive).")
     ] = None,
@@ -122,13 +124,19 @@ def predict(
     time: Annotated[
         str | None, typer.Option("--time", metavar="COL", help="Columns: as in the fit unless given.")
     ] = None,
-    position: Annotated[str | None, typer.Option("--position", metavar="COL")] = None,
-    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL")] = None,
-    force: Annotated[str | None, typer.Option("--force", metavar="COL")] = None,
-    force_gain: Annotated[str | None, typer.Option("--force-gain", metavar="X")] = None,
-    load: Annotated[str | None, typer.Option("--load", metavar="COL")] = None,
-    pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL")] = None,
-    unit: Annotated[list[str] | None, typer.Option("--unit", metavar="COL=UNIT")] = None,
+    position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Column of the position.")] = None,
+    velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Column of the velocity.")] = None,
+    force: Annotated[
+        str | None, typer.Option("--force", metavar="COL", help="Column of the driving force, torque or current.")
+    ] = None,
+    force_gain: Annotated[
+        str | None, typer.Option("--force-gain", metavar="X", help="Factor from that column to N or N m.")
+    ] = None,
+    load: Annotated[str | None, typer.Option("--load", metavar="COL", help="Column of the normal load.")] = None,
+    pressure: Annotated[str | None, typer.Option("--pressure", metavar="COL", help="Column of the pressure.")] = None,
+    unit: Annotated[
+        list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="A column's unit; may be repeated.")
+    ] = None,
     cutoff: Annotated[float | None, typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter.")] = None,
     out: Out = None,
     json: Json = False,
@@ -147,18 +155,22 @@ def predict(
 def validate(
     scenario: ScenarioFile,
     log: Annotated[Path, typer.Option("--log", metavar="FILE", help="The measured record.")],
-    time: Annotated[str | None, typer.Option("--time", metavar="COL")] = None,
+    time: Annotated[str | None, typer.Option("--time", metavar="COL", help="Column of the time.")] = None,
     position: Annotated[str | None, typer.Option("--position", metavar="COL", help="Compared with y.")] = None,
     velocity: Annotated[str | None, typer.Option("--velocity", metavar="COL", help="Compared with v.")] = None,
     force: Annotated[
         str | None, typer.Option("--force", metavar="COL", help="Measured friction, compared with F.")
     ] = None,
-    force_gain: Annotated[str | None, typer.Option("--force-gain", metavar="X")] = None,
+    force_gain: Annotated[
+        str | None, typer.Option("--force-gain", metavar="X", help="Factor from that column to N or N m.")
+    ] = None,
     command: Annotated[
         str | None,
         typer.Option("--command", metavar="COL", help="What drove the rig: it replaces the scenario's signal."),
     ] = None,
-    unit: Annotated[list[str] | None, typer.Option("--unit", metavar="COL=UNIT")] = None,
+    unit: Annotated[
+        list[str] | None, typer.Option("--unit", metavar="COL=UNIT", help="A column's unit; may be repeated.")
+    ] = None,
     set_: Set = None,
     trust: Trust = False,
     out: Out = None,

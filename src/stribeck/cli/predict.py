@@ -5,15 +5,13 @@ from __future__ import annotations
 import shlex
 import sys
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from stribeck.cli import show
 from stribeck.identify import api as fitting
 from stribeck.identify import predict as predicting
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
+from stribeck.report.cells import percent
 
 
 def predict(
@@ -39,30 +37,25 @@ def predict(
             "force": ("N", found.traces.measured, found.traces.fitted),
             "friction": ("N", found.friction.measured, found.friction.fitted),
         }
-        rows = [[name, percent(x)] for name, x in _errors(found).items()]
+        rows = [[name, percent(x, 3)] for name, x in _errors(found).items()]
         introduction = [
             f"{model.law}, {model.method}, fitted to another record ({folder}), on {len(log)} rows of this one."
         ]
         figures = overlay.figure("prediction", log.time, traces, ("measured", "predicted"))
         title = f"{model.law} on {', '.join(p.name for p in data)}"
         command = "stribeck " + shlex.join(sys.argv[1:])
-        summary["files"] = [overlay.write(out, "prediction.html", title, introduction, rows, figures, command)]
+        summary["files"] = [overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, command)]
     if json:
         show.print_json(summary)
         return 0
     print(f"{model.law}, {model.method}: {len(log)} rows, {found.rest:.0%} at rest")
     for name, x in _errors(found).items():
-        print(f"  {name:44}{percent(x):>10}")
+        print(f"  {name:44}{percent(x, 3):>10}")
     for text in log.quality:
         print(f"  note: {text}")
     for file in summary["files"]:
         print(f"  wrote {file}")
     return 0
-
-
-def percent(x: float | None) -> str:
-    """A share as text."""
-    return "-" if x is None or not np.isfinite(x) else f"{100 * x:.3f} %"
 
 
 def _errors(found: predicting.Predicted) -> dict[str, float | None]:
@@ -87,25 +80,26 @@ def validate(
     loaded = show.load(scenario, assignments, trust)
     with show.progress("validate"):
         found = validating.validate(loaded, data, columns.names, columns.units, columns.force_gain)
-    summary: dict[str, Any] = {**found.to_json(), "scenario": loaded.name, "data": str(data), "files": []}
+    summary = {**found.to_json(), "scenario": loaded.name, "data": str(data)}
+    files: list[str] = []
     if out is not None:
         from stribeck.identify.report import overlay
 
-        rows = [[name, f"{e['rms']:.4g} {e['unit']}, {percent(e['relative'])}"] for name, e in found.errors.items()]
+        rows = [[name, f"{e['rms']:.4g} {e['unit']}, {percent(e['relative'], 3)}"] for name, e in found.errors.items()]
         figures = overlay.figure("validation", found.time, found.traces, ("measured", "simulated"))
         introduction = [f"The scenario {loaded.name} against {data.name}, {len(found.time)} rows."]
         command = "stribeck " + shlex.join(sys.argv[1:])
         title = f"{loaded.name} against {data.name}"
-        summary["files"] = [overlay.write(out, "validation.html", title, introduction, rows, figures, command)]
+        files = [overlay.write_overlay(out, "validation.html", title, introduction, rows, figures, command)]
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
     else:
         print(f"{loaded.name} against {data.name}: {found.status}, {len(found.time)} rows")
         for name, e in found.errors.items():
             print(
-                f"  {name:10} rms {e['rms']:.4g} {e['unit']}, largest {e['largest']:.4g}, relative {percent(e['relative'])}"
+                f"  {name:10} rms {e['rms']:.4g} {e['unit']}, largest {e['largest']:.4g}, relative {percent(e['relative'], 3)}"
             )
-        for file in summary["files"]:
+        for file in files:
             print(f"  wrote {file}")
     if found.status != "done":
         show.failed(loaded.name, found.reason)

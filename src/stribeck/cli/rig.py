@@ -33,7 +33,7 @@ def rig(
     tests, files = programme(bounds), []
     if out is not None:
         show.check_folder(out)
-        files = made.write(bounds, out)
+        files = made.write_rig(bounds, out)
         files += made.write_simulated(experiment, out) if experiment is not None else []
     if json:
         truth = None if experiment is None else {"law": law, "constants": experiment.law.values, "label": LABEL}

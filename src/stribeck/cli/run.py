@@ -21,21 +21,20 @@ def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c
         show.check_folder(out)
     with show.progress(scenario.name) as tell:
         solution = simulate(scenario, tell)
-    summary = solution.summary()
-    summary["files"] = []
+    summary, files = solution.summary(), list[str]()
     if keep_c is not None:
         from stribeck.files import write_text
 
         write_text(keep_c, c_source(scenario))
-        summary["files"].append(str(keep_c))
+        files.append(str(keep_c))
     if out is not None:
-        from stribeck.report.run import write
+        from stribeck.report.run import write_run
 
-        summary["files"] += write(solution, out, summary, show.command_line())
+        files += write_run(solution, out, {**summary, "files": files}, show.command_line())
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
     else:
-        _print(solution, summary["files"])
+        _print(solution, files)
     if solution.status != "done":
         show.failed(scenario.name, solution.reason)
         return 1

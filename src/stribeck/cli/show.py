@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, printable
@@ -24,7 +24,7 @@ def load(path: Path, assignments: list[str], trust: bool) -> Scenario:
     return Scenario.load(path, dict(parse_assignment(text) for text in assignments), trust=trust)
 
 
-def print_json(data: Any) -> None:
+def print_json(data: object) -> None:
     """One JSON object; what is not finite becomes null, which JSON knows."""
     from stribeck.files import finite
 

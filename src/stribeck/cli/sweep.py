@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 from stribeck.cli import show
 from stribeck.errors import InputError, left_out
@@ -42,28 +41,29 @@ def sweep(
     started, there = perf_counter(), job.parts - len(job.missing())
     with show.rate(f"{scenario.name}: {len(job.lanes)} lanes", "lanes") as tell:
         failed = job.run(threads, tell)
-    report: dict[str, Any] = {
+    files = [str(out / "_manifest.json"), *(str(job.path(i)) for i in range(job.parts))]
+    seconds = perf_counter() - started
+    report: dict[str, object] = {
         "status": "failed" if failed == len(job.lanes) else "done",
         "scenario": scenario.name,
         "lanes": len(job.lanes),
         "failed": failed,
         "parts": job.parts,
         "parts_found": there,
-        "seconds": perf_counter() - started,
-        "files": [str(out / "_manifest.json"), *(str(job.path(i)) for i in range(job.parts))],
+        "seconds": seconds,
     }
     with left_out("the page"):
         from stribeck.report import sweep_page
 
-        report["files"] += map(str, sweep_page.write(job, show.command_line()))
+        files += map(str, sweep_page.write_sweep_page(job, show.command_line()))
     if json:
-        show.print_json(report)
+        show.print_json({**report, "files": files})
     else:
         found = f", {there} of them there already" if there else ""
-        print(f"{scenario.name}: {len(job.lanes)} lanes in {job.parts} parts{found}, {report['seconds']:.1f} s")
+        print(f"{scenario.name}: {len(job.lanes)} lanes in {job.parts} parts{found}, {seconds:.1f} s")
         print(f"  wrote {out / '_manifest.json'} and {out}/part-*{job.path(0).suffix}")
-        if len(report["files"]) > 1 + job.parts:
-            print(f"  wrote {report['files'][-1]}")
+        if len(files) > 1 + job.parts:
+            print(f"  wrote {files[-1]}")
     if failed:
         print(f"stribeck: {failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
     return 1 if report["status"] == "failed" else 0

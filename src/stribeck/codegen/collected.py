@@ -24,11 +24,13 @@ class Collected:
     curved: list[bool]
     memory: list[tuple[str, ...]]
     called: Names
+    as_written: bool = False  # whether the samples stay as their equations were written
 
     @property
     def parts(self) -> list[list[Expr]]:
-        """The lists."""
-        return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, self.moved, self.samples]
+        """The lists that are rewritten."""
+        samples = [] if self.as_written else [self.samples]
+        return [self.rates, self.by_state, self.by_time, self.watched, self.watched_by, self.moved, *samples]
 
     @property
     def every(self) -> list[Expr]:
@@ -42,7 +44,7 @@ class Collected:
             part[:] = [next(new) for _ in part]
 
 
-def collect(system: Equations) -> Collected:
+def collect(system: Equations, as_written: bool = False) -> Collected:
     """All expressions of the system and their derivatives."""
     called = Names()
     rates, names = system.rates(called), [state.name for state in system.states]
@@ -70,6 +72,7 @@ def collect(system: Equations) -> Collected:
         curved=[bool(symbols(row) & moving) for row in of_watched],
         memory=[tuple(each.memory) for each in samples],
         called=called,
+        as_written=as_written,
     )
 
 

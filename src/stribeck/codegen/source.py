@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
 
@@ -69,7 +70,7 @@ class _Source:
             f"{group}.{name}": f"p->{field}"
             for (group, name), field in zip(system.parameters, self.fields, strict=True)
         }
-        made = collect(system)
+        made = collect(system, as_written=not lanes)
         self.called = made.called
         taken = {*_RESERVED, *self.fields}
         flat, self.coefficients = hoist(made.every, self.parameter_text.keys(), taken, self.called)
@@ -91,7 +92,8 @@ class _Source:
         solution = eliminate(matrix, self.c_names, right, self._keep_factor)
         parts = [
             self._head(),
-            _runtime("vector.c" if self.lanes else "scalar.c"),
+            runtime_text("vector.c" if self.lanes else "scalar.c"),
+            *([STRICT + runtime_text("portable.c")] if self.memory and not self.lanes else []),
             self._struct("Parameters", self.fields, [f"{owner}|{name}" for owner, name in self.system.parameters]),
             self._struct("Coefficients", list(self.coefficients), None),
             "/* The current pieces of the signals, and what sampled controllers hold. */\n"
@@ -124,9 +126,9 @@ class _Source:
             ),
             *self._watching(),
             *self._sampling(),
-            _runtime("method.c"),
-            _runtime("events.c"),
-            _runtime("lanes.c" if self.lanes else "run.c"),
+            runtime_text("method.c"),
+            runtime_text("events.c"),
+            runtime_text("lanes.c" if self.lanes else "run.c"),
         ]  # fmt: skip
         return "\n\n".join(parts)
 
@@ -177,6 +179,7 @@ class _Source:
                 self.function(
                     f"Controller {name} at one of its instants: its output, and what it remembers then.",
                     f"sample_{name}", f"{_COMMON}, {_NOW}, real noise, Memory *m, real *u", outputs, late=True,
+                    strict=True,
                 )
             )  # fmt: skip
         calls = "".join(
@@ -276,10 +279,12 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
 
     def function(
         self, what: str, name: str, arguments: str, outputs: list[tuple[str, Expr]], end: str = "", result: str = "void",
-        late: bool = False,
+        late: bool = False, strict: bool = False,
     ) -> str:  # fmt: skip
         """A function in C that computes the outputs; ``late``: these go to places that inputs come from, so they are
-        written when all is known."""
+        written when all is known; ``strict``: to the same bits everywhere."""
+        strict = strict and not self.lanes
+        dialect = _STRICT_C if strict else C
         inputs = {
             **self.parameter_text,
             **{f"coefficient.{n}": f"c->{n}" for n in self.coefficients},
@@ -296,14 +301,15 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
         lines = [f"const real {local[n]} = x[{i}];" for i, n in enumerate(self.names) if n in used]
         if late:
             locals_ = [(f"const real new_{i}", node) for i, (_, node) in enumerate(outputs)]
-            lines += Writer(C, {**inputs, **local}, taken=_RESERVED, names=self.called).write(locals_)
+            lines += Writer(dialect, {**inputs, **local}, taken=_RESERVED, names=self.called).write(locals_)
             lines += [f"{target} = new_{i};" for i, (target, _) in enumerate(outputs)]
         else:
-            lines += Writer(C, {**inputs, **local}, taken=_RESERVED, names=self.called).write(outputs)
+            lines += Writer(dialect, {**inputs, **local}, taken=_RESERVED, names=self.called).write(outputs)
         lines += [end] if end else []
         body = "".join(f"    {line}\n" for line in lines)
         unused = "".join(f"    (void){word};\n" for word in _argument_names(arguments) if not _mentions(body, word))
-        return f"/* {what} */\nstatic inline {result} {name}({arguments})\n{{\n{unused}{body}}}"
+        how, first = ("STRICT static", "    STRICT_BODY\n") if strict else ("static inline", "")
+        return f"/* {what} */\n{how} {result} {name}({arguments})\n{{\n{first}{unused}{body}}}"
 
 
 PORTABLE = """\
@@ -318,11 +324,30 @@ PORTABLE = """\
 #define UNUSED
 #endif
 """
+# Sampled controllers compute the same bits here and on their processor: sums in the order written, no fused operations.
+STRICT = """\
+#if defined(__clang__) && __clang_major__ >= 18
+#define STRICT
+#define STRICT_BODY _Pragma("clang fp contract(off) reassociate(off) reciprocal(off)")
+#elif defined(__clang__)
+#define STRICT
+#define STRICT_BODY _Pragma("clang fp contract(off) reassociate(off)")
+#elif defined(__GNUC__)
+#define STRICT __attribute__((noinline, optimize("no-associative-math,no-reciprocal-math,fp-contract=off")))
+#define STRICT_BODY
+#else
+#define STRICT
+#define STRICT_BODY
+#endif
+"""
+SAME = {f"{name}": f"same_{name}" for name in ("exp", "tanh", "atan", "sin", "cos")}  # runtime/portable.c
+_STRICT_C = replace(C, functions={**C.functions, **SAME})
 _COMMON = "const Parameters *p, const Coefficients *c"
 _NOW = "const Segment *piece, real t, const real *x"
 
 
-def _runtime(name: str) -> str:
+def runtime_text(name: str) -> str:
+    """A file of ``runtime/``: the code that is the same for every system."""
     return files("stribeck.runtime").joinpath(name).read_text(encoding="utf-8")
 
 

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.control.observer import ETA, SCALES, Z_HAT, Adaptation, Observed, adapt, observe
@@ -72,25 +73,33 @@ class PressureCascade(Drive):
     }  # fmt: skip
 
     @staticmethod
-    def errors(c: Any, path: Path, y: Value, v: Value) -> tuple[Value, Value]:
+    def errors(c: SimpleNamespace, path: Path, y: Value, v: Value) -> tuple[Value, Value]:
         """The position error e (m) and s = de/dt + lambda e (m/s)."""
         e = y - path[0]
         return e, v - path[1] + getattr(c, "lambda") * e
 
     @staticmethod
-    def desired_pressure(c: Any, m: Any, path: Path, v: Value, s: Value, F_hat: Value) -> Value:
+    def desired_pressure(c: SimpleNamespace, m: SimpleNamespace, path: Path, v: Value, s: Value, F_hat: Value) -> Value:
         """p_d, eq. 12; ``m`` is the plant as the controller knows it."""
         return (-c.K_D * s + m.mass * (path[2] - getattr(c, "lambda") * (v - path[1])) + F_hat) / m.area
 
     @staticmethod
     def pressure_demand(
-        c: Any, m: Any, y: Value, v: Value, p_1: Value, p_2: Value, s: Value, p_err: Value, dp_d: Value
+        c: SimpleNamespace,
+        m: SimpleNamespace,
+        y: Value,
+        v: Value,
+        p_1: Value,
+        p_2: Value,
+        s: Value,
+        p_err: Value,
+        dp_d: Value,
     ) -> Value:
         """u_hat, eq. 13: what the valve is to add to the rate of p_1 - p_2, Pa/s."""
         return -Cylinder.unforced(m, y, v, p_1, p_2) - m.area / c.rho * s - c.K_p * p_err + dp_d
 
     @staticmethod
-    def energy(c: Any, mass: Value, s: Value, p_err: Value, z_err: Value) -> Value:
+    def energy(c: SimpleNamespace, mass: Value, s: Value, p_err: Value, z_err: Value) -> Value:
         """V in J, eq. 17; z_err is z_hat - z."""
         return (mass * s**2 + c.rho * p_err**2 + z_err**2 / c.K) / 2
 
@@ -154,15 +163,15 @@ class PressureCascade(Drive):
             *(_ADAPTED if self.adaptive else ()),
         )
 
-    def obeyed(self, plant: Any, p: Any) -> Any:
+    def obeyed(self, plant: SimpleNamespace, p: SimpleNamespace) -> SimpleNamespace:
         """The cylinder is fed by the supply that droops."""
         return SimpleNamespace(**vars(plant), supply_droop=p.supply_droop) if self.droop else plant
 
-    def scales(self, p: Any, length: float, force: float) -> dict[str, float]:
+    def scales(self, p: SimpleNamespace, length: float, force: float) -> dict[str, float]:
         """Deflections are lengths, scales are of the order of 1."""
         return {state.name: length if state in (Z_HAT, ETA) else 1.0 for state in self.kept}
 
-    def act(self, p: Any, m: Motion, called: Names | None = None) -> Action:
+    def act(self, p: SimpleNamespace, m: Motion, called: Names | None = None) -> Action:
         """The valve voltage now; of a sampled controller that which it holds."""
         t = symbol("t")
         if self.sampled:
@@ -214,15 +223,15 @@ class PressureCascade(Drive):
         """The controller under a desired position and derivatives that are symbols."""
         return self.controller(path, dict(pairwise(path)), called)
 
-    def _observe(self, c: Any, v: Expr, s: Value, called: Names | None) -> Observed:
+    def _observe(self, c: SimpleNamespace, v: Expr, s: Value, called: Names | None) -> Observed:
         x: dict[str, Value] = {state.name: symbol(state.name) for state in self.remembered}
-        p = self._observer_constants(called) if self.observer else None
+        p = self._observer_constants(called) if self.observer else SimpleNamespace()
         if self.adaptive:
             assert self.observer is not None
             return adapt(self.observer, p, _symbols("adaptation", Adaptation.constants), c.K, v, s, x)
         return observe(self.observer, p, c.K, v, s, x)
 
-    def _lyapunov(self, c: Any, m: Motion, s: Value, p_err: Value) -> Value:
+    def _lyapunov(self, c: SimpleNamespace, m: Motion, s: Value, p_err: Value) -> Value:
         """V along the loop: with the plant's own mass and deflection, and the errors of adapted parameters."""
         known = m.z is not None and self.observer is not None and self.observer.has_z
         z_err: Value = symbol("z_hat") - m.z if known else 0.0
@@ -241,5 +250,5 @@ class PressureCascade(Drive):
         return self.energy(c, m.p.mass, s, p_err, z_err) + errors
 
 
-def _symbols(owner: str, names: Any) -> SimpleNamespace:
+def _symbols(owner: str, names: Iterable[str]) -> SimpleNamespace:
     return SimpleNamespace(**{n: symbol(f"{owner}.{n}") for n in names})

@@ -5,17 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from stribeck.arrays import Array
 from stribeck.control.proof import derive
 from stribeck.errors import needed
 from stribeck.expressions.boxes import grid, not_negative
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.intervals import Evaluator, Interval, point
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
+
+if TYPE_CHECKING:
+    import sympy
 
 FASTEST = 1e6  # m/s: speeds are looked at up to here; "any speed" needs a proof for all of them
 _SPEEDS = 4000
@@ -43,7 +48,7 @@ class GainVerdict:
     largest_K_sufficient: float
     proposed: dict[str, float]
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """For programs."""
         return asdict(self)
 
@@ -60,14 +65,14 @@ def damping(law: Law) -> Expr:
     return derivative(wrap(law.friction(p, symbol("v"), symbol("z"), rate)), rate)
 
 
-def at_speed(law: Law, expr: Expr) -> Callable[[Any], Any]:
+def at_speed(law: Law, expr: Expr) -> Callable[[Value], Value]:
     """An expression of the law's constants and v as a function of the speed."""
     numbers = law.p.numbers
     function = python_function([*numbers, "v"], [expr])
     return lambda v: function(*numbers.values(), v)[0]
 
 
-def judge(law: Law, gains: Mapping[str, float], v_max: float) -> GainVerdict:
+def gain_verdict(law: Law, gains: Mapping[str, float], v_max: float) -> GainVerdict:
     """The conditions for gains K_D, K and a law that is linear in z, in plant and observer alike.
 
     With v_d they hold for sigma_1 at rest, its largest value: sufficient then, as both ask less of a smaller one.
@@ -86,7 +91,7 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> GainVerdict:
     exact = form.exact.subs(p)
     error, deflection = (each.subs(p) for each in form.sufficient)
 
-    def condition(expr: Any, also: bool) -> Condition:
+    def condition(expr: sympy.Expr, also: bool) -> Condition:
         # without bristle damping any K_D > 0 will do, and no root is left
         found = sympy.solve(expr, K_D)
         least = float(found[0].subs({K: gains["K"], w: w_max})) if found else 0.0
@@ -106,16 +111,16 @@ def judge(law: Law, gains: Mapping[str, float], v_max: float) -> GainVerdict:
     )  # fmt: skip
 
 
-def _up_to(v_max: float) -> Any:
+def _up_to(v_max: float) -> Array:
     """Speeds from 0 to v_max, at every scale."""
     return np.unique([0.0, *np.geomspace(v_max * 1e-12, v_max, _SPEEDS), *np.linspace(0, v_max, _SPEEDS)])
 
 
-def _both_signs(u: Any) -> Any:
+def _both_signs(u: Array) -> Array:
     return np.concatenate([-u[::-1], u])
 
 
-def _speed(law: Law, of_speed: Any, w: float) -> float | None:
+def _speed(law: Law, of_speed: Callable[[Value], Value], w: float) -> float | None:
     """The speed up to which w is not passed, at any lower one either; None where intervals show that it never is."""
     u = _up_to(FASTEST)
     passed = np.flatnonzero(np.maximum(of_speed(u), of_speed(-u)) > w)
@@ -204,7 +209,7 @@ def prove(law: Law, gains: Mapping[str, float], v: tuple[float, float]) -> Proof
     return Proof(None, cover.boxes, f"the sign is not settled {at}: {cover.reason}")
 
 
-def _in_graph(expr: Any, **replaced: Expr) -> Expr:
+def _in_graph(expr: sympy.Expr, **replaced: Expr) -> Expr:
     """A SymPy expression of gains, constants and w as a graph, with some of them replaced."""
     with needed("the proof of a servo's gains"):
         import sympy

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
@@ -23,6 +24,14 @@ SCALES = (
 )
 ETA = Column("eta", "m", "how much z_hat grows by a_g")
 START = {Z_HAT.name: 0.0, ETA.name: 0.0, **{scale.name: 1.0 for scale in SCALES}}  # where the states begin
+
+
+def least_K_D(K: Value, sigma_0: Value, sigma_1: Value, w: Value) -> Value:
+    """The smallest gain on s, N s/m, with which V never grows for a law linear in z whose w = -d(dz/dt)/dz is at most ``w``.
+
+    :func:`stribeck.control.proof.derive` holds it against what it derives from the loop's equations.
+    """
+    return K * sigma_1 * (sigma_1 * w / 4 - sigma_0)
 
 
 class Adaptation:
@@ -48,12 +57,12 @@ class Observed:
     rates: dict[str, Value]
 
 
-def correction(p: Any, K: Value, s: Value) -> Value:
+def correction(p: SimpleNamespace, K: Value, s: Value) -> Value:
     """What the tracking error s adds to the rate of z_hat, m/s (the last term of eq. 15)."""
     return -K * p.sigma_0 * s
 
 
-def observe(law: type[Law] | None, p: Any, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Observed:
+def observe(law: type[Law] | None, p: SimpleNamespace, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Observed:
     """Eqs 14 and 15: the law driven by the measured velocity and by the tracking error s; without a law, no friction."""
     if law is None:
         return Observed(0.0 * v, 0.0 * v, {})
@@ -64,7 +73,9 @@ def observe(law: type[Law] | None, p: Any, K: Value, v: Value, s: Value, x: dict
     return Observed(law.friction(p, v, z, rate), z, {"z_hat": rate})
 
 
-def adapt(law: type[Law], p: Any, a: Any, K: Value, v: Value, s: Value, x: dict[str, Value]) -> Observed:
+def adapt(
+    law: type[Law], p: SimpleNamespace, a: SimpleNamespace, K: Value, v: Value, s: Value, x: dict[str, Value]
+) -> Observed:
     """The observer whose parameters are adapted (docs/servo.md): the law is linear in z, ``a`` holds the gains.
 
     a_g multiplies what is linear in z, so it scales 1/g; eta is the sensitivity of z_hat to it, which makes a_g enter

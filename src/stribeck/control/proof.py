@@ -5,18 +5,23 @@ V = (M s^2 + rho p_err^2 + z_err^2/K)/2. Nothing is typed in: the equations that
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 from types import SimpleNamespace
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stribeck.control.cascade import PressureCascade
-from stribeck.control.observer import observe
+from stribeck.control.observer import least_K_D, observe
+from stribeck.drives.base import Course
 from stribeck.errors import StribeckError, needed
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw
 from stribeck.plants.cylinder import Cylinder
+
+if TYPE_CHECKING:
+    import sympy
 
 ERRORS = ("s", "p_err", "z_err")
 
@@ -28,14 +33,14 @@ class QuadraticForm:
     ``rates`` are those of s, p_err and z_err.
     """
 
-    rates: dict[str, Any]
-    ss: Any
-    pp: Any
-    zz: Any
-    sz: Any
+    rates: dict[str, sympy.Expr]
+    ss: sympy.Expr
+    pp: sympy.Expr
+    zz: sympy.Expr
+    sz: sympy.Expr
 
     @property
-    def derivative(self) -> Any:
+    def derivative(self) -> sympy.Expr:
         """dV/dt."""
         with needed("the proof of a servo's gains"):
             import sympy
@@ -44,7 +49,7 @@ class QuadraticForm:
         return -self.ss * s**2 - self.pp * p_err**2 - self.zz * z_err**2 - self.sz * s * z_err
 
     @property
-    def exact(self) -> Any:
+    def exact(self) -> sympy.Expr:
         """What must not be negative for dV/dt <= 0 in all errors, where w > 0: 4 ss zz - sz^2, divided by w."""
         with needed("the proof of a servo's gains"):
             import sympy
@@ -52,7 +57,7 @@ class QuadraticForm:
         return sympy.expand(sympy.cancel((4 * self.ss * self.zz - self.sz**2) / sympy.Symbol("w", real=True)))
 
     @property
-    def sufficient(self) -> tuple[Any, Any]:
+    def sufficient(self) -> tuple[sympy.Expr, sympy.Expr]:
         """The paper's way to eq. 21, |s z_err| <= (s^2 + z_err^2)/2: neither may be negative (the second divided by w)."""
         with needed("the proof of a servo's gains"):
             import sympy
@@ -74,18 +79,18 @@ def derive() -> QuadraticForm:
     with needed("the proof of a servo's gains"):
         import sympy
 
-    def named(*groups: Any) -> SimpleNamespace:
+    def named(*groups: Iterable[str]) -> SimpleNamespace:
         return SimpleNamespace(**{n: sympy.Symbol(n, positive=True) for group in groups for n in group})
 
     class Linear(BristleLaw):
         @staticmethod
-        def dz_dt(p: Any, v: Value, z: Value) -> Value:
+        def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
             return sympy.Function("S_1")(v) * v - sympy.Function("w")(v) * z
 
     c, m = named(PressureCascade.constants), named(Cylinder.constants)
     p = Linear.symbolic(lambda name: sympy.Symbol(name, positive=True))
     y, v, p_1, p_2, z, z_hat = sympy.symbols("y v p_1 p_2 z z_hat", real=True)
-    path: Any = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)
+    path: Course = sympy.symbols("y_d dy_d d2y_d d3y_d", real=True)
     e, s = PressureCascade.errors(c, path, y, v)
     found = observe(Linear, p, c.K, v, s, {"z_hat": z_hat})
     dz_dt = Linear.dz_dt(p, v, z)
@@ -93,7 +98,7 @@ def derive() -> QuadraticForm:
     p_d = PressureCascade.desired_pressure(c, m, path, v, s, found.F)
     motion = {y: v, v: acceleration, z: dz_dt, z_hat: found.rates["z_hat"], **dict(pairwise(path))}
 
-    def along(x: Any) -> Any:
+    def along(x: sympy.Expr) -> sympy.Expr:
         return sum(sympy.diff(x, each) * rate for each, rate in motion.items())
 
     p_err = p_1 - p_2 - p_d
@@ -114,10 +119,23 @@ def derive() -> QuadraticForm:
         for old, new in by_errors:
             rate = rate.subs(old, new)
         rates[name] = sympy.expand(sympy.expand(rate)).subs(sympy.Function("w")(v), sympy.Symbol("w", real=True))
-    return _form(rates, PressureCascade.energy(c, m.mass, *E.values()), E, {y, v, p_1, p_2, z, *path})
+    form = _form(rates, PressureCascade.energy(c, m.mass, *E.values()), E, {y, v, p_1, p_2, z, *path})
+    _hold_against(form, c.K_D, least_K_D(c.K, p.sigma_0, p.sigma_1, sympy.Symbol("w", real=True)))
+    return form
 
 
-def _form(rates: dict[str, Any], V: Any, E: dict[str, Any], others: set[Any]) -> QuadraticForm:
+def _hold_against(form: QuadraticForm, K_D: sympy.Symbol, least: sympy.Expr) -> None:
+    """The condition that exports tell must be the one that follows from the form: ``exact`` is 0 there and grows beyond."""
+    import sympy
+
+    at_least, slope = sympy.expand(form.exact.subs(K_D, least)), sympy.diff(form.exact, K_D)
+    if at_least != 0 or not slope.is_positive:
+        raise StribeckError("the smallest K_D that exports tell is not the one that dV/dt gives")
+
+
+def _form(
+    rates: dict[str, sympy.Expr], V: sympy.Expr, E: dict[str, sympy.Symbol], others: set[sympy.Symbol]
+) -> QuadraticForm:
     """dV/dt as a form in the errors ``E``, in which none of the ``others`` is left."""
     import sympy
 

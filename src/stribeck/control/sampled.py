@@ -6,9 +6,9 @@ from collections import deque
 from collections.abc import Callable, Generator, Mapping
 from dataclasses import dataclass, field
 from math import exp, expm1, floor
-from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
 from stribeck.control.cascade import MEASURED, PressureCascade
@@ -16,6 +16,7 @@ from stribeck.control.observer import START
 from stribeck.drives.base import Course
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, Expr, derivative, symbol
+from stribeck.expressions.ops import Value
 from stribeck.signals import Signal
 from stribeck.system import System
 
@@ -47,7 +48,9 @@ class Held:
     def held(self, t: Array) -> dict[str, Array]:
         """What was held at the times t, by name."""
 
-        def last(times: Any) -> Any:  # a time that was computed as i * step may miss k * T by rounding
+        def last(
+            times: ArrayLike,
+        ) -> NDArray[np.intp]:  # a time that was computed as i * step may miss k * T by rounding
             return np.clip(np.searchsorted(times, t * (1 + 1e-12), side="right") - 1, 0, None)
 
         at, u = np.array(self.voltage).T
@@ -81,7 +84,7 @@ def phi_1(x: float) -> float:
     return expm1(x) / x if x else 1.0
 
 
-class Controller:
+class SampledCascade:
     """The controller's equations at an instant, and its states from one sample to the next."""
 
     def __init__(
@@ -95,7 +98,7 @@ class Controller:
         fixed = [key for key in values if key[0] != "signal"]
         names = [f"{o}.{n}" for o, n in fixed] + [f"signal.{n}" for n in signal.constants]
         names += [*MEASURED, *self.states]
-        self._function: Callable[..., Any] = python_function(names, [*outputs, *rates, *slopes])
+        self._function: Callable[..., tuple[Value, ...]] = python_function(names, [*outputs, *rates, *slopes])
         self._fixed = [values[key] for key in fixed]
         self.x = [START[name] for name in self.states]
 
@@ -112,12 +115,12 @@ class Controller:
         return tuple(found[:4])
 
 
-def intervals(
+def held_intervals(
     system: System, sampling: Sampling, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Held
 ) -> Generator[Interval, Array, None]:  # fmt: skip
     """The stretches of a run in which the voltage is held; what is sent back is the plant's state at the end of each."""
     assert isinstance(system.drive, PressureCascade)
-    controller = Controller(system.drive, system.reference(symbol("t")), values, signal)
+    controller = SampledCascade(system.drive, system.reference(symbol("t")), values, signal)
     random = np.random.default_rng(sampling.seed)
     acceleration = _acceleration(system, values)
     T, u = sampling.time, 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from stribeck.constants import Constant, rotary_unit, rotary_words
 from stribeck.expressions.graph import Expr, derivative
@@ -51,8 +51,8 @@ class Motion:
     z: Value | None = None
     F: Value = 0.0
     acceleration: Value = 0.0
-    p: Any = None
-    law: Any = None
+    p: SimpleNamespace = field(default_factory=SimpleNamespace)
+    law: SimpleNamespace = field(default_factory=SimpleNamespace)
 
 
 @dataclass(frozen=True)
@@ -131,17 +131,17 @@ class Drive:
         signal = () if self.sets_velocity else (self.signal,)
         return (*motion, *signal, *self.columns, *self.kept, *plant)
 
-    def obeyed(self, plant: Any, p: Any) -> Any:
+    def obeyed(self, plant: SimpleNamespace, p: SimpleNamespace) -> SimpleNamespace:
         """The plant's constants, with those of the drive's table ``p`` that the plant obeys."""
         return plant
 
-    def act(self, p: Any, m: Motion, called: Names | None = None) -> Action:
+    def act(self, p: SimpleNamespace, m: Motion, called: Names | None = None) -> Action:
         """What it does; ``p`` holds the constants of its table."""
         u = self.force(p, m.r, m.y, m.v, m.own)
         if called is not None:
             called.give(u, "u")
         return Action(u, self.rates(p, m.r, m.y, m.v, m.own))
 
-    def scales(self, p: Any, length: float, force: float) -> dict[str, float]:
+    def scales(self, p: SimpleNamespace, length: float, force: float) -> dict[str, float]:
         """Natural magnitudes of the kept states by name."""
         return dict(zip((s.name for s in self.kept), self.state_scales(p, length, force), strict=True))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.drives.base import Action, Column, Drive, Motion
 from stribeck.expressions.names import Names
@@ -15,6 +15,6 @@ class Velocity(Drive):
     signal = Column("v", "m/s", "velocity")
     sets_velocity = True
 
-    def act(self, p: Any, m: Motion, called: Names | None = None) -> Action:
+    def act(self, p: SimpleNamespace, m: Motion, called: Names | None = None) -> Action:
         """Whatever force is needed."""
         return Action(m.F)

@@ -1,5 +1,5 @@
 """A page that simulates a scenario in the browser while its numbers are turned: the solver's own C as WebAssembly."""
 
-from stribeck.explore.page import explore, page
+from stribeck.explore.page import explore, explorer_page
 
-__all__ = ["explore", "page"]
+__all__ = ["explore", "explorer_page"]

@@ -5,16 +5,15 @@ All of it is written out from the equations that the simulator, the proofs and t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import fields, replace
 from types import SimpleNamespace
-from typing import Any
 
 from stribeck.drives.base import Column
 from stribeck.expressions.emit import C, Writer
 from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
-from stribeck.expressions.ops import where
+from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Claims, Law, Relation
 from stribeck.scenario import Scenario
 from stribeck.signals.piecewise import Segment
@@ -118,12 +117,12 @@ def _setup(scenario: Scenario, q: Groups) -> dict[str, Expr]:
     share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
     draft = object.__new__(Scenario)
     draft.__dict__.update({**scenario.__dict__, "solve": SimpleNamespace(rtol=rtol, atol=scenario.solve.atol)})
-    atol: dict[str, Any]
+    atol: Mapping[str, Expr | float]
     try:
         atol = draft.atol(q)
     except TypeError:  # a law of the user's whose scales are no equations: they stay those of the file
         atol = {n: x / scenario.solve.rtol * rtol for n, x in scenario.atol().items()}
-    longest: Any = scenario.signal.longest_step
+    longest: Value = scenario.signal.longest_step
     if system.signal:
         longest = system.signal(vars(q.signal)).longest_step
     values = [*(share * atol[state.name] for state in system.states), share, longest]
@@ -152,7 +151,7 @@ def _claims(law: type[Law], q: Groups) -> dict[str, Expr]:
 def _relations(law: type[Law], q: Groups, inputs: dict[str, str]) -> dict[str, Expr]:
     found = {}
     for i, relation in enumerate(relations(law)):
-        holds: Any = True
+        holds: Value = True
         with suppress(TypeError):  # a user's own, which is no equation: the page cannot test it
             holds = relation.holds(q.law)
         found[f"out[{i}]"] = wrap(where(holds, wrap(1), wrap(0)) if isinstance(holds, Expr) else 1.0)

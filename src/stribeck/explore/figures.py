@@ -33,7 +33,7 @@ class Series:
 
 
 @dataclass(frozen=True)
-class Panel:
+class Chart:
     """A chart: what stands along x, and its lines; units before the page chooses a prefix."""
 
     x: str
@@ -55,7 +55,7 @@ class Panel:
         }  # fmt: skip
 
 
-def panels(scenario: Scenario) -> dict[str, Panel]:
+def panels(scenario: Scenario) -> dict[str, Chart]:
     """The page's charts by name."""
     system = scenario.system
     assert isinstance(system, System)
@@ -71,23 +71,23 @@ def panels(scenario: Scenario) -> dict[str, Panel]:
     energies = tuple(Series(f"E_{n}", f"{n.replace('in', 'put in')}") for n in ("in", "dissipated", "stored"))
     m, speed, newton = unit("m"), unit("m/s"), unit("N")
     return {
-        "position": Panel("t", "t", "s", lines("y", "x", "r"), position, m, height=210, marks=True),
-        "velocity": Panel("t", "t", "s", lines("v"), "velocity", speed, marks=True),
-        "force": Panel("t", "t", "s", lines("F", "u"), force, newton),
-        "deflection": Panel("t", "t", "s", lines("z"), "bristles", m, height=150),
-        "loop-v": Panel("v", "v, velocity", speed, lines("F"), "friction F", newton, height=280),
-        "loop-y": Panel("y", f"y, {position}", m, lines("F"), "friction F", newton, height=280),
-        "curve": Panel(
+        "position": Chart("t", "t", "s", lines("y", "x", "r"), position, m, height=210, marks=True),
+        "velocity": Chart("t", "t", "s", lines("v"), "velocity", speed, marks=True),
+        "force": Chart("t", "t", "s", lines("F", "u"), force, newton),
+        "deflection": Chart("t", "t", "s", lines("z"), "bristles", m, height=150),
+        "loop-v": Chart("v", "v, velocity", speed, lines("F"), "friction F", newton, height=280),
+        "loop-y": Chart("y", f"y, {position}", m, lines("F"), "friction F", newton, height=280),
+        "curve": Chart(
             "speed", "v held", speed, (Series("steady", "F held for long"),), "steady friction F", newton, True, 280
         ),
-        "energy": Panel("t", "t", "s", energies, "energy", "J", height=280),
+        "energy": Chart("t", "t", "s", energies, "energy", "J", height=280),
     }
 
 
 TOGETHER = ("position", "velocity", "force", "deflection")  # one above the other, with one time axis
 
 
-def figures(found: dict[str, Panel]) -> dict[str, Any]:
+def figures(found: dict[str, Chart]) -> dict[str, Any]:
     """The charts as Bokeh's JSON, by the id of the element that shows each."""
     with needed("an explorer", "explore"):
         from bokeh.embed import json_item
@@ -100,7 +100,7 @@ def figures(found: dict[str, Panel]) -> dict[str, Any]:
     return {"trajectories": json_item(whole), **{n: json_item(x) for n, x in made.items() if n not in TOGETHER}}
 
 
-def _figure(name: str, panel: Panel, x_range: Any) -> Any:
+def _figure(name: str, panel: Chart, x_range: Any) -> Any:
     from bokeh.models import ColumnDataSource, HoverTool
     from bokeh.models.annotations.legends import Legend
     from bokeh.plotting import figure

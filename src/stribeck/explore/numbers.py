@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import asdict, dataclass, replace
 
 from stribeck.constants import Constant
 from stribeck.laws.base import PARAMETERS
 from stribeck.scenario import Scenario
 from stribeck.scenario.tables import Output, Solve, initial_table
-from stribeck.signals import File, Points
+from stribeck.signals import FileSignal, PointsSignal
 
 _MOST_POINTS = 12  # a signal of more points is a curve, not a set of numbers to turn
 
@@ -35,7 +34,7 @@ class Number:
     target: str = ""  # the system's constant that it sets: ``group.name``
     whole: bool = False
 
-    def as_data(self) -> dict[str, Any]:
+    def as_data(self) -> dict[str, object]:
         """For the page."""
         return asdict(self)
 
@@ -86,7 +85,7 @@ def _others(scenario: Scenario) -> Iterator[Number]:
         yield _number("solve.atol", name, value, Constant("", f"absolute tolerance of {name}", above=0), 0.0, "", 1e4)
     steps = Constant("", str(Solve.model_fields["max_steps"].description), at_least=1)
     number = _number("solve", "max_steps", scenario.solve.max_steps, steps, 0.0, "", 1e4)
-    yield Number(**{**number.as_data(), "whole": True})
+    yield replace(number, whole=True)
     every = Constant("s", str(step.description).partition(",")[0], above=0)
     yield _number("output", "step", scenario.output.step, every, 0.0, "", 10)
 
@@ -102,7 +101,7 @@ def _of_signal(scenario: Scenario) -> Iterator[Number]:
             constant.unit.replace("signal", unit), constant.meaning, constant.above, constant.at_least
         )  # fmt: skip
         yield _number(group, name, value, own, 1.0, f"signal.{name}" if signal.smooth else "")
-    if isinstance(signal, Points) and not isinstance(signal, File) and len(signal.t) <= _MOST_POINTS:
+    if isinstance(signal, PointsSignal) and not isinstance(signal, FileSignal) and len(signal.t) <= _MOST_POINTS:
         for i, (t, value) in enumerate(zip(signal.t, signal.value, strict=True)):
             size = float(max(abs(signal.value))) or 1.0
             yield _number(group, f"t[{i}]", float(t), Constant("s", f"time of point {i + 1}"), scenario.solve.t_end, "")

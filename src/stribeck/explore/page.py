@@ -23,7 +23,7 @@ from stribeck.files import write_text
 from stribeck.laws import table
 from stribeck.laws.render import Equation, condition, equations
 from stribeck.scenario import Scenario
-from stribeck.signals import Points
+from stribeck.signals import PointsSignal
 from stribeck.simulation.native import EVENT_ROOM
 from stribeck.system import System
 from stribeck.version import __version__
@@ -31,16 +31,16 @@ from stribeck.version import __version__
 
 def explore(
     scenario: Scenario, out: Path, laws: Iterable[str] | None = None, command: str = "",
-    progress: Callable[[float], None] | None = None, fitted: Mapping[str, Any] | None = None,
+    progress: Callable[[float], None] | None = None, fitted: Mapping[str, object] | None = None,
 ) -> Path:  # fmt: skip
-    """Write the page of a scenario; see :func:`page`."""
-    write_text(out, page(scenario, laws, command, progress, fitted))
+    """Write the page of a scenario; see :func:`explorer_page`."""
+    write_text(out, explorer_page(scenario, laws, command, progress, fitted))
     return out
 
 
-def page(
+def explorer_page(
     scenario: Scenario, laws: Iterable[str] | None = None, command: str = "",
-    progress: Callable[[float], None] | None = None, fitted: Mapping[str, Any] | None = None,
+    progress: Callable[[float], None] | None = None, fitted: Mapping[str, object] | None = None,
 ) -> str:  # fmt: skip
     """One HTML file that simulates the scenario in the browser while its numbers are turned.
 
@@ -96,7 +96,7 @@ def page(
     return text
 
 
-def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, Any]) -> dict[str, Any]:
+def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, object]) -> dict[str, object]:
     law, system = scenario.law, scenario.system
     assert isinstance(system, System)
     kind, form = type(law), law.form
@@ -127,7 +127,7 @@ def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, Any]) -> dic
     }
 
 
-def _number(number: dict[str, Any], intervals: Mapping[str, Any]) -> dict[str, Any]:
+def _number(number: dict[str, Any], intervals: Mapping[str, object]) -> dict[str, object]:
     return {**number, "interval": intervals.get(number["path"])}
 
 
@@ -135,16 +135,16 @@ def _path(scenario: Scenario, name: str) -> str:
     return next((n.path for n in of_law(scenario) if n.name == name), f"law.{name}")
 
 
-def _signal(scenario: Scenario) -> dict[str, Any]:
+def _signal(scenario: Scenario) -> dict[str, object]:
     signal = scenario.signal
-    found: dict[str, Any] = {"kind": signal.kind, "smooth": signal.smooth}
-    if isinstance(signal, Points):
+    found: dict[str, object] = {"kind": signal.kind, "smooth": signal.smooth}
+    if isinstance(signal, PointsSignal):
         scale = float(scenario.data["drive"]["signal"].get("scale", 1.0))
         found |= {"t": signal.t.tolist(), "value": signal.value.tolist(), "scale": scale}
     return found
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """Tables as JSON has them: whatever else a program has put there as text."""
     if isinstance(value, Mapping):
         return {str(k): _plain(v) for k, v in value.items()}

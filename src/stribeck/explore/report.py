@@ -6,7 +6,6 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
@@ -23,7 +22,7 @@ class Report:
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
-def of_folder(folder: Path, changes: Mapping[str, Any], trust: bool) -> Report:
+def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Report:
     """What was run or fitted.
 
     Raises:

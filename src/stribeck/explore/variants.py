@@ -27,7 +27,7 @@ _GUESSES: dict[str, Callable[[Mapping[str, float]], float]] = {
 }
 
 
-def subject(given: str | None, changes: Mapping[str, Any], trust: bool) -> Scenario:
+def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Scenario:
     """The scenario to explore: a file's, or the built-in stick-slip run under a law.
 
     Raises:

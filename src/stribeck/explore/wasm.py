@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from hashlib import sha256
 from pathlib import Path
-from typing import Any
 
 from stribeck.errors import BuildError, MissingExtra
 from stribeck.files import write_with
@@ -63,7 +62,7 @@ def layout() -> dict[str, tuple[int, str]]:
     return found
 
 
-def _word(kind: Any) -> tuple[str, int]:
+def _word(kind: object) -> tuple[str, int]:
     if kind is ctypes.c_double:
         return "double", 8
     if kind is ctypes.c_int64:

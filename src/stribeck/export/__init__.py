@@ -23,8 +23,13 @@ PARTS = {
     "body": "a body with this friction",
     "observer": "the friction observer",
     "cascade": "the cascade controller of a pneumatic servo",
+    "controller": "a controller of a machine, sampled",
+    "compensator": "what a controller of a machine adds against friction",
+    "cogging": "the torque against the cogging of a machine's motor",
     "machine": "a whole machine (schema = 2) with its controllers and its solver",
 }
+
+SAMPLED = ("controller", "compensator", "cogging")
 
 
 def targets() -> dict[str, Target]:
@@ -60,15 +65,14 @@ def export(
     self_test: bool = False,
     origin: str = "",
     fmi: int = 3,
+    controller: str | None = None,
 ) -> list[Path]:
     """Write a law, or what is made of it, for another tool.
 
-    What the law cannot keep there (at the time step ``step``, where it is given) is said, as a
-    :class:`stribeck.StribeckNote`, before anything is written.
+    What is lost there (at the time step ``step``, where given) is said, as a :class:`stribeck.StribeckNote`, before.
 
     Args:
-        law: the law with its constants; None for the scenario's own, or the scenario of a machine. Part ``cascade`` has
-            the law of the scenario's observer, and takes no other.
+        law: the law with its constants; None for the scenario's own, or a machine's scenario.
         target: one of :data:`TARGETS`.
         out: the folder of the files (``c``, ``mujoco``), or the file itself.
         part: one of :data:`PARTS`; not every target has every part. Unless given "machine" of a machine, else "law".
@@ -76,6 +80,7 @@ def export(
         step: the time step in s that the tool will take.
         self_test: also write a program that checks the rest (target ``c``).
         fmi: 2 or 3, the version of FMI (target ``fmu``).
+        controller: which of the machine's controllers (parts ``controller`` and ``compensator``); the only one unless given.
         origin: where the parameters are from, for the header; built-in sets are recognised.
 
     Returns:
@@ -95,19 +100,16 @@ def export(
     chosen = TARGETS[target]
     if text := trouble(out, chosen.folder):
         raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
-    content, notes = (
-        _machine(law, target, scenario, step, self_test, origin, fmi)
-        if part == "machine"
-        else _content(chosen, Request(_law(law, part, scenario), part, scenario, step, self_test, origin, fmi))
-    )
+    if part == "machine":
+        content, notes = _machine(law, target, scenario, step, self_test, origin, fmi)
+    elif part in SAMPLED:
+        content, notes = _block(law, chosen, part, scenario, step, self_test, origin, fmi, controller)
+    else:
+        request = Request(_law(law, part, scenario), part, scenario, step, self_test, origin, fmi)
+        content, notes = _content(chosen, request)
     for text in notes:
         note(text)
-    if not chosen.folder:
-        out.parent.mkdir(parents=True, exist_ok=True)
-        (data,) = content.values()
-        write_with(out, lambda beside: beside.write_bytes(_encode(data)))
-        return [out]
-    return _write_folder(out, content)
+    return _write_folder(out, content) if chosen.folder else _write_file(out, content)
 
 
 def _content(chosen: Target, request: Request) -> tuple[dict[str, str | bytes], list[str]]:
@@ -131,6 +133,23 @@ def _machine(
     return (content.files(model, fmi) if target == "fmu" else content.files(model)), model.notes()
 
 
+def _block(
+    law: Law | None, chosen: Target, part: str, scenario: Scenario | None, step: float | None, self_test: bool,
+    origin: str, fmi: int, controller: str | None,
+) -> tuple[dict[str, str | bytes], list[str]]:  # fmt: skip
+    """The files of a machine's controller, or of its compensation."""
+    from stribeck.export.controller.block import block_of
+
+    if law is not None:
+        raise InputError(f"{arg('law')}: {law.name!r}: must be left out: part '{part}' takes all from the machine")
+    module = importlib.import_module(f"stribeck.export.controller.{chosen.name}")
+    if part == "cogging":
+        return module.files(scenario), []
+    block = block_of(scenario, part, controller, step, origin)
+    given = {"self_test": self_test} if chosen.self_test else {"fmi": fmi} if chosen.name == "fmu" else {}
+    return module.files(block, **given), block.notes()
+
+
 def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
     """The law given, or the scenario's: for the cascade that of its observer, where it has one."""
     if scenario is None:
@@ -150,6 +169,14 @@ def _law(law: Law | None, part: str, scenario: Scenario | None) -> Law:
         text = "must be left out: part 'cascade' has the law of the scenario's [drive.observer]"
         raise InputError(f"{arg('law')}: {law.name!r}: {text}, {own.name!r}")
     return law or own
+
+
+def _write_file(out: Path, content: dict[str, str | bytes]) -> list[Path]:
+    """The one file of a target."""
+    out.parent.mkdir(parents=True, exist_ok=True)
+    (data,) = content.values()
+    write_with(out, lambda beside: beside.write_bytes(_encode(data)))
+    return [out]
 
 
 def _write_folder(out: Path, content: dict[str, str | bytes]) -> list[Path]:

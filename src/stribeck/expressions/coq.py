@@ -10,11 +10,11 @@ import math
 import re
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any
 
 from stribeck.errors import InputError
 from stribeck.expressions.exact import Exact
 from stribeck.expressions.graph import Expr, ordered, symbols
+from stribeck.expressions.ops import Value
 
 _PROP, _SUM, _PRODUCT, _APPLIED, _ATOM = range(5)  # how tightly a text binds, loosest first
 _FUNCTIONS = {
@@ -37,7 +37,7 @@ def number(x: Fraction | float) -> str:
     return top if q.denominator == 1 else f"({top} / {q.denominator})"
 
 
-def _tree(tree: Any) -> str:
+def _tree(tree: Value) -> str:
     if not isinstance(tree, tuple):
         return "PI" if tree == "pi" else number(tree)
     op, args = tree[0], [_tree(t) for t in tree[1:]]

@@ -6,11 +6,11 @@ import builtins
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from stribeck.expressions import ops
 from stribeck.expressions.graph import Expr, ordered
 from stribeck.expressions.names import Names
+from stribeck.expressions.ops import Value
 
 ATOM, UNARY, MUL, ADD, COMPARE, AND, OR, TERNARY = range(8)
 _LONGEST_LINE = 110
@@ -147,7 +147,7 @@ class Writer:
         return f"{name}({', '.join(self._value(a, TERNARY) for a in args)})", ATOM
 
 
-def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[..., tuple[Any, ...]]:
+def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[..., tuple[Value, ...]]:
     """A Python function of the named inputs that returns the outputs; works on numbers and arrays.
 
     The names of the inputs may hold dots; arguments are positional.
@@ -158,10 +158,10 @@ def python_function(inputs: Sequence[str], outputs: Sequence[Expr]) -> Callable[
     results = "".join(f"r{i}, " for i in range(len(outputs)))
     source = f"def f({', '.join(arguments)}):\n" + "".join(f"    {line}\n" for line in [*lines, f"return ({results})"])
     names = {name: getattr(ops, name) for name in ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign", "floor")}
-    scope: dict[str, Any] = {
+    scope: dict[str, Value] = {
         **names, "where": ops.where, "both": ops.both, "either": ops.either, "abs": abs, "pow": pow,
         "INFINITY": float("inf"), "NAN": float("nan"),
     }  # fmt: skip
     exec(compile(source, "<stribeck equations>", "exec"), scope)
-    function: Callable[..., tuple[Any, ...]] = scope["f"]
+    function: Callable[..., tuple[Value, ...]] = scope["f"]
     return function

@@ -10,7 +10,11 @@ import math
 import operator
 from collections.abc import Callable
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from stribeck.expressions.ops import Value
+
 
 Tree = Any  # a float, "pi", or (operation, Tree, ...)
 
@@ -34,34 +38,34 @@ class Exact(float):
     def __getnewargs__(self) -> tuple[float, Tree]:  # type: ignore[override]
         return float(self), self.tree
 
-    def _with(self, op: str, other: Any, swapped: bool = False) -> Any:
+    def _with(self, op: str, other: Value, swapped: bool = False) -> Value:
         if type(other) not in (int, float, Exact):  # arrays and nodes have their own ways
             return NotImplemented
         a, b = (other, self) if swapped else (self, other)
         return combined(op, float(a) if type(a) is int else a, float(b) if type(b) is int else b)
 
-    def __add__(self, other: Any) -> Any:
+    def __add__(self, other: Value) -> Value:
         return self._with("add", other)
 
-    def __radd__(self, other: Any) -> Any:
+    def __radd__(self, other: Value) -> Value:
         return self._with("add", other, True)
 
-    def __sub__(self, other: Any) -> Any:
+    def __sub__(self, other: Value) -> Value:
         return self._with("sub", other)
 
-    def __rsub__(self, other: Any) -> Any:
+    def __rsub__(self, other: Value) -> Value:
         return self._with("sub", other, True)
 
-    def __mul__(self, other: Any) -> Any:
+    def __mul__(self, other: Value) -> Value:
         return self._with("mul", other)
 
-    def __rmul__(self, other: Any) -> Any:
+    def __rmul__(self, other: Value) -> Value:
         return self._with("mul", other, True)
 
-    def __truediv__(self, other: Any) -> Any:
+    def __truediv__(self, other: Value) -> Value:
         return self._with("div", other)
 
-    def __rtruediv__(self, other: Any) -> Any:
+    def __rtruediv__(self, other: Value) -> Value:
         return self._with("div", other, True)
 
     def __neg__(self) -> Exact:
@@ -73,7 +77,7 @@ class Exact(float):
     def __abs__(self) -> Exact:
         return -self if self < 0 else self
 
-    def __pow__(self, power: Any, modulo: None = None) -> Any:
+    def __pow__(self, power: Value, modulo: None = None) -> Value:
         if type(power) is int and 0 < power <= 64:
             return Exact(float(self) ** power, ("mul", *[self.tree] * power) if power > 1 else self.tree)
         if type(power) in (int, float):

@@ -9,12 +9,13 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Callable, Iterable, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from stribeck.expressions import ops
 from stribeck.expressions.exact import Exact, combined, function
+from stribeck.expressions.ops import Value
 
 if TYPE_CHECKING:
     from stribeck.expressions.names import Names
@@ -31,28 +32,28 @@ class Expr:
     args: tuple[Expr, ...]
     value: float | str | None
 
-    def __add__(self, other: Any) -> Expr:
+    def __add__(self, other: Value) -> Expr:
         return _add(self, wrap(other))
 
-    def __radd__(self, other: Any) -> Expr:
+    def __radd__(self, other: Value) -> Expr:
         return _add(wrap(other), self)
 
-    def __sub__(self, other: Any) -> Expr:
+    def __sub__(self, other: Value) -> Expr:
         return _sub(self, wrap(other))
 
-    def __rsub__(self, other: Any) -> Expr:
+    def __rsub__(self, other: Value) -> Expr:
         return _sub(wrap(other), self)
 
-    def __mul__(self, other: Any) -> Expr:
+    def __mul__(self, other: Value) -> Expr:
         return _mul(self, wrap(other))
 
-    def __rmul__(self, other: Any) -> Expr:
+    def __rmul__(self, other: Value) -> Expr:
         return _mul(wrap(other), self)
 
-    def __truediv__(self, other: Any) -> Expr:
+    def __truediv__(self, other: Value) -> Expr:
         return _div(self, wrap(other))
 
-    def __rtruediv__(self, other: Any) -> Expr:
+    def __rtruediv__(self, other: Value) -> Expr:
         return _div(wrap(other), self)
 
     def __neg__(self) -> Expr:
@@ -61,10 +62,10 @@ class Expr:
     def __abs__(self) -> Expr:
         return _function("abs", self)
 
-    def __pow__(self, power: Any) -> Expr:
+    def __pow__(self, power: Value) -> Expr:
         return _power(self, power)
 
-    def __rpow__(self, base: Any) -> Expr:
+    def __rpow__(self, base: Value) -> Expr:
         return _power(wrap(base), self)
 
     def __eq__(self, other: object) -> bool:
@@ -75,16 +76,16 @@ class Expr:
     __hash__ = object.__hash__
     __array_ufunc__ = None  # NumPy leaves arithmetic with nodes to them
 
-    def __lt__(self, other: Any) -> Expr:
+    def __lt__(self, other: Value) -> Expr:
         return _node("lt", self, wrap(other))
 
-    def __le__(self, other: Any) -> Expr:
+    def __le__(self, other: Value) -> Expr:
         return _node("le", self, wrap(other))
 
-    def __gt__(self, other: Any) -> Expr:
+    def __gt__(self, other: Value) -> Expr:
         return _node("lt", wrap(other), self)
 
-    def __ge__(self, other: Any) -> Expr:
+    def __ge__(self, other: Value) -> Expr:
         return _node("le", wrap(other), self)
 
     def __bool__(self) -> bool:
@@ -96,7 +97,7 @@ class Expr:
         return f"{self.op}({', '.join(map(repr, self.args))})"
 
 
-_nodes: weakref.WeakValueDictionary[tuple[Any, ...], Expr] = weakref.WeakValueDictionary()
+_nodes: weakref.WeakValueDictionary[tuple[Value, ...], Expr] = weakref.WeakValueDictionary()
 _lock = threading.Lock()
 
 
@@ -122,7 +123,7 @@ def constant(x: Number) -> Expr:
     return _node("constant", value=x if isinstance(x, Exact) else float(x))
 
 
-def wrap(x: Any) -> Expr:
+def wrap(x: Value) -> Expr:
     """A number as a node; nodes pass through."""
     if isinstance(x, Expr):
         return x
@@ -214,7 +215,7 @@ def _neg(a: Expr) -> Expr:
     return a.args[0] if a.op == "neg" else _node("neg", a)
 
 
-def _power(base: Expr, power: Any) -> Expr:
+def _power(base: Expr, power: Value) -> Expr:
     """Whole powers become products, as a person would compute them; others stay powers."""
     if isinstance(power, Expr) and power.op == "constant":
         power = power.value
@@ -241,25 +242,25 @@ def _function(op: str, x: Expr) -> Expr:
 class _Graph:
     """The operations of :mod:`stribeck.expressions.ops` on nodes."""
 
-    def __getattr__(self, op: str) -> Callable[[Any], Expr]:
+    def __getattr__(self, op: str) -> Callable[[Value], Expr]:
         return lambda x: _function(op, wrap(x))
 
     @staticmethod
-    def where(condition: Expr, a: Any, b: Any) -> Expr:
+    def where(condition: Expr, a: Value, b: Value) -> Expr:
         if isinstance(condition, bool | np.bool_):
             return wrap(a if condition else b)
         a, b = wrap(a), wrap(b)
         return a if a is b else _node("where", condition, a, b)
 
     @staticmethod
-    def both(a: Any, b: Any) -> Any:
+    def both(a: Value, b: Value) -> Value:
         known, other = (a, b) if isinstance(a, bool | np.bool_) else (b, a)
         if isinstance(known, bool | np.bool_):
             return other if known else False
         return _node("both", a, b)
 
     @staticmethod
-    def either(a: Any, b: Any) -> Any:
+    def either(a: Value, b: Value) -> Value:
         known, other = (a, b) if isinstance(a, bool | np.bool_) else (b, a)
         if isinstance(known, bool | np.bool_):
             return True if known else other
@@ -275,7 +276,7 @@ def _finite(infinite: Expr, slope: Expr) -> Expr:
 
 
 # The partial derivatives of an operation by its arguments: given the node and its arguments.
-_PARTIALS: dict[str, Callable[..., tuple[Any, ...]]] = {
+_PARTIALS: dict[str, Callable[..., tuple[Value, ...]]] = {
     "add": lambda n, a, b: (1, 1),
     "sub": lambda n, a, b: (1, -1),
     "mul": lambda n, a, b: (b, a),

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from math import comb
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from stribeck.arrays import Array
 from stribeck.expressions import ranges
 from stribeck.expressions.exact import Exact
 from stribeck.expressions.graph import Expr, ordered
+from stribeck.expressions.ops import Value
 
 _BITS = 80  # of arb: 27 more than a float's
 _SPLIT = 134217729.0  # 2^27 + 1: halves a float's digits (Dekker)
@@ -148,7 +149,7 @@ def interval(low: ArrayLike, high: ArrayLike) -> Interval:
 
 
 @cache
-def _flint() -> Any:
+def _flint() -> ModuleType:
     import flint
 
     flint.ctx.prec = _BITS
@@ -242,7 +243,7 @@ def _pow(a: Interval, b: Interval) -> Interval:
     return Interval(np.where(known, found.low, -np.inf), np.where(known, found.high, np.inf))
 
 
-_FUNCTIONS: dict[str, Callable[..., Any]] = {
+_FUNCTIONS: dict[str, Callable[..., Value]] = {
     "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b, "div": lambda a, b: a / b,
     "neg": lambda a: -a, "abs": abs, "exp": _exp, "atan": _atan, "tanh": _tanh, "log": _log, "sqrt": _sqrt,
     "sin": _wave("sin"), "cos": _wave("cos"), "sign": _sign, "pow": _pow,
@@ -278,7 +279,7 @@ def polynomials(outputs: Iterable[Expr]) -> dict[Expr, Polynomial]:
     return {n: p for n, p in found.items() if n not in inner and sum(c != 0 for c in p[1]) > 1}
 
 
-def _combined(node: Expr, args: list[Any]) -> Polynomial | None:
+def _combined(node: Expr, args: list[Value]) -> Polynomial | None:
     leaves = {a[0] for a in args if isinstance(a, tuple)}
     if len(leaves) != 1:
         return None
@@ -333,7 +334,7 @@ def bernstein(coefficients: tuple[Fraction, ...], x: Interval) -> Interval:
     return Interval(np.where(bounded, found.low, -np.inf), np.where(bounded, found.high, np.inf))
 
 
-def _where(node: Expr, known: Mapping[Expr, Any], limits: Mapping[Expr, Interval]) -> Interval:
+def _where(node: Expr, known: Mapping[Expr, Value], limits: Mapping[Expr, Interval]) -> Interval:
     """The range of a node, with what the conditions around it say of some nodes."""
     if node in limits:
         return known[node].within(limits[node])  # type: ignore[no-any-return]
@@ -369,15 +370,15 @@ class Evaluator:
         """The range of each output, given that of each symbol."""
         return [self.all(inputs)[node] for node in self.outputs]
 
-    def all(self, inputs: Mapping[str, Interval]) -> dict[Expr, Any]:
+    def all(self, inputs: Mapping[str, Interval]) -> dict[Expr, Value]:
         """The range of every node: an :class:`Interval`, or a :class:`Truth` for conditions."""
-        known: dict[Expr, Any] = {}
+        known: dict[Expr, Value] = {}
         with np.errstate(all="ignore"):
             for node in self.nodes:
                 known[node] = self._value(node, known, inputs)
         return known
 
-    def _value(self, node: Expr, known: dict[Expr, Any], inputs: Mapping[str, Interval]) -> Any:
+    def _value(self, node: Expr, known: dict[Expr, Value], inputs: Mapping[str, Interval]) -> Value:
         if node.op == "symbol":
             return inputs[str(node.value)]
         if node.op == "constant":

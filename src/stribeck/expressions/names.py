@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from stribeck.expressions.graph import Expr
+from stribeck.expressions.ops import Value
 
 
 class Names(dict[Expr, str]):
     """What intermediate results are called in the code of one build; a node keeps the first name that it is given."""
 
-    def give(self, node: Any, name: str) -> None:
+    def give(self, node: Value, name: str) -> None:
         """Call a result so; symbols and numbers have no names of their own."""
         if isinstance(node, Expr) and node.args:
             self.setdefault(node, name)
@@ -21,7 +20,7 @@ class Names(dict[Expr, str]):
             self.give(new, self[old])
         return new
 
-    def term(self, name: str, latex: str, args: tuple[Any, ...], value: Any) -> Any:
+    def term(self, name: str, latex: str, args: tuple[Value, ...], value: Value) -> Value:
         """Call a term of an equation by its name; see :class:`stribeck.laws.values.Constants`."""
         self.give(value, name)
         return value

@@ -8,10 +8,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any
 
 from stribeck.expressions.exact import tree_of
 from stribeck.expressions.graph import Expr, ordered
+from stribeck.expressions.ops import Value
 
 Range = tuple[float, float]
 INF = math.inf
@@ -165,7 +165,7 @@ def power(a: Range, b: Range) -> Range:
 PI: Range = (down(math.pi), up(math.pi))
 
 
-def _tree(tree: Any) -> Range:
+def _tree(tree: Value) -> Range:
     if tree == "pi":
         return PI
     if isinstance(tree, float):
@@ -181,7 +181,7 @@ def _tree(tree: Any) -> Range:
     return value
 
 
-def _apply(op: str, args: list[Range]) -> Any:
+def _apply(op: str, args: list[Range]) -> Value:
     if op == "add":
         return add(*args)
     if op == "sub":
@@ -220,9 +220,9 @@ class Box:
 
     def __init__(self, inputs: Mapping[str, Range]) -> None:
         self.inputs = inputs
-        self.known: dict[Expr, Any] = {}
+        self.known: dict[Expr, Value] = {}
 
-    def __call__(self, node: Expr) -> Any:
+    def __call__(self, node: Expr) -> Value:
         """The range of an expression; True, False or None (not settled) for a condition."""
         if node not in self.known:
             for each in ordered([node]):
@@ -230,7 +230,7 @@ class Box:
                     self.known[each] = self._value(each)
         return self.known[node]
 
-    def _value(self, node: Expr) -> Any:
+    def _value(self, node: Expr) -> Value:
         if node.op == "symbol":
             return self.inputs[str(node.value)]
         if node.op == "constant":

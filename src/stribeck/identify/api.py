@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from stribeck import laws
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, arg, nearest
-from stribeck.identify.data.prepare import Preparation, load
+from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES
 from stribeck.identify.log import Log
@@ -179,7 +179,7 @@ def log_of(data: Data, columns: ColumnNames, how: Preparation | None = None) -> 
             )
         return data
     sources = [data] if isinstance(data, str | Path) or is_table(data) else list(data)
-    return load(sources, columns, how)
+    return load_log(sources, columns, how)
 
 
 def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> Fit | Choice:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-import os
 import threading
 from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
+
+from stribeck.simulation.lanes import threads_of_this_machine
 
 T = TypeVar("T")
 S = TypeVar("S")
@@ -80,7 +81,7 @@ class Work:
             except Stopped:
                 return
 
-        pool = ThreadPoolExecutor(cores())
+        pool = ThreadPoolExecutor(threads_of_this_machine())
         try:
             for future in [pool.submit(one, i) for i in range(len(items))]:
                 future.result()
@@ -89,8 +90,3 @@ class Work:
         finally:
             pool.shutdown(wait=True, cancel_futures=True)
         return found
-
-
-def cores() -> int:
-    """How many this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

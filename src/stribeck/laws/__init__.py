@@ -12,7 +12,6 @@ from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
-from typing import Any
 
 import numpy as np
 
@@ -55,7 +54,7 @@ def _laws_of(module: ModuleType) -> dict[str, type[Law]]:
 _in_memory: dict[str, type[Law]] = {}  # laws that a program defined, by the name that their tables carry
 
 
-def table(law: Law) -> dict[str, Any]:
+def table(law: Law) -> dict[str, object]:
     """The table ``[law]`` of a scenario that describes this law: its name, every constant and choice.
 
     A law of a file of the user's is named ``FILE.py:NAME``; one that a program defined is known to this process only.

@@ -45,7 +45,7 @@ PARAMETERS: dict[str, Constant] = {
     "v_s": Constant("m/s", "Stribeck velocity", above=0, rotary_unit="rad/s"),
 }
 
-Claim = bool | Callable[[Any], Value] | None
+Claim = bool | Callable[[SimpleNamespace], Value] | None
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class Relation:
 
     key: str
     allowed: str
-    holds: Callable[[Any], bool]
+    holds: Callable[[SimpleNamespace], bool]
     needs: tuple[str, ...]
 
 
@@ -66,7 +66,7 @@ class Claims:
 
     unique: one solution z(t) for every piecewise continuous v(t). bounded: z stays within :meth:`Law.z_bound`
     whatever v(t). smooth: dz/dt is continuously differentiable in (v, z). passive: from v to F, with z within that
-    bound (unrestricted where there is none). drift_free: dz/dt = v exactly for |z| <= :meth:`Law.z_elastic`.
+    bound (unrestricted where there is none). drift_free: dz/dt = v exactly for ``|z|`` <= :meth:`Law.z_elastic`.
     """
 
     unique: Claim = None

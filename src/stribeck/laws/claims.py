@@ -8,12 +8,12 @@ programme can do is known without integrating over time: where z gets, and the e
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from stribeck import laws
 from stribeck.arrays import Array
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
 _SPEEDS = (1e-9, 1e4)  # sampled, as multiples of the law's own speed
@@ -62,12 +62,12 @@ class _Samples:
         """Deflections within the bound."""
         return self.rng.uniform(-1, 1, shape) * self.bound
 
-    def size(self, function: Callable[..., Any], v: Array, z: Array) -> Array:
+    def size(self, function: Callable[..., Value], v: Array, z: Array) -> Array:
         """The magnitude of the terms of F or dz/dt, which may cancel each other."""
         return np.asarray(np.max([abs(function(v, x)) for x in (z, -z, 0 * z)], axis=0))
 
 
-def _where(wrong: Any, text: str, **values: Any) -> str | None:
+def _where(wrong: Value, text: str, **values: Array | float) -> str | None:
     """The text with the values at the first place that is wrong; None where there is none."""
     if not np.any(wrong):
         return None
@@ -105,7 +105,7 @@ def _arrays(s: _Samples) -> str | None:
     return None
 
 
-def _differs(derivative: Any, of: Callable[[Array], Array], step: Array, size: Array) -> Any:
+def _differs(derivative: Value, of: Callable[[Array], Array], step: Array, size: Array) -> Value:
     """Where a derivative disagrees with each of some central differences, with relative steps of 1e-3 to 1e-7."""
     h = 10.0 ** -np.arange(3, 8)[:, None] * step
     difference = (of(h) - of(-h)) / (2 * h)

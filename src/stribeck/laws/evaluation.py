@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,6 +13,8 @@ from stribeck.arrays import Array
 from stribeck.errors import NotDifferentiable
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol, symbols, wrap
+from stribeck.expressions.ops import Value
+from stribeck.laws.form import Form
 from stribeck.laws.numeric import first_root, shaped
 from stribeck.laws.values import Constants
 
@@ -24,7 +26,7 @@ class _Derivatives:
     """What the graph of a law's equations gives: a function (constants, v, z) -> F and the derivatives of dz/dt and F
     by v and by z; and whether dz/dt is linear in z."""
 
-    function: Callable[..., tuple[Any, ...]]
+    function: Callable[..., tuple[Value, ...]]
     names: tuple[str, ...]
     linear: bool
 
@@ -34,14 +36,19 @@ class Evaluation:
 
     name: ClassVar[str]
     has_z: ClassVar[bool]
-    form: Any  # of the equations: a property of the law
-    dz_dt: Callable[..., Any]
-    friction: Callable[..., Any]
-    scales: Callable[..., Any]
-    symbolic: Callable[..., Any]
+
+    @property
+    def form(self) -> Form:
+        """Of the equations."""
+        raise NotImplementedError
+
+    dz_dt: Callable[..., Value]
+    friction: Callable[..., Value]
+    scales: Callable[..., Value]
+    symbolic: Callable[..., Value]
     guarantees: Callable[[], dict[str, bool | None]]
     p: Constants
-    _derivatives: ClassVar[dict[Any, _Derivatives]] = {}
+    _derivatives: ClassVar[dict[tuple[object, ...], _Derivatives]] = {}
 
     @property
     def jumps_at_rest(self) -> bool:
@@ -68,14 +75,24 @@ class Evaluation:
     def rate(self, v: ArrayLike, z: ArrayLike) -> Array:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m); shapes broadcast."""
         v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
-        with np.errstate(all="ignore"):
-            return shaped(self.dz_dt(self.p, v, z), v, z)
+        return shaped(self._in_floats(lambda p: self.dz_dt(p, v, z)), v, z)
 
     def force(self, v: ArrayLike, z: ArrayLike = 0.0) -> Array:
         """Friction force in N for velocities v (m/s) and deflections z (m); shapes broadcast."""
         v, z = np.asarray(v, float)[()], np.asarray(z, float)[()]
+        return shaped(self._in_floats(lambda p: self.friction(p, v, z, self.dz_dt(p, v, z))), v, z)
+
+    def force_with(self, v: Array, z: Array, dz_dt: Array) -> Array:
+        """Friction force in N for velocities v (m/s), deflections z (m) and rates dz/dt (m/s)."""
+        return np.asarray(self._in_floats(lambda p: self.friction(p, v, z, dz_dt)))
+
+    def _in_floats(self, equation: Callable[[Constants], Value]) -> Value:
+        """An equation's value; inf or nan, as NumPy has it, where a number of its constants leaves the range of floats."""
         with np.errstate(all="ignore"):
-            return shaped(self.friction(self.p, v, z, self.dz_dt(self.p, v, z)), v, z)
+            try:
+                return equation(self.p)
+            except ArithmeticError:  # Python's own floats raise
+                return equation(self.p.replaced({n: np.asarray(x, float)[()] for n, x in self.p.numbers.items()}))
 
     def jacobian(self, v: ArrayLike, z: ArrayLike = 0.0) -> tuple[Array, Array]:
         """The derivatives of dz/dt by v and by z (1/s), at velocities v and deflections z."""
@@ -132,7 +149,7 @@ class Evaluation:
         """
         v = np.asarray(v, float)
         with np.errstate(all="ignore"):
-            force = np.asarray(self.friction(self.p, v[()], self.steady_deflection(v), 0.0 * v[()]))
+            force = self.force_with(v[()], self.steady_deflection(v), 0.0 * v[()])
         return np.where(v == 0, 0.0, force)[()]
 
     # -- derivatives, from the graph of the equations --------------------------------------------------------------
@@ -153,10 +170,8 @@ class Evaluation:
         """F and the derivatives of dz/dt and F by v and z."""
         graph = self._graph()
         v, z = np.broadcast_arrays(v, z)
-        with np.errstate(all="ignore"):
-            return [
-                np.broadcast_to(x, v.shape)[()] for x in graph.function(*(self.p.numbers[n] for n in graph.names), v, z)
-            ]
+        found = self._in_floats(lambda p: graph.function(*(p.numbers[n] for n in graph.names), v, z))
+        return [np.broadcast_to(x, v.shape)[()] for x in found]
 
     def _force_rate(self, v: Array, z: Array, dv_dt: Array) -> tuple[Array, Array]:
         force, _, _, force_v, force_z = self._evaluate(v, z)

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.expressions.ops import Value
 
 
-def shaped(value: Any, v: Any, z: Any) -> Array:
+def shaped(value: Value, v: Value, z: Value) -> Array:
     """A value that may not depend on one of v and z, with the shape of both."""
     shape = np.broadcast_shapes(np.shape(v), np.shape(z))
     return np.asarray(value if np.shape(value) == shape else np.full(shape, value))[()]
 
 
-def first_root(f: Callable[[Any], Any], direction: Any, start: float) -> Array:
+def first_root(f: Callable[[Value], Value], direction: Value, start: float) -> Array:
     """The first root of f along ``direction`` from 0, f positive before it; inf where none is found."""
     low, high = np.zeros_like(direction), np.full_like(direction, start)
     for _ in range(200):

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import importlib
 from html import escape
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
+from stribeck.expressions.ops import Value
+from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
 
 
@@ -16,11 +18,15 @@ class AsObject:
     p: Constants
     machine: dict[str, float]
     rotary: bool
-    constants: Any
-    form: Any
+    constants: Value
 
     @property
-    def _numbers(self) -> dict[str, Any]:
+    def form(self) -> Form:
+        """Of the equations."""
+        raise NotImplementedError
+
+    @property
+    def _numbers(self) -> dict[str, Value]:
         """Every constant that is on; the machine's parameters, also those that the law does not use, first."""
         return {**self.machine, **self.p.numbers, **self.p.words}
 
@@ -44,9 +50,9 @@ class AsObject:
         """
         return type(self)({**self._numbers, **constants}, self.rotary)  # type: ignore[call-arg]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, object]:
         """The table ``[law]`` of a scenario (``[contacts.NAME.law]`` of a machine) that describes this law."""
-        table: dict[str, Any] = importlib.import_module("stribeck.laws").table(self)
+        table: dict[str, object] = importlib.import_module("stribeck.laws").table(self)
         return table
 
     def _repr_html_(self) -> str:

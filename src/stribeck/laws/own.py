@@ -25,4 +25,5 @@ def find_class(name: str, folder: Path | None, base: type[T]) -> type[T]:
         room = base.__module__.rpartition(".")[0]
         raise InputError(f"{name!r}: {wanted} must be derived from {room}'s {base.__name__}")
     has = [n for n, x in vars(module).items() if isinstance(x, type) and issubclass(x, base) and x is not base]
-    raise InputError(f"{name!r}: {path} has no {base.__name__.lower()} '{wanted}' (it has {', '.join(has) or 'none'})")
+    what = base.__name__.removesuffix("Element").lower()
+    raise InputError(f"{name!r}: {path} has no {what} '{wanted}' (it has {', '.join(has) or 'none'})")

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from types import SimpleNamespace
 
 from stribeck.expressions import pretty
 from stribeck.expressions.graph import symbol, wrap
@@ -43,7 +44,7 @@ def equations(law: type[Law], form: Form = USUAL) -> list[Equation]:
     ]
 
 
-def condition(claim: Any, law: type[Law], form: Form = USUAL) -> Equation | bool:
+def condition(claim: Callable[[SimpleNamespace], Value], law: type[Law], form: Form = USUAL) -> Equation | bool:
     """A claim that depends on the constants, as a condition; or what it is in a form where it does not."""
     value = claim(law.symbolic(symbol, form))
     if isinstance(value, bool):

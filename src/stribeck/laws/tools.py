@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from stribeck.expressions.ops import Value
 
 if TYPE_CHECKING:
     import casadi
@@ -43,21 +46,21 @@ class ToTools:
         function: casadi.Function = _exporter("casadi").to_casadi(self, free)
         return function
 
-    def to_jax(self) -> Any:
+    def to_jax(self) -> Value:
         """The law in JAX: ``rate``, ``force``, and ``step`` for simulators; for grad, jit and vmap.
 
         See :class:`stribeck.export.python.jax.JaxLaw`.
         """
         return _exporter("jax").to_jax(self)
 
-    def to_torch(self) -> Any:
+    def to_torch(self) -> Value:
         """The law in PyTorch: ``rate``, ``force``, and ``step(state, v, effort, inertia, dt) -> (state, friction)``.
 
         See :class:`stribeck.export.python.torch.TorchLaw`.
         """
         return _exporter("torch").to_torch(self)
 
-    def to_warp(self, precision: str = "single") -> Any:
+    def to_warp(self, precision: str = "single") -> Value:
         """The law as kernels of NVIDIA Warp: ``step(state, v, effort, inertia, dt) -> (state, friction)``.
 
         See :class:`stribeck.export.python.warp.WarpLaw`.
@@ -71,5 +74,5 @@ class ToTools:
         return _exporter("warp").to_warp(self, precision)
 
 
-def _exporter(tool: str) -> Any:
+def _exporter(tool: str) -> ModuleType:
     return importlib.import_module(f"stribeck.export.python.{tool}")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from types import SimpleNamespace
-from typing import Any
 
 from stribeck.expressions.ops import Value
 
@@ -23,19 +22,19 @@ class Constants(SimpleNamespace):
     __slots__ = ("_on_term",)
     _on_term: OnTerm | None
 
-    def __init__(self, values: Mapping[str, Any] | None = None, on_term: OnTerm | None = None) -> None:
+    def __init__(self, values: Mapping[str, Value] | None = None, on_term: OnTerm | None = None) -> None:
         super().__init__(**(values or {}))
         object.__setattr__(self, "_on_term", on_term)
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         """Copies and pickles hold the constants alone."""
         return Constants, (vars(self),)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{name}: the constants of a law do not change; replaced() makes others")
 
     @property
-    def numbers(self) -> dict[str, Any]:
+    def numbers(self) -> dict[str, Value]:
         """The constants that are on and no words."""
         return {name: x for name, x in vars(self).items() if x is not None and not isinstance(x, str)}
 
@@ -44,7 +43,7 @@ class Constants(SimpleNamespace):
         """The choices."""
         return {name: x for name, x in vars(self).items() if isinstance(x, str)}
 
-    def replaced(self, values: Mapping[str, Any]) -> Constants:
+    def replaced(self, values: Mapping[str, Value]) -> Constants:
         """The same with others in the place of some."""
         return Constants({**vars(self), **values}, self._on_term)
 

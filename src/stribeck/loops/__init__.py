@@ -4,19 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.loops import boundary, compensation, tuning, uncertainty
+from stribeck.loops.excess import Excess, excess
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, loop_of
 from stribeck.loops.moves import errors
+from stribeck.loops.plane import Plane, plane, plane_of
 from stribeck.loops.proof import proof
+from stribeck.loops.second import second_opinion
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 
-__all__ = ["Design", "design"]
+__all__ = ["Design", "design", "loop_and_controller"]
 
 Tell = Callable[[float, str], None]
 
@@ -35,17 +40,23 @@ class Design:
         why_not: why compensations were not compared; empty where they were.
         proof: what passivity proves; ``holds`` is True or None.
         tuned: gains that were searched, if any.
+        plane: the verdict over two numbers, where that was asked for.
+        second: what describing functions say of it.
+        excess: from which share on a compensation at the measured speed pushes.
     """
 
     loop: Loop
     controller: str
     judgement: Judgement
     errors: dict[str, dict[str, float | None]]
-    lines: list[boundary.Line]
-    compensations: list[compensation.Compensation]
+    lines: list[boundary.PathVerdicts]
+    compensations: list[compensation.CompensationResult]
     why_not: str
     proof: dict[str, Any]
     tuned: tuning.Tuned | None = None
+    excess: Excess | None = None
+    plane: Plane | None = None
+    second: dict[str, Any] | None = None
 
     @property
     def verdict(self) -> str:
@@ -68,6 +79,9 @@ class Design:
             "boundaries": [asdict(b) for x in self.lines for b in x.boundaries],
             "compensations": [c.row() for c in self.compensations],
             "compensations_missing": self.why_not or None,
+            "over_compensation": self.excess.row() if self.excess else None,
+            "second_opinion": self.second,
+            "map": self.plane.row() if self.plane else None,
             "proof": self.proof,
             "tuned": asdict(self.tuned) if self.tuned else None,
         }
@@ -82,6 +96,7 @@ def design(
     compensations: bool = True,
     seed: int = 0,
     tell: Tell | None = None,
+    map: Sequence[str] = (),
 ) -> Design:
     """Judge a machine's loop: will it hunt, how well does it track, what may be done against its friction.
 
@@ -93,6 +108,7 @@ def design(
         controller: which one, where there are several; the first unless given.
         compensations: compare what may be done against friction (simulates some hundred lanes).
         seed: of the random samples and of the search.
+        map: two of ``"PATH=LOW:HIGH"``: the verdict over both.
         tell: told the share done of the present part, and what that is.
 
     Raises:
@@ -102,26 +118,64 @@ def design(
     loop = loop_of(scenario_of(machine, None, None))
     name = _controller(loop, controller)
     ranges = _ranges(loop, vary)
+    both = plane_of(loop, map) if map else None
     if tune:
         tuning.paths_of(loop, name, list(tune))
     file = Path(uncertainty_file) if uncertainty_file is not None else None
     samples = uncertainty.samples(uncertainty.intervals(loop, file), seed)
 
-    def part(text: str) -> Callable[[float], None] | None:
-        return None if tell is None else lambda share: tell(share, text)
-
+    part = partial(_part, tell)
     found = judge(loop, tell=part("the verdict"))[0]
     measured = errors(loop, name)
     lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
-    compared: list[compensation.Compensation] = []
-    why_not = "" if compensations else "not asked for"
-    if compensations:
-        try:
-            compared = compensation.compare(loop, name, samples, tell=part("compensations"))
-        except InputError as error:
-            why_not = str(error)
+    over = plane(loop, *both, part("the map")) if both else None
+    compared, too_much, why_not = _compared(loop, name, samples, compensations, part)
     tuned = tuning.tune(loop, name, list(tune), samples, seed, part("gains")) if tune else None
-    return Design(loop, name, found, measured, lines, compared, why_not, proof(loop), tuned)
+    return Design(
+        loop,
+        name,
+        found,
+        measured,
+        lines,
+        compared,
+        why_not,
+        proof(loop),
+        tuned,
+        too_much,
+        over,
+        second_opinion(loop, name),
+    )
+
+
+def loop_and_controller(scenario: Scenario, controller: str | None = None) -> tuple[Loop, str]:
+    """The loop of a machine, and the name of the controller that is judged.
+
+    Raises:
+        InputError: no machine with a controller, or none of that name.
+    """
+    loop = loop_of(scenario)
+    return loop, _controller(loop, controller)
+
+
+def _compared(
+    loop: Loop,
+    name: str,
+    samples: dict[str, Array],
+    wanted: bool,
+    part: Callable[[str], Callable[[float], None] | None],
+) -> tuple[list[compensation.CompensationResult], Excess | None, str]:
+    """What may be done against friction, from which share on it pushes, and why there is nothing of this."""
+    if not wanted:
+        return [], None, "not asked for"
+    try:
+        return compensation.compare(loop, name, samples, part("compensations")), excess(loop, name, samples), ""
+    except InputError as error:
+        return [], None, str(error)
+
+
+def _part(tell: Tell | None, text: str) -> Callable[[float], None] | None:
+    """What is told the share done of one part."""
+    return None if tell is None else lambda share: tell(share, text)
 
 
 def _controller(loop: Loop, name: str | None) -> str:

@@ -74,7 +74,7 @@ class Boundary:
 
 
 @dataclass(frozen=True)
-class Line:
+class PathVerdicts:
     """The verdict along one path: the values simulated, in order, the judgement at each, and the boundaries."""
 
     turned: Turned
@@ -96,7 +96,7 @@ def known_path(loop: Loop, path: str) -> None:
         raise InputError(f"vary: {path}: no number of the machine{nearest(path, known)}")
 
 
-def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None) -> Line:
+def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None) -> PathVerdicts:
     """The verdict over a range of one number.
 
     Raises:
@@ -121,7 +121,7 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
             break
         look(np.concatenate([np.zeros(0), *(turned.between(a, b, _PARTS) for a, b in changes)]))
     found = []
-    for low, high in _changes(seen):
+    for low, high in _apart(_changes(seen), seen):
         value = float(np.sqrt(low * high)) if low > 0 and high / low >= _DECADE else (low + high) / 2
         found.append((low, high, value))
     if 0 < len(found) <= _MOST:
@@ -131,12 +131,27 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
         for low, high, value in found
     ]
     values = np.array(sorted(seen))
-    return Line(turned, values, [seen[x] for x in values.tolist()], boundaries)
+    return PathVerdicts(turned, values, [seen[x] for x in values.tolist()], boundaries)
 
 
 def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:
     values = sorted(seen)
     return [(a, b) for a, b in pairwise(values) if seen[a].verdict != seen[b].verdict]
+
+
+def _apart(changes: list[tuple[float, float]], seen: dict[float, Judgement]) -> list[tuple[float, float]]:
+    """The changes, those together that are nearer than the verdict is sure: between them stands a lane that the last slip
+    left in between, and the boundary is that of the verdicts outside."""
+    found: list[tuple[float, float]] = []
+    for low, high in changes:
+        if found:
+            first = found[-1][0]
+            near = high - first < _SURE * max(abs(first), abs(high))
+            if near and seen[first].verdict != seen[high].verdict:
+                found[-1] = first, high
+                continue
+        found.append((low, high))
+    return found
 
 
 def _around(turned: Turned, low: float, high: float) -> Array:

@@ -17,18 +17,18 @@ from stribeck.loops.loop import Loop, controller_of
 from stribeck.loops.moves import reversal_errors
 from stribeck.scenario import Scenario
 
-KINDS = ("none", "reference", "measured")
+KINDS = ("none", "reference", "measured", "inner_loop")
 _SHARES = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5])
 _ROUNDS = 4
 
 
 @dataclass(frozen=True)
-class Compensation:
+class CompensationResult:
     """One way to make up for friction.
 
     Attributes:
         kind: "none"; "reference": the steady curve at the signal's speed; "measured": the law as an observer at the
-            measured speed.
+            measured speed; "inner_loop": that with dF/dt, led by the lag of the drive.
         share: of the friction that is made up for in ``reversal_error``: 1, or what stays quiet of it.
         largest_quiet_share: up to which the loop is quiet with every sample of the friction; None where it is not even
             quiet without, 1.5 where all shares looked at are.
@@ -71,20 +71,46 @@ def contact_of(loop: Loop, controller: str) -> str:
     )
 
 
+def kinds_of(loop: Loop, controller: str, contact: str) -> list[str]:
+    """The kinds that the machine can have: an inner loop has a lag, a smooth law and a signal with a second derivative."""
+    rig = loop.scenario.rig
+    assert rig is not None
+    each = controller_of(loop.scenario, controller)
+    law = rig.laws[f"contacts.{contact}.law"]
+    smooth = law.differentiable and (rig.signals[each.signal].smooth or rig.signals[each.signal].kind == "ramp")
+    return [kind for kind in KINDS if kind != "inner_loop" or (smooth and lag_of(loop.scenario, controller) > 0)]
+
+
+def lag_of(scenario: Scenario, controller: str) -> float:
+    """How far the force lags what is asked for, s: the motor's current, the delay, and half a period that a sample is held."""
+    rig = scenario.rig
+    assert rig is not None
+    each = controller_of(scenario, controller)
+    motor = next((m for m in rig.machine.motors if m.name == each.on), None)
+    lag = rig.values[motor.path, "current_time"] if motor is not None and motor.has_inductance else 0.0
+    if each.sampling is not None:
+        own = f"{each.path}.sampling"
+        lag += rig.values[own, "delay"] + rig.values[own, "period"] / 2
+    return lag
+
+
 def with_compensation(scenario: Scenario, controller: str, contact: str, kind: str, share: float) -> Scenario:
     """The machine with that compensation; its law is a copy, so that the contact's can be varied beside it."""
     data = deepcopy(scenario.data)
     table = data["controllers"][controller]
     own = table.pop("compensation", None) or {}
-    if kind in ("reference", "measured"):
+    if kind != "none":
         law = own.get("law") or data["contacts"][contact]["law"]
-        table["compensation"] = {"speed": kind, "law": deepcopy(law), "share": share}
+        speed = "reference" if kind == "reference" else "measured"
+        table["compensation"] = {"speed": speed, "law": deepcopy(law), "share": share}
+        if kind == "inner_loop":
+            table["compensation"]["lead"] = own.get("lead") or lag_of(scenario, controller)
     return Scenario(data, folder=scenario.folder, trust=True)
 
 
 def compare(
     loop: Loop, controller: str, samples: dict[str, Array], tell: Callable[[float], None] | None = None
-) -> list[Compensation]:
+) -> list[CompensationResult]:
     """Each kind with its largest quiet share and the error that it leaves.
 
     Raises:
@@ -92,9 +118,10 @@ def compare(
     """
     contact = contact_of(loop, controller)
     found = []
-    for i, kind in enumerate(KINDS):
+    kinds = kinds_of(loop, controller, contact)
+    for i, kind in enumerate(kinds):
         made = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, kind, 1.0))
-        path = f"controllers.{controller}.compensation.share" if kind in ("reference", "measured") else None
+        path = f"controllers.{controller}.compensation.share" if kind != "none" else None
         largest = _largest(made, path, samples)
         share = 0.0 if kind == "none" else min(1.0, largest or 0.0)
         given = {} if path is None else {path: share}
@@ -102,9 +129,9 @@ def compare(
         wide = {**samples, **{p: np.full(count, x) for p, x in given.items()}}
         own = float(reversal_errors(made, controller, {p: np.array([x]) for p, x in given.items()})[0])
         worst = float(np.nanmax(reversal_errors(made, controller, wide)))
-        found.append(Compensation(kind, share, largest, own, worst, made))
+        found.append(CompensationResult(kind, share, largest, own, worst, made))
         if tell is not None:
-            tell((i + 1) / len(KINDS))
+            tell((i + 1) / len(kinds))
     return found
 
 

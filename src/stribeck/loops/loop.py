@@ -31,6 +31,7 @@ class Loop:
         slowest: the slowest time constant of the loop while all contacts slide, s.
         held: the tables of the signals that had to be held.
         unstable: whether the loop without friction's jumps is unstable.
+        given: the machine as it was given, with signals that never rest as they are.
     """
 
     scenario: Scenario
@@ -38,6 +39,7 @@ class Loop:
     slowest: float
     held: tuple[str, ...]
     unstable: bool
+    given: Scenario | None = None
 
 
 def loop_of(scenario: Scenario) -> Loop:
@@ -50,11 +52,12 @@ def loop_of(scenario: Scenario) -> Loop:
         raise InputError(f"{scenario.name}: schema = 1: must be a machine (schema = 2) with a controller")
     if not scenario.rig.machine.controllers:
         raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")
+    given = scenario
     scenario, held = with_rest(scenario)
     assert scenario.rig is not None
     rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
     slowest, unstable = time_constant(scenario)
-    return Loop(scenario, rest, slowest, held, unstable)
+    return Loop(scenario, rest, slowest, held, unstable, given)
 
 
 def rests_at(signal: Signal) -> float:
@@ -162,7 +165,9 @@ def replaced(scenario: Scenario, controller: str, signal: dict[str, Any]) -> Sce
     table = data["controllers"][controller]
     table["signal"] = signal
     if not KINDS[signal["kind"]].smooth:
-        table.pop("feedforward", None)  # it needs a second derivative
+        table.pop("feedforward", None)  # it needs a second derivative, as lead does
+        if table.get("compensation"):
+            table["compensation"].pop("lead", None)
     return Scenario(data, folder=scenario.folder, trust=True)
 
 

@@ -11,7 +11,9 @@ from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
 from stribeck.loops.loop import Loop, a_number, controller_of, replaced, resolution_of, rests_at
+from stribeck.machine.parts import ControllerPart
 from stribeck.scenario import Scenario
+from stribeck.signals import Signal
 from stribeck.simulation.ensemble import simulate_ensemble
 from stribeck.simulation.single import simulate
 
@@ -40,8 +42,9 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     rig = loop.scenario.rig
     assert rig is not None
     each = controller_of(loop.scenario, controller)
-    signal = rig.signals[each.signal]
-    end = max(loop.scenario.solve.t_end, min(rests_at(signal), 1e6))
+    signal = given_signal(loop, each)
+    last = rests_at(signal)
+    end = max(loop.scenario.solve.t_end, last) if last < np.inf else loop.scenario.solve.t_end
     t = np.linspace(0.0, end, 4001)
     r = signal.at(t)
     step = resolution_of(loop.scenario, each)
@@ -50,6 +53,13 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     fastest = float(np.quantile(rates, 0.98)) if not signal.smooth else float(rates.max())
     slow = amplitude / (10 * loop.slowest)
     return Moves(amplitude, fastest if fastest > 0.1 * slow else slow)
+
+
+def given_signal(loop: Loop, each: ControllerPart) -> Signal:
+    """A controller's signal as it was given, not as it is held: the spline that comes to rest also begins at rest."""
+    rig = (loop.given or loop.scenario).rig
+    assert rig is not None
+    return next(signal for use, signal in rig.signals.items() if use.path == each.signal.path)
 
 
 def signals_of(moves: Moves) -> dict[str, tuple[dict[str, Any], float]]:
@@ -110,8 +120,12 @@ def _of_file(loop: Loop, controller: str) -> dict[str, float | None]:
     e, t = _error(scenario, controller, solution), solution.t
     rest = t >= loop.rest
     tolerance = _tolerance(loop, controller, moves_of(loop, controller).amplitude)
+    moving = e
+    if loop.held and loop.given is not None:  # held, it would be asked for what the file does not ask
+        as_given = simulate(loop.given)
+        moving = _error(loop.given, controller, as_given)
     return {
-        **_sizes(e),
+        **_sizes(moving),
         "standstill": float(np.abs(e[t >= t[-1] - (t[-1] - loop.rest) / 4]).max(initial=0.0)),
         "settling": _settling(t[rest] - loop.rest, e[rest], tolerance),
         "tolerance": tolerance,

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from stribeck.loops.loop import Loop
-from stribeck.machine.controllers import Cascade, Pid
-from stribeck.machine.links import Link
+from stribeck.machine.controllers import Cascade, PidController
+from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import Follower, Pendulum, Ripple
 from stribeck.machine.parts import ControllerPart
 from stribeck.scenario.machine import Rig
@@ -51,7 +51,7 @@ def supplied(rig: Rig) -> list[str]:
     against += [
         f"{load.name} is a load of one's own" for load in machine.loads if load.kind not in (Follower, Pendulum, Ripple)
     ]
-    against += [f"{link.name} is a link of one's own" for link in machine.links if link.kind is not Link]
+    against += [f"{link.name} is a link of one's own" for link in machine.links if link.kind is not LinkElement]
     return against
 
 
@@ -79,11 +79,11 @@ def active(rig: Rig, each: ControllerPart) -> list[str]:
     name, against = each.name, []
     if each.sampling is not None:
         against.append(f"{name} is sampled: its output lags the motion")
-    if each.kind is Pid and rig.values[each.path, "K_i"]:
+    if each.kind is PidController and rig.values[each.path, "K_i"]:
         against.append(f"{name} has an integral (K_i)")
     elif each.kind is Cascade and "T_i" in each.form:
         against.append(f"{name} has an integral (T_i)")
-    elif each.kind not in (Pid, Cascade):
+    elif each.kind not in (PidController, Cascade):
         against.append(f"{name} is a controller of one's own")
     if "limit" in each.form:
         against.append(f"{name} has a limit, and its spring is not one beyond it")
@@ -95,9 +95,9 @@ def active(rig: Rig, each: ControllerPart) -> list[str]:
         against.append(f"{motor.name} follows with its inductance and voltage")
     if acts_on != each.measures:
         against.append(f"{name} measures {each.measures} and acts on {acts_on}")
-    gains = {"K_p": rig.values[each.path, "K_p"]} if each.kind in (Pid, Cascade) else {}
-    damping = "K_d" if each.kind is Pid else "K_v"
-    if each.kind in (Pid, Cascade):
+    gains = {"K_p": rig.values[each.path, "K_p"]} if each.kind in (PidController, Cascade) else {}
+    damping = "K_d" if each.kind is PidController else "K_v"
+    if each.kind in (PidController, Cascade):
         gains[damping] = rig.values[each.path, damping]
     against += [f"{name}: {gain} = {x:g} is not above 0" for gain, x in gains.items() if not x > 0]
     return against

@@ -17,12 +17,12 @@ from stribeck.expressions.graph import (
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import both, clip, where
 from stribeck.machine.controllers import Own
-from stribeck.machine.friction import compensation, parameters
-from stribeck.machine.parts import Body, ControllerPart, LinkPart, MotorPart, Span, made
+from stribeck.machine.friction import compensation, contact_parameters
+from stribeck.machine.parts import BodyPart, ControllerPart, LinkPart, MotorPart, Span, symbols_of
 from stribeck.signals.pieces import Reference
 
 if TYPE_CHECKING:
-    from stribeck.machine.system import Machine
+    from stribeck.machine.system import MachineSystem
 
 LAYER = 1e-7  # share of a limit over which an integral fades out, so that it slides along the limit
 T = symbol("t")
@@ -31,7 +31,7 @@ T = symbol("t")
 class Balance:
     """Every quantity of a machine by its column's name (``arm.y``, ``mesh.F``), and what follows from them."""
 
-    def __init__(self, machine: Machine, exact: bool = False, called: Names | None = None) -> None:
+    def __init__(self, machine: MachineSystem, exact: bool = False, called: Names | None = None) -> None:
         self.machine, self.exact, self.called = machine, exact, Names() if called is None else called
         self.net: dict[str, Expr] = {body.name: ZERO for body in machine.bodies}
         self.power_in = self.lost = self.stored = ZERO
@@ -65,10 +65,10 @@ class Balance:
             else:
                 self.k[f"{body.name}.y"], self.k[f"{body.name}.v"] = symbol(f"{body.name}.y"), self._speed(body)
 
-    def _speed(self, body: Body) -> Expr:
+    def _speed(self, body: BodyPart) -> Expr:
         return symbol(f"{body.name}.v") if body.driven is None else wrap(body.driven.reference(T).value)
 
-    def ratio(self, body: Body) -> Expr:
+    def ratio(self, body: BodyPart) -> Expr:
         """How far a body moves by its leader."""
         total = wrap(1.0)
         while body.leader is not None:
@@ -186,7 +186,7 @@ class Balance:
         for contact in self.machine.contacts:
             d, w, ratio = self.span(contact.span, contact.path)
             z = symbol(f"{contact.name}.z") if contact.law.has_z else ZERO
-            p = parameters(contact, d, forces, T, self.called)
+            p = contact_parameters(contact, d, forces, T, self.called)
             rate = wrap(contact.law.dz_dt(p, w, z)) if contact.law.has_z else ZERO
             F = wrap(contact.law.friction(p, w, z, rate))
             if rate.args:
@@ -194,7 +194,9 @@ class Balance:
             self.k[f"{contact.name}.z"], self.k[f"{contact.name}.w"] = z, w
             self._name(f"{contact.name}.F", F)
             self._act(contact.span, ratio, F)
-            stored = wrap(contact.law.stored_energy(contact.law.symbolic(made(contact.law_path), contact.form), z))
+            stored = wrap(
+                contact.law.stored_energy(contact.law.symbolic(symbols_of(contact.law_path), contact.form), z)
+            )
             self.stored = self.stored + stored
             self.lost = self.lost + (F * w - (derivative(stored, z) * rate if contact.law.has_z else ZERO))
             if contact.law.has_z:
@@ -255,11 +257,17 @@ def unlimited(
     if each.feedforward:
         u = u + symbol(f"{each.path}.feedforward.inertia") * r.second
     if each.compensation is not None:
-        force, rate = compensation(each.compensation, r, v, x.get("z_hat", ZERO), called, exact)
+        force, rate = compensation(each.compensation, r, v, x.get("z_hat", ZERO), called, exact, lead_of(each))
         u = u + (symbol(f"{each.path}.compensation.share") * force if each.compensation.share else force)
         if rate is not None and "z_hat" in x:
             rates["z_hat"] = rate
     return wrap(u), rates
+
+
+def lead_of(each: ControllerPart) -> Expr | None:
+    """The lag by which a controller's compensation is led."""
+    led = each.compensation is not None and each.compensation.lead
+    return symbol(f"{each.path}.compensation.lead") if led else None
 
 
 def limited(each: ControllerPart, u: Expr) -> Expr:

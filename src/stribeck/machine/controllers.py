@@ -14,7 +14,7 @@ from stribeck.signals.pieces import Reference
 Own = tuple[Value, ...]
 
 
-class Controller(Element):
+class ControllerElement(Element):
     """A controller: its unlimited output from the reference, the measured motion and its own states.
 
     A controller of one's own overrides ``output`` (and ``rates``, with ``states``). The limit, the stop of its integrals
@@ -40,7 +40,7 @@ class Controller(Element):
         return ()
 
 
-class Pid(Controller):
+class PidController(ControllerElement):
     """u = -K_p (y - r) - K_i I - K_d v, dI/dt = y - r."""
 
     kind = "pid"
@@ -66,7 +66,7 @@ class Pid(Controller):
         return (force / abs(p.K_i) if p.K_i else length,)
 
 
-class Cascade(Controller):
+class Cascade(ControllerElement):
     """Position over speed: v_r = K_p (r - y) + dr/dt, u = K_v (v_r - v) + (K_v/T_i) I, dI/dt = v_r - v."""
 
     kind = "cascade"
@@ -102,4 +102,6 @@ class Cascade(Controller):
         return () if p.T_i is None else (force * p.T_i / abs(p.K_v) if p.K_v else length,)
 
 
-KINDS: dict[str, type[Controller]] = {controller.kind: controller for controller in (Pid, Cascade)}
+KINDS: dict[str, type[ControllerElement]] = {controller.kind: controller for controller in (PidController, Cascade)}
+
+Controller = ControllerElement  # its first name, which elements of users may import

@@ -11,7 +11,7 @@ from stribeck.machine.element import Element
 Own = tuple[Value, ...]
 
 
-class Link(Element):
+class LinkElement(Element):
     """A spring and damper, with play between two flanks if ``gap`` is given.
 
     A link of one's own is derived from this class, declares its constants, and overrides ``force`` and
@@ -43,3 +43,6 @@ class Link(Element):
     def stored_energy(cls, p: SimpleNamespace, d: Value, x: Own = ()) -> Value:
         """The spring's energy, J."""
         return p.stiffness * cls.stretch(p, d) ** 2 / 2
+
+
+Link = LinkElement  # its first name, which elements of users may import

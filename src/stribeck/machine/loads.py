@@ -12,7 +12,7 @@ from stribeck.machine.element import Element, Many
 Own = tuple[Value, ...]
 
 
-class Load(Element):
+class LoadElement(Element):
     """A force on a body that depends on its motion, on a signal, or on states of its own.
 
     A load of one's own overrides ``force`` (and ``rates``, with ``states``); with ``follows_signal`` its table has a
@@ -33,7 +33,7 @@ class Load(Element):
         return 0.0 * y
 
 
-class Follower(Load):
+class Follower(LoadElement):
     """The signal is the force."""
 
     kind, follows_signal = "signal", True
@@ -44,7 +44,7 @@ class Follower(Load):
         return r
 
 
-class Pendulum(Load):
+class Pendulum(LoadElement):
     """What gravity does to an arm: -amplitude sin(y + phase)."""
 
     kind, conservative = "pendulum", True
@@ -62,7 +62,7 @@ class Pendulum(Load):
         return p.amplitude * (1 - cos(y + p.phase))
 
 
-class Ripple(Load):
+class Ripple(LoadElement):
     """A force that repeats with the position, such as a motor's cogging: sum of amplitude sin(waves y + phase)."""
 
     kind = "ripple"
@@ -84,4 +84,6 @@ def sum_of_waves(p: SimpleNamespace, at: Value) -> Value:
     return total
 
 
-KINDS: dict[str, type[Load]] = {load.kind: load for load in (Follower, Pendulum, Ripple)}
+KINDS: dict[str, type[LoadElement]] = {load.kind: load for load in (Follower, Pendulum, Ripple)}
+
+Load = LoadElement  # its first name, which elements of users may import

@@ -9,7 +9,7 @@ from stribeck.expressions.ops import Value, clip
 from stribeck.machine.element import Element
 
 
-class Motor(Element):
+class MotorElement(Element):
     """A DC motor: L di/dt = V - R i - K v, torque K i; without L the current follows at once."""
 
     kind = "motor"

@@ -18,10 +18,10 @@ from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
-from stribeck.machine.controllers import Controller
-from stribeck.machine.links import Link
-from stribeck.machine.loads import Load
-from stribeck.machine.motors import Motor
+from stribeck.machine.controllers import ControllerElement
+from stribeck.machine.links import LinkElement
+from stribeck.machine.loads import LoadElement
+from stribeck.machine.motors import MotorElement
 from stribeck.signals import Signal
 from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
 
@@ -31,7 +31,7 @@ _INPUT = Constant("", "added to the signal", default=0.0)
 Named = dict[str, Constant]
 
 
-def made(path: str) -> Any:
+def symbols_of(path: str) -> Any:
     """What makes the symbol of a constant of the table ``path``."""
     return lambda name: symbol(f"{path}.{name}")
 
@@ -66,7 +66,7 @@ class SignalUse:
 
 
 @dataclass(frozen=True)
-class Body:
+class BodyPart:
     """A body: ``leader`` where it is tied to another, ``driven`` where its velocity is given."""
 
     name: str
@@ -112,7 +112,7 @@ class LinkPart:
     """A link between two bodies."""
 
     name: str
-    kind: type[Link]
+    kind: type[LinkElement]
     form: Form
     span: Span
 
@@ -124,7 +124,7 @@ class LinkPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -174,7 +174,7 @@ class LoadPart:
     """A force on a body."""
 
     name: str
-    kind: type[Load]
+    kind: type[LoadElement]
     form: Form
     on: str
     signal: SignalUse | None = None
@@ -187,7 +187,7 @@ class LoadPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,7 @@ class MotorPart:
     form: Form
     on: str
     signal: SignalUse | None = None
-    kind: type[Motor] = Motor
+    kind: type[MotorElement] = MotorElement
 
     @property
     def path(self) -> str:
@@ -213,11 +213,11 @@ class MotorPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
-class Compensation:
+class CompensationPart:
     """Which law a controller takes the friction for, and at which speed."""
 
     law: type[Law]
@@ -225,10 +225,11 @@ class Compensation:
     path: str  # of the law's table: the contact's, or one of its own
     speed: str  # "reference" or "measured"
     share: bool = False  # whether a share of it other than the whole is given
+    lead: bool = False  # whether lead dF/dt is added, so that an inner loop that lags follows F
 
     def symbolic(self, called: Names) -> Constants:
         """The law's constants as symbols."""
-        return self.law.symbolic(made(self.path), self.form, called.term)
+        return self.law.symbolic(symbols_of(self.path), self.form, called.term)
 
     @property
     def observes(self) -> bool:
@@ -255,13 +256,13 @@ class ControllerPart:
     """A controller on a motor or a body."""
 
     name: str
-    kind: type[Controller]
+    kind: type[ControllerElement]
     form: Form
     on: str
     measures: str
     signal: SignalUse
     feedforward: bool = False
-    compensation: Compensation | None = None
+    compensation: CompensationPart | None = None
     sampling: Sampled | None = None
 
     @property
@@ -278,16 +279,16 @@ class ControllerPart:
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
-        return self.kind.symbolic(made(self.path), self.form)
+        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
-def opened(part: Any) -> Any:
+def with_inputs(part: Any) -> Any:
     """A machine, or a part of one, to whose signals something can be added from outside; not to those that multiply
     parameters, which must stay positive."""
     if isinstance(part, SignalUse):
         return part if ".factors." in part.path else replace(part, open=True)
     if isinstance(part, tuple):
-        return tuple(map(opened, part))
+        return tuple(map(with_inputs, part))
     if is_dataclass(part) and not isinstance(part, type):
-        return replace(part, **{field.name: opened(getattr(part, field.name)) for field in fields_of(part)})
+        return replace(part, **{field.name: with_inputs(getattr(part, field.name)) for field in fields_of(part)})
     return part

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from stribeck.equations import Sample
 from stribeck.expressions.graph import Expr, derivative, substitute, symbol, symbols, wrap
 from stribeck.expressions.names import Names
-from stribeck.expressions.ops import exp, floor, where
+from stribeck.expressions.ops import exp, floor, sign, where
 from stribeck.machine.parts import ControllerPart
+from stribeck.signals.pieces import Reference
 
 if TYPE_CHECKING:
-    from stribeck.machine.system import Machine
+    from stribeck.machine.system import MachineSystem
 
 # An observer whose law is not linear in z takes so many steps until it could have gone 25 times its largest deflection; it is
 # as good as steady then.
@@ -25,7 +27,7 @@ def sampled_states(each: ControllerPart) -> tuple[str, ...]:
     return ("readings", *estimator, *each.states)
 
 
-def samples_of(machine: Machine, called: Names) -> list[Sample]:
+def samples_of(machine: MachineSystem, called: Names) -> list[Sample]:
     """What each sampled controller does at its instants."""
     from stribeck.machine.balance import Balance
 
@@ -34,12 +36,10 @@ def samples_of(machine: Machine, called: Names) -> list[Sample]:
 
 
 def _sample(balance: object, each: ControllerPart, called: Names) -> Sample:
-    from stribeck.machine.balance import T, held_at_limit, limited, unlimited
+    from stribeck.machine.balance import T
 
     assert each.sampling is not None
-    m = {n: symbol(f"memory.{each.name}_{n}") for n in sampled_states(each)}
     own = f"{each.path}.sampling"
-    period = symbol(f"{own}.period")
     y = balance.k[f"{each.measures}.y"]  # type: ignore[attr-defined]
     if each.sampling.noise:
         y = y + symbol(f"{own}.noise") * symbol("noise")
@@ -47,6 +47,21 @@ def _sample(balance: object, each: ControllerPart, called: Names) -> Sample:
         count = symbol(f"{own}.resolution")
         y = floor(y / count + 0.5) * count
     called[y] = f"{each.name}_reading"
+    m = {n: symbol(f"memory.{each.name}_{n}") for n in sampled_states(each)}
+    u, after = stepped(each, y, each.signal.reference(T), m, called)
+    return Sample(each.name, u, {f"{each.name}_{n}": after[n] for n in m})
+
+
+def stepped(
+    each: ControllerPart, y: Expr, r: Reference, m: dict[str, Expr], called: Names
+) -> tuple[Expr, dict[str, Expr]]:
+    """One sample of a controller that reads ``y`` and is asked for ``r``: its output, and what it remembers after it,
+    from what it remembered (``m``). The simulation, the exports and their tests all take it from here."""
+    from stribeck.machine.balance import held_at_limit, limited, unlimited
+
+    assert each.sampling is not None
+    own = f"{each.path}.sampling"
+    period = symbol(f"{own}.period")
     first = m["readings"] <= 0
     after: dict[str, Expr] = {"readings": m["readings"] + 1}
     if each.sampling.bandwidth:
@@ -57,11 +72,12 @@ def _sample(balance: object, each: ControllerPart, called: Names) -> Sample:
         after["last"] = y
     called[v] = f"{each.name}_speed"
     x = {n: m[n] for n in each.states}
-    raw, rates = unlimited(each, each.signal.reference(T), y, v, x, called, exact=True)
+    r = replace(r, direction=sign(r.rate))  # all that a controller knows of it, and what its export has
+    raw, rates = unlimited(each, r, y, v, x, called, exact=True)
     rates = held_at_limit(each, raw, rates, x, 0.0)
     for name, rate in rates.items():
-        after[name] = x[name] + period * rate if name != "z_hat" else _step(each, rate, x[name], v, period, called)
-    return Sample(each.name, limited(each, raw), {f"{each.name}_{n}": wrap(after[n]) for n in m})
+        after[name] = x[name] + period * rate if name != "z_hat" else observed(each, rate, x[name], v, period, called)
+    return wrap(limited(each, raw)), {n: wrap(x) for n, x in after.items()}
 
 
 def _filter(y: Expr, v: Expr, reading: Expr, bandwidth: Expr, period: Expr) -> tuple[Expr, dict[str, Expr]]:
@@ -73,7 +89,7 @@ def _filter(y: Expr, v: Expr, reading: Expr, bandwidth: Expr, period: Expr) -> t
     }  # fmt: skip
 
 
-def _step(each: ControllerPart, rate: Expr, z: Expr, v: Expr, period: Expr, called: Names) -> Expr:
+def observed(each: ControllerPart, rate: Expr, z: Expr, v: Expr, period: Expr, called: Names) -> Expr:
     """An observer's deflection one period on at the speed v held: exact where its rate is linear in z."""
     slope = derivative(rate, z)
     if str(z.value) not in symbols([slope]):

@@ -12,7 +12,7 @@ from stribeck.expressions.graph import Expr
 from stribeck.expressions.names import Names
 from stribeck.machine.balance import Balance
 from stribeck.machine.parts import (
-    Body,
+    BodyPart,
     ContactPart,
     ControllerPart,
     LinkPart,
@@ -43,13 +43,14 @@ _FEEDFORWARD = Constant("kg", "force by the signal's second derivative", rotary_
 FEEDFORWARD = _FEEDFORWARD
 FACTOR, GAIN, WEIGHT = _FACTOR, _GAIN, _WEIGHT
 SHARE = Constant("", "share of the law's force that the controller adds", at_least=0)
+LEAD = Constant("s", "lag of the inner loop that the force is led by: lead dF/dt is added", above=0)
 
 
 @dataclass(frozen=True)
-class Machine(Equations):
+class MachineSystem(Equations):
     """The structure of a machine; bodies, elements, controllers and signals, each in the file's order."""
 
-    bodies: tuple[Body, ...]
+    bodies: tuple[BodyPart, ...]
     links: tuple[LinkPart, ...] = ()
     contacts: tuple[ContactPart, ...] = ()
     loads: tuple[LoadPart, ...] = ()
@@ -61,7 +62,7 @@ class Machine(Equations):
     # -- what it is made of ----------------------------------------------------------------------------------------
 
     @cached_property
-    def body(self) -> dict[str, Body]:
+    def body(self) -> dict[str, BodyPart]:
         """The bodies by name."""
         return {body.name: body for body in self.bodies}
 
@@ -73,11 +74,11 @@ class Machine(Equations):
         return False
 
     @property
-    def free(self) -> list[Body]:
+    def free(self) -> list[BodyPart]:
         """The bodies that have coordinates of their own and obey forces."""
         return [body for body in self.bodies if body.leader is None and body.driven is None]
 
-    def leader(self, name: str) -> Body:
+    def leader(self, name: str) -> BodyPart:
         """The body whose coordinate a body has."""
         body = self.body[name]
         while body.leader is not None:
@@ -130,11 +131,11 @@ class Machine(Equations):
         return (*found, *((_E_IN, _E_STORED, _E_OUT) if self.energy else ()))
 
     @staticmethod
-    def _y(body: Body) -> Column:
+    def _y(body: BodyPart) -> Column:
         return Column(f"{body.name}.y", "rad" if body.rotary else "m", "position")
 
     @staticmethod
-    def _v(body: Body) -> Column:
+    def _v(body: BodyPart) -> Column:
         return Column(f"{body.name}.v", "rad/s" if body.rotary else "m/s", "velocity")
 
     def _z(self, contact: ContactPart) -> Column:
@@ -179,8 +180,9 @@ class Machine(Equations):
             found[f"{each.path}.feedforward"] = {"inertia": _FEEDFORWARD}
         if each.compensation is not None and each.compensation.path.startswith(each.path):
             found[each.compensation.path] = each.compensation.law.numbers(each.compensation.form)
-        if each.compensation is not None and each.compensation.share:
-            found[f"{each.path}.compensation"] = {"share": SHARE}
+        if each.compensation is not None and (each.compensation.share or each.compensation.lead):
+            on = {"share": (each.compensation.share, SHARE), "lead": (each.compensation.lead, LEAD)}
+            found[f"{each.path}.compensation"] = {n: constant for n, (there, constant) in on.items() if there}
         if each.sampling is not None:
             part = each.sampling.numbers
             found[f"{each.path}.sampling"] = {n: c for n, c in _SAMPLING.items() if part[n]}

@@ -6,8 +6,9 @@ from typing import Any
 
 from stribeck.analysis.comparison import deviations
 from stribeck.paper.break_away import break_away_force
-from stribeck.paper.common import REFERENCE, Done, Variant, percent, solve_all
+from stribeck.paper.common import REFERENCE, Done, Variant, solve_all
 from stribeck.report import plots
+from stribeck.report.cells import percent
 from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.simulation import Solution

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping
-from typing import Any
 
 from stribeck import examples
+from stribeck.arrays import Array
 from stribeck.errors import StribeckError, StribeckNote
 from stribeck.report.page import Chapter
 from stribeck.scenario import Scenario
@@ -37,7 +37,7 @@ PROPOSED = tuple(PAPER)[1:]
 Done = Mapping[str, Chapter]  # the chapters before, for what they computed
 
 
-def scenario(example: str, variant: Variant, **changes: Any) -> Scenario:
+def scenario(example: str, variant: Variant, **changes: object) -> Scenario:
     """An example scenario under a law; keywords replace values, with __ for the dot: drive__signal__rate=2.0."""
     law, constants = variant
     data = Scenario.load(examples.path(example)).data
@@ -60,20 +60,15 @@ def solve(wanted: Scenario, label: str = "") -> Solution:
     return solution
 
 
-def solve_all(example: str, variants: Mapping[str, Variant] = PAPER, **changes: Any) -> dict[str, Solution]:
+def solve_all(example: str, variants: Mapping[str, Variant] = PAPER, **changes: object) -> dict[str, Solution]:
     """An example scenario under each of the laws, by label."""
     return {label: solve(scenario(example, variant, **changes), label) for label, variant in variants.items()}
 
 
-def record(solutions: Mapping[str, Solution]) -> dict[str, Any]:
+def record(solutions: Mapping[str, Solution]) -> dict[str, Array]:
     """The columns of several solutions below each other, with the law's label in the column ``law``."""
     import numpy as np
 
     names = ("t", *(column.name for column in next(iter(solutions.values())).columns))
     labels = np.repeat(list(solutions), [len(s.t) for s in solutions.values()])
     return {"law": labels, **{name: np.concatenate([s[name] for s in solutions.values()]) for name in names}}
-
-
-def percent(share: float | None) -> str:
-    """A share as a percentage with three digits."""
-    return "-" if share is None else f"{100 * share:.3g} %"

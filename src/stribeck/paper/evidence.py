@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import pi, tan
-from typing import Any
 
 import numpy as np
 
@@ -20,7 +19,7 @@ from stribeck.steepness.search import with_k_v
 from stribeck.steepness.steady import Creep
 
 _SHARE = 0.95
-Numbers = dict[str, Any]
+Numbers = Mapping[str, object]
 
 
 def chapter(done: Done) -> Chapter:
@@ -147,7 +146,7 @@ def dither() -> tuple[dict[str, dict[str, float]], FigureSvg]:
 
 def creep() -> tuple[Numbers, FigureSvg]:
     """Creep under 0.95 F_s held against k_v: from the steady state, and simulated."""
-    variants: dict[str, tuple[str, dict[str, Any]]] = {
+    variants: dict[str, tuple[str, dict[str, float | str | None]]] = {
         "lugre_sobczyk": ("lugre_sobczyk", {}),
         **{f"lugre_majorant, {word}": ("lugre_majorant", {"smooth_abs": word}) for word in ("sqrt", "atan", "compact")},
     }
@@ -174,7 +173,7 @@ def creep() -> tuple[Numbers, FigureSvg]:
     return simulated, figure
 
 
-def _held(name: str, own: Mapping[str, Any]) -> float:
+def _held(name: str, own: Mapping[str, float | str | None]) -> float:
     """The speed at the end of 100 s under 0.95 F_s, reached in 10 s."""
     run = solve(
         Scenario(

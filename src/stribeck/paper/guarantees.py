@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -35,7 +34,7 @@ def chapter(done: Done) -> Chapter:
         "docs/theory.md has the proofs; stribeck check decides for parameters of your own.",
     )
     matrix = Table(["law", *NAMES, "passive for |v| up to (m/s)"], [_row(name, v) for name, v in verdicts.items()])
-    numbers: dict[str, Any] = {
+    numbers: dict[str, object] = {
         "verdicts": {name: {n: v[n].holds for n in NAMES} for name, v in verdicts.items()},
         "largest_v_max": {name: v["passive"].evidence.get("largest_v_max") for name, v in verdicts.items()},
         "cycle": cycle,

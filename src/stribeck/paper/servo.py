@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
 
 import numpy as np
 
 from stribeck import examples
 from stribeck.analysis.lyapunov import RISE
+from stribeck.arrays import Array
 from stribeck.paper.common import Done, record, solve
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
 
-Changes = dict[str, Any]
+Changes = Mapping[str, object]
 
 _LUGRE: Changes = {"name": "lugre"}
 _MATCHED, _UNCOMPENSATED = "plant and observer lugre_sobczyk", "no compensation"
@@ -22,7 +23,7 @@ _EXAMPLE = "no compensation, the example's seal"
 _TOO_STRONG = "lugre_sobczyk, all parameters 50 % too high"
 
 
-def _observer(name: str, k_v: float = 1e6, **more: Any) -> Changes:
+def _observer(name: str, k_v: float = 1e6, **more: object) -> Changes:
     return {"name": name, "k_v": k_v, **more}
 
 
@@ -50,7 +51,7 @@ _FLOOR = {"e": 1e-16, "V": 1e-26}  # below what a double can resolve here
 _REST = 8.0  # s, how long the last rest of the moves is
 
 
-def scenario(law: Changes, observer: Changes, **changes: Any) -> Scenario:
+def scenario(law: Changes, observer: Changes, **changes: object) -> Scenario:
     """The example under a law and an observer; ``wrong`` is a factor of all that the observer knows."""
     data = Scenario.load(examples.path("servo")).data
     known = data["law"]["parameters"]
@@ -218,7 +219,7 @@ def _moving(moves: dict[str, Solution], slow: dict[str, Solution]) -> FigureSvg:
 # -- the sine --------------------------------------------------------------------------------------------------------
 
 
-def _largest(s: Solution, name: str, window: float) -> tuple[Any, Any]:
+def _largest(s: Solution, name: str, window: float) -> tuple[Array, float]:
     """The largest magnitude of a column in each stretch of so many seconds: what a logarithmic axis can show."""
     size = round(window / s.scenario.output.step)
     rows = len(s.t) // size * size
@@ -288,7 +289,7 @@ def _adapted() -> dict[str, Solution]:
     }  # fmt: skip
 
 
-def _adaptation(s: Solution) -> dict[str, Any]:
+def _adaptation(s: Solution) -> dict[str, float]:
     true = s.scenario.law.values
     period = round(5.0 / s.scenario.output.step)
     scales = {n: s.final[f"{n}_hat"] / (true[n] or 1.0) for n in ("sigma_0", "sigma_1", "sigma_2", "F_c")}

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from stribeck.analysis.comparison import deviations
-from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, scenario, solve, solve_all
+from stribeck.paper.common import PROPOSED, REFERENCE, Done, record, scenario, solve, solve_all
 from stribeck.report import plots
+from stribeck.report.cells import percent
 from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
 

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from types import SimpleNamespace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from stribeck.expressions.ops import Value
 from stribeck.laws.terms import S_0, S_1, S_2, m
 from stribeck.paper.common import STEEPNESSES, Done
 from stribeck.report import plots
@@ -25,16 +26,16 @@ def chapter(done: Done) -> Chapter:
         "The paper's smooth versions of |v| (a) and of sgn v (b). Good approximations need a large k_v; v S_0(v) lies "
         "below |v| everywhere, which is what leaves z without a bound in the first smooth law.",
         v, steep, labels, "exact: |v|, sgn v",
-        Panel("v S_0(v)", "(a) m(v) = v S_0(v)", abs, S_2, is_speed=True),
-        Panel("S_0(v)", "(b) S_0(v)", np.sign, S_0),
+        SmoothedFunction("v S_0(v)", "(a) m(v) = v S_0(v)", abs, S_2, is_speed=True),
+        SmoothedFunction("S_0(v)", "(b) S_0(v)", np.sign, S_0),
     )  # fmt: skip
     three = _beside(
         "fig03_drive_factor",
         "The factor S_1 of the proposed law (left) takes the drive of z away near rest: z stays bounded, and the contact "
         "loses its stiffness there. The majorant law keeps the factor 1 and lifts |v| instead (right).",
         v, steep, labels, "exact: 1, |v|",
-        Panel("S_1(v)", "S_1(v) = S_0(v)^2", np.ones_like, S_1),
-        Panel("m(v)", "for comparison: this project's majorant of |v|", abs, m, is_speed=True),
+        SmoothedFunction("S_1(v)", "S_1(v) = S_0(v)^2", np.ones_like, S_1),
+        SmoothedFunction("m(v)", "for comparison: this project's majorant of |v|", abs, m, is_speed=True),
     )  # fmt: skip
     off = {labels[k]: [float(1 - S_1(p, x)) for x in (1e-6, 1e-4)] for k, p in steep.items()}
     rows = [[label, *(f"{x:.2e}" for x in values)] for label, values in off.items()]
@@ -45,18 +46,24 @@ def chapter(done: Done) -> Chapter:
     return Chapter("smoothing", "The smooth functions", text, [table], [two, three], {"one_minus_S_1": off})
 
 
-class Panel(NamedTuple):
+class SmoothedFunction(NamedTuple):
     """A smooth function beside what it replaces."""
 
     name: str
     title: str
-    exact: Callable[[Any], Any]
-    smooth: Callable[[Any, Any], Any]
+    exact: Callable[[Value], Value]
+    smooth: Callable[[Value, Value], Value]
     is_speed: bool = False
 
 
 def _beside(
-    name: str, caption: str, v: Any, steep: dict[float, Any], labels: dict[float, str], exact: str, *panels: Panel
+    name: str,
+    caption: str,
+    v: Value,
+    steep: dict[float, Value],
+    labels: dict[float, str],
+    exact: str,
+    *panels: SmoothedFunction,
 ) -> FigureSvg:
     """Two panels, each with the exact function and the smooth one for every steepness."""
     factor, unit = prefixed("m/s", float(v.max()))

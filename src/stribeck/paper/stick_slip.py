@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from stribeck.analysis.comparison import deviations
 from stribeck.paper import sketches
-from stribeck.paper.common import PROPOSED, REFERENCE, Done, percent, record, solve_all
+from stribeck.paper.common import PROPOSED, REFERENCE, Done, record, solve_all
 from stribeck.report import plots
+from stribeck.report.cells import percent
 from stribeck.report.overview import curves
 from stribeck.report.page import Chapter, Table
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from stribeck import examples
 from stribeck.paper.common import Done
-from stribeck.report.advise import figure
+from stribeck.report.advise import advice_figure
 from stribeck.report.page import Chapter, Table
 from stribeck.scenario import Scenario
 from stribeck.steepness import Advice, advise
@@ -39,7 +39,7 @@ def chapter(done: Done) -> Chapter:
         "stribeck advise lugre_sobczyk --parameters canudas1995 --creep 1e-6 --steady-error 0.01 --speed 1e-4 ... answers for a "
         "machine of your own.",
     )
-    shown = figure(
+    shown = advice_figure(
         advices, "which_k_v",
         "What is tolerated (grey) against k_v, for the paper's law and the majorant law; the dots are the smallest k_v that meet "
         "it. Table 1; creep and presliding at 0.95 F_s, the position in the limit cycle of Fig. 9.",

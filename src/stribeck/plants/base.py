@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.drives.base import FORCE, Column
@@ -28,47 +29,47 @@ class Plant:
     straight: ClassVar[str] = ""  # why it cannot turn (``rotary = true``), where it cannot
 
     @staticmethod
-    def acceleration(p: Any, u: Value, F: Value, x: Own = ()) -> Value:
+    def acceleration(p: SimpleNamespace, u: Value, F: Value, x: Own = ()) -> Value:
         """dv/dt in m/s^2."""
         raise NotImplementedError
 
     @staticmethod
-    def rates(p: Any, y: Value, v: Value, u: Value, F: Value, x: Own) -> Own:
+    def rates(p: SimpleNamespace, y: Value, v: Value, u: Value, F: Value, x: Own) -> Own:
         """The time derivatives of the plant's own states."""
         return ()
 
     @staticmethod
-    def stored_energy(p: Any, y: Value, v: Value, x: Own) -> Value:
+    def stored_energy(p: SimpleNamespace, y: Value, v: Value, x: Own) -> Value:
         """Kinetic and potential energy, J."""
         raise NotImplementedError
 
     @staticmethod
-    def lost_power(p: Any, y: Value, v: Value, u: Value, x: Own) -> Value:
+    def lost_power(p: SimpleNamespace, y: Value, v: Value, u: Value, x: Own) -> Value:
         """What is dissipated beside friction, W."""
         return 0.0
 
     @staticmethod
-    def inertia(p: Any) -> Any:
+    def inertia(p: SimpleNamespace) -> Value:
         """The mass in kg that the drive moves without anything between, or None."""
         return None
 
     @staticmethod
-    def inside(p: Any, y: Value) -> Value | None:
+    def inside(p: SimpleNamespace, y: Value) -> Value | None:
         """Where the equations hold, as a condition; None: everywhere. The solver stops where they end."""
         return None
 
     @staticmethod
-    def ended(p: Any, t: float, y: float, v: float) -> str | None:
+    def ended(p: SimpleNamespace, t: float, y: float, v: float) -> str | None:
         """Why the equations ended there, in words."""
         return None
 
     @classmethod
-    def state_scales(cls, p: Any, length: float, speed: float, force: float) -> tuple[float, ...]:
+    def state_scales(cls, p: SimpleNamespace, length: float, speed: float, force: float) -> tuple[float, ...]:
         """Natural magnitudes of the plant's own states, for the default tolerances: by their units unless overridden."""
         known = {"m": length, "m/s": speed, "N": force}
         return tuple(known.get(state.unit, 1.0) for state in cls.states)
 
     @staticmethod
-    def problems(p: Any, initial: Mapping[str, float]) -> list[tuple[str, str]]:
+    def problems(p: SimpleNamespace, initial: Mapping[str, float]) -> list[tuple[str, str]]:
         """(key of [plant], text) of what is wrong with valid constants and starts taken together."""
         return []

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from types import SimpleNamespace
+from typing import ClassVar
 
 from stribeck.constants import Constant, show
 from stribeck.drives.base import Column
@@ -38,25 +39,25 @@ class Cylinder(Plant):
     }
 
     @staticmethod
-    def acceleration(p: Any, u: Value, F: Value, x: Own = ()) -> Value:
+    def acceleration(p: SimpleNamespace, u: Value, F: Value, x: Own = ()) -> Value:
         """dv/dt in m/s^2 under the chambers' pressures and the friction force F (the paper's eq. 10)."""
         p_1, p_2 = x
         return (p.area * (p_1 - p_2) - F) / p.mass
 
     @staticmethod
-    def rates(p: Any, y: Value, v: Value, u: Value, F: Value, x: Own) -> Own:
+    def rates(p: SimpleNamespace, y: Value, v: Value, u: Value, F: Value, x: Own) -> Own:
         """dp_1/dt and dp_2/dt at the valve voltage u, Pa/s; ``p.supply_droop`` where the supply is not constant."""
         p_1, p_2 = x
         q_1, q_2 = Cylinder.flows(p, p_1, p_2, u, getattr(p, "supply_droop", 0.0))
         return Cylinder.pressure_rates(p, y, v, p_1, p_2, q_1, q_2)
 
     @staticmethod
-    def inside(p: Any, y: Value) -> Value | None:
+    def inside(p: SimpleNamespace, y: Value) -> Value | None:
         """The equations end where the piston meets a cover."""
         return both(y >= 0, y <= p.stroke)
 
     @staticmethod
-    def ended(p: Any, t: float, y: float, v: float) -> str | None:
+    def ended(p: SimpleNamespace, t: float, y: float, v: float) -> str | None:
         """At which cover the piston is."""
         cover = 0.0 if v < 0 else p.stroke
         if abs(y - cover) > _AT_COVER * p.stroke:
@@ -64,12 +65,12 @@ class Cylinder(Plant):
         return f"the piston reached the end of its stroke, y = {cover:g} m, at t = {t:.6g} s with v = {v:.4g} m/s"
 
     @classmethod
-    def state_scales(cls, p: Any, length: float, speed: float, force: float) -> tuple[float, ...]:
+    def state_scales(cls, p: SimpleNamespace, length: float, speed: float, force: float) -> tuple[float, ...]:
         """The pressures that make the friction force."""
         return (force / p.area, force / p.area)
 
     @staticmethod
-    def problems(p: Any, initial: Mapping[str, float]) -> list[tuple[str, str]]:
+    def problems(p: SimpleNamespace, initial: Mapping[str, float]) -> list[tuple[str, str]]:
         """A start outside the stroke, and pressures that cannot be."""
         found = []
         for name, highest in (("y", p.stroke), ("p_1", float("inf")), ("p_2", float("inf"))):
@@ -82,7 +83,7 @@ class Cylinder(Plant):
         return found
 
     @staticmethod
-    def volumes(p: Any, y: Value) -> tuple[Value, Value]:
+    def volumes(p: SimpleNamespace, y: Value) -> tuple[Value, Value]:
         """The volumes of the chambers, m^3."""
         return p.area * y + p.dead_volume_1, p.area * (p.stroke - y) + p.dead_volume_2
 
@@ -92,7 +93,7 @@ class Cylinder(Plant):
         return atan(2 * u)
 
     @staticmethod
-    def flows(p: Any, p_1: Value, p_2: Value, u: Value, droop: Value = 0.0) -> tuple[Value, Value]:
+    def flows(p: SimpleNamespace, p_1: Value, p_2: Value, u: Value, droop: Value = 0.0) -> tuple[Value, Value]:
         """The mass flows into the chambers in kg/s; ``droop`` is what the supply loses by flow, Pa s/kg."""
         o = Cylinder.opening(u)
 
@@ -109,7 +110,7 @@ class Cylinder(Plant):
 
     @staticmethod
     def pressure_rates(
-        p: Any, y: Value, v: Value, p_1: Value, p_2: Value, q_1: Value, q_2: Value
+        p: SimpleNamespace, y: Value, v: Value, p_1: Value, p_2: Value, q_1: Value, q_2: Value
     ) -> tuple[Value, Value]:
         """dp_1/dt and dp_2/dt, Pa/s."""
         volume_1, volume_2 = Cylinder.volumes(p, y)
@@ -118,13 +119,13 @@ class Cylinder(Plant):
         return (gas * q_1 - sweep * p_1) / volume_1, (gas * q_2 + sweep * p_2) / volume_2
 
     @staticmethod
-    def unforced(p: Any, y: Value, v: Value, p_1: Value, p_2: Value) -> Value:
+    def unforced(p: SimpleNamespace, y: Value, v: Value, p_1: Value, p_2: Value) -> Value:
         """h_hat of the paper's eq. 11: the rate of p_1 - p_2 with the valve closed, Pa/s."""
         rate_1, rate_2 = Cylinder.pressure_rates(p, y, v, p_1, p_2, 0.0, 0.0)
         return rate_1 - rate_2
 
     @staticmethod
-    def voltage(p: Any, y: Value, p_1: Value, p_2: Value, u_hat: Value, u_max: Value) -> Value:
+    def voltage(p: SimpleNamespace, y: Value, p_1: Value, p_2: Value, u_hat: Value, u_max: Value) -> Value:
         """The valve voltage within +-u_max that adds u_hat (Pa/s) to the rate of p_1 - p_2, or comes nearest to it."""
         volume_1, volume_2 = Cylinder.volumes(p, y)
         gas = p.heat_ratio * p.gas_constant * p.temperature

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value
@@ -34,6 +34,6 @@ class Mass(Plant):
         return p.mass * v**2 / 2
 
     @staticmethod
-    def inertia(p: Any) -> Any:
+    def inertia(p: SimpleNamespace) -> Value:
         """The mass; None where none is given, as a drive that sets the velocity needs none."""
         return getattr(p, "mass", None)

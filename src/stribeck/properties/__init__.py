@@ -9,6 +9,8 @@ from functools import partial
 from math import inf
 from time import process_time
 
+import numpy as np
+
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, arg, needed
 from stribeck.laws.base import Law
@@ -55,7 +57,8 @@ def check(
     with needed("a proof"):
         importlib.import_module("flint")
     checked = Checked(law, v_max, work)
-    found = {name: _safely(partial(_accepted, checked, name), name) for name in NAMES}
+    with np.errstate(all="ignore"):  # samples may leave the range of floats; they prove nothing
+        found = {name: _safely(partial(_accepted, checked, name), name) for name in NAMES}
     return Verdicts(law, found, v_max, process_time() - started)
 
 
@@ -67,6 +70,9 @@ def _safely(decide: Callable[[], Verdict], name: str) -> Verdict:
     """A verdict; undecided where the equations are such that the check itself fails."""
     try:
         return decide()
+    except (OverflowError, ZeroDivisionError) as error:
+        _log.debug("numbers of '%s' leave the floats", name, exc_info=True)
+        return undecided(f"a number on the way is too large or too small for a float ({error})")
     except Exception as error:
         _log.debug("the check of '%s' failed", name, exc_info=True)
         return undecided(f"the equations cannot be treated: {type(error).__name__}: {error}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from stribeck.arrays import Array
@@ -12,6 +10,7 @@ from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.cycles import integrate
 from stribeck.properties.model import Model
+from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage
 from stribeck.properties.unique import prove as prove_unique
 from stribeck.properties.verdicts import Verdict, proved, undecided
@@ -61,7 +60,7 @@ def _passed(model: Model) -> Verdict:
     shown = max((x for x in levels if x["z_over_Z"] <= _REPLAYED), key=lambda x: x["z"])
     if farthest < _LEVELS[-1]:
         shown = _to_the_end(model, shown, farthest)
-    evidence: dict[str, Any] = {
+    evidence: dict[str, Json] = {
         "Z": z_bound, "levels": levels if farthest >= _LEVELS[-1] else [shown],
         "passes_any_level": farthest >= _LEVELS[-1],
     }  # fmt: skip

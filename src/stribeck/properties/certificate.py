@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any
 
 from stribeck.expressions.exact import tree_of
 from stribeck.expressions.graph import Expr, ordered
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.region import End
 from stribeck.properties.prover.search import Tree
 
@@ -24,7 +24,7 @@ def rational(x: Fraction | None) -> str:
     return "inf" if x is None else str(x)
 
 
-def _number(tree: Any) -> Any:
+def _number(tree: Json) -> Json:
     if isinstance(tree, tuple):
         op, *args = tree
         found = [_number(a) for a in args]
@@ -37,7 +37,7 @@ def _number(tree: Any) -> Any:
     return tree if isinstance(tree, str) else rational(Fraction(tree))
 
 
-class Writer:
+class PrefixWriter:
     """Expressions as prefix lists, with the numbers of a law in place of its constants; shared parts get a name.
 
     Args:
@@ -47,9 +47,9 @@ class Writer:
 
     def __init__(self, values: Mapping[str, Fraction], shared: Iterable[Expr] = ()) -> None:
         self.values = values
-        self.definitions: list[list[Any]] = []
+        self.definitions: list[list[Json]] = []
         self._names: dict[Expr, str] = {}
-        self._written: dict[Expr, Any] = {}
+        self._written: dict[Expr, Json] = {}
         outputs = list(shared)
         uses: dict[Expr, int] = {}
         for node in ordered(outputs):
@@ -61,7 +61,7 @@ class Writer:
                 self._names[node] = f"n{len(self.definitions)}"
                 self.definitions.append([self._names[node], text])
 
-    def write(self, node: Expr) -> Any:
+    def write(self, node: Expr) -> Json:
         """The expression; what occurs twice is one list."""
         if node in self._names:
             return self._names[node]
@@ -69,7 +69,7 @@ class Writer:
             self._written[node] = self._text(node)
         return self._written[node]
 
-    def _text(self, node: Expr) -> Any:
+    def _text(self, node: Expr) -> Json:
         if node.op == "symbol":
             name = str(node.value)
             return rational(self.values[name]) if name in self.values else name
@@ -89,11 +89,11 @@ class Claim:
     z: int
     ranges: Mapping[str, tuple[Fraction, End]]
     tree: Tree
-    extra: Mapping[str, Any] = field(default_factory=dict)
+    extra: Mapping[str, Json] = field(default_factory=dict)
 
-    def to_json(self, writer: Writer) -> dict[str, Any]:
+    def to_json(self, writer: PrefixWriter) -> dict[str, Json]:
         """Plain data."""
-        data: dict[str, Any] = {"about": self.about, "v": self.v, "z": self.z}
+        data: dict[str, Json] = {"about": self.about, "v": self.v, "z": self.z}
         for name, x in self.extra.items():
             data[name] = _plain(x, writer)
         data["relation"] = self.relation
@@ -102,7 +102,7 @@ class Claim:
         return data
 
 
-def _plain(x: Any, writer: Writer) -> Any:
+def _plain(x: Json, writer: PrefixWriter) -> Json:
     if isinstance(x, Expr):
         return writer.write(x)
     if isinstance(x, Fraction):
@@ -110,7 +110,7 @@ def _plain(x: Any, writer: Writer) -> Any:
     return [_plain(a, writer) for a in x] if isinstance(x, list | tuple) else x
 
 
-def _tree(tree: Tree, writer: Writer) -> Any:
+def _tree(tree: Tree, writer: PrefixWriter) -> Json:
     if tree[0] == "leaf":
         return ["leaf", [[writer.write(node), *(_plain(x, writer) for x in rule)] for node, rule in tree[1]]]
     return [_tree(part, writer) if isinstance(part, list) else part for part in tree]
@@ -123,7 +123,7 @@ class Certificate:
     prop: str
     theorem: str
     claims: list[Claim]
-    data: Mapping[str, Any] = field(default_factory=dict)
+    data: Mapping[str, Json] = field(default_factory=dict)
     hypotheses: Mapping[str, Certificate] = field(default_factory=dict)
 
     @property
@@ -131,11 +131,11 @@ class Certificate:
         """How many parts of the domain were treated."""
         return sum(_leaves(claim.tree) for claim in self.claims) + sum(c.leaves for c in self.hypotheses.values())
 
-    def to_json(self, model: Any) -> dict[str, Any]:
+    def to_json(self, model: Json) -> dict[str, Json]:
         """Plain data."""
         law = model.law
-        shared = Writer(model.values, [model.rate, model.force])
-        plain = Writer(model.values)
+        shared = PrefixWriter(model.values, [model.rate, model.force])
+        plain = PrefixWriter(model.values)
         return {
             "format": FORMAT,
             "law": law.name,

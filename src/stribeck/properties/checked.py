@@ -9,10 +9,10 @@ from stribeck.properties import bounded, drift, passive, smooth, unique
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import Model, Unreadable
-from stribeck.properties.prover.search import Work
+from stribeck.properties.prover.search import Budget
 from stribeck.properties.verdicts import Verdict, undecided
 
-SHARES = {"bounded": 0.2, "unique": 0.25, "smooth": 0.1, "passive": 0.6, "drift_free": 0.1}
+SHARES = {"bounded": 0.2, "unique": 0.25, "smooth": 0.1, "passive": 0.65, "drift_free": 0.1}
 
 
 class Checked:
@@ -28,7 +28,7 @@ class Checked:
 
     def claims(self, name: str) -> ClaimProver:
         """A prover with its share of the work."""
-        return ClaimProver(self.model, Work(SHARES[name] * self.work))
+        return ClaimProver(self.model, Budget(SHARES[name] * self.work))
 
     @cached_property
     def _bounded(self) -> tuple[Verdict, Certificate | None]:

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from fractions import Fraction
-from typing import Any
 
 from stribeck.expressions.graph import Expr, derivative, substitute, symbol
 from stribeck.expressions.ops import exp
 from stribeck.properties.certificate import Claim
 from stribeck.properties.model import SIGNS, Model, U, V, W, Z
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.region import ExactRange
-from stribeck.properties.prover.search import Work
+from stribeck.properties.prover.search import Budget
 
 Ranges = Mapping[str, ExactRange]
 NULL = Fraction(0)
@@ -22,11 +23,21 @@ _QUADRANT: Ranges = {"u": (NULL, None), "w": (NULL, None)}
 class ClaimProver:
     """Builds the expressions of claims and proves them."""
 
-    def __init__(self, model: Model, work: Work) -> None:
+    def __init__(self, model: Model, work: Budget) -> None:
         self.model, self.work = model, work
 
-    def _shown(self, expr: Expr, relation: str, ranges: Ranges, closed: bool = False, cones: bool = False) -> Any:
+    def _shown(self, expr: Expr, relation: str, ranges: Ranges, closed: bool = False, cones: bool = False) -> Json:
         return self.model.prover.show(expr, relation, ranges, self.work, closed, cones)
+
+    @contextmanager
+    def at_most(self, amount: float) -> Iterator[None]:
+        """So much of the work, and no more, for what is proved within."""
+        whole, self.work = self.work, self.work.part(amount)
+        try:
+            yield
+        finally:
+            whole.add(self.work)
+            self.work = whole
 
     def number(self, x: Fraction) -> Expr:
         """An exact number as a symbol."""
@@ -38,7 +49,7 @@ class ClaimProver:
 
     def _claim(
         self, about: str, relation: str, sides: tuple[int, int], ranges: Ranges, expr: Expr, closed: bool = False,
-        **extra: Any,
+        **extra: Json,
     ) -> Claim | None:  # fmt: skip
         kept = {n: r for n, r in ranges.items() if (n == "u" and sides[0]) or (n == "w" and sides[1])}
         tree = self._shown(expr, relation, kept, closed, about in ("power", "elastic"))
@@ -70,7 +81,7 @@ class ClaimProver:
             for t in SIGNS
         )
 
-    def lipschitz(self, sides: tuple[int, int], w: ExactRange, growth: Mapping[str, Any], sign: int) -> Claim | None:
+    def lipschitz(self, sides: tuple[int, int], w: ExactRange, growth: Mapping[str, Json], sign: int) -> Claim | None:
         """sign d(dz/dt)/dw <= (a + b u^k)(1 + (w/l)^m)."""
         a, b, length = (self.number(growth[n]) for n in "abl")
         most = (a + b * U ** growth["k"]) * (1 + (W / length) ** growth["m"])
@@ -83,7 +94,7 @@ class ClaimProver:
             "lipschitz", ">=0", sides, {"u": (NULL, None), "w": w}, most - slope * sign, sign=sign, **growth
         )
 
-    def grows(self, sides: tuple[int, int], growth: Mapping[str, Any]) -> Claim | None:
+    def grows(self, sides: tuple[int, int], growth: Mapping[str, Json]) -> Claim | None:
         """sgn(z) dz/dt <= (a + b u^k)(w + l)."""
         a, b, length = (self.number(growth[n]) for n in "abl")
         u = U if sides[0] else symbol("rest")
@@ -94,7 +105,7 @@ class ClaimProver:
             most - self.model.form(*sides) * sides[1], **extra,
         )  # fmt: skip
 
-    def finite(self, v_side: int, growth: Mapping[str, Any], sign: int) -> Claim | None:
+    def finite(self, v_side: int, growth: Mapping[str, Json], sign: int) -> Claim | None:
         """sign dz/dt <= a + b u^k at z = 0."""
         a, b = (self.number(growth[n]) for n in "ab")
         u = U if v_side else symbol("rest")
@@ -137,13 +148,13 @@ class ClaimProver:
         k, above, least = (self.number(data[n]) for n in ("k", "above", "N"))
         u = U if s else symbol("rest")
         most = k * (u + above) * W - least * self._decay(s, t) * t
-        numbers: dict[str, Any] = {n: data[n] for n in ("k", "above", "N")}
+        numbers: dict[str, Json] = {n: data[n] for n in ("k", "above", "N")}
         return self._claim("excess", ">=0", (s, t), _QUADRANT, most, **numbers)
 
     def _decay(self, s: int, t: int) -> Expr:
         return self.model.form_of(V - self.model.rate, s, t)
 
-    def identity(self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Any) -> Claim | None:
+    def identity(self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Json) -> Claim | None:
         """a = b, in what is left of u and w."""
         kept = {n: r for n, r in ranges.items() if str(n) in _names(a, b)}
         tree = self._shown(a - b, "=0", kept)

@@ -10,13 +10,13 @@ import sys
 from collections.abc import Mapping
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
 
 from stribeck.errors import InputError
 from stribeck.expressions import ops
 from stribeck.expressions.coq import GOAL_HEADER, coq_goal
 from stribeck.expressions.graph import Expr, rewrite, substitute, symbol, wrap
 from stribeck.properties.model import RATE, SIGNS, U, V, W, Z, positive
+from stribeck.properties.plain import Json
 
 _BINARY = {
     "add": lambda a, b: a + b, "sub": lambda a, b: a - b, "mul": lambda a, b: a * b, "div": lambda a, b: a / b,
@@ -24,7 +24,7 @@ _BINARY = {
 }  # fmt: skip
 
 
-def goals(certificate: Mapping[str, Any], slowest: Fraction, fastest: Fraction) -> str:
+def goals(certificate: Mapping[str, Json], slowest: Fraction, fastest: Fraction) -> str:
     """Lemmas that F v - S' dz/dt > 0 for slowest <= |v| <= fastest and |z| <= Z, in all four quadrants.
 
     They speak of the equations and the slope of the storage function that the certificate states, and of nothing else.
@@ -55,7 +55,7 @@ def goals(certificate: Mapping[str, Any], slowest: Fraction, fastest: Fraction) 
     return GOAL_HEADER + "\n".join(found)
 
 
-def _read(data: Any, known: Mapping[str, Expr], numbers: dict[str, Fraction]) -> Expr:
+def _read(data: Json, known: Mapping[str, Expr], numbers: dict[str, Fraction]) -> Expr:
     """An expression of a certificate; its numbers become symbols with exact values."""
     if isinstance(data, str):
         if data[:1].isdigit() or data[:1] == "-":

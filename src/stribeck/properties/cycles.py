@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.laws.base import Law
 from stribeck.properties import replay
+from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, own_speeds
 
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(10)
@@ -39,7 +39,7 @@ class Cycle:
         """How long it takes, s."""
         return sum(self.durations)
 
-    def evidence(self) -> dict[str, Any]:
+    def evidence(self) -> dict[str, Json]:
         """Numbers for people."""
         return {
             "energy_drawn": self.drawn, "time": self.time, "z_start": self.start,
@@ -202,7 +202,7 @@ def _closed(law: Law, up: float, down: float, low: float, high: float) -> Cycle:
     return Cycle(start, speeds, turns, durations, energies)
 
 
-def scenario(law: Law, cycle: Cycle) -> dict[str, Any] | None:
+def scenario(law: Law, cycle: Cycle) -> dict[str, Json] | None:
     """The cycle as a scenario: E_in at its end is minus the energy drawn."""
     drive, end = replay.velocity_drive(cycle.speeds, cycle.durations)
     plant = {"initial": {"z": cycle.start}} if cycle.start else {}

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import chain
-from typing import Any
 
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import ClaimProver, every
 from stribeck.properties.model import SIGNS, Model
+from stribeck.properties.plain import Json
 
 METHOD = (
     "sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 N, where dz/dt = v - q z with 0 <= N q <= sigma_0 (|v| + m(0)): the power lost is "
@@ -48,7 +48,7 @@ def prove(model: Model, claims: ClaimProver) -> Certificate | None:
         return None
     k, sigma_1, sigma_2, v_d = (model.values[f"c_{n}"] for n in _NEEDED[:4])
     least, above = min(model.values["c_F_c"], model.values["c_F_s"]), excess(model.law)
-    data: dict[str, Any] = {"k": k, "s": sigma_1, "d": v_d, "c": sigma_2, "N": least, "above": above}
+    data: dict[str, Json] = {"k": k, "s": sigma_1, "d": v_d, "c": sigma_2, "N": least, "above": above}
     sides = [(s, t) for t in SIGNS for s in (0, *SIGNS)]
     if not all(claims.force_form(s, t, data) for s in (0, *SIGNS) for t in (0, *SIGNS)):
         return None

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +13,8 @@ from stribeck.properties import replay
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
-from stribeck.properties.prover.search import Work
+from stribeck.properties.plain import Json
+from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import own_speeds
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
@@ -71,7 +71,7 @@ def _departs(model: Model) -> dict[str, float] | None:
                     form = model.form(s, t) - (U * s if s else wrap(0.0))
                     ranges = {"u": (exact, exact)} if s else {}
                     top = Fraction(length * share)
-                    if prover.show(form, "!=0", {**ranges, "w": (NULL, top)}, Work(_WORK)) is not None:
+                    if prover.show(form, "!=0", {**ranges, "w": (NULL, top)}, Budget(_WORK)) is not None:
                         return {"v": s * speed, "z_from": 0.0, "z_to": t * float(top)}
     return None
 
@@ -82,7 +82,7 @@ def _shown(law: Law, apart: dict[str, float]) -> Verdict:
     slow = own_speeds(law)[0]
     best: Verdict | None = None
     for speed in (_SLOW * getattr(law.p, "v_s", law.scales(law.p).speed), slow, slow / 10):
-        found = _moved_at(law, speed)
+        found = _moved_at(law, speed) if speed > 0 else None
         if found is None:
             break
         evidence, tables = found
@@ -96,7 +96,7 @@ def _shown(law: Law, apart: dict[str, float]) -> Verdict:
     return Verdict(False, _MOVED, {"not_elastic": apart})
 
 
-def _moved_at(law: Law, speed: float) -> tuple[dict[str, Any], dict[str, Any]] | None:
+def _moved_at(law: Law, speed: float) -> tuple[dict[str, Json], dict[str, Json]] | None:
     scales = law.scales(law.p)
     own = getattr(law.p, "z_ba", None)
     stiffness = abs(float(law.force(0.0, 1e-6 * scales.length))) / (1e-6 * scales.length)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -12,7 +11,8 @@ from stribeck.expressions.ranges import Box, Range
 from stribeck.properties import cycles, replay
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U
-from stribeck.properties.prover.search import Work
+from stribeck.properties.plain import Json
+from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import Storage, own_speeds
 from stribeck.properties.verdicts import Verdict
 
@@ -88,10 +88,10 @@ def unwinding(
         (f * -t, ">0"),
         (claims.number(most) * U + f * t, ">=0"),
     )
-    work = Work(_WORK)
+    work = Budget(_WORK)
     if any(model.prover.show(wrap(e), relation, ranges, work) is None for e, relation in claims_made):
         return None
-    evidence: dict[str, Any] = {
+    evidence: dict[str, Json] = {
         "z_start": t * top, "z_end": t * float(w[0]), "v_sign": s,
         "enclosed": {"u": fast, "c": float(c), "C": float(most)},
     }  # fmt: skip

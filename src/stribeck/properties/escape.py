@@ -10,7 +10,7 @@ from stribeck.expressions.graph import wrap
 from stribeck.expressions.ranges import Box
 from stribeck.properties import replay
 from stribeck.properties.model import SIGNS, Model, W
-from stribeck.properties.prover.search import Work
+from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import own_speeds
 from stribeck.properties.verdicts import Verdict
 
@@ -56,7 +56,7 @@ def _shown(model: Model, v: float, t: int, start: float, power: int, least: floa
     statement = wrap(model.form(s, t) * t - symbol(name) * W**power)
     exact = abs(Fraction(v))
     ranges = {"u": (exact, exact), "w": (Fraction(start), None)}
-    if model.prover.show(statement, ">=0", ranges, Work(_WORK)) is None:
+    if model.prover.show(statement, ">=0", ranges, Budget(_WORK)) is None:
         return None
     time = start ** (1 - power) / (float(c) * (power - 1))
     evidence = {

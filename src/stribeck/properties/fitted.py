@@ -41,14 +41,16 @@ def serves(storage: Storage, own: Slope, top: float) -> NDArray[np.bool_]:
 
 
 def fit(storage: Storage, own: Slope, top: float) -> Fitted | None:
-    """A storage function's slopes between L and U as sampled; None where the elastic force does not serve near z = 0."""
+    """A storage function's slopes between L and U as sampled; None where the elastic force does not serve near z = 0, or
+    no float holds a slope."""
     served = serves(storage, own, top)
     if not served[0] or served.all():
         return None
     z = top * _dense()
     start = float(z[max(int(served.argmin()) - 1, 0)]) * 0.99
     parts = [_slopes(storage, own, np.sort(side * np.linspace(start, top, _CELLS + 1))) for side in (1, -1)]
-    return Fitted(start, *(np.concatenate(x) for x in zip(*parts, strict=True)))
+    found = Fitted(start, *(np.concatenate(x) for x in zip(*parts, strict=True)))
+    return found if np.all(np.isfinite([found.low, found.high, found.slope])) else None
 
 
 def _dense() -> Array:

@@ -11,7 +11,6 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice
 from time import process_time
-from typing import Any
 
 from stribeck import laws
 from stribeck.constants import show
@@ -23,7 +22,8 @@ from stribeck.properties.certificate import Certificate
 from stribeck.properties.checked import SHARES, Checked
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import SIGNS, Model, Unreadable
-from stribeck.properties.prover.search import Work
+from stribeck.properties.plain import Json
+from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import own_speeds
 from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
 from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
@@ -83,7 +83,7 @@ class LevelVerdicts(Verdicts):
             verdict.verified = covers and not verify(stated, self.proofs[name], name, self.v_max)
         return all(verdict.verified is not False for verdict in self.properties.values())
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Json]:
         """As for a law, with the ranges under ``level``."""
         return {**super().to_json(), "level": self.level}
 
@@ -187,7 +187,7 @@ class _Decided:
                 "the level has no upper end, and z no bound that holds at all of them" if self.known else _UNKNOWN
             )
         model = Model(law)
-        certificate = bounded.prove(model, ClaimProver(model, Work(SHARES["bounded"] * self.work)))
+        certificate = bounded.prove(model, ClaimProver(model, Budget(SHARES["bounded"] * self.work)))
         if certificate is None:
             return undecided("no proof was found at the highest level")
         return self._with_level("bounded", proved(model, certificate, _BOUNDED, {"Z": float(model.bound[1])}), law)
@@ -218,7 +218,7 @@ class _Decided:
 
     def _proved(self, law: Law, any_z: bool) -> Verdict | None:
         model = Model(law, self.v_max)
-        claims = ClaimProver(model, Work(0.5 * SHARES["passive"] * self.work))
+        claims = ClaimProver(model, Budget(0.5 * SHARES["passive"] * self.work))
         within = None if any_z else bounded.prove(model, claims)
         if within is None and not any_z:
             return None
@@ -235,12 +235,12 @@ class _Decided:
 
     def _damped(self, law: Law) -> Verdict | None:
         model = Model(law)
-        certificate = damped.prove(model, ClaimProver(model, Work(0.5 * SHARES["passive"] * self.work)))
+        certificate = damped.prove(model, ClaimProver(model, Budget(0.5 * SHARES["passive"] * self.work)))
         if certificate is None:
             return None
         return proved(model, certificate, _DAMPED, {"z_within": None, **self._theorem(True)})
 
-    def _theorem(self, any_z: bool) -> dict[str, Any]:
+    def _theorem(self, any_z: bool) -> dict[str, Json]:
         """The theorem of proofs/Level.v that says the same for every set of constants."""
         law, varying = self.varied.law, {n for n, (a, b) in self.varied.ranges.items() if a != b}
         proved_there = ("lugre", "elastoplastic", *MAJORANT)
@@ -282,7 +282,7 @@ class _Decided:
     def _dropped(self, low: Law, high: Law) -> Verdict | None:
         """At the lowest level, from the highest deflection, unwinding gives back the more energy the faster it is."""
         model, top = Model(low), float(high.z_bound(high.p)) * (1 - 2**-52)
-        claims = ClaimProver(model, Work(0.2 * self.work))
+        claims = ClaimProver(model, Budget(0.2 * self.work))
         for share in _DROPS:
             found = endless.unwinding(model, claims, (1, 1), own_speeds(low)[-1] * 100 / share, top, share)
             if found is not None:

@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
-from stribeck.properties.storage import Storage, own_speeds, reach_of
+from stribeck.properties.storage import Storage, own_speeds, reach_of, require_storage
 
 _FACTORS = (1.1, 2.0, 10.0, 1e2, 1e4, 1e6)
 _SPEEDS = (1e-6, 1e6)  # of the law's own: where v_d is looked for
@@ -46,7 +46,11 @@ def margins(law: Law, v_max: float | None = None, bounded: bool | None = None) -
         law: a law with z.
         v_max: passivity is asked for \\|v\\| <= v_max, m/s.
         bounded: whether z has its bound; what the law claims unless given.
+
+    Raises:
+        InputError: a law without z, or v_max is no positive number.
     """
+    require_storage(law, v_max)
     reached = law.guarantees()["bounded"] if bounded is None else bounded
 
     def passes(name: str, value: float) -> bool | None:

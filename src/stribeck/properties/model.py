@@ -76,7 +76,9 @@ class Model:
 
         low, high = Box(self.inputs)(self._bound)
         if not 0 < low <= high < math.inf:
-            raise Unreadable(f"z_bound of the law is not a positive number: {low:g}")
+            beyond = low >= 0 and high > 0 and self._bound is not ZERO
+            what = "is beyond what floats hold" if beyond else "is not a positive number"
+            raise Unreadable(f"z_bound of the law {what}: it lies between {low:g} and {high:g} m")
         try:
             found = Leaf(self.ring, Region((), ()), Rules(), self.inputs).convert(self._bound)
         except Unclear:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
@@ -17,9 +16,11 @@ from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.endless import steady_gain, without_limit
 from stribeck.properties.model import RATE, SIGNS, Model, U, V, W, Z, depends, divided
+from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, largest_speed
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
+_PATIENCE = 3  # times its share of the work, after which a cell is given up, and with it the fit
 _OWN = (
     "the power lost, F v - S' dz/dt, is nowhere negative (signs of polynomials), with the elastic energy as storage S"
 )
@@ -171,13 +172,15 @@ def _with_cells(
     if shown is None:
         return None
     table = []
+    most = _PATIENCE * claims.work.left / len(cells.slope)
     for low, high, value in zip(cells.low, cells.high, cells.slope, strict=True):
         side = 1 if high > 0 else -1
         ends = sorted(abs(Fraction(float(x))) for x in (low, high))
         if abs(float(ends[1]) - float(reach)) <= 1e-12 * float(reach):
             ends[1] = reach
         number = claims.number(Fraction(float(value)))
-        part = claims.power(number, u, (ends[0], ends[1]), (side,))
+        with claims.at_most(most):
+            part = claims.power(number, u, (ends[0], ends[1]), (side,))
         if part is None:
             return None
         shown += part
@@ -210,7 +213,7 @@ def _by_cycle(model: Model, storage: Storage, cycle: cycles.Cycle) -> Verdict | 
     bounds = enclosed.programme(model, cycle.start, cycle.speeds, cycle.turns)
     if bounds is None or not bounds[1] < 0:
         return None
-    evidence: dict[str, Any] = {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}}
+    evidence: dict[str, Json] = {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}}
     tables = cycles.scenario(storage.law, cycle)
     solution = replay.run(tables)
     span = max(*cycle.turns, cycle.start) - min(*cycle.turns, cycle.start)

@@ -5,20 +5,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from time import process_time
-from typing import Any
 
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.graph import wrap
 from stribeck.laws.base import Law
-from stribeck.machine.links import Link
+from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import Pendulum
 from stribeck.plants import Mass
 from stribeck.properties import WORK, check
 from stribeck.properties.claims import NULL
 from stribeck.properties.level import check_varied
 from stribeck.properties.model import SIGNS, Model
-from stribeck.properties.prover.search import Work
+from stribeck.properties.plain import Json
+from stribeck.properties.prover.search import Budget
 from stribeck.properties.ranges import of_contact
 from stribeck.properties.verdicts import Verdict, Verdicts, undecided
 from stribeck.properties.worst import Varied
@@ -68,11 +68,11 @@ class MachineVerdicts:
         found = [verdicts.verify() for verdicts in self.contacts.values()]  # every one, also after one that fails
         return all(found)
 
-    def certificates(self) -> dict[str, Any]:
+    def certificates(self) -> dict[str, Json]:
         """The certificates of all contacts, as plain data."""
         return {"contacts": {name: verdicts.certificates() for name, verdicts in self.contacts.items()}}
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Json]:
         """Plain data."""
         machine = {
             "passive": self.passive, "why": self.why, "spoiled_by": self.spoiled_by, "undecided": self.undecided,
@@ -85,7 +85,7 @@ class MachineVerdicts:
 
 
 def check_machine(
-    scenario: Any, v_max: float | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
+    scenario: Json, v_max: float | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
     work: float = WORK,
 ) -> MachineVerdicts:  # fmt: skip
     """Each contact of a machine, for every history of its constants that the file allows, and what follows for the whole.
@@ -137,7 +137,7 @@ def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
         raise InputError(problems)
 
 
-def _names(parts: Any) -> list[str]:
+def _names(parts: Json) -> list[str]:
     return [part.name for part in parts]
 
 
@@ -163,7 +163,7 @@ def static_passive(varied: Varied) -> Verdict:
         made = varied.at(each) if each else law
         cls = type(f"_{law.name}", (type(made),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
         model = Model(cls({**made.machine, **made.values, **made.choices}, made.rotary))
-        work = Work(_WORK)
+        work = Budget(_WORK)
         for s in SIGNS:
             power = model.form_of(model.power_force, s, 1) * s
             if model.prover.show(power, ">=0", {"u": (NULL, None)}, work) is None:
@@ -190,7 +190,7 @@ def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
     found.ports |= {x.path: f"a force on {x.on} ({x.kind.kind})" for x in machine.loads if x.kind is not Pendulum}
     found.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}
     found.ports |= {x.path: f"a controller on {x.on}: active" for x in machine.controllers}
-    found.undecided += [x.path for x in machine.links if x.kind is not Link]
+    found.undecided += [x.path for x in machine.links if x.kind is not LinkElement]
     bodies = {(c.span.start, c.span.end) for c in machine.contacts}
     alone = len(machine.bodies) == 1 and len(machine.contacts) == 1 == len(bodies) and not machine.links
     _judge(found, alone and not found.ranges[machine.contacts[0].name])

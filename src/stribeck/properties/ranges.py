@@ -9,13 +9,13 @@ from math import comb
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.machine.links import Link
+from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import Follower, Pendulum, Ripple
 from stribeck.machine.parts import ContactPart, Factor, Level, MotorPart
 from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.worst import Varied
 from stribeck.scenario.machine import Rig
-from stribeck.signals import Curve, Points, Signal, Sine
+from stribeck.signals import Curve, PointsSignal, Signal, SineSignal
 
 Ends = tuple[Fraction | None, Fraction | None]  # None: without end
 _SLACK = Fraction(1, 2**49)  # of a piece's size: more than its rounding
@@ -25,13 +25,13 @@ OPEN: Ends = (None, None)
 
 def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
     """Bounds of a signal on [0, t_end]: exact for straight pieces and sines (a whole wave), Bernstein's for curves."""
-    if isinstance(signal, Sine):
+    if isinstance(signal, SineSignal):
         middle, size = (Fraction(signal.values[n]) for n in ("offset", "amplitude"))
         return middle - abs(size), middle + abs(size)
     if isinstance(signal, Curve):
         found = [_of_curve(piece, end) for piece, end in _curve_pieces(signal, t_end)]
         return min(low for low, _ in found), max(high for _, high in found)
-    if isinstance(signal, Points):
+    if isinstance(signal, PointsSignal):
         return _of_points(np.asarray(signal.t, float), np.asarray(signal.value, float), t_end)
     s = signal.segments
     first = max(int(np.searchsorted(s.start, 0.0, side="right")) - 1, 0)
@@ -90,7 +90,11 @@ def of_force(rig: Rig, name: str, t_end: float, stated: Mapping[str, float]) -> 
             return -size, size
     for link in machine.links:
         if link.name == name:
-            still = link.kind is Link and not values[link.path, "stiffness"] and not values.get((link.path, "damping"))
+            still = (
+                link.kind is LinkElement
+                and not values[link.path, "stiffness"]
+                and not values.get((link.path, "damping"))
+            )
             return (Fraction(0), Fraction(0)) if still else OPEN
     for motor in machine.motors:
         if motor.name == name:

@@ -6,11 +6,11 @@ import sys
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from stribeck import laws
 from stribeck.errors import InputError, StribeckNote
 from stribeck.laws.base import PARAMETERS, Law
+from stribeck.properties.plain import Json
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 
@@ -19,7 +19,7 @@ AGREES = 1e-6
 _MOST_STEPS = 1_000_000  # a law that is wrong may vibrate without end
 
 
-def law_table(law: Law) -> dict[str, Any] | None:
+def law_table(law: Law) -> dict[str, Json] | None:
     """[law] of a scenario for this law; None for a law that no file holds."""
     cls = type(law)
     name = cls.name
@@ -35,8 +35,8 @@ def law_table(law: Law) -> dict[str, Any] | None:
 
 
 def scenario_of(
-    law: Law, name: str, drive: Mapping[str, Any], t_end: float, plant: Mapping[str, Any], energy: bool = False
-) -> dict[str, Any] | None:
+    law: Law, name: str, drive: Mapping[str, Json], t_end: float, plant: Mapping[str, Json], energy: bool = False
+) -> dict[str, Json] | None:
     """The tables of a scenario that ends in a row at t_end; None for a law that no file holds."""
     table = law_table(law)
     if table is None:
@@ -47,7 +47,7 @@ def scenario_of(
     }  # fmt: skip
 
 
-def velocity_drive(speeds: Sequence[float], durations: Sequence[float]) -> tuple[dict[str, Any], float]:
+def velocity_drive(speeds: Sequence[float], durations: Sequence[float]) -> tuple[dict[str, Json], float]:
     """A drive that holds each speed for its duration; and when it ends."""
     t, value, now = [0.0], [speeds[0]], 0.0
     for i, (speed, duration) in enumerate(zip(speeds, durations, strict=True)):
@@ -60,7 +60,7 @@ def velocity_drive(speeds: Sequence[float], durations: Sequence[float]) -> tuple
     return {"kind": "velocity", "signal": {"kind": "points", "t": t, "value": value}}, now
 
 
-def run(tables: Mapping[str, Any] | None) -> Solution | None:
+def run(tables: Mapping[str, Json] | None) -> Solution | None:
     """Simulate; None where there is no scenario, or it failed."""
     if tables is None:
         return None
@@ -68,12 +68,12 @@ def run(tables: Mapping[str, Any] | None) -> Solution | None:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", StribeckNote)
             solution = simulate(Scenario(tables))
-    except InputError:
+    except (InputError, ArithmeticError):  # constants at the ends of the floats leave nothing to simulate
         return None
     return solution if solution.status == "done" else None
 
 
-def repeats(tables: Mapping[str, Any], stated: Mapping[str, float]) -> bool:
+def repeats(tables: Mapping[str, Json], stated: Mapping[str, float]) -> bool:
     """Whether a simulation ends with the values stated, within 1e-6."""
     solution = run(tables)
     if solution is None:

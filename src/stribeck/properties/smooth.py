@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from fractions import Fraction
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -14,7 +12,9 @@ from stribeck.expressions.ranges import EVERYTHING, Box, Range
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, U, W, depends, divided
-from stribeck.properties.switching import EVERYWHERE, Joints, SwitchingSurface, switching_surfaces
+from stribeck.properties.plain import Json
+from stribeck.properties.prover.search import Budget, Spent
+from stribeck.properties.switching import Joints, SwitchingSurface, present, switching_surfaces
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
 _METHOD = (
@@ -25,6 +25,7 @@ _BROKEN = "one-sided derivatives of {} that differ, enclosed by interval arithme
 _TORN = "values of {} on the two sides of a case that differ, enclosed by interval arithmetic"
 _APART = 1e-9  # of their size: a smaller difference may be rounding in a constant, and is not called a kink
 _TINY = 1e-12
+_LOOKS, _CROSSING = 240.0, 4.0  # work that a search for kinks may do, and that of one search for a crossing
 _NAMES = ("dz/dt", "F")
 
 
@@ -36,7 +37,7 @@ def decide(model: Model, claims: ClaimProver) -> Verdict:
         shown = _smooth(model, claims, expr)
         if isinstance(shown, str):
             reason = reason or shown.format(name)
-            for verdict in _kinks(model, name, expr):
+            if (verdict := _kink(model, name, expr)) is not None:
                 return verdict
         else:
             found += shown
@@ -53,7 +54,7 @@ def _smooth(model: Model, claims: ClaimProver, expr: Expr) -> list[Claim] | str:
         form = model.form_of(expr, s, t)
         for node in ordered([form]):
             for part, relation in _delicate(model, node):
-                claim = claims.divisor((s, t), part, relation, _present(part))
+                claim = claims.divisor((s, t), part, relation, present(part))
                 if claim is None:
                     return f"a {node.op} in {{}} may be singular somewhere"
                 found.append(claim)
@@ -86,25 +87,29 @@ def _delicate(model: Model, node: Expr) -> Iterator[tuple[Expr, str]]:
         yield part, relation
 
 
-def _present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
-    return {n: r for n, r in EVERYWHERE.items() if depends(expr, {"u": U, "w": W}[n])}
-
-
 # -- kinks -------------------------------------------------------------------------------------------------------------
 
 
-def _kinks(model: Model, name: str, expr: Expr) -> Iterator[Verdict]:
-    """Points where a first derivative, or the value, certainly differs between the two sides."""
+def _kink(model: Model, name: str, expr: Expr) -> Verdict | None:
+    """A point where a first derivative, or the value, certainly differs between the two sides."""
+    try:
+        return next(_kinks(model, name, expr, Budget(_LOOKS)), None)
+    except Spent:
+        return None
+
+
+def _kinks(model: Model, name: str, expr: Expr, work: Budget) -> Iterator[Verdict]:
     scales = model.law.scales(model.law.p)
     places = [
         (a * scales.speed, b * scales.length) for a in (1.0, 0.3, 3.0, 0.01) for b in (0.5, 0.9, 0.7, 0.3, 0.97, 0.997)
     ]
     for (s, t), (speed, length) in product(product(SIGNS, SIGNS), places):
+        work.take()
         yield from _at_axis(model, name, expr, "v", t, length, speed)
         yield from _at_axis(model, name, expr, "z", s, speed, length)
         form = model.form_of(expr, s, t)
         for surface in switching_surfaces(form, (s, t)):
-            yield from _at_surface(model, name, surface, (speed, length))
+            yield from _at_surface(model, name, surface, (speed, length), work)
 
 
 def _at_axis(model: Model, name: str, expr: Expr, axis: str, side: int, other: float, own: float) -> Iterator[Verdict]:
@@ -129,11 +134,14 @@ def _at_axis(model: Model, name: str, expr: Expr, axis: str, side: int, other: f
             yield _verdict(name, f"{axis} = 0", at, by, above, below)
 
 
-def _at_surface(model: Model, name: str, surface: SwitchingSurface, guess: tuple[float, float]) -> Iterator[Verdict]:
+def _at_surface(
+    model: Model, name: str, surface: SwitchingSurface, guess: tuple[float, float], work: Budget
+) -> Iterator[Verdict]:
     difference = surface.condition.args[0] - surface.condition.args[1]
     for x, y, given in ((W, U, guess[0]), (U, W, guess[1])):
         if not depends(difference, x):
             continue
+        work.take(_CROSSING)
         place = _crossing(model, difference, x, y, given, guess[1] if x is W else guess[0])
         if place is None:
             continue
@@ -201,7 +209,7 @@ def _apart(a: Range, b: Range) -> bool:
 
 def _verdict(name: str, where: str, at: tuple[float, float], by: Expr | None, above: Range, below: Range) -> Verdict:
     what = "value" if by is None else f"derivative of {name} by {'v' if by is U else 'z'}"
-    evidence: dict[str, Any] = {
+    evidence: dict[str, Json] = {
         "of": name, "v": at[0], "z": at[1], "where": where,
         "derivative": what if by is not None else f"value of {name}",
         "from_below": 0.5 * (below[0] + below[1]), "from_above": 0.5 * (above[0] + above[1]),

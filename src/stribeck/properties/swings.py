@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from stribeck.arrays import Array
 from stribeck.laws.base import Law
 from stribeck.properties import cycles, enclosed, replay
 from stribeck.properties.model import Model
+from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, own_speeds
 
 _REPEATS = 100  # cycles in a run, at most: so many until more is drawn than winding up cost
@@ -55,7 +55,7 @@ class Swing:
                 return -(high + slack), -(low - slack)
         return None
 
-    def evidence(self) -> dict[str, Any]:
+    def evidence(self) -> dict[str, Json]:
         """Numbers for people."""
         rows = []
         for law, v, a, b in self.pieces():
@@ -66,7 +66,7 @@ class Swing:
         drawn = -(up["energy_in"] + down["energy_in"])
         return {"energy_drawn_per_cycle": drawn, "time_per_cycle": up["duration"] + down["duration"], "programme": rows}
 
-    def machine(self, nominal: Law) -> dict[str, Any] | None:
+    def machine(self, nominal: Law) -> dict[str, Json] | None:
         """A machine file: a belt whose velocity is given, and a contact whose level is. E_in falls with every cycle, and
         is below 0 at the end; None for a law that no file holds."""
         table = replay.law_table(nominal)
@@ -97,7 +97,7 @@ class Swing:
         }  # fmt: skip
 
 
-def _steps(ends: list[float], values: list[float]) -> dict[str, Any]:
+def _steps(ends: list[float], values: list[float]) -> dict[str, Json]:
     """Points of a signal that holds each value until its end."""
     t: list[float] = []
     value: list[float] = []

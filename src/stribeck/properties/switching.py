@@ -77,7 +77,7 @@ class Joints:
         for x in (W, U):
             slope = derivative(difference, x)
             if depends(difference, x) and not depends(slope, x):
-                steep = self.claims.divisor(surface.sides, slope, "!=0", _present(slope))
+                steep = self.claims.divisor(surface.sides, slope, "!=0", present(slope))
                 if steep is not None:
                     end = -substitute([difference], {x: wrap(0)})[0] / slope
                     yield self._replaced(surface, a, b, x, end, [steep], extra)
@@ -116,5 +116,6 @@ class Joints:
         return found
 
 
-def _present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
+def present(expr: Expr) -> dict[str, tuple[Fraction, Fraction | None]]:
+    """The ranges of the variables that an expression has."""
     return {n: r for n, r in EVERYWHERE.items() if depends(expr, {"u": U, "w": W}[n])}

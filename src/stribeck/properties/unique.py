@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from fractions import Fraction
-from typing import Any
 
 import numpy as np
 
+from stribeck.arrays import Array
 from stribeck.expressions.graph import derivative
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import NULL, ClaimProver, every
 from stribeck.properties.escape import escape
 from stribeck.properties.model import SIGNS, Model, W, depends
+from stribeck.properties.plain import Json
 from stribeck.properties.switching import Joints, switching_surfaces
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
@@ -36,7 +37,8 @@ def prove(
         more = _bounded_slope(claims, growth, w)
         if more is None:
             continue
-        rest = every(claims.finite(s, growth, sign) for s in (0, *SIGNS) for sign in SIGNS)
+        at_0 = {**growth, **{n: growth[n] * growth["l"] for n in "ab"}}  # m/s, where the slope's bound is in 1/s
+        rest = every(claims.finite(s, at_0, sign) for s in (0, *SIGNS) for sign in SIGNS)
         if rest is None:
             return "dz/dt at z = 0 is not shown to be finite"
         hypotheses = {}
@@ -75,12 +77,12 @@ def _continuous(model: Model, claims: ClaimProver) -> list[Claim] | str:
 
 
 def _bounded_slope(
-    claims: ClaimProver, growth: Mapping[str, Any], w: tuple[Fraction, Fraction | None]
+    claims: ClaimProver, growth: Mapping[str, Json], w: tuple[Fraction, Fraction | None]
 ) -> list[Claim] | None:
     return every(claims.lipschitz((s, t), w, growth, sign) for s in (0, *SIGNS) for t in SIGNS for sign in SIGNS)
 
 
-def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Any]]:
+def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Json]]:
     """Bounds (a + b u^k)(1 + (w/l)^m) of the derivative that sampling does not contradict, the simplest first."""
     length = model.bound[1]
     u, w, slope, size = _samples(model, within)
@@ -109,7 +111,7 @@ def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Any]]:
             yield {"a": a, "b": b, "k": k, "l": length, "m": m}
 
 
-def _samples(model: Model, within: Fraction | None) -> tuple[Any, Any, Any, Any]:
+def _samples(model: Model, within: Fraction | None) -> tuple[Array, Array, Array, Array]:
     """|d(dz/dt)/dz| and |dz/dt| on a grid of speeds and deflections."""
     from stribeck.expressions.emit import python_function
     from stribeck.properties.storage import own_speeds

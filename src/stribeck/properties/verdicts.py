@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from stribeck.laws.base import Law
 from stribeck.properties.certificate import FORMAT, Certificate
+from stribeck.properties.plain import Json
 
 NAMES = ("unique", "bounded", "smooth", "passive", "drift_free")
 
@@ -29,15 +29,15 @@ class Verdict:
 
     holds: bool | None
     method: str
-    evidence: dict[str, Any] = field(default_factory=dict)
-    scenario: dict[str, Any] | None = None
+    evidence: dict[str, Json] = field(default_factory=dict)
+    scenario: dict[str, Json] | None = None
     verified: bool | None = None
-    certificate: dict[str, Any] | None = field(default=None, repr=False)
+    certificate: dict[str, Json] | None = field(default=None, repr=False)
     stated: Mapping[str, float] = field(default_factory=dict, repr=False)
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Json]:
         """The verdict as JSON."""
-        data: dict[str, Any] = {"holds": self.holds, "method": self.method, "evidence": self.evidence}
+        data: dict[str, Json] = {"holds": self.holds, "method": self.method, "evidence": self.evidence}
         return data if self.verified is None else {**data, "verified": self.verified}
 
     def verify(self, law: Law, name: str, v_max: float | None = None) -> bool | None:
@@ -74,12 +74,12 @@ def ranges_in_words(ranges: Mapping[str, Sequence[float | None]]) -> str:
     return ", ".join(words)
 
 
-def undecided(reason: str, **evidence: Any) -> Verdict:
+def undecided(reason: str, **evidence: Json) -> Verdict:
     """Neither proved nor refuted."""
     return Verdict(None, "undecided", {"reason": reason, **evidence})
 
 
-def proved(model: Any, certificate: Certificate, method: str, evidence: Mapping[str, Any]) -> Verdict:
+def proved(model: Json, certificate: Certificate, method: str, evidence: Mapping[str, Json]) -> Verdict:
     """A proof."""
     found = {**evidence, "regions": certificate.leaves}
     return Verdict(True, method, found, certificate=certificate.to_json(model))
@@ -109,7 +109,7 @@ class Verdicts:
         ]  # every one, also after one that fails
         return False not in found
 
-    def certificates(self) -> dict[str, Any]:
+    def certificates(self) -> dict[str, Json]:
         """The certificates of all proofs, as plain data."""
         return {
             "format": FORMAT,
@@ -119,7 +119,7 @@ class Verdicts:
             },
         }
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, Json]:
         """``{"law": ..., "properties": {NAME: {"holds", "method", "evidence"}}}`` and what belongs to it."""
         return {
             "law": self.law.name,

@@ -8,13 +8,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from types import SimpleNamespace
-from typing import Any
 
 from stribeck import laws
 from stribeck.errors import InputError
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw, Claims, Law
 from stribeck.laws.terms import K_V, SMOOTH_ABS, m
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.region import ExactRange
 
 EXACT, MAJORANT = ("lugre", "elastoplastic", "lugre_arctan"), ("lugre_majorant", "elastoplastic_majorant")
@@ -125,7 +125,7 @@ class Varied:
             return None
         if name == "lugre_arctan" and not any_z:
             return None
-        values: dict[str, Any] = {n: self._worst(n) for n in ("sigma_0", "sigma_1", "sigma_2", "v_s")}
+        values: dict[str, Json] = {n: self._worst(n) for n in ("sigma_0", "sigma_1", "sigma_2", "v_s")}
         values |= {"F_c": down(low), "F_s": down(low) if any_z or high is None else max(up(high), down(low))}
         if self.law.values.get("v_d") is not None:
             values["v_d"] = self._worst("v_d")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from stribeck.files import together, write_json, write_text
 from stribeck.report import plots
@@ -12,17 +11,17 @@ from stribeck.report.page import FigureSvg
 from stribeck.steepness import Advice
 
 
-def write(advices: Mapping[str, Advice], folder: Path, summary: dict[str, Any]) -> list[str]:
+def write_advice(advices: Mapping[str, Advice], folder: Path, summary: dict[str, object]) -> list[str]:
     """Write advise.svg and, last, summary.json; the paths."""
     names = ("advise.svg", "summary.json")
     files = [str(folder / name) for name in names]
     with together(folder) as place:
-        write_text(place / names[0], figure(advices, "advise", "").svg)
+        write_text(place / names[0], advice_figure(advices, "advise", "").svg)
         write_json(place / names[1], {**summary, "files": files})
     return files
 
 
-def figure(advices: Mapping[str, Advice], name: str, caption: str) -> FigureSvg:
+def advice_figure(advices: Mapping[str, Advice], name: str, caption: str) -> FigureSvg:
     """What is tolerated against k_v, a panel for each tolerance, the chosen k_v marked."""
     first = next(iter(advices.values()))
     shown = [i for i in range(len(first.requirements)) if any(a.requirements[i].points for a in advices.values())]

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from stribeck.arrays import Array
 from stribeck.constants import rotary_words
 from stribeck.files import write_text
 from stribeck.laws.base import Law
 from stribeck.laws.render import equations
+from stribeck.report.cells import digits
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution
@@ -56,9 +57,9 @@ def result(solution: Solution) -> Chapter:
     return Chapter("result", "Result", text, tables)
 
 
-def _flat(events: Mapping[str, Any]) -> dict[str, Any]:
+def _flat(events: Mapping[str, Any]) -> dict[str, Array]:
     """What happened at all; of a machine under names such as 'mesh: slip'."""
-    found: dict[str, Any] = {}
+    found: dict[str, Array] = {}
     for name, each in events.items():
         found |= {f"{name}: {kind}": times for kind, times in each.items()} if isinstance(each, dict) else {name: each}
     return {name: times for name, times in found.items() if len(times)}
@@ -80,7 +81,7 @@ def of_laws(scenario: Scenario) -> list[Chapter]:
 def of_law(law: Law, key: str = "law", of: str = "") -> Chapter:
     """A law: its equations and its constants; ``of``: words for where it acts."""
     declared = law.constants()
-    values: dict[str, Any] = law.p.numbers | law.p.words
+    values: dict[str, object] = law.p.numbers | law.p.words
     words = rotary_words if law.rotary else str
     rows = [
         [
@@ -110,10 +111,10 @@ def of_scenario(scenario: Scenario) -> Chapter:
     return Chapter("scenario", "The scenario", ["As a file for 'stribeck run':"], code=dumps(_short(scenario.data)))
 
 
-def _short(data: Mapping[str, Any]) -> dict[str, Any]:
+def _short(data: Mapping[str, object]) -> dict[str, object]:
     """The data with long lists cut, which says so."""
 
-    def cut(value: Any) -> Any:
+    def cut(value: object) -> object:
         if isinstance(value, dict):
             return {key: cut(inner) for key, inner in value.items() if inner is not None}
         if isinstance(value, list) and len(value) > 24:
@@ -126,13 +127,3 @@ def _short(data: Mapping[str, Any]) -> dict[str, Any]:
 def plots(figures: Sequence[FigureSvg], text: Sequence[str] = ()) -> list[Chapter]:
     """A chapter of figures, where there are any."""
     return [Chapter("plots", "Plots", text, figures=figures)] if figures else []
-
-
-def digits(x: float | None) -> str:
-    """A number with six digits."""
-    return "-" if x is None or math.isnan(x) else f"{x:.6g}"
-
-
-def percent(share: float | None) -> str:
-    """A share as a percentage with three digits."""
-    return "-" if share is None else f"{100 * share:.3g} %"

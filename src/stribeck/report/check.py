@@ -30,7 +30,7 @@ _MEANING = {
 }
 
 
-def write(verdicts: Verdicts, folder: Path, data: Mapping[str, Any], command: str = "") -> list[Path]:
+def write_check(verdicts: Verdicts, folder: Path, data: Mapping[str, Any], command: str = "") -> list[Path]:
     """Write report.html, the friction curve and the replays into the folder; the paths."""
     law = verdicts.law
     curve = _curve(law)

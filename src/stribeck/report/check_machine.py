@@ -14,7 +14,7 @@ from stribeck.report.page import Chapter, Table
 from stribeck.scenario import Scenario
 
 
-def write(found: MachineVerdicts, scenario: Scenario, folder: Path, command: str = "") -> list[Path]:
+def write_machine_check(found: MachineVerdicts, scenario: Scenario, folder: Path, command: str = "") -> list[Path]:
     """Write report.html and the replays into the folder; the paths."""
     made, figures = [_whole(found)], []
     for name, verdicts in found.contacts.items():

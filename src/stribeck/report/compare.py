@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 from stribeck.analysis.comparison import Comparison, compared
 from stribeck.errors import left_out
 from stribeck.files import together, write_json
 from stribeck.report import chapters, overview
+from stribeck.report.cells import percent
 from stribeck.report.files import write_figure, write_table
 from stribeck.report.page import Chapter, FigureSvg, Table
 
 _LONGEST = 100  # characters of a label in a file's name
 
 
-def write(comparison: Comparison, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
+def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, object], command: str = "") -> list[str]:
     """Write a trajectory for each law, compare.svg, .png and .pdf, report.html and, last, summary.json with the
     deviations; the paths."""
     paths: list[Path] = []
@@ -39,7 +39,7 @@ def _page(comparison: Comparison, figure: FigureSvg, folder: Path, command: str)
     names = compared(comparison.solutions[reference].scenario)
     units = {c.name: c.unit for c in comparison.solutions[reference].columns}
     rows = [
-        [label, *(cell for n in names for cell in (f"{d[n]['max']:.4g}", chapters.percent(d[n]["max_relative"])))]
+        [label, *(cell for n in names for cell in (f"{d[n]['max']:.4g}", percent(d[n]["max_relative"])))]
         for label, d in comparison.deviations.items()
     ]
     head = ["law", *(cell for n in names for cell in (f"{n} ({units[n]})", "of its peak"))]

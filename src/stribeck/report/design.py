@@ -13,12 +13,17 @@ from stribeck.constants import DECIDED
 from stribeck.errors import left_out
 from stribeck.files import together, write_json, write_text
 from stribeck.loops import Design
-from stribeck.loops.boundary import Line
-from stribeck.loops.compensation import Compensation, with_compensation
+from stribeck.loops.boundary import PathVerdicts
+from stribeck.loops.compensation import CompensationResult, with_compensation
+from stribeck.loops.judge import Judgement
+from stribeck.loops.plane import Plane
+from stribeck.machine.parts import ControllerPart
 from stribeck.report import chapters, plots
+from stribeck.report.cells import digits
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import human
+from stribeck.scenario import Scenario
 from stribeck.scenario.moved import moved
 
 _MEANING = {
@@ -31,13 +36,16 @@ _MEANING = {
 VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
 
 
-def write(found: Design, summary: dict[str, Any], folder: Path, command: str = "") -> list[str]:
+def write_design(found: Design, summary: dict[str, object], folder: Path, command: str = "") -> list[str]:
     """Write machine.toml (with the best compensation and tuned gains, ready to run), the figures and the page, and, last,
     summary.json; the paths."""
     with together(folder) as place:
         paths = [_machine(found, place, folder)]
+        if found.excess is not None and found.excess.counterexample is not None:
+            paths.append(_excess(found.excess.counterexample, place, folder))
         with left_out("the plots and the page"):
             figures = [_line(line, i) for i, line in enumerate(found.lines)]
+            figures += [_plane(found.plane)] if found.plane is not None else []
             if found.compensations:
                 figures.append(_shares(found.compensations))
             for figure in figures:
@@ -49,7 +57,7 @@ def write(found: Design, summary: dict[str, Any], folder: Path, command: str = "
     return files
 
 
-def best(found: Design) -> Compensation | None:
+def best(found: Design) -> CompensationResult | None:
     """The compensation with the least worst error of those that stay quiet."""
     quiet = [c for c in found.compensations if c.largest_quiet_share is not None]
     return min(quiet, key=lambda c: c.worst_error) if quiet else None
@@ -71,6 +79,37 @@ def _machine(found: Design, place: Path, folder: Path) -> Path:
     return path
 
 
+def _excess(machine: Scenario, place: Path, folder: Path) -> Path:
+    """The run in which the compensation pushes, for ``stribeck run``."""
+    path = place / "overcompensated.toml"
+    head = (
+        "# Written by 'stribeck design': nothing but friction and its compensation, 5 % beyond what friction can take. Run it:\n"
+        "# let go, the body runs ever faster.\n"
+    )
+    write_text(path, head + tomli_w.dumps(moved(machine.data, machine.folder, folder)))
+    return path
+
+
+def excess_sentence(found: Design) -> str:
+    """From which share on compensation at the measured speed pushes."""
+    e = found.excess
+    assert e is not None
+    unit = _unit(found, next(c.measures for c in _controllers(found) if c.name == found.controller))
+    text = (
+        f"over-compensation: at the measured speed friction and compensation together push from share {e.worst_share:.3g} on "
+        f"with the worst friction (at {human(e.speed, unit + '/s')}), from {e.share:.3g} on with the file's"
+    )
+    if e.counterexample is None:
+        return f"{text} (steady curves; no run shows it)"
+    return f"{text}; let go there at 5 % more, the body runs up to {human(e.ends, unit + '/s')} by itself (overcompensated.toml)"
+
+
+def _controllers(found: Design) -> tuple[ControllerPart, ...]:
+    rig = found.loop.scenario.rig
+    assert rig is not None
+    return rig.machine.controllers
+
+
 def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: str) -> Path:
     scenario = found.loop.scenario
     made = [_verdict(found), _errors(found)]
@@ -81,6 +120,8 @@ def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: st
         ]  # fmt: skip
         head = ["path", "boundary", "below", "above", "lies within", "same verdicts 5 % away"]
         made.append(Chapter("boundaries", "Where the verdict changes", [], [Table(head, rows)]))
+    if found.plane is not None:
+        made.append(_map(found.plane))
     if found.compensations:
         made.append(_compensations(found))
     made += chapters.plots(figures)
@@ -99,6 +140,8 @@ def _verdict(found: Design) -> Chapter:
     ]
     if j.note:
         text.append(f"Note: {j.note}.")
+    if found.second is not None:
+        text += [f"{line.capitalize()}." for line in second_lines(found.second, _unit(found, j.body))]
     if found.tuned is not None:
         gains = ", ".join(f"{path} = {x:g}" for path, x in found.tuned.gains.items())
         text.append(
@@ -110,7 +153,7 @@ def _verdict(found: Design) -> Chapter:
 
 def _errors(found: Design) -> Chapter:
     keys = ("peak", "rms", "reversal", "standstill", "settling")
-    rows = [[move, *(_digits(row.get(key)) for key in keys)] for move, row in found.errors.items()]
+    rows = [[move, *(digits(row.get(key), count=4) for key in keys)] for move, row in found.errors.items()]
     text = [
         "Errors in the unit of the body that is measured, settling in s. 'file' is the file's own signal; the sine's "
         "reversals are those of a circle's quadrants for each of its axes."
@@ -118,13 +161,20 @@ def _errors(found: Design) -> Chapter:
     return Chapter("errors", "How well it tracks", text, [Table(["move", *keys], rows)])
 
 
-def _digits(x: float | None) -> str:
-    return "-" if x is None else f"{x:.4g}"
+def _map(p: Plane) -> Chapter:
+    """The verdicts of the grid as a table, the second number upwards."""
+    rows = [[f"{p.y[k]:.4g}", *(column[k].verdict for column in p.found)] for k in reversed(range(len(p.y)))]
+    head = [f"{p.up.path} (down), {p.across.path} (across)", *(f"{x:.4g}" for x in p.x)]
+    text = [
+        f"Simulated at {len(p.x)} by {len(p.y)} points, and between neighbours whose verdicts differ. The file stands at "
+        f"{p.across.path} = {p.point[0]:.4g}, {p.up.path} = {p.point[1]:.4g}."
+    ]
+    return Chapter("map", "The verdict over two numbers", text, [Table(head, rows)])
 
 
 def _compensations(found: Design) -> Chapter:
     rows = [
-        [c.kind, _digits(c.largest_quiet_share), _digits(c.share), _digits(c.reversal_error), _digits(c.worst_error)]
+        [c.kind, *(digits(x, count=4) for x in (c.largest_quiet_share, c.share, c.reversal_error, c.worst_error))]
         for c in found.compensations
     ]
     text = [
@@ -132,11 +182,13 @@ def _compensations(found: Design) -> Chapter:
         "all high, each alone at both ends of its interval, and some at random), and the error after a reversal at the "
         "share given."
     ]
+    if found.excess is not None:
+        text.append(f"{excess_sentence(found).capitalize()}.")
     head = ["against friction", "quiet up to share", "share", "error after a reversal", "the worst"]
     return Chapter("compensations", "What may be done against friction", text, [Table(head, rows)])
 
 
-def _line(line: Line, i: int) -> FigureSvg:
+def _line(line: PathVerdicts, i: int) -> FigureSvg:
     """The verdict along one number."""
     with plots.style():
         made, axes = plots.figure([["verdict"]], 2.2)
@@ -157,7 +209,33 @@ def _line(line: Line, i: int) -> FigureSvg:
         )
 
 
-def _shares(found: Sequence[Compensation]) -> FigureSvg:
+def _plane(p: Plane) -> FigureSvg:
+    """The verdict over two numbers: the grid, the boundary and the file's point."""
+    with plots.style():
+        made, axes = plots.figure([["map"]], 4.2)
+        axis = axes["map"]
+        points = [(x, y, j.verdict) for x, col in zip(p.x, p.found, strict=True) for y, j in zip(p.y, col, strict=True)]
+        for i, verdict in enumerate(VERDICTS):
+            at = np.array([(x, y) for x, y, v in points if v == verdict])
+            if len(at):
+                axis.plot(*at.T, "osvXP"[i], color=plots.COLOURS[(3, 5, 1, 4, 6)[i]], label=verdict, markersize=6)
+        if p.edges:
+            axis.plot([e.x for e in p.edges], [e.y for e in p.edges], "k.", markersize=4, label="boundary")
+        axis.plot(*([x] for x in p.point), "k*", markersize=14, label="the file")
+        axis.set(xlabel=p.across.path, ylabel=p.up.path, title="verdict")
+        for turned, which in ((p.across, "x"), (p.up, "y")):
+            if turned.low > 0 and turned.high / turned.low >= 10:
+                plots.logarithmic(axis, x=which == "x", y=which == "y")
+        axis.legend(fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.16))
+        return plots.finish(
+            made,
+            "map",
+            "Each mark is a simulated loop; dots: where the verdict changes, within a sixteenth of a cell.",
+            pdf=True,
+        )
+
+
+def _shares(found: Sequence[CompensationResult]) -> FigureSvg:
     """Error against margin: what each compensation leaves, and how far it may be turned up."""
     with plots.style():
         made, axes = plots.figure([["error"]], 2.6)
@@ -173,11 +251,37 @@ def _shares(found: Sequence[Compensation]) -> FigureSvg:
 def sentence(found: Design) -> str:
     """The verdict in one sentence."""
     j = found.judgement
-    text = f"{found.verdict}: it {_MEANING[found.verdict]}"
-    if found.verdict == "hunting":
+    return sentence_of(j, _unit(found, j.body))
+
+
+def sentence_of(j: Judgement, unit: str) -> str:
+    """A judgement in one sentence."""
+    text = f"{j.verdict}: it {_MEANING[j.verdict]}"
+    if j.verdict == "hunting":
         every = f" every {human(j.period, 's')}" if j.period == j.period else ""
-        text += f", {j.body} by {human(j.amplitude, _unit(found, j.body))}{every}"
+        text += f", {j.body} by {human(j.amplitude, unit)}{every}"
     return text
+
+
+def second_lines(second: dict[str, Any], unit: str) -> list[str]:
+    """What describing functions say, a line for each way."""
+    if "why_not" in second:
+        return [f"second opinion: none: {second['why_not']}"]
+    left = second.get("left_out")
+    lines = []
+    for way, of in (
+        ("law", "of the law, position and speed taken as sinusoidal"),
+        ("body", "of the body, the force so"),
+    ):
+        row = second[way]
+        if "why_not" in row:
+            told = f"none: {row['why_not']}"
+        elif row["amplitude"] is None:
+            told = "no cycle"
+        else:
+            told = f"a cycle of {human(row['amplitude'], unit)} every {human(row['period'], 's')}"
+        lines.append(f"describing function {of}: {told}" + (f" (without {', '.join(left)})" if left else ""))
+    return lines
 
 
 def _unit(found: Design, body: str) -> str:

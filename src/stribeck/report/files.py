@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -37,7 +36,7 @@ def write_figure(figure: FigureSvg, folder: Path) -> list[Path]:
     return paths
 
 
-def write_csv(path: Path, columns: dict[str, Any]) -> None:
+def write_csv(path: Path, columns: dict[str, object]) -> None:
     """Columns of equal length as CSV: numbers with every digit, nothing where there is no number."""
     with path.open("wb") as file:
         file.write((",".join(columns) + "\n").encode())
@@ -53,7 +52,7 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
             file.writelines((",".join(row) + "\n").encode() for row in zip(*cells, strict=True))
 
 
-def _cell(value: Any) -> str:
+def _cell(value: object) -> str:
     if isinstance(value, str):
         return '"' + value.replace('"', '""') + '"' if any(c in value for c in ',"\n') else value
     return "nan" if value != value else repr(value)

@@ -20,8 +20,8 @@ from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.simulation import Solution
 
 
-def write(
-    solution: Solution, verdict: GainVerdict, proof: Proof, found: Along | None, summary: dict[str, Any], folder: Path,
+def write_gains(
+    solution: Solution, verdict: GainVerdict, proof: Proof, found: Along | None, summary: Mapping[str, Any], folder: Path,
     command: str = "",
 ) -> list[str]:  # fmt: skip
     """Write gains.svg and plot.svg (with PNG and PDF), report.html and, last, summary.json; the paths."""

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from stribeck.machine.system import Machine
+from stribeck.machine.system import MachineSystem
 from stribeck.report.panels import ENERGY, Panel
 
 
-def panels(machine: Machine) -> tuple[Panel, ...]:
+def panels(machine: MachineSystem) -> tuple[Panel, ...]:
     """What is worth seeing of a machine, in the order of reading."""
     found: list[Panel] = []
     followed = {each.measures: each.name for each in machine.controllers}

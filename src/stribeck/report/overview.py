@@ -15,7 +15,7 @@ from stribeck.drives import Drive
 from stribeck.report import machines, plots
 from stribeck.report.page import FigureSvg
 from stribeck.report.panels import ENERGY, Panel
-from stribeck.report.quantities import Quantity, Scale, deviations, quantities, scale
+from stribeck.report.quantities import Quantity, Scale, deviation_rows, quantities, scale
 from stribeck.simulation import Solution
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def comparison(solutions: Mapping[str, Solution], name: str = "compare", caption
     reference, *others = shown.items()
     names = compared(next(iter(solutions.values())).scenario)
     for label, found in others:
-        shown[label] = {**found, **{n: q for n, q in deviations(reference[1], found, names).items() if n != "t"}}
+        shown[label] = {**found, **{n: q for n, q in deviation_rows(reference[1], found, names).items() if n != "t"}}
     wanted = []
     for panel in panels(next(iter(solutions.values()))):
         wanted.append(panel)

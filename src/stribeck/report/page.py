@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib.resources import files
 from typing import Any
+
+from numpy.typing import ArrayLike
 
 from stribeck.errors import needed
 
@@ -58,8 +60,8 @@ class Chapter:
     text: Sequence[str] = ()
     tables: Sequence[Table] = ()
     figures: Sequence[FigureSvg] = ()
-    numbers: dict[str, Any] = field(default_factory=dict)
-    data: dict[str, Any] = field(default_factory=dict)
+    numbers: Mapping[str, Any] = field(default_factory=dict)
+    data: Mapping[str, ArrayLike] = field(default_factory=dict)
     code: str = ""
 
 

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
 from stribeck.errors import needed
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 # Okabe and Ito's colours, which colour-blind readers tell apart; lines also differ in their dashes.
 COLOURS = ("#000000", "#D55E00", "#0072B2", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
-DASHES: tuple[Any, ...] = (
+DASHES: tuple[object, ...] = (
     "-",
     (0, (5, 1.5)),
     (0, (1.5, 1.5)),
@@ -110,9 +111,13 @@ def plain(text: str, longest: int = _LONGEST) -> str:
     return f"\u200b{text}" if text.startswith("_") else text
 
 
-def line(axis: Axes, i: int, x: Any, y: Any, label: str, **options: Any) -> None:
+def line(axis: Axes, i: int, x: ArrayLike, y: ArrayLike, label: str, **options: Any) -> None:
     """The figure's line number ``i``: its colour and dashes follow from the number."""
-    style = {"color": COLOURS[i % len(COLOURS)], "linestyle": DASHES[i % len(DASHES)], "label": plain(label)}
+    style: dict[str, Any] = {
+        "color": COLOURS[i % len(COLOURS)],
+        "linestyle": DASHES[i % len(DASHES)],
+        "label": plain(label),
+    }
     axis.plot(x, y, **style, **options)
 
 

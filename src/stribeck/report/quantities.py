@@ -88,7 +88,7 @@ def quantities(solution: Solution) -> dict[str, Quantity]:
     return found
 
 
-def deviations(
+def deviation_rows(
     reference: Mapping[str, Quantity], other: Mapping[str, Quantity], names: Iterable[str] = ("y", "v", "F")
 ) -> dict[str, Quantity]:
     """How far the columns are from the reference's, over the rows that both reached; t too."""

@@ -18,7 +18,7 @@ from stribeck.report.quantities import human
 from stribeck.simulation import Solution
 
 
-def write(solution: Solution, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
+def write_run(solution: Solution, folder: Path, summary: dict[str, Any], command: str = "") -> list[str]:
     """Write trajectory.csv and .parquet, plot.svg, .png and .pdf, report.html and, last, summary.json; the paths."""
     with together(folder) as place:
         paths = write_table(solution, place, "trajectory")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
 
 from markupsafe import escape
 
@@ -314,7 +313,7 @@ def _top(page: _Page, layout: _Layout, body: str, y_control: float, y_above: flo
                     (x - 40, y_control + 14)], "d")  # fmt: skip
 
 
-def describe(rig: Rig) -> dict[str, Any]:
+def describe(rig: Rig) -> dict[str, object]:
     """The same for programs."""
     return {
         "bodies": {body.name: list(about_body(rig, body.name)) for body in rig.machine.bodies},

@@ -9,21 +9,21 @@ import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
-from hashlib import file_digest, sha256
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.arrays import Array
 from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
-from stribeck.files import write_json, write_parquet, write_with
+from stribeck.files import sha256_of, write_json, write_parquet, write_with
 from stribeck.report.files import write_csv
 from stribeck.scenario import Scenario
-from stribeck.scenario.objects import Machine, Varied, scenario_of
+from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.simulation.native import step_share
 from stribeck.simulation.variations import arrays, vary
@@ -187,7 +187,7 @@ class Sweep:
         try:
             state = path.stat()
             now = (path.name, str(digest), state.st_size, state.st_mtime_ns)
-            if now not in self._read and _digest(path) == digest:
+            if now not in self._read and sha256_of(path) == digest:
                 self._read.add(now)
         except OSError:
             return False
@@ -203,7 +203,7 @@ class Sweep:
 
     def _done(self, part: int) -> None:
         """Note that a part is written."""
-        digests = {**self._kept().get("sha256", {}), self.path(part).name: _digest(self.path(part))}
+        digests = {**self._kept().get("sha256", {}), self.path(part).name: sha256_of(self.path(part))}
         write_json(self.folder / "_manifest.json", {**self.manifest, "sha256": dict(sorted(digests.items()))})
 
     def run(self, threads: int | None = None, progress: Progress | None = None) -> int:
@@ -255,8 +255,8 @@ class Sweep:
 
 
 def sweep(
-    scenario: Scenario | Machine | Varied | str | Path | Mapping[str, Any],
-    values: Mapping[str, Any] | None = None,
+    scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
+    values: Mapping[str, ArrayLike] | None = None,
     out: str | Path = "sweep",
     *,
     t_end: float | None = None,
@@ -284,9 +284,9 @@ def sweep(
     Raises:
         InputError: a path cannot be varied, or the folder holds another sweep.
     """
-    if isinstance(scenario, Varied):
+    if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **(values or {})}
-    shared = scenario.machine if isinstance(scenario, Varied) else scenario
+    shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
     found = Sweep(scenario_of(shared, t_end, step), arrays(values or {}), Path(out), summary, as_csv)
     found.folder.mkdir(parents=True, exist_ok=True)
     found.run(threads, progress)
@@ -316,7 +316,7 @@ def _alone(folder: Path) -> Iterator[None]:
 
 # -- the tables of a part ----------------------------------------------------------------------------------------------
 
-Column = tuple[str, str, str, Any]  # name, unit, meaning, values
+Column = tuple[str, str, str, NDArray[Any]]  # name, unit, meaning, values
 
 
 def _about_lanes(e: Ensemble, first: int, lanes: NDArray[np.int64]) -> list[Column]:
@@ -378,11 +378,6 @@ def _write(path: Path, columns: Sequence[Column]) -> None:
         fields.append(pyarrow.field(name, array.type, metadata={"unit": unit, "meaning": meaning}))
     table = pyarrow.Table.from_arrays(arrays, schema=pyarrow.schema(fields))
     write_with(path, lambda beside: write_parquet(table, beside, compression="zstd"))
-
-
-def _digest(path: Path) -> str:
-    with path.open("rb") as file:
-        return file_digest(file, "sha256").hexdigest()
 
 
 def _failed_lanes(path: Path) -> int:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.report import chapters, plots
+from stribeck.report.cells import digits
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import Quantity, scale
@@ -39,7 +40,7 @@ def _measured(scenario: Scenario) -> tuple[str, ...]:
     return (f"peak_{force}", f"final_{position}", *_MEASURES)
 
 
-def write(sweep: Sweep, command: str = "") -> list[Path]:
+def write_sweep_page(sweep: Sweep, command: str = "") -> list[Path]:
     """Write the plots and report.html into the folder ``_report`` of a sweep; the paths."""
     folder = sweep.folder / FOLDER
     figures, tables, text = [], [], [f"{len(sweep.lanes)} lanes; what varied: {', '.join(sweep.lanes.values)}."]
@@ -78,7 +79,7 @@ def _read(sweep: Sweep) -> dict[str, NDArray[Any]]:
 def _table(sweep: Sweep, rows: Mapping[str, NDArray[Any]]) -> Table:
     names = [name for name in rows if name != "lane"]
     count = min(len(sweep.lanes), _ROWS_SHOWN)
-    body = [[str(i), *(chapters.digits(float(rows[name][i])) for name in names)] for i in range(count)]
+    body = [[str(i), *(digits(float(rows[name][i])) for name in names)] for i in range(count)]
     return Table(["lane", *names], body)
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
+from stribeck.expressions.ops import Value
 from stribeck.files import write_text, write_with
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
@@ -53,7 +53,7 @@ def csv(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     return "".join(",".join(f'"{cell}"' if "," in cell else cell for cell in row) + "\n" for row in (head, *rows))
 
 
-def write(limits: Limits, folder: Path) -> list[str]:
+def write_rig(limits: Limits, folder: Path) -> list[str]:
     """Write programme.csv, motion.csv (what motion-controlled tests play, every ms) and programme.svg."""
     tests = programme(limits)
     t, v = motion(tests, STEP)
@@ -75,7 +75,7 @@ def _write_columns(path: Path, columns: Mapping[str, Array]) -> None:
 def figure(limits: Limits, tests: Sequence[Test]) -> FigureSvg:
     """The motions against time, the tests between the rig's limits, and the force ramps."""
     t, v = motion(tests, STEP)
-    moving: list[tuple[Any, Any, Any]] = [
+    moving: list[tuple[Value, Value, Value]] = [
         (x.kind, x.amplitude, x.speed) for x in tests if x.amplitude is not None and x.speed is not None
     ]
     kinds = list(dict.fromkeys(kind for kind, *_ in moving))
@@ -160,7 +160,7 @@ def write_simulated(made: Experiment, folder: Path) -> list[str]:
     return [str(folder / "synthetic_log.csv"), str(folder / "synthetic_truth.toml")]
 
 
-def numbers(assignments: Sequence[tuple[str, Any]]) -> dict[str, float]:
+def numbers(assignments: Sequence[tuple[str, Value]]) -> dict[str, float]:
     """``--set NAME=VALUE`` as numbers.
 
     Raises:

@@ -35,7 +35,7 @@ class Sensors:
 
 
 @dataclass(frozen=True)
-class Body:
+class Slider:
     """What moves with the contact: mass (kg), spring to ground (N/m), constant force (N)."""
 
     mass: float = 0.0
@@ -49,7 +49,7 @@ class Experiment:
 
     log: Log
     law: Law
-    body: Body
+    body: Slider
     sensors: Sensors
     seed: int
 
@@ -58,7 +58,7 @@ def experiment(
     law: Law,
     velocity: tuple[Array, Array],
     sensors: Sensors | None = None,
-    body: Body | None = None,
+    body: Slider | None = None,
     seed: int = 0,
     every: int = 1,
 ) -> Experiment:
@@ -72,7 +72,7 @@ def experiment(
         seed: of the noise.
         every: the sensors see one of so many samples of the velocity.
     """
-    sensors, body = sensors or Sensors(), body or Body()
+    sensors, body = sensors or Sensors(), body or Slider()
     t, v = velocity
     step = float(t[every] - t[0])
     solution = simulate(

@@ -17,7 +17,7 @@ from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
 from stribeck.control.cascade import PressureCascade
 from stribeck.control.observer import Adaptation
-from stribeck.control.sampled import Held, Sampling, intervals
+from stribeck.control.sampled import Held, Sampling, held_intervals
 from stribeck.drives import Drive
 from stribeck.drives.base import course
 from stribeck.errors import InputError, NotDifferentiable
@@ -145,7 +145,7 @@ class CascadeSettings(Settings):
         """Of a sampled controller those in which the voltage is held."""
         if self.sampling is None:
             return super().stretches(system, values, signal, end, log)
-        return intervals(system, self.sampling, values, signal, end, log)
+        return held_intervals(system, self.sampling, values, signal, end, log)
 
     def remarks(self, scenario: Any, solution: Any, log: Held | None) -> list[str]:
         """Where the valve is at its limit to the end, or goes to and fro."""

@@ -14,7 +14,7 @@ from stribeck.errors import InputError
 from stribeck.laws.own import find_class
 from stribeck.scenario.cascade import CascadeSettings
 from stribeck.scenario.parts import Settings
-from stribeck.scenario.tables import Table, number
+from stribeck.scenario.tables import StrictTable, number
 from stribeck.scenario.trust import in_a_file
 
 DRIVES: dict[str, type[drives.Drive]] = {**drives.KINDS, **control.KINDS}
@@ -49,11 +49,11 @@ def find_plant(name: Any, drive: type[drives.Drive], folder: Path) -> tuple[type
 
 
 @cache
-def drive_table(kind: str) -> type[Table]:
+def drive_table(kind: str) -> type[StrictTable]:
     """The model of [drive] for a kind of drive; its signal is a table of its own."""
     drive = DRIVES[kind]
     fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=drive.meaning))}
     fields |= {name: number(constant) for name, constant in drive.constants.items()}
     fields |= settings(drive).fields()
     fields["signal"] = (dict[str, Any], Field(description=f"{drive.signal.meaning}, {drive.signal.unit}"))
-    return create_model(f"{kind.capitalize()}Drive", __base__=Table, __doc__=drive.meaning, **fields)
+    return create_model(f"{kind.capitalize()}Drive", __base__=StrictTable, __doc__=drive.meaning, **fields)

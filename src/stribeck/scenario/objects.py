@@ -29,7 +29,7 @@ from stribeck.scenario.changes import changed, plain
 # -- signals ---------------------------------------------------------------------------------------------------------
 
 
-class Signal(Mapping[str, Any]):
+class SignalTable(Mapping[str, Any]):
     """A signal of time, as the table that a file holds; see docs/scenario.md."""
 
     def __init__(self, kind: str, **values: Any) -> None:
@@ -49,49 +49,49 @@ class Signal(Mapping[str, Any]):
         return f"{type(self).__name__}({inside})"
 
 
-class Step(Signal):
+class Step(SignalTable):
     """0 before ``at`` (s), ``value`` from then on."""
 
     def __init__(self, value: float, at: float = 0.0) -> None:
         super().__init__("step", value=value, time=at)
 
 
-class Ramp(Signal):
+class Ramp(SignalTable):
     """rate * t."""
 
     def __init__(self, rate: float) -> None:
         super().__init__("ramp", rate=rate)
 
 
-class Sine(Signal):
+class Sine(SignalTable):
     """offset + amplitude sin(2 pi frequency t + phase); frequency in Hz, phase in rad."""
 
     def __init__(self, amplitude: float, frequency: float, offset: float = 0.0, phase: float = 0.0) -> None:
         super().__init__("sine", amplitude=amplitude, frequency=frequency, offset=offset, phase=phase)
 
 
-class Points(Signal):
+class Points(SignalTable):
     """Straight lines between points, constant outside; two equal times make a jump."""
 
     def __init__(self, t: ArrayLike, value: ArrayLike) -> None:
         super().__init__("points", t=t, value=value)
 
 
-class PointToPoint(Signal):
+class PointToPoint(SignalTable):
     """Moves from point to point that begin and end without speed, acceleration and jerk."""
 
     def __init__(self, t: ArrayLike, value: ArrayLike) -> None:
         super().__init__("point_to_point", t=t, value=value)
 
 
-class Spline(Signal):
+class Spline(SignalTable):
     """A spline of order seven through points, at rest at the first and the last."""
 
     def __init__(self, t: ArrayLike, value: ArrayLike) -> None:
         super().__init__("spline", t=t, value=value)
 
 
-class File(Signal):
+class File(SignalTable):
     """Two columns of a CSV or Parquet file, read as points."""
 
     def __init__(self, path: str | Path, time: str, value: str) -> None:
@@ -262,7 +262,7 @@ class Controller(Part):
 
 
 @dataclass(frozen=True)
-class Varied:
+class VariedMachine:
     """A machine and the values that its lanes have, for :func:`stribeck.simulate_ensemble`."""
 
     machine: Machine
@@ -329,9 +329,9 @@ class Machine:
         new._set(changed(self._data, changes, self._folder), self._parts, self._folder)
         return new
 
-    def vary(self, values: Mapping[str, ArrayLike]) -> Varied:
+    def vary(self, values: Mapping[str, ArrayLike]) -> VariedMachine:
         """The machine with values for each lane of an ensemble."""
-        return Varied(self, dict(values))
+        return VariedMachine(self, dict(values))
 
     def scenario(self, t_end: float, step: float | None = None, *, energy: bool = False, **solve: Any) -> Scenario:
         """What is simulated: until ``t_end`` (s), with a row every ``step`` (s; t_end/1000 unless given).

@@ -104,7 +104,7 @@ class Reader:
                 guess = nearest(name, states) or f" (the states are {', '.join(states)})"
                 self.problems.append((f"solve.atol.{name}", f"{value}: there is no such state{guess}"))
 
-    def _table(self, model: type[tables.Table], name: str) -> Any:
+    def _table(self, model: type[tables.StrictTable], name: str) -> Any:
         if name not in self.data:
             keys = ", ".join(k for k, f in model.model_fields.items() if f.is_required())
             self.problems.append((name, f"missing: the table [{name}] must be given (with {keys})"))
@@ -152,7 +152,11 @@ class Reader:
             self._signal(table["signal"])
 
     def _kind(
-        self, table: dict[str, Any], path: str, kinds: Mapping[str, Any], model: Callable[[str], type[tables.Table]]
+        self,
+        table: dict[str, Any],
+        path: str,
+        kinds: Mapping[str, Any],
+        model: Callable[[str], type[tables.StrictTable]],
     ) -> str | None:
         kind = table.get("kind")
         if isinstance(kind, str) and kind in kinds:

@@ -16,7 +16,7 @@ from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.form import USUAL
 from stribeck.machine import controllers as machine_controllers
 from stribeck.machine import loads as machine_loads
-from stribeck.machine.links import Link
+from stribeck.machine.links import LinkElement
 from stribeck.scenario import tables
 from stribeck.scenario.cascade import NONE
 from stribeck.scenario.drives import DRIVES, drive_table, plants_of, settings
@@ -110,7 +110,7 @@ def machine_schema() -> Node:
     def named(node: Node) -> Node:
         return {"type": "object", "propertyNames": {"pattern": "^[A-Za-z0-9_]+$"}, "additionalProperties": node}
 
-    links = _with_signal(_model(machine_tables.link_table(Link)), "from")
+    links = _with_signal(_model(machine_tables.link_table(LinkElement)), "from")
     links["properties"]["from"] = {
         "anyOf": [{"type": "string"}, _object({"signal": {"$ref": "#/$defs/signal"}}, ["signal"])],
         "description": links["properties"]["from"]["description"],
@@ -170,13 +170,13 @@ def _plain(kind: Any) -> Any:
     return kind
 
 
-def _load(kind: str, load: type[machine_loads.Load]) -> Node:
+def _load(kind: str, load: type[machine_loads.LoadElement]) -> Node:
     node = _with_signal(_model(machine_tables.load_table(_plain(load))))
     node["properties"]["kind"] = {"const": kind, "description": (load.__doc__ or "").strip().partition("\n")[0]}
     return node
 
 
-def _controller(kind: str, each: type[machine_controllers.Controller]) -> Node:
+def _controller(kind: str, each: type[machine_controllers.ControllerElement]) -> Node:
     node = _with_signal(_model(machine_tables.controller_table(_plain(each))))
     node["properties"]["kind"] = {"const": kind, "description": (each.__doc__ or "").strip().partition("\n")[0]}
     _with_signal(node["properties"]["sampling"])
@@ -284,7 +284,7 @@ def _solve() -> Node:
     return node
 
 
-def _model(model: type[tables.Table]) -> Node:
+def _model(model: type[tables.StrictTable]) -> Node:
     schema = model.model_json_schema()
     definitions = schema.pop("$defs", {})
 

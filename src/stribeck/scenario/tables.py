@@ -22,13 +22,13 @@ RTOL_SMALLEST, RTOL_LARGEST = 1e-13, 0.1
 _Y, _V, _Z = Column("y", "m", "position"), Column("v", "m/s", "velocity"), Column("z", "m", "bristle deflection")
 
 
-class Table(BaseModel):
+class StrictTable(BaseModel):
     """A table of the file: no unknown keys, no conversions, no inf or nan."""
 
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
 
 
-class Solve(Table):
+class Solve(StrictTable):
     """How to solve."""
 
     t_end: float = Field(gt=0, description="end of the simulation, s")
@@ -41,7 +41,7 @@ class Solve(Table):
     )
 
 
-class Output(Table):
+class Output(StrictTable):
     """What to keep."""
 
     step: float = Field(gt=0, description="time between rows, s: row i is at i * step")
@@ -58,17 +58,17 @@ def number(constant: Constant, left_out: bool = False) -> tuple[Any, Any]:
     return (float | None if left_out or constant.optional else float, field)
 
 
-def initial_table(plant: type[Plant], moved: bool) -> type[Table]:
+def initial_table(plant: type[Plant], moved: bool) -> type[StrictTable]:
     """The model of [plant.initial]; ``moved``: by a drive that sets the velocity."""
     columns = [_Y, *(() if moved else (_V,)), _Z, *plant.states]
     fields: dict[str, Any] = {
         c.name: (float, Field(... if c.name in plant.must_start else 0.0, description=f"{c.meaning}, {c.unit}"))
         for c in columns
     }
-    return create_model("Initial", __base__=Table, __doc__="The state at t = 0.", **fields)
+    return create_model("Initial", __base__=StrictTable, __doc__="The state at t = 0.", **fields)
 
 
-def plant_table(plant: type[Plant], moved: bool, name: str = "") -> type[Table]:
+def plant_table(plant: type[Plant], moved: bool, name: str = "") -> type[StrictTable]:
     """The model of [plant]; ``moved``: by a drive that sets the velocity, which needs no mass; ``name``: what the kind is
     called in the file, if not its name."""
     kind: Any = plant
@@ -76,7 +76,7 @@ def plant_table(plant: type[Plant], moved: bool, name: str = "") -> type[Table]:
 
 
 @cache
-def _plant_table(plant: Any, moved: bool, name: str) -> type[Table]:
+def _plant_table(plant: Any, moved: bool, name: str) -> type[StrictTable]:
     initial: Any = initial_table(plant, moved)
     if needed := plant.must_start:
         text = f"the state at t = 0, with {', '.join(needed[:-1])} and {needed[-1]}"
@@ -88,7 +88,7 @@ def _plant_table(plant: Any, moved: bool, name: str) -> type[Table]:
         **{name: _unused(constant) if moved else number(constant) for name, constant in plant.constants.items()},
         "initial": start,
     }
-    return create_model("Plant", __base__=Table, **fields)
+    return create_model("Plant", __base__=StrictTable, **fields)
 
 
 def _unused(constant: Constant) -> tuple[Any, Any]:
@@ -98,12 +98,12 @@ def _unused(constant: Constant) -> tuple[Any, Any]:
 def given_table(name: str, about: str, constants: dict[str, Constant], all_optional: bool) -> Any:
     """A table of constants that may be left out."""
     fields: dict[str, Any] = {n: number(c, left_out=all_optional) for n, c in constants.items()}
-    model: Any = create_model(name, __base__=Table, __doc__=about, **fields)
+    model: Any = create_model(name, __base__=StrictTable, __doc__=about, **fields)
     return (model, Field(default_factory=model, description=about))
 
 
 @cache
-def signal_table(kind: str) -> type[Table]:
+def signal_table(kind: str) -> type[StrictTable]:
     """The model of [drive.signal] for a kind of signal."""
     signal = SIGNALS[kind]
     fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=signal.meaning))}
@@ -112,20 +112,20 @@ def signal_table(kind: str) -> type[Table]:
         fields["value"] = (list[float], Field(description="the signal at these times"))
     else:
         fields |= {name: number(constant) for name, constant in signal.constants.items()}
-    if signal is signals.Points:
+    if signal is signals.PointsSignal:
         fields["t"] = (list[float], Field(description="times, s; must not decrease, two equal times make a jump"))
         fields["value"] = (list[float], Field(description="the signal at these times"))
-    if signal is signals.File:
+    if signal is signals.FileSignal:
         kinds = "CSV, Parquet, MAT or NPZ file, relative to the scenario file"
         fields["path"] = (str, Field(min_length=1, description=kinds))
         fields["time"] = (str, Field(description="name of the column of times"))
         fields["time_unit"] = (str, Field("s", description="unit of that column, such as ms"))
         fields["value"] = (str, Field(description="name of the column of values"))
         fields["unit"] = (str | None, Field(None, description="unit of that column, such as mm; SI unless given"))
-    return create_model(f"{kind.capitalize()}Signal", __base__=Table, __doc__=signal.meaning, **fields)
+    return create_model(f"{kind.capitalize()}Signal", __base__=StrictTable, __doc__=signal.meaning, **fields)
 
 
-def validate(model: type[Table], data: Any, path: str) -> tuple[Any, list[Problem]]:
+def validate(model: type[StrictTable], data: Any, path: str) -> tuple[Any, list[Problem]]:
     """The validated table, or None and what is wrong with it."""
     if not isinstance(data, dict):
         return None, [(path, f"{show(data)}: must be a table, not {kind_of(data)}")]
@@ -150,7 +150,7 @@ def _up_to_first_wrong(value: Any) -> Any:
     return value
 
 
-def _problem(details: Any, model: type[Table], path: str) -> Problem:
+def _problem(details: Any, model: type[StrictTable], path: str) -> Problem:
     where, value, kind = details["loc"], details["input"], details["type"]
     name = ".".join(str(part) for part in where if not isinstance(part, int))
     full = f"{path}.{name}" + "".join(f"[{part}]" for part in where if isinstance(part, int))
@@ -169,7 +169,7 @@ def _problem(details: Any, model: type[Table], path: str) -> Problem:
     return full, f"{text}, not {kind_of(value)}" if kind.endswith("_type") and not is_number else text
 
 
-def _declared(model: type[Table], where: tuple[Any, ...]) -> dict[str, Any]:
+def _declared(model: type[StrictTable], where: tuple[Any, ...]) -> dict[str, Any]:
     """The JSON Schema of a key."""
     node = schema = model.model_json_schema()
     for part in where:

@@ -3,11 +3,21 @@
 from __future__ import annotations
 
 from stribeck.signals import piecewise, trajectories
-from stribeck.signals.piecewise import File, Points, Ramp, Segment, Segments, Signal, Sine, Step
-from stribeck.signals.trajectories import Curve, PointToPoint, Spline
+from stribeck.signals.piecewise import (
+    FileSignal,
+    PointsSignal,
+    RampSignal,
+    Segment,
+    Segments,
+    Signal,
+    SineSignal,
+    StepSignal,
+)
+from stribeck.signals.trajectories import Curve, PointToPointSignal, SplineSignal
 
 __all__ = [
-    "KINDS", "Curve", "File", "PointToPoint", "Points", "Ramp", "Segment", "Segments", "Signal", "Sine", "Spline", "Step",
+    "KINDS", "Curve", "FileSignal", "PointToPointSignal", "PointsSignal", "RampSignal", "Segment", "Segments", "Signal",
+    "SineSignal", "SplineSignal", "StepSignal",
 ]  # fmt: skip
 
 KINDS: dict[str, type[Signal]] = {**piecewise.KINDS, **trajectories.KINDS}

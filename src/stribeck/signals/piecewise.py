@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -82,7 +82,7 @@ class Signal:
         """When the equation of a smooth signal changes its constants, and to what; one piece unless said."""
         return [(0.0, self.values)]
 
-    def values_at(self, t: ArrayLike) -> dict[str, Any]:
+    def values_at(self, t: ArrayLike) -> dict[str, Value]:
         """The constants of a smooth signal's equation at the times t."""
         return self.values
 
@@ -121,7 +121,7 @@ def _without_touches(crossings: list[tuple[float, bool]]) -> list[tuple[float, b
     return [(t, rises) for t, rises in kept if t > 0]
 
 
-class Ramp(Signal):
+class RampSignal(Signal):
     """rate * t."""
 
     kind, meaning = "ramp", "rate * t"
@@ -132,7 +132,7 @@ class Ramp(Signal):
         return Segments(np.zeros(1), np.zeros(1), np.array([self.values["rate"]]))
 
 
-class Step(Signal):
+class StepSignal(Signal):
     """0 before ``time``, ``value`` from then on."""
 
     kind, meaning = "step", "0 before time, value from then on"
@@ -146,7 +146,7 @@ class Step(Signal):
         return _segments(np.array([self.values["time"]] * 2), np.array([0.0, self.values["value"]]))
 
 
-class Sine(Signal):
+class SineSignal(Signal):
     """offset + amplitude sin(2 pi frequency t + phase)."""
 
     kind, meaning, smooth = "sine", "offset + amplitude sin(2 pi frequency t + phase)", True
@@ -185,7 +185,7 @@ class Sine(Signal):
 
 
 @dataclass
-class Points(Signal):
+class PointsSignal(Signal):
     """Straight lines between points, constant outside; two equal times make a jump."""
 
     t: Array = field(default_factory=lambda: np.zeros(1))
@@ -218,7 +218,7 @@ class Points(Signal):
         return _segments(self.t, self.value)
 
 
-class File(Points):
+class FileSignal(PointsSignal):
     """Two columns of a recorded table, read as points."""
 
     kind, meaning = "file", "two columns of a recorded file, read as points"
@@ -229,7 +229,7 @@ class File(Points):
     @classmethod
     def read(
         cls, path: Path, time: str, value: str, unit: str | None = None, time_unit: str = "s", scale: float = 1.0
-    ) -> File:
+    ) -> FileSignal:
         """The signal in the columns ``time`` and ``value`` of a CSV, Parquet, MAT or NPZ file.
 
         Args:
@@ -280,4 +280,4 @@ def _segments(t: Array, value: Array) -> Segments:
     return Segments(start, levels, slope)
 
 
-KINDS: dict[str, type[Signal]] = {s.kind: s for s in (Points, Ramp, Sine, Step, File)}
+KINDS: dict[str, type[Signal]] = {s.kind: s for s in (PointsSignal, RampSignal, SineSignal, StepSignal, FileSignal)}

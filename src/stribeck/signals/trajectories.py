@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import needed
 from stribeck.expressions.ops import Value
-from stribeck.signals.piecewise import Points, Signal
+from stribeck.signals.piecewise import PointsSignal, Signal
 
 _COEFFICIENTS = tuple(f"c{n}" for n in range(8))
 _MOVE = (35.0, -84.0, 70.0, -20.0)  # of x^4 to x^7: from 0 to 1 with zero speed, acceleration and jerk at both ends
@@ -45,7 +45,7 @@ class Curve(Signal):
     @staticmethod
     def problems(t: Array, value: Array) -> list[tuple[str, str]]:
         """What is wrong with such points: (key, message)."""
-        found = Points.problems(t, value)
+        found = PointsSignal.problems(t, value)
         if not found and len(t) < 2:
             found.append(("t", f"{show(t.tolist())}: must hold at least two times"))
         if not found and (same := np.flatnonzero(np.diff(t) <= 0)).size:
@@ -78,7 +78,7 @@ class Curve(Signal):
             for start, row in zip(self._start[first:], self._rows[first:], strict=True)
         ]
 
-    def values_at(self, t: ArrayLike) -> dict[str, Any]:
+    def values_at(self, t: ArrayLike) -> dict[str, Value]:
         i = np.clip(np.searchsorted(self._start, np.asarray(t, float), side="right") - 1, 0, None)
         return {"start": self._start[i], **{name: self._rows[i, n] for n, name in enumerate(_COEFFICIENTS)}}
 
@@ -107,7 +107,7 @@ def _seventh(t: Array, value: Array) -> Array:
         return np.asarray(1e3 * np.diff(value) / np.diff(t) ** 7)
 
 
-class PointToPoint(Curve):
+class PointToPointSignal(Curve):
     """Moves from point to point that begin and end without speed, acceleration and jerk."""
 
     kind = "point_to_point"
@@ -125,7 +125,7 @@ class PointToPoint(Curve):
         return rows
 
 
-class Spline(Curve):
+class SplineSignal(Curve):
     """A spline through points, at rest at the first and the last."""
 
     kind = "spline"
@@ -146,4 +146,4 @@ class Spline(Curve):
         return np.asarray(rows.c[::-1, inside].T, float)
 
 
-KINDS: dict[str, type[Curve]] = {curve.kind: curve for curve in (PointToPoint, Spline)}
+KINDS: dict[str, type[Curve]] = {curve.kind: curve for curve in (PointToPointSignal, SplineSignal)}

@@ -18,6 +18,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from stribeck.errors import BuildError, note
+from stribeck.files import sha256_of
 from stribeck.simulation.compiler import Compiler
 
 _loaded: dict[str, ctypes.CDLL] = {}
@@ -163,4 +164,4 @@ def _say_not_kept(home: Path, error: OSError) -> None:
 
 
 def _digest(path: Path) -> str:
-    return sha256(path.read_bytes()).hexdigest()[:32]
+    return sha256_of(path)[:32]

@@ -10,16 +10,15 @@ import ctypes
 import time
 from collections.abc import Callable
 from functools import lru_cache
-from importlib.resources import files
 from typing import Any
 
 import numpy as np
 
 from stribeck.codegen import source
-from stribeck.codegen.source import PORTABLE
+from stribeck.codegen.source import PORTABLE, runtime_text
 from stribeck.equations import Equations
 from stribeck.errors import StribeckError
-from stribeck.simulation.lanes import Arrays, Batch, Outcome, arrays, outcome
+from stribeck.simulation.lanes import Arrays, Batch, Outcome, lane_arrays, outcome
 from stribeck.simulation.variations import Variations
 
 _THREADS = 64  # of a block
@@ -38,15 +37,11 @@ class NoDevice(StribeckError):
 
 def kernel(system: Equations) -> str:
     """The kernel's text, C++20: for NVRTC, or for any C++ compiler, which makes of it one thread after the other."""
-    head, rest = source(system, lanes=True).split(_runtime("vector.c"))
+    head, rest = source(system, lanes=True).split(runtime_text("vector.c"))
     about, _, sizes = head.partition(PORTABLE)
     comment = about[: about.index("#include")]
-    text = "\n".join([comment, _runtime("cuda.cu"), sizes, rest, _KERNEL])
+    text = "\n".join([comment, runtime_text("cuda.cu"), sizes, rest, _KERNEL])
     return text.replace("static const ", "static constexpr ").replace('_Pragma("GCC unroll 8")', '_Pragma("unroll")')
-
-
-def _runtime(name: str) -> str:
-    return files("stribeck.runtime").joinpath(name).read_text(encoding="utf-8")
 
 
 def device() -> str:
@@ -89,7 +84,7 @@ def solve(lanes: Variations, progress: Callable[[float], None] | None = None) ->
         StribeckError: it has too little memory, or the kernel failed.
     """
     cupy, function = _cupy(), _module(lanes.scenario.system)
-    made = arrays(lanes)
+    made = lane_arrays(lanes)
     try:
         there = {name: cupy.asarray(x) for name, x in made.by_name.items()}
     except cupy.cuda.memory.OutOfMemoryError as error:

@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from pathlib import Path
 from threading import Event
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,7 +17,7 @@ from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK
 from stribeck.errors import BuildError, InputError, StribeckError, arg, nearest
 from stribeck.scenario import Scenario, memory
-from stribeck.scenario.objects import Machine, Varied, scenario_of
+from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation import cache, compiler, lanes
 from stribeck.simulation.result import failure
 from stribeck.simulation.single import simulate
@@ -98,7 +97,7 @@ class Ensemble:
 
 
 def simulate_ensemble(
-    scenario: Scenario | Machine | Varied | str | Path | Mapping[str, Any],
+    scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
     values: Mapping[str, ArrayLike] | None = None,
     *,
     t_end: float | None = None,
@@ -133,9 +132,9 @@ def simulate_ensemble(
     """
     if device not in ("cpu", "cuda"):
         raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
-    if isinstance(scenario, Varied):
+    if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **(values or {})}
-    shared = scenario.machine if isinstance(scenario, Varied) else scenario
+    shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
     variations = vary(scenario_of(shared, t_end, step), values or {})
     _check(variations, threads)
     threads = threads or lanes.threads_of_this_machine()

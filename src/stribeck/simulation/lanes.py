@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.errors import BuildError
-from stribeck.simulation.layout import fields
+from stribeck.simulation.layout import struct_fields
 from stribeck.simulation.native import step_share
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
@@ -28,7 +28,7 @@ _COUNTS = ("rows_reached", "status", "accepted", "rejected", "happened")
 class Batch(ctypes.Structure):
     """What Python and the compiled solver share."""
 
-    _fields_ = fields("lanes.c", "Batch")
+    _fields_ = struct_fields("lanes.c", "Batch")
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Arrays:
     batch: Batch
 
 
-def arrays(lanes: Variations) -> Arrays:
+def lane_arrays(lanes: Variations) -> Arrays:
     """What the compiled solver of the lanes reads and writes."""
     scenario, count = lanes.scenario, len(lanes)
     share, pieces, thresholds = step_share(scenario), lanes.pieces(), lanes.thresholds()
@@ -107,7 +107,7 @@ def solve(
     library: ctypes.CDLL, lanes: Variations, threads: int, progress: Callable[[float], None] | None = None
 ) -> Outcome:
     """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
-    made = arrays(lanes)
+    made = lane_arrays(lanes)
     _run(library, made.batch, made.by_name["turn"], threads, progress)
     return outcome(made)
 

@@ -12,7 +12,7 @@ _TYPES: dict[str, tuple[type, type]] = {  # a number, and a pointer to such
 }  # fmt: skip
 
 
-def fields(file: str, struct: str) -> list[tuple[str, type]]:
+def struct_fields(file: str, struct: str) -> list[tuple[str, type]]:
     """Names and types of a struct in ``runtime/FILE``, in its order, for ctypes."""
     text = files("stribeck.runtime").joinpath(file).read_text(encoding="utf-8")
     (body,) = re.findall(rf"typedef struct {{([^}}]*)}} {struct};", text)

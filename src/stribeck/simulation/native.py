@@ -12,7 +12,7 @@ from stribeck.control.sampled import Held
 from stribeck.errors import BuildError
 from stribeck.expressions.ops import Value, clip, larger, smaller, sqrt
 from stribeck.scenario import Scenario
-from stribeck.simulation.layout import fields
+from stribeck.simulation.layout import struct_fields
 from stribeck.simulation.result import Result, ended, failure, held_back, intervals
 from stribeck.system import Groups
 
@@ -33,7 +33,7 @@ _DONE, _MORE, _EVENTS_FULL, _NOT_FINITE = 0, 1, 2, -2
 class Run(ctypes.Structure):
     """What Python and the compiled solver share."""
 
-    _fields_ = fields("run.c", "Run")
+    _fields_ = struct_fields("run.c", "Run")
 
 
 def step_share(scenario: Scenario) -> float:
@@ -63,7 +63,7 @@ def _wanted_share(scenario: Scenario) -> float:
 
 def share_of(damping: Value) -> Value:
     """What one step may err by where nothing else sets it: a number, or an expression of one."""
-    return _STEP_SHARE * clip((damping / _WELL_DAMPED) ** 2, _LEAST_DAMPED, 1.0)
+    return _STEP_SHARE * clip(smaller(damping / _WELL_DAMPED, 1.0) ** 2, _LEAST_DAMPED, 1.0)
 
 
 def damping_ratio(scenario: Scenario) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.codegen.response import motion_source, parameters, response_source
+from stribeck.codegen.response import motion_source, response_parameters, response_source
 from stribeck.errors import BuildError
 from stribeck.laws.base import Law
 from stribeck.laws.form import USUAL, Form
@@ -48,7 +48,7 @@ class Response:
     """
 
     def __init__(self, law: type[Law], form: Form = USUAL) -> None:
-        self.names = parameters(law, form)
+        self.names = response_parameters(law, form)
         library = _built(response_source(law, form))
         self._call = library.stribeck_respond
 
@@ -91,7 +91,7 @@ class Response:
         return out if status == 0 and np.isfinite(out).all() else None
 
 
-class Motion:
+class ForcedBody:
     """The motion of a body under a measured force and a law's friction: y(t), v(t) for F(t) given by samples.
 
     Args:
@@ -103,7 +103,7 @@ class Motion:
     """
 
     def __init__(self, law: type[Law], form: Form = USUAL) -> None:
-        self.names = parameters(law, form)
+        self.names = response_parameters(law, form)
         self._call = _built(motion_source(law, form)).stribeck_move
 
     def of(

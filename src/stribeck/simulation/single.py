@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 from stribeck.codegen import source
 from stribeck.errors import BuildError, note
@@ -17,12 +16,12 @@ from stribeck.simulation.solution import Solution
 
 
 def simulate(
-    scenario: Scenario | Machine | str | Path | Mapping[str, Any],
+    scenario: Scenario | Machine | str | Path | Mapping[str, object],
     progress: Callable[[float], None] | None = None,
     *,
     t_end: float | None = None,
     step: float | None = None,
-    **solve: Any,
+    **solve: object,
 ) -> Solution:
     """Simulate a scenario or a machine.
 

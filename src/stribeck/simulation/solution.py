@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -122,14 +122,14 @@ class Solution:
         return {name: float(self[name][-1]) for name in ("t", *self._columns)} if len(self.t) else {}
 
     @property
-    def laws(self) -> dict[str, Any]:
+    def laws(self) -> dict[str, object]:
         """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
         rig = self.scenario.rig
         if rig is None:
             return {"law": _about(self.scenario.law)}
         return {"contacts": {c.name: {"law": _about(rig.laws[c.law_path])} for c in rig.machine.contacts}}
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """What ``stribeck run --json`` prints, without the files."""
         return {
             "status": self.status,
@@ -144,11 +144,11 @@ class Solution:
         }
 
 
-def _about(law: Law) -> dict[str, Any]:
+def _about(law: Law) -> dict[str, object]:
     return {"name": law.name, "constants": {**law.values, **law.choices}}
 
 
-def _lists(events: dict[str, Any]) -> dict[str, Any]:
+def _lists(events: Mapping[str, Any]) -> dict[str, object]:
     return {name: _lists(x) if isinstance(x, dict) else x.tolist() for name, x in events.items()}
 
 

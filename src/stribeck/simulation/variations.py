@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from stribeck.arrays import Array
 from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
 from stribeck.scenario import Scenario
 from stribeck.signals import Signal
@@ -101,7 +102,7 @@ class Variations:
 
     # -- what the equations take, a row for each lane --------------------------------------------------------------
 
-    def constant(self, owner: str, name: str) -> Any:
+    def constant(self, owner: str, name: str) -> Value:
         """A constant: an array over the lanes where it varies, else a number, or None."""
         return self._varied.get((owner, name), self._fixed.get((owner, name)))
 
@@ -224,7 +225,7 @@ class Variations:
         found: dict[Place, float | None] = {("law", name): x for name, x in (s.law.machine | s.law.values).items()}
         return {**found, **s.values(), **{("signal", name): x for name, x in s.signal.values.items()}}
 
-    def _table(self, columns: list[Any]) -> Array:
+    def _table(self, columns: list[Array | float]) -> Array:
         return np.stack([np.broadcast_to(np.asarray(x, float), (len(self),)) for x in columns], axis=1)
 
 
@@ -306,5 +307,5 @@ def _places(scenario: Scenario) -> dict[str, Place]:
     return places | {f"drive.signal.{name}": ("signal", name) for name in s.signal.constants}
 
 
-def _guess(path: str, known: Mapping[str, Any]) -> str:
+def _guess(path: str, known: Mapping[str, object]) -> str:
     return nearest(path, known) or f" (what can be: {', '.join(known)})"

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from stribeck import laws
 from stribeck.constants import show
@@ -45,7 +44,7 @@ class Advice:
     cost: Cost | None
     level: LevelAdvice | None = None
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> dict[str, object]:
         """As plain data."""
         return asdict(self)
 
@@ -128,7 +127,7 @@ def _advices(
 
 
 def _about_level(
-    name: str, parameters: str | Mapping[str, float] | None, asked: Asked, constants: Mapping[str, Any]
+    name: str, parameters: str | Mapping[str, float] | None, asked: Asked, constants: Mapping[str, float | str | None]
 ) -> dict[str, Advice]:
     """The answer about the level alone, for one law and any k_v."""
     assert asked.level is not None
@@ -147,8 +146,9 @@ def _advice(law: Law, found: Iterable[Requirement], v_max: float, mass: float | 
 
 
 def _law(
-    name: str, parameters: str | Mapping[str, float] | None, scenario: Scenario | None, constants: Mapping[str, Any]
-) -> Law:
+    name: str, parameters: str | Mapping[str, float] | None, scenario: Scenario | None,
+    constants: Mapping[str, float | str | None],
+) -> Law:  # fmt: skip
     found = laws.find(name)
     if name not in laws.builtin() or not found.has_z or "k_v" not in found.constants():
         fit = [n for n, each in laws.builtin().items() if each.has_z and "k_v" in each.constants()]

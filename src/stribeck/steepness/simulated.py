@@ -5,11 +5,12 @@ from __future__ import annotations
 from abc import abstractmethod
 from dataclasses import dataclass, field
 from math import pi
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from stribeck.errors import InputError, StribeckError
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.properties.replay import law_table
 from stribeck.scenario import Scenario
@@ -21,7 +22,7 @@ _ROWS = 1000
 _STEPS = 20_000_000  # attempted; a law without resistance would slide for ever
 
 
-def _law(law: Law) -> dict[str, Any]:
+def _law(law: Law) -> dict[str, object]:
     table = law_table(law)
     assert table is not None, "laws of the package have a name"
     return table
@@ -39,7 +40,7 @@ class _Simulated(Tolerance):
     """The position's error in a scenario against the exact law."""
 
     tolerance: float
-    _references: dict[str, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _references: dict[str, Value] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @abstractmethod
     def scenario(self, law: Law) -> Scenario:
@@ -61,7 +62,7 @@ class _Simulated(Tolerance):
         error = float(np.max(np.abs(_solve(self.scenario(law))["y"] - y)))
         return error / float(np.max(np.abs(y))) if self.relative else error
 
-    def _judge(self, law: Law, y: Any) -> None:
+    def _judge(self, law: Law, y: Value) -> None:
         """Refuse a scenario that does not show what is asked for, by the exact law's position in it."""
 
     def need(self, law: Law) -> Requirement:
@@ -91,7 +92,7 @@ class PreslidingError(_Simulated):
         name = f"error of presliding at {self.force_rate:g} N/s"
         return name, f"a cycle of the force between +-{self.share:g} F_s, held for half the ramp's time"
 
-    def _judge(self, law: Law, y: Any) -> None:
+    def _judge(self, law: Law, y: Value) -> None:
         """Loaded slowly to a share of F_s, LuGre moves by F_s/sigma_0 ln(1/(1 - share)): dz/dy = 1 - z/g."""
         if np.max(np.abs(y)) > 2 * law.p.F_s / law.p.sigma_0 * -np.log1p(-self.share):
             text = f"so fast {family(law)} breaks away below {self.share:g} F_s; must be slower, or the share smaller"

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import inf, pi, sqrt, tan
-from typing import Any
 
 import numpy as np
 
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.laws.terms import g
 from stribeck.steepness.search import FORMULA, STEADY, Requirement, Tolerance, counterpart, family, smallest, with_k_v
@@ -29,7 +29,7 @@ def inverse(law: Law, q: float) -> tuple[float | None, str]:
     return None, ""
 
 
-def _carries(law: Law, v: Any, load: float) -> Any:
+def _carries(law: Law, v: Value, load: float) -> Value:
     """True where steady friction at v is the load or more: at the z that carries it, z still grows."""
     return law.rate(v, (load - law.p.sigma_2 * v) / law.p.sigma_0) >= 0
 

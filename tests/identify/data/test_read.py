@@ -10,7 +10,7 @@ from scipy.io import savemat
 
 from stribeck import InputError
 from stribeck.identify.data.filters import decimate, shifted, zero_phase
-from stribeck.identify.data.prepare import Preparation, load
+from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.quality import clean
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.recorded import read_columns
@@ -105,7 +105,7 @@ def test_bad_columns_are_one_clear_line(columns, said, tmp_path):
 )
 def test_bad_files_are_one_clear_line(rows, said, tmp_path):
     with pytest.raises(InputError, match=said) as caught:
-        load([_csv(tmp_path / "log.csv", rows)], ColumnNames(NAMES))
+        load_log([_csv(tmp_path / "log.csv", rows)], ColumnNames(NAMES))
     assert len(caught.value.problems) == 1
 
 
@@ -148,7 +148,7 @@ def test_damage_is_found_said_and_cut_away():
 def test_uneven_samples_are_put_on_an_even_grid(tmp_path):
     rng = np.random.default_rng(1)
     t = T + 3e-4 * rng.random(len(T))
-    log = load([_csv(tmp_path / "log.csv", _rows(t, np.sin(8 * t), F))], ColumnNames(NAMES), Preparation(cutoff=0))
+    log = load_log([_csv(tmp_path / "log.csv", _rows(t, np.sin(8 * t), F))], ColumnNames(NAMES), Preparation(cutoff=0))
     assert "not evenly spaced" in " ".join(log.quality)
     np.testing.assert_allclose(np.diff(log.time), log.step, rtol=1e-9)
     np.testing.assert_allclose(log.position, np.sin(8 * log.time), atol=1e-4)
@@ -245,7 +245,7 @@ def _record(path, step, rate_changes=False, hold=1):
 
 def test_files_of_unlike_sampling_are_one_log(tmp_path):
     files = [_record(tmp_path / f"{k}.csv", step) for k, step in enumerate((1e-3, 2e-3, 5e-3))]
-    log = load(files, ColumnNames(NAMES), Preparation())
+    log = load_log(files, ColumnNames(NAMES), Preparation())
     assert log.step == pytest.approx(2e-3, rel=1e-6)
     assert any("sampled at different steps (0.001, 0.002, 0.005 s)" in note for note in log.quality)
     assert log.files == ("0.csv", "1.csv", "2.csv")
@@ -256,10 +256,10 @@ def test_files_of_unlike_sampling_are_one_log(tmp_path):
 
 
 def test_two_clocks_in_a_file_are_noticed(tmp_path):
-    log = load([_record(tmp_path / "rate.csv", 1e-3, rate_changes=True)], ColumnNames(NAMES), Preparation())
+    log = load_log([_record(tmp_path / "rate.csv", 1e-3, rate_changes=True)], ColumnNames(NAMES), Preparation())
     assert any("two clocks: the step changes within the file" in note for note in log.quality)
     assert log.time[-1] > 7
-    held = load([_record(tmp_path / "held.csv", 1e-3, hold=10)], ColumnNames(NAMES), Preparation())
+    held = load_log([_record(tmp_path / "held.csv", 1e-3, hold=10)], ColumnNames(NAMES), Preparation())
     assert any("two clocks: position changes in every 10th row only" in note for note in held.quality)
     v = 0.1 * np.pi * np.cos(np.pi * held.time)
     np.testing.assert_allclose(held.velocity[200:-200], v[200:-200], atol=0.02 * 0.1 * np.pi)
@@ -269,16 +269,16 @@ def test_the_hash_is_the_files(tmp_path):
     from hashlib import sha256
 
     files = [_record(tmp_path / f"{k}.csv", 1e-3) for k in range(2)]
-    log = load(files[:1], ColumnNames(NAMES), Preparation())
+    log = load_log(files[:1], ColumnNames(NAMES), Preparation())
     assert log.hash == sha256(files[0].read_bytes()).hexdigest()
-    both = load(files, ColumnNames(NAMES), Preparation())
+    both = load_log(files, ColumnNames(NAMES), Preparation())
     assert both.hashes == tuple(sha256(f.read_bytes()).hexdigest() for f in files)
 
 
 def test_a_spike_at_the_end_of_a_moving_record_is_trimmed(tmp_path):
     t = np.arange(0, 6.3, 1e-3)
     x = 0.1 * np.sin(2 * np.pi * 0.5 * t) + 1e-6 * np.random.default_rng(0).standard_normal(len(t))
-    log = load([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(np.pi * t)))], ColumnNames(NAMES), Preparation())
+    log = load_log([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(np.pi * t)))], ColumnNames(NAMES), Preparation())
     assert np.max(abs(log.acceleration)) < 1.5 * 0.1 * np.pi**2
 
 
@@ -286,7 +286,7 @@ def test_a_small_motion_is_not_erased_by_the_filter(tmp_path):
     t = np.arange(0, 20, 1e-3)
     x = 3.5e-4 * np.sign(np.sin(2 * np.pi * t)) * abs(np.sin(2 * np.pi * t)) ** 0.2
     x = np.round(x / 2e-5) * 2e-5 + 1e-6 * np.random.default_rng(0).standard_normal(len(t))
-    log = load([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(t)))], ColumnNames(NAMES), Preparation())
+    log = load_log([_csv(tmp_path / "log.csv", _rows(t, x, np.cos(t)))], ColumnNames(NAMES), Preparation())
     assert np.ptp(log.position) > 0.9 * np.ptp(x)
     kept = np.searchsorted(t, log.time - 1e-6)
     assert np.std(log.position - x[kept]) < 0.12 * np.std(x)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.identify.data.prepare import Preparation, load
+from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.filtering import filter_bias
 from stribeck.identify.models.dynamic_problem import velocity_problem
@@ -46,7 +46,7 @@ def test_motion_taken_as_it_is_has_no_filter_to_doubt():
 def test_a_simulation_follows_what_moves_at_a_tenth_of_the_sampling_rate():
     t, rate = np.arange(400) * 2e-3, 2 * np.pi * 50
     table = {"t": t, "x": np.sin(rate * t), "F": np.cos(rate * t)}
-    log = load([table], ColumnNames({"time": "t", "position": "x", "force": "F"}), Preparation(0.0, None, True))
+    log = load_log([table], ColumnNames({"time": "t", "position": "x", "force": "F"}), Preparation(0.0, None, True))
     inside = slice(50, -50)
     assert log.velocity[inside] == pytest.approx(rate * np.cos(rate * t[inside]), abs=2e-3 * rate)
     assert log.acceleration[inside] == pytest.approx(-(rate**2) * np.sin(rate * t[inside]), abs=4e-3 * rate**2)

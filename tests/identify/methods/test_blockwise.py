@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from stribeck.identify.methods.blockwise import solve
+from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.models.dynamic_problem import velocity_problem
 from stribeck.identify.models.problem import Coordinate, linear_step
 from tests.identify import rig
@@ -71,7 +71,7 @@ START = np.array([1.0, 1.0, 0.0, 0.0, 0.0])
 def test_the_optimum_is_that_of_all_unknowns_together(most):
     problem = Decays(most)
     point, cost = reference(problem)
-    found = solve(problem, START, 1e-12, 100)
+    found = solve_blocks(problem, START, 1e-12, 100)
     assert found.converged
     assert found.cost == pytest.approx(cost, rel=1e-9)
     assert found.point == pytest.approx(point, abs=1e-4)
@@ -83,14 +83,14 @@ def test_a_number_that_is_held_stays_and_the_others_adapt(held):
     problem, start = Decays(), START.copy()
     start[held] = 0.9
     point, cost = reference(problem, held, 0.9)
-    found = solve(problem, start, 1e-12, 100, held=[held])
+    found = solve_blocks(problem, start, 1e-12, 100, held=[held])
     assert found.point[held] == 0.9
     assert found.cost == pytest.approx(cost, rel=1e-9)
     assert found.point == pytest.approx(point, abs=1e-4)
 
 
 def test_a_wall_is_met_and_hardly_passed():
-    found = solve(Decays(wall=2.0), START, 1e-12, 100)
+    found = solve_blocks(Decays(wall=2.0), START, 1e-12, 100)
     assert 2.0 <= found.point[0] < 2.001
     assert found.cost == pytest.approx(reference(Decays(most=2.0))[1], rel=1e-3)
 
@@ -109,7 +109,7 @@ def test_derivatives_beyond_what_a_law_allows_are_those_of_the_residuals():
 
 
 def test_it_ends_when_the_evaluations_do():
-    assert not solve(Decays(), START, 1e-12, 2).converged
+    assert not solve_blocks(Decays(), START, 1e-12, 2).converged
 
 
 def test_what_the_output_does_not_hang_on_is_not_moved():

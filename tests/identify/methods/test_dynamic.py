@@ -9,7 +9,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.models.dynamic_problem import velocity_problem
 from stribeck.identify.models.problem import Tie
-from stribeck.rig.synthetic import Body
+from stribeck.rig.synthetic import Slider
 from tests.identify import rig
 
 RIG = {"mass": 0.0, "starts": 3}
@@ -62,7 +62,7 @@ def test_a_reversal_between_two_samples_is_no_presliding(full):
 
 
 def test_mass_spring_and_offset_are_told_apart():
-    log = rig.measured([*rig.LOOPS, *rig.STROKES], body=Body(mass=2.0, stiffness=500.0, offset=3.0))
+    log = rig.measured([*rig.LOOPS, *rig.STROKES], body=Slider(mass=2.0, stiffness=500.0, offset=3.0))
     fit = fit_dynamic(log, "lugre", body=("offset", "stiffness"), starts=3)
     for name, truth in (("mass", 2.0), ("stiffness", 500.0), ("offset", 3.0)):
         assert fit.body[name].value == pytest.approx(truth, rel=0.03), name

@@ -97,6 +97,27 @@ def test_the_seals_friction_grows_with_pressure_and_predicts_a_pressure_left_out
         assert row["predicted"] == pytest.approx(row["level"], rel=0.06)
 
 
+def test_friction_that_grows_with_pressure_is_found_in_logs_made_here(tmp_path):
+    """As the seal's, where its logs are not at hand: a column of bar for each file, and an area that it acts on."""
+    rng, area, t = np.random.default_rng(3), 5e-4, 2e-3 * np.arange(3000)
+    y, v = 0.02 * np.sin(2 * np.pi * 0.5 * t), 0.02 * np.pi * np.cos(2 * np.pi * 0.5 * t)
+    for bar in (1, 3, 5, 7):
+        pressure = 1e5 * (bar + 0.02 * rng.standard_normal(len(t)))
+        force = area * pressure + (4 + 0.5 * bar) * np.sign(v) + 0.1 * rng.standard_normal(len(t))
+        rows = np.column_stack([1e3 * t, 1e3 * y, pressure / 1e5, force])
+        np.savetxt(tmp_path / f"{bar}.csv", rows, delimiter=",", header="t,y,p,F", comments="")
+    fit = stribeck.fit(
+        [tmp_path / f"{bar}.csv" for bar in (1, 3, 5, 7)], "coulomb_viscous", time="t", position="y", pressure="p",
+        force="F", units={"t": "ms", "y": "mm", "p": "bar"}, mass=0, terms=["area", "F_c_by_pressure"],
+        constants={"sigma_2": 0}, robust=True,
+    )  # fmt: skip
+    assert fit.body["area"].value == pytest.approx(area, rel=2e-3)
+    assert fit.body["F_c_by_pressure"].value == pytest.approx(0.5e-5, rel=0.02)
+    for bar, row in zip((1, 3, 5, 7), fit.details["levels"], strict=True):
+        assert row["level"] == pytest.approx(4 + 0.5 * bar, rel=0.02)
+        assert row["predicted"] == pytest.approx(row["level"], rel=0.03)
+
+
 def test_the_truth_is_found_with_load_spring_and_a_delay():
     rng = np.random.default_rng(0)
     n = 20000

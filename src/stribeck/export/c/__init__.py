@@ -3,5 +3,9 @@
 from stribeck.export.request import Target
 
 TARGET = Target(
-    "c", "c.c99", "C99 for a drive's firmware", ("law", "body", "observer", "cascade", "machine"), self_test=True
+    "c",
+    "c.c99",
+    "C99 for a drive's firmware",
+    ("law", "body", "observer", "cascade", "machine", "controller", "compensator"),
+    self_test=True,
 )

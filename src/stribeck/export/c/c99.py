@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import json
 from importlib.resources import files as resources
-from typing import Any
 
+from stribeck.control.observer import least_K_D
 from stribeck.errors import InputError, arg
 from stribeck.export.c import cascade
-from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, condition, net_force, render
+from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, c_condition, net_force, render
 from stribeck.export.request import Request
+from stribeck.expressions import pretty
+from stribeck.expressions.graph import symbol, wrap
 from stribeck.laws import builtin
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Law
 
@@ -31,7 +33,7 @@ def files(request: Request) -> dict[str, str | bytes]:
     return content
 
 
-def context(request: Request) -> dict[str, Any]:
+def context(request: Request) -> dict[str, object]:
     """What the templates need."""
     law, equations = request.law, LawCode(request.law)
     if request.part == "observer" and not equations.observable:
@@ -55,7 +57,14 @@ def context(request: Request) -> dict[str, Any]:
         "net_force": net_force(),
         "with_observer": equations.observable and request.part in ("law", "observer"),
         "proven_observer": equations.observable and equations.linear,
+        "least_K_D": _least_K_D(),
     }
+
+
+def _least_K_D() -> str:
+    """The proof's condition on K_D, for people."""
+    names = ("K", "sigma_0", "sigma_1", "w")
+    return pretty.write(wrap(least_K_D(*map(symbol, names))), dict(zip(names, names, strict=True)), latex=False)
 
 
 def costs(law: Law) -> list[str]:
@@ -76,7 +85,7 @@ def costs(law: Law) -> list[str]:
 def _relations(law: Law, constants: dict[str, float]) -> list[tuple[str, str, str]]:
     """(the constant to blame, what is allowed, the condition in C) for every relation of the law."""
     found = dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB))
-    return [(r.key, r.allowed, condition(r.holds, law)) for r in found if all(need in constants for need in r.needs)]
+    return [(r.key, r.allowed, c_condition(r.holds, law)) for r in found if all(need in constants for need in r.needs)]
 
 
 def notes(request: Request) -> list[str]:

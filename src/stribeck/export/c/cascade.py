@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
 
 from stribeck.constants import Constant
 from stribeck.control.cascade import F_HAT, MEASURED, E, PressureCascade, S
 from stribeck.control.observer import START, Z_HAT
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
-from stribeck.export.c.ccode import WORDS, condition, render, statements
+from stribeck.export.c.ccode import WORDS, c_condition, render, statements
 from stribeck.export.request import Request, ascii_only, made_by, valued
 from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
 from stribeck.expressions.names import Names
@@ -150,7 +149,7 @@ class ControllerCode:
         law, has = self.settings.observer, self.constants.get("observer", {})
         found = dict.fromkeys((*(law.relations if law else ()), *STATIC_ABOVE_COULOMB))
         return [
-            (f"observer_{r.key}", r.allowed, condition(r.holds, law, "p->observer."))
+            (f"observer_{r.key}", r.allowed, c_condition(r.holds, law, "p->observer."))
             for r in found
             if law is not None and all(need in has for need in r.needs)
         ]
@@ -188,7 +187,7 @@ class ControllerCode:
             lines += [valued(f"{group}.{n}", x, c) for n, (c, x) in constants.items()]
         return [ascii_only(line) for line in (*lines, made_by())]
 
-    def context(self) -> dict[str, Any]:
+    def context(self) -> dict[str, object]:
         """What the templates need."""
         name = self.name
         bad = [n for constants in self.constants.values() for n in constants if n in WORDS or not n.isascii()]

@@ -6,14 +6,15 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
 
 from stribeck.control.observer import correction
 from stribeck.errors import needed
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
 from stribeck.expressions.names import Names
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
+from stribeck.laws.values import Constants
 from stribeck.plants.mass import Mass
 
 _FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "pow")
@@ -109,7 +110,7 @@ class LawCode:
         return any(node.op in operations for node in ordered(self.expressions.values()))
 
 
-def condition(holds: Callable[[Any], Any], law: Law, place: str = "p->") -> str:
+def c_condition(holds: Callable[[Constants], Value], law: Law, place: str = "p->") -> str:
     """A relation between the constants as a condition in C; ``place``: of what they are members."""
     writer = CWriter(DIALECT, {name: f"{place}{name}" for name in law.constants()}, taken=_TAKEN)
     line = writer.write([("result", wrap(holds(law.symbolic(symbol, law.form))))])[-1]
@@ -129,7 +130,7 @@ def net_force() -> dict[str, str]:
     return {"value": expression(value, ("u", "F")), "by_F": expression(derivative(value, F), ("u", "F"))}
 
 
-def render(template: str, **values: Any) -> str:
+def render(template: str, **values: object) -> str:
     """A template of this package, filled in."""
     with needed("an export", "export"):
         import jinja2

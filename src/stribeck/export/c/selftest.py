@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -15,6 +14,7 @@ from stribeck.export.request import Request
 from stribeck.expressions import ops
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, ordered, partials, wrap
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
 
@@ -39,7 +39,7 @@ def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
     return found
 
 
-def terms(equations: LawCode, names: tuple[str, ...]) -> Any:
+def terms(equations: LawCode, names: tuple[str, ...]) -> Value:
     """A function (v, z) -> for each expression the sum of its absolute terms: what its rounding is measured by."""
     known: dict[Expr, Expr] = {}
     outputs = [equations.expressions[name] for name in names]
@@ -59,7 +59,7 @@ def terms(equations: LawCode, names: tuple[str, ...]) -> Any:
 
 def samples(cascade: ControllerCode) -> list[tuple[str, ...]]:
     """Rows for the test of a cascade controller: path, measurements, states, dt; then what must come out, each number
-    with its :func:`spread`: the outputs, and the states afterwards."""
+    with its :func:`output_spread`: the outputs, and the states afterwards."""
     m, law, rng = cascade.settings.model, cascade.settings.observer, np.random.default_rng(1)
     z = law.scales(law.p).length if law and law.has_z else 0.0
     gas = (m["atmospheric_pressure"], m["supply_pressure"])
@@ -77,7 +77,7 @@ def samples(cascade: ControllerCode) -> list[tuple[str, ...]]:
 
 
 def sampled(cascade: ControllerCode) -> Callable[[dict[str, float], float], list[tuple[float, float]]]:
-    """A function of path, measurements and states by name, and dt: value and :func:`spread` of each output, then of
+    """A function of path, measurements and states by name, and dt: value and :func:`output_spread` of each output, then of
     each state afterwards."""
     states, values = [column.name for column, _ in cascade.states], cascade.constants
     names = [column.name for column in OUTPUTS]
@@ -85,7 +85,7 @@ def sampled(cascade: ControllerCode) -> Callable[[dict[str, float], float], list
     wanted = [cascade.expressions[name] for name in names]
     constants = {f"{g}.{n}": value for g, group in values.items() for n, (_, value) in group.items()}
     inputs = [f"path.{column.name}" for column in PATH] + [column.name for column in INPUTS] + states
-    function = python_function([*constants, *inputs], [*wanted, *spread(wanted)])
+    function = python_function([*constants, *inputs], [*wanted, *output_spread(wanted)])
 
     def at(given: dict[str, float], dt: float) -> list[tuple[float, float]]:
         found = [float(x) for x in function(*constants.values(), *(given[name] for name in inputs))]
@@ -101,7 +101,7 @@ def sampled(cascade: ControllerCode) -> Callable[[dict[str, float], float], list
     return at
 
 
-def spread(outputs: list[Expr]) -> list[Expr]:
+def output_spread(outputs: list[Expr]) -> list[Expr]:
     """By how much each output can change where every symbol and constant is wrong by a share of itself, per share, to
     first order: the sum of the absolute terms, where terms pass through functions. Rounding is measured by it."""
     known: dict[Expr, Expr] = {}
@@ -142,5 +142,5 @@ def advance(law: Law, v: float, z: float, dt: float) -> float:
     return float(solution.y[0, -1])
 
 
-def _row(numbers: Any) -> tuple[str, ...]:
+def _row(numbers: Value) -> tuple[str, ...]:
     return tuple(repr(float(x)) for x in numbers)

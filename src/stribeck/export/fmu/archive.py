@@ -16,6 +16,7 @@ from stribeck.export.fmu.binaries import binaries
 from stribeck.export.fmu.description import Variable, build_description, model_description, token
 from stribeck.export.request import Request
 from stribeck.expressions.graph import derivative, symbol, wrap
+from stribeck.laws.base import Scales
 from stribeck.plants.mass import Mass
 
 
@@ -70,7 +71,7 @@ def context(request: Request) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _variables(request: Request, mass: float, initial: dict[str, float], scales: Any) -> list[Variable]:
+def _variables(request: Request, mass: float, initial: dict[str, float], scales: Scales) -> list[Variable]:
     law, body = request.law, request.part == "body"
     found: list[Variable] = []
 

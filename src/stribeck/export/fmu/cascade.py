@@ -13,7 +13,7 @@ def context(request: Request) -> dict[str, Any]:
     """What the templates of the C and of the description need."""
     cascade = ControllerCode(request)
     values, variables = cascade.context(), _variables(cascade)
-    about, model = values["about"], cascade.name
+    about, model = cascade.about(), cascade.name
     return values | {
         "fmi": request.fmi, "model": model, "variables": variables, "derivatives": [], "exchange": False, "states": [],
         "token": token(model, request.fmi, about, variables),

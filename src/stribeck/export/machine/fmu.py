@@ -16,7 +16,7 @@ def files(model: MachineModel, fmi: int) -> dict[str, str | bytes]:
     values, variables = model.context(), variables_of(model)
     values |= {
         "fmi": fmi, "variables": variables, "derivatives": [], "exchange": False, "states": [],
-        "token": token(model.name, fmi, values["about"], variables),
+        "token": token(model.name, fmi, model.about(), variables),
     }  # fmt: skip
     sources = {
         f"{model.name}.h": render("machine.h", **values),

@@ -6,17 +6,16 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from stribeck.codegen import PORTABLE, parameter_names, with_columns
 from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
-from stribeck.export.c.ccode import WORDS, condition
+from stribeck.export.c.ccode import WORDS, c_condition
 from stribeck.export.request import ascii_only, made_by, valued
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
-from stribeck.machine.parts import INPUT, SignalUse, opened
-from stribeck.machine.system import Machine
+from stribeck.machine.parts import INPUT, SignalUse, with_inputs
+from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.simulation.native import step_share
 from stribeck.simulation.result import held_back
@@ -43,7 +42,7 @@ class Input:
 
 
 @dataclass(frozen=True)
-class Parameter:
+class RunTimeConstant:
     """A run-time constant: its path in the file, its name in C, its declaration and value."""
 
     path: str
@@ -64,7 +63,7 @@ class MachineModel:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'machine' needs a machine (schema = 2)")
         self.scenario, self.rig, self.origin = scenario, scenario.rig, origin
-        self.machine: Machine = opened(scenario.rig.machine)
+        self.machine: MachineSystem = with_inputs(scenario.rig.machine)
 
     @cached_property
     def name(self) -> str:
@@ -87,12 +86,12 @@ class MachineModel:
         return self.machine.columns
 
     @cached_property
-    def parameters(self) -> list[Parameter]:
+    def parameters(self) -> list[RunTimeConstant]:
         """Every run-time constant, in the order in which the code takes them; inputs among them."""
         values = {**self.rig.values, **dict.fromkeys([p for p in self.machine.parameters if p[1] == INPUT], 0.0)}
         names = parameter_names(self.machine)
         return [
-            Parameter(f"{path}.{n}", c, self.machine.constant(path, n), float(values[path, n]))
+            RunTimeConstant(f"{path}.{n}", c, self.machine.constant(path, n), float(values[path, n]))
             for (path, n), c in zip(self.machine.parameters, names, strict=True)
         ]
 
@@ -107,13 +106,13 @@ class MachineModel:
         ]
 
     @cached_property
-    def tunable(self) -> list[Parameter]:
+    def tunable(self) -> list[RunTimeConstant]:
         """The constants that are no inputs."""
         taken = {each.parameter for each in self.inputs}
         return [each for i, each in enumerate(self.parameters) if i not in taken]
 
     @property
-    def conditions(self) -> list[tuple[Parameter, str, str]]:
+    def conditions(self) -> list[tuple[RunTimeConstant, str, str]]:
         """(a constant, what is allowed in words, the condition in C on ``p``)."""
         found = []
         for each in self.tunable:
@@ -129,7 +128,7 @@ class MachineModel:
                 blamed = by_path.get(f"{path}.{r.key}")
                 if blamed is None or any(f"{path}.{n}" not in by_path for n in r.needs):
                     continue
-                text = condition(r.holds, law, "p->@")
+                text = c_condition(r.holds, law, "p->@")
                 text = re.sub(r"p->@(\w+)", lambda m, p=path: f"p->{by_path[f'{p}.{m[1]}'].name}", text)  # type: ignore[misc]
                 found.append((blamed, r.allowed, text))
         return found
@@ -147,7 +146,7 @@ class MachineModel:
         lines += [valued(each.path, each.value, each.constant) for each in self.tunable]
         return [ascii_only(line) for line in (*lines, made_by())]
 
-    def context(self) -> dict[str, Any]:
+    def context(self) -> dict[str, object]:
         """What the templates need."""
         scenario, machine, held = self.scenario, self.machine, len(self.machine.held)
         pieces, share = scenario.pieces(), step_share(scenario)
@@ -211,7 +210,7 @@ def _plain(line: str) -> str:
     return line.encode("ascii", "replace").decode()
 
 
-def _unit_of(machine: Machine, use: SignalUse) -> str:
+def _unit_of(machine: MachineSystem, use: SignalUse) -> str:
     """What a signal is measured in, by the table that it stands in."""
     section, name, *_rest = use.path.split(".")
     if section == "bodies":

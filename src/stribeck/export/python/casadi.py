@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
 from stribeck.export.optional import package
 from stribeck.expressions import ops
+from stribeck.expressions.ops import Value
 from stribeck.laws import builtin
 from stribeck.laws.base import Law
 
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 class _Backend:
     """The operations of :mod:`stribeck.expressions.ops` on CasADi's MX, SX and DM."""
 
-    def __getattr__(self, op: str) -> Callable[..., Any]:
+    def __getattr__(self, op: str) -> Callable[..., Value]:
         ca = package("casadi", "tools")
         table = {"where": ca.if_else, "both": ca.logic_and, "either": ca.logic_or}
         return table.get(op) or getattr(ca, op)  # type: ignore[no-any-return]
@@ -30,7 +32,7 @@ ops.register("casadi", _Backend())
 
 def to_casadi(law: Law, free: Sequence[str] = ()) -> casadi.Function:
     """See :meth:`stribeck.laws.Law.to_casadi`."""
-    ca: Any = package("casadi", "tools")
+    ca: ModuleType = package("casadi", "tools")
     known = list(law.p.numbers)
     problems = [
         f"free: {show(n)}: law '{law.name}' has no such constant{nearest(n, known)}" for n in free if n not in known

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
 
-def checked(law: Law, given: dict[str, Any]) -> dict[str, Any]:
+def checked(law: Law, given: dict[str, Value]) -> dict[str, Value]:
     """The constants given, each of which the law has.
 
     Raises:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
+from types import ModuleType, SimpleNamespace
 
 from stribeck.errors import note
 from stribeck.export.optional import package
 from stribeck.export.python import stepping
 from stribeck.export.python.constants import checked
-from stribeck.export.python.written import FUNCTIONS, equations
+from stribeck.export.python.written import FUNCTIONS, written_equations
 from stribeck.expressions import ops
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.laws.values import Constants
 
@@ -20,7 +20,7 @@ class _Backend:
 
     _names = {"atan": "arctan", "both": "logical_and", "either": "logical_or"}
 
-    def __getattr__(self, op: str) -> Any:
+    def __getattr__(self, op: str) -> Value:
         return getattr(package("jax.numpy", "jax"), self._names.get(op, op))
 
 
@@ -37,39 +37,41 @@ class JaxLaw:
 
     def __init__(self, law: Law) -> None:
         self.law = law
-        self._step: Any = None
+        self._step: Value = None
 
-    def _constants(self, given: dict[str, Any]) -> Constants:
+    def _constants(self, given: dict[str, Value]) -> Constants:
         return self.law.p.replaced(checked(self.law, given))
 
-    def rate(self, v: Any, z: Any, **constants: Any) -> Any:
+    def rate(self, v: Value, z: Value, **constants: Value) -> Value:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""
         v, z = self._arrays(v, z)
         return self.law.dz_dt(self._constants(constants), v, z)
 
-    def force(self, v: Any, z: Any = 0.0, **constants: Any) -> Any:
+    def force(self, v: Value, z: Value = 0.0, **constants: Value) -> Value:
         """Friction force in N for velocities v (m/s) and deflections z (m)."""
         v, z = self._arrays(v, z)
         p = self._constants(constants)
         return self.law.friction(p, v, z, self.law.dz_dt(p, v, z))
 
-    def step(self, state: Any, v: Any, effort: Any, inertia: Any, dt: Any, **constants: Any) -> tuple[Any, Any]:
+    def step(
+        self, state: Value, v: Value, effort: Value, inertia: Value, dt: Value, **constants: Value
+    ) -> tuple[Value, Value]:
         """One implicit step of joints and their bristles: the state after it, and the friction during it.
 
         See :meth:`stribeck.export.python.torch.TorchLaw.step`; here grad, jvp, jit, vmap and scan apply.
         """
         given = checked(self.law, constants)
         numbers = {n: x for n, x in {**self.law.values, **given}.items() if x is not None}
-        jnp: Any = package("jax.numpy", "jax")
+        jnp: ModuleType = package("jax.numpy", "jax")
         arrays = jnp.broadcast_arrays(*self._arrays(state, v, effort, inertia, dt, *numbers.values()))
         if self._step is None:
             self._step = _differentiable(self.law)
         x, force, _, _ = self._step(dict(zip(numbers, arrays[5:], strict=True)), tuple(arrays[:5]))
         return x, force
 
-    def settle(self, state: Any, v: Any, dt: Any, **constants: Any) -> Any:
+    def settle(self, state: Value, v: Value, dt: Value, **constants: Value) -> Value:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
-        jnp: Any = package("jax.numpy", "jax")
+        jnp: ModuleType = package("jax.numpy", "jax")
         state, v, dt = self._arrays(state, v, dt)
         p = SimpleNamespace(
             **{n: jnp.asarray(x, float) for n, x in vars(self._constants(constants)).items() if _number(x)}
@@ -77,37 +79,37 @@ class JaxLaw:
         return stepping.settled(jnp, _loop, _equations(self.law), p, v, state + 0 * v, dt)
 
     @staticmethod
-    def _arrays(*values: Any) -> tuple[Any, ...]:
+    def _arrays(*values: Value) -> tuple[Value, ...]:
         return tuple(package("jax.numpy", "jax").asarray(x, float) for x in values)
 
 
-def _number(x: Any) -> bool:
+def _number(x: Value) -> bool:
     return x is not None and not isinstance(x, str)
 
 
-def _loop(body: Any, state: Any) -> Any:
+def _loop(body: Value, state: Value) -> Value:
     """Repeat body while any entry of state[0] is unfinished."""
-    lax: Any = package("jax.lax", "jax")
+    lax: ModuleType = package("jax.lax", "jax")
     return lax.while_loop(lambda s: s[0].any(), lambda s: tuple(body(s)), tuple(state))
 
 
-def _equations(law: Law) -> Any:
-    jnp: Any = package("jax.numpy", "jax")
+def _equations(law: Law) -> Value:
+    jnp: ModuleType = package("jax.numpy", "jax")
     backend = _Backend()
-    return equations(law, {**{name: getattr(backend, name) for name in FUNCTIONS}, "like": jnp.full_like})
+    return written_equations(law, {**{name: getattr(backend, name) for name in FUNCTIONS}, "like": jnp.full_like})
 
 
-def _differentiable(law: Law) -> Any:
+def _differentiable(law: Law) -> Value:
     """The step with its derivative by the implicit function theorem."""
-    jax: Any = package("jax", "jax")
+    jax: ModuleType = package("jax", "jax")
     jnp, own = jax.numpy, _equations(law)
 
     @jax.custom_jvp  # type: ignore[untyped-decorator]
-    def step(p: Any, given: Any) -> Any:
+    def step(p: Value, given: Value) -> Value:
         return stepping.solved(jnp, _loop, own, SimpleNamespace(**p), given)
 
     @step.defjvp  # type: ignore[untyped-decorator]
-    def derivative(values: Any, moved: Any) -> Any:
+    def derivative(values: Value, moved: Value) -> Value:
         (p, given), (constants, changes) = values, moved
         x, force, w, jump = step(p, given)
         x_, force_ = stepping.tangent(jnp, own, SimpleNamespace(**p), (x, w, jump), given, changes, constants)
@@ -119,7 +121,7 @@ def _differentiable(law: Law) -> Any:
 
 def to_jax(law: Law) -> JaxLaw:
     """See :meth:`stribeck.laws.Law.to_jax`."""
-    jax: Any = package("jax", "jax")
+    jax: ModuleType = package("jax", "jax")
     if not jax.config.jax_enable_x64:
         note(
             "JAX computes in single precision unless told otherwise: jax.config.update('jax_enable_x64', True) gives "

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import TYPE_CHECKING, Any
+from types import ModuleType, SimpleNamespace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from stribeck.constants import show
 from stribeck.errors import InputError
 from stribeck.export.optional import package
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.plants.mass import Mass
 
@@ -22,24 +23,24 @@ _RTOL = 1e-8
 
 def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem:
     """See :meth:`stribeck.laws.Law.to_control`."""
-    ct: Any = package("control", "tools")
+    ct: ModuleType = package("control", "tools")
     if mass is not None and (text := Mass.constants["mass"].problem(mass)):
         raise InputError(f"mass: {show(mass)}: {text}")
     plant = SimpleNamespace(mass=mass)
 
-    def quantities(x: Any, u: Any, params: dict[str, Any]) -> tuple[Any, ...]:
+    def quantities(x: Value, u: Value, params: dict[str, Value]) -> tuple[Value, ...]:
         p = law.p.replaced({n: a for n, a in params.items() if n in law.values})
         v = u[0] if mass is None else x[1]
         z = x[-1] if law.has_z else 0.0
         rate = law.dz_dt(p, v, z)
         return v, rate, law.friction(p, v, z, rate)
 
-    def derivatives(t: float, x: Any, u: Any, params: dict[str, Any]) -> Any:
+    def derivatives(t: float, x: Value, u: Value, params: dict[str, Value]) -> Value:
         v, rate, force = quantities(x, u, params)
         body = [] if mass is None else [v, Mass.acceleration(plant, u[0], force)]
         return np.array([*body, *([rate] if law.has_z else [])], float)
 
-    def outputs(t: float, x: Any, u: Any, params: dict[str, Any]) -> Any:
+    def outputs(t: float, x: Value, u: Value, params: dict[str, Value]) -> Value:
         v, _, force = quantities(x, u, params)
         return np.array([force] if mass is None else [x[0], v, force], float)
 
@@ -53,7 +54,7 @@ def to_control(law: Law, mass: float | None = None) -> control.NonlinearIOSystem
     return system
 
 
-def response(system: Any, T: ArrayLike, U: ArrayLike = 0.0, X0: ArrayLike = 0.0, **options: Any) -> Any:
+def response(system: Value, T: ArrayLike, U: ArrayLike = 0.0, X0: ArrayLike = 0.0, **options: Value) -> Value:
     """``control.input_output_response`` with a solver that suits friction.
 
     LSODA, which turns implicit where the contact is stiff, with a relative tolerance of 1e-8 and an absolute one of
@@ -65,7 +66,7 @@ def response(system: Any, T: ArrayLike, U: ArrayLike = 0.0, X0: ArrayLike = 0.0,
         T, U, X0: times, inputs and initial states, as python-control takes them.
         **options: further arguments of ``control.input_output_response``; ``solve_ivp_kwargs`` are merged.
     """
-    ct: Any = package("control", "tools")
+    ct: ModuleType = package("control", "tools")
     T = np.asarray(T, float)
     lengths = [law.scales(law.p).length for law in _laws(system)]
     chosen = {"rtol": _RTOL, "atol": 0.1 * _RTOL * min(lengths, default=1.0), "max_step": float(np.ptp(T)) / 100}
@@ -73,6 +74,6 @@ def response(system: Any, T: ArrayLike, U: ArrayLike = 0.0, X0: ArrayLike = 0.0,
     return ct.input_output_response(system, T, U, X0, solve_ivp_kwargs=chosen, **options)
 
 
-def _laws(system: Any) -> list[Law]:
+def _laws(system: Value) -> list[Law]:
     own = [system.friction] if hasattr(system, "friction") else []
     return own + [law for part in getattr(system, "syslist", ()) for law in _laws(part)]

@@ -9,17 +9,19 @@ equations: see :func:`stribeck.export.python.written.equations`.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from types import ModuleType
+
+from stribeck.expressions.ops import Value
 
 
-def loop(body: Any, state: Any) -> Any:
+def loop(body: Value, state: Value) -> Value:
     """Repeat body while any entry of state[0] is unfinished."""
     while bool(state[0].any()):
         state = body(state)
     return state
 
 
-def settled(xp: Any, loop: Callable[..., Any], law: Any, p: Any, v: Any, z: Any, dt: Any) -> Any:
+def settled(xp: ModuleType, loop: Callable[..., Value], law: Value, p: Value, v: Value, z: Value, dt: Value) -> Value:
     """z after an implicit step that ends with the velocity v."""
     if not law.has_z:
         return z
@@ -30,7 +32,7 @@ def settled(xp: Any, loop: Callable[..., Any], law: Any, p: Any, v: Any, z: Any,
     far, guess = z + dt * rate, z + dt * rate / (1 - dt * slope)
     rises, smallest = far > z, xp.finfo(z.dtype).eps
 
-    def closer(state: Any) -> Any:
+    def closer(state: Value) -> Value:
         open_, count, near, far, x = state
         rate, slope = law.rate(p, v, x)
         excess = x - z - dt * rate
@@ -46,7 +48,9 @@ def settled(xp: Any, loop: Callable[..., Any], law: Any, p: Any, v: Any, z: Any,
     return loop(closer, (rate != 0, rate * 0, z + 0 * far, far, start))[4]
 
 
-def balance(xp: Any, loop: Callable[..., Any], law: Any, p: Any, w: Any, given: Any) -> tuple[Any, ...]:
+def balance(
+    xp: ModuleType, loop: Callable[..., Value], law: Value, p: Value, w: Value, given: Value
+) -> tuple[Value, ...]:
     """How far w is from balance; the derivative by w, the sum of the absolute terms, the friction, and z."""
     z, v, effort, inertia, dt = given
     k = inertia / dt
@@ -57,7 +61,7 @@ def balance(xp: Any, loop: Callable[..., Any], law: Any, p: Any, w: Any, given: 
     return k * (w - v) - (effort - force), slope, terms, force, x
 
 
-def solved(xp: Any, loop: Callable[..., Any], law: Any, p: Any, given: Any) -> tuple[Any, ...]:
+def solved(xp: ModuleType, loop: Callable[..., Value], law: Value, p: Value, given: Value) -> tuple[Value, ...]:
     """z and the friction after the step, w, and where the friction jumps at w (F lies between its sides there).
 
     All entries of ``given`` (z, v, effort, inertia, dt) have one shape. Where a number is not finite, or there is no
@@ -69,7 +73,7 @@ def solved(xp: Any, loop: Callable[..., Any], law: Any, p: Any, given: Any) -> t
     above = start[0] > 0  # at near; the root lies below it then
     shortest = smallest * dt / inertia * abs(effort)
 
-    def closer(state: Any) -> Any:
+    def closer(state: Value) -> Value:
         open_, first, enclosed, near, far, move, w, *found = state
         excess, slope = found[:2]
         same = (excess > 0) == above
@@ -97,7 +101,7 @@ def solved(xp: Any, loop: Callable[..., Any], law: Any, p: Any, given: Any) -> t
     return x + nothing, force - excess + nothing, w + nothing, coarse
 
 
-def partial(xp: Any, law: Any, p: Any, x: Any, w: Any, given: Any) -> tuple[Any, ...]:
+def partial(xp: ModuleType, law: Value, p: Value, x: Value, w: Value, given: Value) -> tuple[Value, ...]:
     """At the solution: k, 1 - dt d(rate)/dz, dz/dw, dF/dw, dF/dz, the rate, and the slope of the balance by w."""
     _, _, _, inertia, dt = given
     rate, _, rate_v, rate_z, force_v, force_z = law.slopes(p, w, x)
@@ -108,7 +112,9 @@ def partial(xp: Any, law: Any, p: Any, x: Any, w: Any, given: Any) -> tuple[Any,
     return k, relief, z_w, force_w, force_z, rate, xp.where(k + force_w > least, k + force_w, least)
 
 
-def tangent(xp: Any, law: Any, p: Any, solution: Any, given: Any, moved: Any, constants: Any) -> tuple[Any, Any]:
+def tangent(
+    xp: ModuleType, law: Value, p: Value, solution: Value, given: Value, moved: Value, constants: Value
+) -> tuple[Value, Value]:
     """The changes of z and the friction for changes of the five given values and of constants (by name).
 
     By the implicit function theorem, from the partial derivatives of the law's equations.
@@ -127,7 +133,9 @@ def tangent(xp: Any, law: Any, p: Any, solution: Any, given: Any, moved: Any, co
     return z_held + z_w * w_, xp.where(jump, pushed, force_held + force_w * w_)
 
 
-def adjoint(xp: Any, law: Any, p: Any, solution: Any, given: Any, by_z: Any, by_force: Any) -> tuple[Any, Any]:
+def adjoint(
+    xp: ModuleType, law: Value, p: Value, solution: Value, given: Value, by_z: Value, by_force: Value
+) -> tuple[Value, Value]:
     """What :func:`tangent` is, the other way round: gradients by the five given values, and by constants (by name)."""
     x, w, jump = solution
     _, v, _, _, dt = given

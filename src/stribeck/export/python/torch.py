@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-from typing import Any
+from types import ModuleType, SimpleNamespace
 
 from stribeck.export.optional import package
 from stribeck.export.python import stepping
 from stribeck.export.python.constants import checked
-from stribeck.export.python.written import FUNCTIONS, equations
+from stribeck.export.python.written import FUNCTIONS, written_equations
 from stribeck.expressions import ops
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
 _NAMES = {"both": "logical_and", "either": "logical_or"}
@@ -18,7 +18,7 @@ _NAMES = {"both": "logical_and", "either": "logical_or"}
 class _Backend:
     """The operations of :mod:`stribeck.expressions.ops` on tensors."""
 
-    def __getattr__(self, op: str) -> Any:
+    def __getattr__(self, op: str) -> Value:
         return getattr(package("torch", "learn"), _NAMES.get(op, op))
 
 
@@ -33,23 +33,25 @@ class TorchLaw:
     """
 
     def __init__(self, law: Law) -> None:
-        torch: Any = package("torch", "learn")
+        torch: ModuleType = package("torch", "learn")
         self.law = law
         self._torch = torch
         scope = {name: getattr(torch, _NAMES.get(name, name)) for name in FUNCTIONS}
-        self._equations = equations(law, {**scope, "like": torch.full_like})
+        self._equations = written_equations(law, {**scope, "like": torch.full_like})
 
-    def rate(self, v: Any, z: Any, **constants: Any) -> Any:
+    def rate(self, v: Value, z: Value, **constants: Value) -> Value:
         """dz/dt in m/s for velocities v (m/s) and deflections z (m)."""
         p, (v, z) = self._prepared(constants, v, z)
         return self._equations.slopes(p, v, z)[0] + 0 * v
 
-    def force(self, v: Any, z: Any = 0.0, **constants: Any) -> Any:
+    def force(self, v: Value, z: Value = 0.0, **constants: Value) -> Value:
         """Friction force in N for velocities v (m/s) and deflections z (m)."""
         p, (v, z) = self._prepared(constants, v, z)
         return self.law.friction(p, v, z, self.law.dz_dt(p, v, z))
 
-    def step(self, state: Any, v: Any, effort: Any, inertia: Any, dt: Any, **constants: Any) -> tuple[Any, Any]:
+    def step(
+        self, state: Value, v: Value, effort: Value, inertia: Value, dt: Value, **constants: Value
+    ) -> tuple[Value, Value]:
         """One implicit step of joints and their bristles: the state after it, and the friction during it.
 
         An engine that then takes ``v + dt (effort - friction)/inertia`` for the velocity is as stable as the law at
@@ -77,35 +79,35 @@ class TorchLaw:
         z, friction, _, _ = stepping.solved(self._torch, stepping.loop, self._equations, p, arguments)
         return z, friction
 
-    def settle(self, state: Any, v: Any, dt: Any, **constants: Any) -> Any:
+    def settle(self, state: Value, v: Value, dt: Value, **constants: Value) -> Value:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
         p, (v, state, dt) = self._prepared(constants, v, state, dt)
         return stepping.settled(self._torch, stepping.loop, self._equations, p, v, state + 0 * v, dt)
 
-    def _prepared(self, constants: dict[str, Any], *values: Any) -> tuple[SimpleNamespace, list[Any]]:
+    def _prepared(self, constants: dict[str, Value], *values: Value) -> tuple[SimpleNamespace, list[Value]]:
         """The constants and the values as tensors of one type, on one device."""
         given = checked(self.law, constants)
         tensors = [x for x in values if self._torch.is_tensor(x)]
         like = next((x for x in tensors if x.is_floating_point()), self._torch.zeros((), dtype=self._torch.float64))
 
-        def made(x: Any) -> Any:
+        def made(x: Value) -> Value:
             return self._torch.as_tensor(x, dtype=like.dtype, device=like.device)
 
         numbers = {n: made(x) for n, x in {**self.law.values, **given}.items() if x is not None}
         return SimpleNamespace(**numbers), [made(x) for x in values]
 
 
-_function: list[Any] = []
+_function: list[Value] = []
 
 
-def _differentiable(torch: Any) -> Any:
+def _differentiable(torch: Value) -> Value:
     """The step as a function with a gradient of its own, made when torch is there."""
     if not _function:
         from torch.autograd.function import once_differentiable
 
         class Step(torch.autograd.Function):  # type: ignore[misc]
             @staticmethod
-            def forward(ctx: Any, law: Any, p: Any, names: Any, *values: Any) -> Any:
+            def forward(ctx: Value, law: Value, p: Value, names: Value, *values: Value) -> Value:
                 given = tuple(x.detach() for x in values[:5])
                 bare = SimpleNamespace(**{n: x.detach() for n, x in vars(p).items()})
                 x, force, w, jump = stepping.solved(torch, stepping.loop, law, bare, given)
@@ -115,7 +117,7 @@ def _differentiable(torch: Any) -> Any:
 
             @staticmethod
             @once_differentiable  # type: ignore[untyped-decorator]
-            def backward(ctx: Any, by_z: Any, by_force: Any) -> Any:
+            def backward(ctx: Value, by_z: Value, by_force: Value) -> Value:
                 first, each = stepping.adjoint(torch, ctx.law, ctx.p, ctx.solution, ctx.given, by_z, by_force)
                 found = [*first, *(each[name] for name in ctx.names)]
                 return None, None, None, *(g.sum_to_size(s) for g, s in zip(found, ctx.shapes, strict=True))

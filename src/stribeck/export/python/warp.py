@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import linecache
-from typing import Any
+from types import ModuleType
 
 import numpy as np
 
@@ -13,22 +13,23 @@ from stribeck.export.c.ccode import render
 from stribeck.export.optional import package
 from stribeck.export.python.constants import checked
 from stribeck.export.python.written import Written
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
 PRECISIONS = {"single": "float32", "double": "float64"}
 
 
-def text(law: Law, real: str, template: str = "kernels_warp.txt", **values: Any) -> str:
+def text(law: Law, real: str, template: str = "kernels_warp.txt", **values: Value) -> str:
     """Python source of the law's functions and kernels for Warp."""
     return render(template, eq=Written(law), real=real, **values)
 
 
-def load(source: str) -> dict[str, Any]:
+def load(source: str) -> dict[str, Value]:
     """What a source of kernels defines. Warp reads kernels' text by file name and line: the text is kept under one."""
     name = f"stribeck_warp_{hashlib.sha256(source.encode()).hexdigest()[:16]}"
     file = f"<{name}>"
     linecache.cache[file] = (len(source), None, source.splitlines(keepends=True), file)
-    scope: dict[str, Any] = {"__name__": name}  # a module of Warp's of its own
+    scope: dict[str, Value] = {"__name__": name}  # a module of Warp's of its own
     exec(compile(source, file, "exec"), scope)
     return scope
 
@@ -44,12 +45,12 @@ class WarpLaw:
         if precision not in PRECISIONS:
             raise InputError(f"{arg('precision')}: {precision!r}: must be one of {', '.join(PRECISIONS)}")
         self.law = law
-        self._wp: Any = package("warp", "learn")
+        self._wp: ModuleType = package("warp", "learn")
         self._scope = load(text(law, PRECISIONS[precision]))
         self.real = self._scope["real"]
         self.names: list[str] = list(self._scope["CONSTANTS"])
 
-    def constants(self, count: int = 1, device: Any = None, requires_grad: bool = False, **given: Any) -> Any:
+    def constants(self, count: int = 1, device: Value = None, requires_grad: bool = False, **given: Value) -> Value:
         """The array of constants: ``count`` rows; ``given`` replaces some, by name, with numbers or one for each row.
 
         Raises:
@@ -59,7 +60,9 @@ class WarpLaw:
         table = np.stack([np.broadcast_to(np.asarray(known[n], float), (count,)) for n in self.names], axis=1)
         return self._wp.array(table, dtype=self.real, device=device, requires_grad=requires_grad)
 
-    def step(self, state: Any, v: Any, effort: Any, inertia: Any, dt: Any, constants: Any = None) -> tuple[Any, Any]:
+    def step(
+        self, state: Value, v: Value, effort: Value, inertia: Value, dt: Value, constants: Value = None
+    ) -> tuple[Value, Value]:
         """One implicit step of joints and their bristles: the state after it, and the friction during it.
 
         See :meth:`stribeck.export.python.torch.TorchLaw.step`. ``inertia`` and ``dt`` may be numbers. On an active
@@ -83,22 +86,22 @@ class WarpLaw:
             tape.record_func(backward, [x for x in (p, *inputs, z, force) if x.requires_grad])
         return z, force
 
-    def settle(self, state: Any, v: Any, dt: Any, constants: Any = None) -> Any:
+    def settle(self, state: Value, v: Value, dt: Value, constants: Value = None) -> Value:
         """z after an implicit step that ended with the velocities v: for engines that do not reach those of the step."""
         z = self._wp.zeros(len(v), dtype=self.real, device=v.device)
         p = self.constants(device=v.device) if constants is None else constants
         self._launch("settle", len(v), [p, state, v, self._array(dt, v.device)], [z], v.device)
         return z
 
-    def _launch(self, kernel: str, count: int, inputs: list[Any], outputs: list[Any], device: Any) -> None:
+    def _launch(self, kernel: str, count: int, inputs: list[Value], outputs: list[Value], device: Value) -> None:
         self._wp.launch(self._scope[kernel], count, inputs=inputs, outputs=outputs, device=device, record_tape=False)
 
-    def _array(self, x: Any, device: Any) -> Any:
+    def _array(self, x: Value, device: Value) -> Value:
         if isinstance(x, self._wp.array):
             return x
         return self._wp.array(np.atleast_1d(np.asarray(x, float)), dtype=self.real, device=device)
 
-    def _gradient(self, x: Any) -> Any:
+    def _gradient(self, x: Value) -> Value:
         """Where the gradient is added; an empty array where none is wanted."""
         if x.requires_grad:
             return x.grad

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cached_property
-from typing import Any
 
 from stribeck.errors import InputError
 from stribeck.export.c.ccode import LawCode
 from stribeck.expressions import ops
 from stribeck.expressions.emit import ATOM, PYTHON, Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, rewrite, symbol
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 
 FUNCTIONS = ("exp", "log", "sqrt", "sin", "cos", "atan", "tanh", "sign", "floor", "where", "both", "either")
@@ -117,7 +117,7 @@ class Written:
         return "\n".join(parts)
 
 
-def equations(law: Law, scope: dict[str, Any]) -> Any:
+def written_equations(law: Law, scope: dict[str, Value]) -> Value:
     """The class of :meth:`Written.equations`, made with the functions of an array library in ``scope``."""
     exec(compile(Written(law).equations(), f"<equations of {law.name}>", "exec"), scope)
     return scope["law"]

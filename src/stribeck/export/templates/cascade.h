@@ -16,18 +16,7 @@
  * -D{{ P | upper }}_FLOAT; t then moves in steps of 0.2 ms after an hour: begin it anew, or
  * give the path yourself.
  */
-#ifndef {{ P | upper }}_H
-#define {{ P | upper }}_H
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-#ifdef {{ P | upper }}_FLOAT
-typedef float {{ P }}_real;
-#else
-typedef double {{ P }}_real;
-#endif
+{% include "real.h" %}
 
 /* Constants, named and grouped as in the scenario; ..._defaults fills them in, ..._check tells whether they are allowed. */
 typedef struct {

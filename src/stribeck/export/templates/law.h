@@ -21,18 +21,7 @@
  * {{ line }}
 {% endfor %}
  */
-#ifndef {{ P | upper }}_H
-#define {{ P | upper }}_H
-
-#ifdef __cplusplus
-extern "C" {
-#endif
-
-#ifdef {{ P | upper }}_FLOAT
-typedef float {{ P }}_real;
-#else
-typedef double {{ P }}_real;
-#endif
+{% include "real.h" %}
 
 /* Constants of the law; {{ P }}_defaults fills them in, {{ P }}_check tells whether they are allowed. */
 typedef struct {
@@ -119,7 +108,7 @@ int {{ P }}_compensation(const {{ P }}_parameters *p, {{ P }}_state *s, {{ P }}_
  * error ({{ u("m/s") }}) is s = de/dt + lambda e with e = y - y_desired; K ({{ "m/N" if u("m") == "m" else "rad/(N m)" }}) its gain; force ({{ u("N") }}) the friction estimated.
 {% if proven_observer %}
  * Sobczyk, Perondi, Cunha, eqs 14-15. With exact knowledge of v the error of the estimate tends to zero if
- * K_D >= K sigma_1 (sigma_1 w/4 - sigma_0), w = -d(dz/dt)/dz at the highest speed, K_D the gain on s of the drive force.
+ * K_D >= {{ least_K_D }}, w = -d(dz/dt)/dz at the highest speed, K_D the gain on s of the drive force.
 {% else %}
  * Sobczyk, Perondi, Cunha, eqs 14-15; their proof does not cover laws in which dz/dt is not linear in z, such as this.
 {% endif %}

@@ -12,7 +12,13 @@ from stribeck.expressions.emit import Dialect, Writer
 from stribeck.expressions.graph import Expr
 from stribeck.expressions.names import Names
 
-TARGET = Target("st", "text.st", "an IEC 61131-3 function block in Structured Text", folder=False)
+TARGET = Target(
+    "st",
+    "text.st",
+    "an IEC 61131-3 function block in Structured Text",
+    ("law", "controller", "compensator"),
+    folder=False,
+)
 
 _OWN = ("v", "dt", "reset", "f", "z", "ok")  # of the block itself; the language knows no case
 _PARTS = 16  # of a step, for laws whose dz/dt is not linear in z
@@ -32,11 +38,11 @@ _DIALECT = Dialect(
 )  # fmt: skip
 
 
-class _Writer(Writer):
+class StWriter(Writer):
     """Variables are called w_..., unique whatever the case of letters; they are listed for their declaration."""
 
-    def __init__(self, request: Request, inputs: dict[str, str], names: Names) -> None:
-        functions = {op: name.format(n=request.name) for op, name in _DIALECT.functions.items()}
+    def __init__(self, own: str, inputs: dict[str, str], names: Names) -> None:
+        functions = {op: name.format(n=own) for op, name in _DIALECT.functions.items()}
         super().__init__(Dialect(**{**vars(_DIALECT), "functions": functions}), inputs, names=names)
         self.variables: list[str] = []
 
@@ -56,10 +62,10 @@ class _Writer(Writer):
 
     def _format(self, node: Expr) -> tuple[str, int]:
         text, precedence = super()._format(node)
-        return (number(node.value), precedence) if isinstance(node.value, float) else (text, precedence)
+        return (st_number(node.value), precedence) if isinstance(node.value, float) else (text, precedence)
 
 
-def number(x: float) -> str:
+def st_number(x: float) -> str:
     """A number as the standard writes it: with a point."""
     mantissa, e, exponent = repr(float(x)).partition("e")
     return f"{mantissa if '.' in mantissa else mantissa + '.0'}{'E' if e else ''}{int(exponent) if e else ''}"
@@ -75,7 +81,7 @@ def files(request: Request) -> dict[str, str | bytes]:
         text = "a constant of this name cannot be exported to Structured Text: rename it"
         raise InputError([f"{name}: {text}" for name in bad])
     inputs = {name: name for name in request.constants} | {"v": "v", "z": "z", "rate": "w_rate"}
-    writer = _Writer(request, inputs, equations.names)
+    writer = StWriter(request.name, inputs, equations.names)
     writer.taken.update(("w_rate", "w_slope", "w_drive", "w_x", "w_dz", "w_bound", "w_h"))
 
     def statements(outputs: Sequence[tuple[str, str]]) -> list[str]:
@@ -90,10 +96,11 @@ def files(request: Request) -> dict[str, str | bytes]:
         "force": [*(statements([("w_rate", "rate")]) if law.has_z else []), *statements([("F", "force_at_rate")])],
     }
     declared = request.declared
-    constants = [(n, number(x), declared[n]) for n, x in request.constants.items()]
+    constants = [(n, st_number(x), declared[n]) for n, x in request.constants.items()]
     text = render(
         "law.st", name=request.name, about=request.about(), law=law, eq=equations, constants=constants,
         u=request.unit, w=request.words,
+        used={op for op in ("exp", "sign", "tanh") if equations.uses(op)} | ({"exp"} if law.has_z else set()),
         variables=list(dict.fromkeys(writer.variables)), parts=1 if equations.linear else _PARTS, **sections,
     )  # fmt: skip
     return {f"{request.name}.st": text}

@@ -9,7 +9,9 @@ from stribeck.errors import InputError, arg
 from stribeck.export.request import Request, Target
 from stribeck.laws.base import Law
 
-TARGET = Target("table", "text.table", "a table of velocity and force, at most 20 points", folder=False)
+TARGET = Target(
+    "table", "text.table", "a table of velocity and force, at most 20 points", ("law", "compensator"), folder=False
+)
 
 POINTS = 20
 _RANGE = 100.0  # the last velocity in multiples of the law's own (v_s)

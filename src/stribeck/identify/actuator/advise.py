@@ -12,8 +12,8 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Spread
-from stribeck.identify.actuator.problem import Problem
-from stribeck.identify.actuator.runs import Compared, Run
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.runs import Compared, RecordedRun
 from stribeck.identify.actuator.solve import STEP
 from stribeck.simulation.machines import machine_places
 
@@ -69,7 +69,7 @@ def _added(base: Array, more: Array, at: list[int]) -> Array:
     return found
 
 
-def _information(best: BestPoint, run: Run, shared: list[int]) -> Array | None:
+def _information(best: BestPoint, run: RecordedRun, shared: list[int]) -> Array | None:
     """J^T J of one recording for the shared coordinates, or None where it cannot be simulated."""
     problem = best.problem
     sought = [problem.sought[i] for i in shared]
@@ -78,7 +78,7 @@ def _information(best: BestPoint, run: Run, shared: list[int]) -> Array | None:
     for target in run.targets:
         if target.column not in noise:
             noise[target.column] = 1.0
-    own = Problem([run], sought, noise, threads=problem.threads)
+    own = MachineProblem([run], sought, noise, threads=problem.threads)
     try:
         r, J = own.slopes(u[None], np.full(len(u), 10 * STEP))
     except InputError:
@@ -96,7 +96,7 @@ def _information(best: BestPoint, run: Run, shared: list[int]) -> Array | None:
     return found
 
 
-def candidates(best: BestPoint, run: Run) -> Iterator[tuple[str, Run]]:
+def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, RecordedRun]]:
     """Recordings that could be made: this one with another load, a larger, smaller, slower or faster drive, or another
     column measured."""
     count = 0
@@ -117,7 +117,7 @@ def candidates(best: BestPoint, run: Run) -> Iterator[tuple[str, Run]]:
             yield f"with {column.name} measured too", replace(run, targets=[*run.targets, extra])
 
 
-def _loads(best: BestPoint, run: Run) -> Iterator[tuple[str, dict[str, Any]]]:
+def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, Any]]]:
     """Numbers that can be other in a further recording: those that the recordings differ in, and masses and loads."""
     sought = {path for c in best.problem.sought for path in c.targets}
     places = machine_places(run.scenario)
@@ -132,7 +132,7 @@ def _loads(best: BestPoint, run: Run) -> Iterator[tuple[str, dict[str, Any]]]:
             yield f"with {path} = {factor * now:.3g} (it is {now:.3g})", {path: factor * now}
 
 
-def _drives(run: Run) -> Iterator[tuple[str, dict[str, Any]]]:
+def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, Any]]]:
     """Its drives otherwise."""
     assert run.scenario.rig is not None
     for use, signal in run.scenario.rig.signals.items():

@@ -12,12 +12,12 @@ from threadpoolctl import threadpool_limits
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, judge, transfer
-from stribeck.identify.actuator.coordinates import Coordinate, coordinates
+from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, estimate, traces
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.recordings import Logs, read_logs
 from stribeck.identify.actuator.result import LogResult, MachineFit
-from stribeck.identify.actuator.runs import made
+from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed
@@ -66,17 +66,17 @@ def fit_machine(
         return Fitting(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)
 
 
-def checked(scenario: Scenario, logs: Logs) -> list[Coordinate]:
+def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
     """What is sought, after a look at everything that the recordings say of the machine.
 
     Raises:
         InputError: a line for each mistake.
     """
     problems: list[str] = []
-    sought: list[Coordinate] = []
+    sought: list[MachineCoordinate] = []
     for i, recording in enumerate(logs.recordings):
         try:
-            made(scenario, recording, i)
+            recorded_run(scenario, recording, i)
         except InputError as error:
             problems += error.problems
     if scenario.rig is not None:
@@ -98,7 +98,7 @@ class Fitting:
     """One run of the command."""
 
     def __init__(
-        self, scenario: Scenario, logs: Logs, sought: list[Coordinate], starts: int, seed: int, work: Work,
+        self, scenario: Scenario, logs: Logs, sought: list[MachineCoordinate], starts: int, seed: int, work: Work,
         folder: Path | None,
     ) -> None:  # fmt: skip
         self.scenario, self.logs, self.sought = scenario, logs, sought
@@ -195,7 +195,7 @@ def _window(best: BestPoint) -> float | None:
     return float(np.median([run.scenario.end for run in best.problem.runs]))
 
 
-def filled(scenario: Scenario, sought: Sequence[Coordinate], values: Mapping[str, float]) -> dict[str, Any]:
+def filled(scenario: Scenario, sought: Sequence[MachineCoordinate], values: Mapping[str, float]) -> dict[str, Any]:
     """The machine's tables with what was found in them."""
     changes = {
         path: scale * values[c.name]

@@ -8,12 +8,12 @@ from itertools import chain
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.coordinates import Coordinate
+from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import POOR, BestPoint, leftovers
 from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
-from stribeck.identify.actuator.problem import Problem
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
-from stribeck.identify.actuator.runs import Run
+from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
 
@@ -118,14 +118,16 @@ def hypotheses(best: BestPoint) -> list[str]:
     k = int(np.argmin([run.scenario.end for run in whole.runs]))
     run, log = whole.runs[k], whole.runs[k].log
     sought = [c for c in whole.sought if c.log in (None, log) and (not c.nuisance or c.piece == run.piece)]
-    now = _worst(Problem([run], sought, whole.noise), None)
+    now = _worst(MachineProblem([run], sought, whole.noise), None)
     found: list[tuple[float, str]] = []
     for target in run.targets:
         for factor, words in _FACTORS.items():
             left = _tried(_scaled(run, target.column, factor), sought, whole, factor, target.column)
             found.append((left, f"{target.column}: with its column times {factor:.4g} ({words})"))
-        clock = Coordinate(f"outputs.{target.column}.clock", -_CLOCK, _CLOCK, 0.0, None, {}, (target.column, "clock"))
-        left = _worst(Problem([run], [*sought, clock], whole.noise), 6)
+        clock = MachineCoordinate(
+            f"outputs.{target.column}.clock", -_CLOCK, _CLOCK, 0.0, None, {}, (target.column, "clock")
+        )
+        left = _worst(MachineProblem([run], [*sought, clock], whole.noise), 6)
         found.append((left, f"{target.column}: with a clock of its own (outputs.{target.column}.clock sought)"))
     left, words = min(found)
     if left < 0.5 * now and left < POOR:
@@ -135,14 +137,16 @@ def hypotheses(best: BestPoint) -> list[str]:
     return []
 
 
-def _scaled(run: Run, column: str, factor: float) -> Run:
+def _scaled(run: RecordedRun, column: str, factor: float) -> RecordedRun:
     targets = [replace(t, x=t.x * factor) if t.column == column else t for t in run.targets]
     body = column.removesuffix(".y")
     start = {p: x * factor if p.startswith(f"bodies.{body}.") else x for p, x in run.start.items()}
     return replace(run, targets=targets, start=start)
 
 
-def _tried(run: Run, sought: list[Coordinate], whole: Problem, factor: float, column: str) -> float:
+def _tried(
+    run: RecordedRun, sought: list[MachineCoordinate], whole: MachineProblem, factor: float, column: str
+) -> float:
     """How much of the columns' changes is left with one of them scaled."""
     own = []
     for c in sought:
@@ -151,10 +155,10 @@ def _tried(run: Run, sought: list[Coordinate], whole: Problem, factor: float, co
             c = replace(c, low=ends[0], high=ends[1], start=None if c.start is None else c.start * factor)
         own.append(c)
     noise = {n: x * abs(factor) if n == column else x for n, x in whole.noise.items()}
-    return _worst(Problem([run], own, noise), 6)
+    return _worst(MachineProblem([run], own, noise), 6)
 
 
-def _worst(problem: Problem, starts: int | None) -> float:
+def _worst(problem: MachineProblem, starts: int | None) -> float:
     """The largest share that is left of a column's changes."""
     found = search(problem, starts or 4, 0)
     return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values())
@@ -200,7 +204,7 @@ def _words(what: str, value: float, wide: float) -> str:
     return f"its {what} seems to be {value:+.3g} +- {2 * wide:.2g} off"
 
 
-def _sensor(problem: Problem, u: Array, column: str) -> dict[str, Array]:
+def _sensor(problem: MachineProblem, u: Array, column: str) -> dict[str, Array]:
     """The slopes of the residuals by a column's delay, clock, gain and offset."""
     found = {what: np.zeros(problem.size) for what in ("clock", "delay", "gain", "offset")}
     for k, run in enumerate(problem.runs):

@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck import laws as known_laws
 from stribeck.errors import InputError, StribeckError, nearest
-from stribeck.identify.actuator.coordinates import Coordinate
+from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint, estimate, traces
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import MachineFit
@@ -32,7 +32,7 @@ class Chosen:
     """The law that was taken."""
 
     scenario: Scenario
-    sought: list[Coordinate]
+    sought: list[MachineCoordinate]
     estimate: BestPoint | None
     told: dict[str, Any]
 
@@ -65,8 +65,8 @@ def held_out_error(fit: Fitting, scenario: Scenario, best: BestPoint, held: Sequ
 
 
 def with_laws(
-    scenario: Scenario, sought: Sequence[Coordinate], laws: Mapping[str, str], speeds: Mapping[str, float]
-) -> tuple[Scenario, list[Coordinate]]:
+    scenario: Scenario, sought: Sequence[MachineCoordinate], laws: Mapping[str, str], speeds: Mapping[str, float]
+) -> tuple[Scenario, list[MachineCoordinate]]:
     """The machine with other laws in some contacts; constants that it did not have are sought too, within wide bounds."""
     import warnings
 
@@ -90,8 +90,8 @@ def with_laws(
 
 
 def _constants(
-    path: str, old: Mapping[str, Any], law: Any, sought: Sequence[Coordinate], speed: float
-) -> tuple[dict[str, Any], list[Coordinate]]:
+    path: str, old: Mapping[str, Any], law: Any, sought: Sequence[MachineCoordinate], speed: float
+) -> tuple[dict[str, Any], list[MachineCoordinate]]:
     """Values for the constants that a law has beside the old one's, and coordinates for those that matter."""
     parameters = old.get("parameters", {})
     have = {
@@ -104,7 +104,7 @@ def _constants(
         "sigma_0": 300 * level / speed, "sigma_1": 0.3 * level / speed, "z_ba": 2e-3 * speed,
     }  # fmt: skip
     changes: dict[str, Any] = {}
-    fresh: list[Coordinate] = []
+    fresh: list[MachineCoordinate] = []
     paths = {p for c in sought for p in c.targets}
     for name, constant in law.constants().items():
         if name in have or constant.choices or (constant.optional and name != "k_v"):
@@ -115,7 +115,7 @@ def _constants(
             continue
         changes[place] = x
         if name in PARAMETERS and place not in paths:
-            fresh.append(Coordinate(place, x / 100, x * 100, x, None, {place: 1.0}))
+            fresh.append(MachineCoordinate(place, x / 100, x * 100, x, None, {place: 1.0}))
     return changes, fresh
 
 
@@ -124,11 +124,11 @@ def _speeds(fit: Fitting) -> dict[str, float]:
     found = {}
     for contact in fit.scenario.data.get("contacts", {}):
         try:
-            from stribeck.identify.actuator.runs import made
+            from stribeck.identify.actuator.runs import recorded_run
             from stribeck.simulation.single import simulate
 
             i, recording = fit.fitted[0]
-            solution = simulate(made(fit.scenario, recording, i).scenario)
+            solution = simulate(recorded_run(fit.scenario, recording, i).scenario)
             w = solution[f"{contact}.w"]
             found[contact] = max(float(np.sqrt(np.nanmean(w**2))), 1e-6)
         except (StribeckError, KeyError):
@@ -252,7 +252,7 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Any]:
     return found
 
 
-def without_contacts(fit: Fitting, contacts: Sequence[str]) -> tuple[Scenario, list[Coordinate]]:
+def without_contacts(fit: Fitting, contacts: Sequence[str]) -> tuple[Scenario, list[MachineCoordinate]]:
     """The machine without the friction that is sought."""
     data = {
         **fit.scenario.data,

@@ -21,7 +21,7 @@ NEUTRAL = {"offset": 0.0, "gain": 1.0, "delay": 0.0, "clock": 0.0}
 
 
 @dataclass(frozen=True)
-class Coordinate:
+class MachineCoordinate:
     """A number that is sought.
 
     Attributes:
@@ -67,13 +67,13 @@ class Coordinate:
         return self.outer(u) if self.logarithmic else self.high - self.low
 
 
-def coordinates(scenario: Scenario, logs: Logs) -> list[Coordinate]:
+def coordinates(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
     """What is sought, each path looked up in the machine.
 
     Raises:
         InputError: a path is none of the machine's; a line for each.
     """
-    found: list[Coordinate] = []
+    found: list[MachineCoordinate] = []
     problems: list[str] = []
     for sought in logs.sought:
         whole = _LOG.fullmatch(sought.path)
@@ -99,20 +99,20 @@ def coordinates(scenario: Scenario, logs: Logs) -> list[Coordinate]:
     return found
 
 
-def _one(scenario: Scenario, logs: Logs, s: Sought, rest: str, name: str, log: int | None) -> Coordinate | str:
+def _one(scenario: Scenario, logs: Logs, s: Sought, rest: str, name: str, log: int | None) -> MachineCoordinate | str:
     """One coordinate, or what is wrong with its path."""
     if output := _OUTPUT.fullmatch(rest):
         measured = {column for r in logs.recordings for column in r.outputs}
         if output[1] not in measured:
             return f"unknown.{s.path}: {output[1]}: is not measured{nearest(output[1], measured)}"
-        return Coordinate(name, s.low, s.high, s.start, s.prior, {}, (output[1], output[2]), log)
+        return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {}, (output[1], output[2]), log)
     start = _START.fullmatch(rest)
     path = f"bodies.{start[1]}.initial.{start[2]}" if start else rest
     if start and log is None:
         return f"unknown.{s.path}: must begin with log.*. or log.0.: a start belongs to a recording"
     if text := impossible(scenario, path, s.low, s.high):
         return f"unknown.{s.path}: {text}"
-    return Coordinate(name, s.low, s.high, s.start, s.prior, {path: 1.0}, None, log)
+    return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {path: 1.0}, None, log)
 
 
 def impossible(scenario: Scenario, path: str, *values: float) -> str | None:

@@ -8,12 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.coordinates import Coordinate
-from stribeck.identify.actuator.problem import Problem
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Trace
-from stribeck.identify.actuator.runs import Run, made
-from stribeck.identify.actuator.solve import Found, cost, scanned, search
+from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.solve import Found, half_squares, scanned, search
 from stribeck.identify.actuator.starts import begun, stretches
 from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
@@ -36,7 +36,7 @@ Keep = Callable[[dict[str, float], float], None]
 class BestPoint:
     """The best point of a problem, and how it was come by."""
 
-    problem: Problem
+    problem: MachineProblem
     u: Array
     found: Found
     notes: list[str]
@@ -60,7 +60,7 @@ class BestPoint:
         return told
 
 
-def beyond_noise(problem: Problem, u: Array, agreeing: int) -> list[str]:
+def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
     """The columns of which far more is left than their noise, in words: the model errs, or the minimum is another. With
     few starts ``agreeing`` on the minimum, what is left of twice the noise is enough to doubt it."""
     most = _BEYOND if agreeing >= _AGREEING else _DOUBTED
@@ -74,7 +74,7 @@ def beyond_noise(problem: Problem, u: Array, agreeing: int) -> list[str]:
     return told
 
 
-def leftovers(problem: Problem, u: Array) -> dict[str, tuple[float, float]]:
+def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
     """By column: the root mean square of what is left, and that of the column's changes within a recording."""
     r = problem.residuals(u[None])[0]
     left: dict[str, list[Array]] = {}
@@ -89,7 +89,7 @@ def leftovers(problem: Problem, u: Array) -> dict[str, tuple[float, float]]:
     return {name: (rms(parts), rms(size[name])) for name, parts in left.items()}
 
 
-def floor_of(problem: Problem, column: str) -> float:
+def floor_of(problem: MachineProblem, column: str) -> float:
     """The least noise that a column can have: that of its steps."""
     steps = [
         np.diff(np.unique(t.x)).min(initial=np.inf) for run in problem.runs for t in run.targets if t.column == column
@@ -117,10 +117,10 @@ def first_noise(recordings: Sequence[Recording]) -> tuple[dict[str, float], set[
 def prepared(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], named: set[str], window: float | None = None,
     free: bool = True,
-) -> tuple[list[Run], list[Coordinate]]:  # fmt: skip
+) -> tuple[list[RecordedRun], list[MachineCoordinate]]:  # fmt: skip
     """The runs, whole or in stretches, and what of their starts is sought (``free``; else the estimates hold)."""
-    runs: list[Run] = []
-    starts: list[Coordinate] = []
+    runs: list[RecordedRun] = []
+    starts: list[MachineCoordinate] = []
     for log, recording in recordings:
         length = recording.window or window
         spans: list[tuple[float, float] | None] = [None]
@@ -141,7 +141,7 @@ def remembers(scenario: Scenario) -> bool:
 
 
 def estimate(
-    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[Coordinate], starts: int, seed: int,
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], starts: int, seed: int,
     work: Work, first: dict[str, float] | None = None, keep: Keep | None = None,
 ) -> BestPoint:  # fmt: skip
     """The best numbers for these recordings."""
@@ -155,7 +155,7 @@ def estimate(
     if not asked and not remembers(scenario) and starts > 1:
         window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
         runs, _ = prepared(scenario, recordings, named, window, free=False)
-        rough = Problem(runs, list(sought), dict(noise), work=work)
+        rough = MachineProblem(runs, list(sought), dict(noise), work=work)
         found = search(
             rough, starts, seed, _point(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH
         )
@@ -167,7 +167,7 @@ def estimate(
     else:
         agreeing, others = 0, []
     runs, own = prepared(scenario, recordings, named)
-    problem = Problem(runs, [*sought, *own], dict(noise), work=work)
+    problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
     saved, more = _kept(problem, keep), [_point(problem, x) for x in others]
     found = search(problem, starts, seed, _point(problem, begin) if begin else None, saved, more)
     if many and not found.stopped:
@@ -179,13 +179,13 @@ def estimate(
 
 
 def _in_stretches(
-    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[Coordinate], named: set[str],
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], named: set[str],
     whole: BestPoint, begin: dict[str, float], work: Work, keep: Keep | None,
 ) -> BestPoint:  # fmt: skip
     """Multiple shooting: each stretch begins in a state of its own, so that no error grows from one end to the other."""
     window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH * 2)
     runs, own = prepared(scenario, recordings, named, window)
-    problem = Problem(runs, [*sought, *own], dict(whole.problem.noise), work=work)
+    problem = MachineProblem(runs, [*sought, *own], dict(whole.problem.noise), work=work)
     found = search(problem, 1, 0, _point(problem, begin), _kept(problem, keep))
     parts = BestPoint(problem, found.u, found, whole.notes, True)
     left, right = leftovers(whole.problem, whole.u), leftovers(problem, found.u)
@@ -202,7 +202,7 @@ def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPo
     """The fit with each column weighted by the noise that it turned out to have."""
     problem = estimate.problem
     for _ in range(_WEIGHTINGS):
-        if estimate.stopped or cost(problem.residuals(estimate.u[None]))[0] > 1e200:
+        if estimate.stopped or half_squares(problem.residuals(estimate.u[None]))[0] > 1e200:
             return estimate
         old, share = dict(problem.noise), problem.size / max(problem.size - len(problem.sought), 1)
         for column, (left, _) in leftovers(problem, estimate.u).items():
@@ -218,7 +218,7 @@ def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPo
     return estimate
 
 
-def _point(problem: Problem, values: dict[str, float]) -> Array:
+def _point(problem: MachineProblem, values: dict[str, float]) -> Array:
     """A point from numbers by name, the rest from the machine."""
     u = problem.start()
     for i, c in enumerate(problem.sought):
@@ -227,19 +227,19 @@ def _point(problem: Problem, values: dict[str, float]) -> Array:
     return np.asarray(problem.repaired(u[None])[0])
 
 
-def _kept(problem: Problem, keep: Keep | None) -> Callable[[Array, float], None] | None:
+def _kept(problem: MachineProblem, keep: Keep | None) -> Callable[[Array, float], None] | None:
     return None if keep is None else lambda u, value: keep(problem.values(u), value)
 
 
 def traces(
-    scenario: Scenario, recording: Recording, log: int, sought: Sequence[Coordinate], values: dict[str, float],
+    scenario: Scenario, recording: Recording, log: int, sought: Sequence[MachineCoordinate], values: dict[str, float],
     window: float | None = None,
 ) -> list[Trace]:  # fmt: skip
     """What was measured in a recording and what the numbers make of it, from its start (or in stretches)."""
     named = {c.name for c in sought} | {path for c in sought for path in c.targets}
     runs, own = prepared(scenario, [(log, recording)], named, window)
     chosen = [c for c in sought if c.log in (None, log)]
-    problem = Problem(runs, [*chosen, *own], dict.fromkeys(recording.outputs, 1.0))
+    problem = MachineProblem(runs, [*chosen, *own], dict.fromkeys(recording.outputs, 1.0))
     u = _point(problem, values)
     parts: dict[str, list[tuple[Array, Array, Array]]] = {}
     for k, run in enumerate(problem.runs):
@@ -257,6 +257,3 @@ def unit_of(scenario: Scenario, column: str) -> str:
     """The unit of a machine's column."""
     assert scenario.rig is not None
     return next((c.unit for c in scenario.rig.machine.columns if c.name == column), "")
-
-
-__all__ = ["BestPoint", "estimate", "made", "traces"]

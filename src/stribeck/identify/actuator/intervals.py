@@ -9,8 +9,8 @@ import numpy as np
 from scipy.stats import chi2, f
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.problem import Problem
-from stribeck.identify.actuator.solve import STEP, cost, relaxed
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.solve import STEP, half_squares, relaxed
 
 THRESHOLD = float(chi2.ppf(0.95, 1))
 _CLOSE = 0.01  # of the threshold's root
@@ -34,7 +34,7 @@ class Spread:
         return np.sqrt(np.maximum(np.diag(self.covariance) * self.inflation, 0.0))
 
 
-def spread(problem: Problem, u: Array) -> Spread:
+def spread(problem: MachineProblem, u: Array) -> Spread:
     """The covariance at the optimum, and its inflation by what the residuals remember."""
     r = problem.residuals(u[None])[0]
     J = problem.slopes(u[None], np.full(len(u), STEP))[1][0]
@@ -62,7 +62,7 @@ def inverse(J: Array) -> Array:
     return np.asarray((vectors / values) @ vectors.T / np.outer(size, size))
 
 
-def remembered(problem: Problem, r: Array) -> tuple[dict[int, int], dict[str, float], float]:
+def remembered(problem: MachineProblem, r: Array) -> tuple[dict[int, int], dict[str, float], float]:
     """For each target, by its first number, the lags over which its residuals are correlated; the time (in samples) in
     which each column forgets, its integrated autocorrelation; and how many independent residuals there are."""
     lags: dict[int, int] = {}
@@ -84,7 +84,7 @@ def remembered(problem: Problem, r: Array) -> tuple[dict[int, int], dict[str, fl
     return lags, {name: float(np.mean(x)) for name, x in times.items()}, independent
 
 
-def _places(problem: Problem) -> list[tuple[int, int, str]]:
+def _places(problem: MachineProblem) -> list[tuple[int, int, str]]:
     """Where the residuals of each target stand: their first, how many, and the column."""
     found = []
     for k, run in enumerate(problem.runs):
@@ -95,7 +95,7 @@ def _places(problem: Problem) -> list[tuple[int, int, str]]:
     return found
 
 
-def scores(problem: Problem, r: Array, J: Array, lags: dict[int, int]) -> Array:
+def scores(problem: MachineProblem, r: Array, J: Array, lags: dict[int, int]) -> Array:
     """The covariance of the slopes times the residuals: Newey and West's, with Bartlett's window over each memory."""
     total = np.zeros((J.shape[1], J.shape[1]))
     for at, size, _ in _places(problem):
@@ -131,9 +131,9 @@ class Ends:
     lower: Array | None = None
 
 
-def profiles(problem: Problem, u: Array, s: Spread, wanted: list[int]) -> dict[int, Ends]:
+def profiles(problem: MachineProblem, u: Array, s: Spread, wanted: list[int]) -> dict[int, Ends]:
     """The 95 % profile intervals of the coordinates ``wanted``; all sides of all of them advance together in lanes."""
-    base = float(cost(problem.residuals(u[None]))[0])
+    base = float(half_squares(problem.residuals(u[None]))[0])
     root = np.sqrt(threshold(s.freedom))
     sides = [_Side(problem, u, s, k, sign, root) for k in wanted for sign in (-1, 1)]
     for _ in range(_TRIES):
@@ -156,7 +156,7 @@ def profiles(problem: Problem, u: Array, s: Spread, wanted: list[int]) -> dict[i
 class _Side:
     """One side of a profile on its way to where the cost has risen by the threshold."""
 
-    def __init__(self, problem: Problem, u: Array, s: Spread, k: int, sign: int, root: float) -> None:
+    def __init__(self, problem: MachineProblem, u: Array, s: Spread, k: int, sign: int, root: float) -> None:
         self.k, self.sign, self.u, self.root, self.problem = k, sign, u, root, problem
         self.unit = float(s.inflation[k])
         self.edge = float(abs((problem.high if sign > 0 else problem.low)[k] - u[k]))

@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator import advise, checks
-from stribeck.identify.actuator.coordinates import Coordinate
+from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles, spread
 from stribeck.identify.actuator.result import Parameter
@@ -23,7 +23,7 @@ _AGAIN = 2
 
 
 @dataclass
-class Judged:
+class JudgedParameters:
     """The parameters with their verdicts, and the estimate itself (a profile may have found a better one)."""
 
     best: BestPoint
@@ -33,7 +33,7 @@ class Judged:
     notes: list[str] = field(default_factory=list)
 
 
-def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> Judged:
+def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParameters:
     """Each number with its interval and verdict; ``trusted``: the fit follows the recordings, and was not stopped."""
     problem = best.problem
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
@@ -43,7 +43,7 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> Judged:
             c.name: Parameter(c.outer(best.u[i]), None, None, unit(scenario, c), "not judged", why)
             for i, c in enumerate(problem.sought) if not c.nuisance
         }  # fmt: skip
-        return Judged(best, blank)
+        return JudgedParameters(best, blank)
     for _ in range(_AGAIN):
         s = spread(problem, best.u)
         ends = profiles(problem, best.u, s, asked)
@@ -59,7 +59,9 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> Judged:
         found[names[k]].experiment = text
     size = np.sqrt(np.maximum(np.diag(s.covariance), 1e-300))
     relation = (s.covariance / np.outer(size, size))[np.ix_(asked, asked)]
-    result = Judged(best, found, told, ([names[k] for k in asked], relation), _widened(s, problem.sought, asked))
+    result = JudgedParameters(
+        best, found, told, ([names[k] for k in asked], relation), _widened(s, problem.sought, asked)
+    )
     result.notes += checks.after(best, s)
     return result
 
@@ -98,7 +100,7 @@ def partners(best: BestPoint, s: Spread, k: int) -> str:
     return " and ".join(best.problem.sought[i].name for i in others[:2])
 
 
-def _widened(s: Spread, sought: list[Coordinate], asked: list[int]) -> list[str]:
+def _widened(s: Spread, sought: list[MachineCoordinate], asked: list[int]) -> list[str]:
     coloured = {name: x for name, x in s.memory.items() if x > _WHITE}
     if not coloured:
         return ["residuals are white: the intervals need no widening"]
@@ -110,7 +112,7 @@ def _widened(s: Spread, sought: list[Coordinate], asked: list[int]) -> list[str]
     ]
 
 
-def unit(scenario: Scenario, c: Coordinate) -> str:
+def unit(scenario: Scenario, c: MachineCoordinate) -> str:
     """The unit of what is sought, where the machine says it."""
     assert scenario.rig is not None
     if c.output is not None:

@@ -11,6 +11,7 @@ import tomli_w
 from stribeck.files import finite, write_text
 from stribeck.identify.actuator.intervals import THRESHOLD
 from stribeck.identify.actuator.result import LogResult, MachineFit, Parameter
+from stribeck.report.cells import digits
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.report.plots import figure, finish, legend, line, style, thin
 from stribeck.scenario.moved import moved
@@ -21,7 +22,7 @@ _PROFILES = 12
 _HIGHEST = 12.0  # of a profile, as far as it is drawn
 
 
-def write(fit: MachineFit, folder: Path, command: str, title: str, origin: Path = Path()) -> list[str]:
+def write_machine_fit(fit: MachineFit, folder: Path, command: str, title: str, origin: Path = Path()) -> list[str]:
     """Write what was found into a folder; the paths. ``origin`` is the folder of the machine's file."""
     folder.mkdir(parents=True, exist_ok=True)
     page, parameters, machine = (folder / name for name in ("report.html", "parameters.toml", "machine.toml"))
@@ -59,14 +60,15 @@ def report(fit: MachineFit, command: str, title: str) -> str:
     )
 
 
-def digits(x: float | None) -> str:
+def number_or_open(x: float | None) -> str:
     """A number for people; what is open says so."""
-    return "open" if x is None else f"{x:.6g}"
+    return digits(x, "open")
 
 
 def _numbers(fit: MachineFit) -> Chapter:
     rows = [
-        [n, digits(p.value), digits(p.low), digits(p.high), p.unit or "1", p.verdict] for n, p in fit.parameters.items()
+        [n, number_or_open(p.value), number_or_open(p.low), number_or_open(p.high), p.unit or "1", p.verdict]
+        for n, p in fit.parameters.items()
     ]
     tables = [Table(["number", "value", "95 % from", "to", "unit", "verdict"], rows)]
     if why := [[n, p.why, p.experiment or "-"] for n, p in fit.parameters.items() if p.why]:
@@ -101,7 +103,10 @@ def _others(fit: MachineFit) -> list[Chapter]:
         text = [f"Picked: {fit.laws['picked']}."]
         found.append(Chapter("laws", "Which law", text, [Table(["law", "held out", "numbers"], rows)]))
     if fit.transfer is not None:
-        rows = [[m["name"], digits(m["from"]["value"]), digits(m["to"]["value"])] for m in fit.transfer["moved"]]
+        rows = [
+            [m["name"], number_or_open(m["from"]["value"]), number_or_open(m["to"]["value"])]
+            for m in fit.transfer["moved"]
+        ]
         text = [f"Moved beyond both intervals: {', '.join(r[0] for r in rows) or 'nothing'}."]
         found.append(Chapter("transfer", "The other recordings", text, [Table(["number", "here", "there"], rows)]))
     return found

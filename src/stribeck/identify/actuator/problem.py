@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.coordinates import NEUTRAL, Coordinate
-from stribeck.identify.actuator.runs import Run
+from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate
+from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
 
@@ -18,15 +18,15 @@ _MOST = 4e6  # numbers held at once
 
 
 @dataclass
-class Problem:
+class MachineProblem:
     """Runs, what is sought, and the noise of each column.
 
     ``residuals(U)`` takes points (lanes, coordinates) and gives (lanes, numbers): (simulated - measured)/noise of every
     target of every run, then priors; nan where a simulation failed.
     """
 
-    runs: list[Run]
-    sought: list[Coordinate]
+    runs: list[RecordedRun]
+    sought: list[MachineCoordinate]
     noise: dict[str, float]
     threads: int = field(default_factory=threads_of_this_machine)
     work: Work = field(default_factory=Work)
@@ -82,7 +82,7 @@ class Problem:
         self.work.tick()
         return found
 
-    def predicted(self, run: Run, k: int, U: Array) -> list[Array]:
+    def predicted(self, run: RecordedRun, k: int, U: Array) -> list[Array]:
         """The simulated columns of a run with its sensors' gains and offsets."""
         values: dict[str, Array] = {}
         sensors: dict[tuple[str, str], Array] = {}
@@ -111,7 +111,7 @@ class Problem:
                 x += offset[:, None]
         return found
 
-    def _of(self, run: Run, k: int, U: Array) -> Array:
+    def _of(self, run: RecordedRun, k: int, U: Array) -> Array:
         found = self.predicted(run, k, U)
         parts = [(x - t.x) / self.noise[t.column] for t, x in zip(run.targets, found, strict=True)]
         return np.concatenate(parts, axis=1)
@@ -189,7 +189,7 @@ class Problem:
         return {c.name: c.outer(x) for c, x in zip(self.sought, u, strict=True)}
 
 
-def _present(run: Run, c: Coordinate) -> float | None:
+def _present(run: RecordedRun, c: MachineCoordinate) -> float | None:
     """The machine's own number at a path."""
     value: object = run.scenario.data
     for word in next(iter(c.targets), "").split("."):
@@ -202,7 +202,7 @@ def _present(run: Run, c: Coordinate) -> float | None:
     return float(value) if isinstance(value, int | float) else None
 
 
-def _belongs(c: Coordinate, run: Run) -> bool:
+def _belongs(c: MachineCoordinate, run: RecordedRun) -> bool:
     """Whether a coordinate concerns a run."""
     if c.output is not None and all(t.column != c.output[0] for t in run.targets):
         return False

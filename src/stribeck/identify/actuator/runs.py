@@ -36,7 +36,7 @@ class Compared:
 
 
 @dataclass
-class Run:
+class RecordedRun:
     """A recording, or a stretch of one, as a scenario with its inputs and known numbers, ready to simulate."""
 
     name: str
@@ -125,9 +125,9 @@ def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel
     return found
 
 
-def made(
+def recorded_run(
     scenario: Scenario, recording: Recording, log: int, span: tuple[float, float] | None = None, fine: bool = False
-) -> Run:
+) -> RecordedRun:
     """The scenario of a recording, or of a stretch of it; ``fine``: with rows between its samples, for sensors' clocks.
 
     Raises:
@@ -163,7 +163,7 @@ def made(
         raise InputError([f"log.{log} ({recording.file}): {line}" for line in error.problems]) from None
     targets = [Compared(n, c.t, c.x) for n, c in rows_of(recording, begin, min(end, new.end + begin)).items()]
     piece = None if span is None else f"{begin:g}"
-    return Run(recording.file, log, piece, new, [x for x in targets if len(x.t)], {}, recording.hold_out)
+    return RecordedRun(recording.file, log, piece, new, [x for x in targets if len(x.t)], {}, recording.hold_out)
 
 
 def _exists(data: Any, path: str) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.problem import Problem
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.work import Stopped
 
 STEP = 2e-4  # of a coordinate, for slopes
@@ -36,7 +36,7 @@ class Found:
     others: tuple[Array, ...] = ()  # where other starts ended
 
 
-def cost(r: Array) -> Array:
+def half_squares(r: Array) -> Array:
     """Half the sum of squares of each row, infinite where a simulation failed."""
     with np.errstate(all="ignore"):
         total = 0.5 * np.sum(np.square(r), axis=-1)
@@ -44,7 +44,7 @@ def cost(r: Array) -> Array:
 
 
 def search(
-    problem: Problem, starts: int, seed: int, first: Array | None = None,
+    problem: MachineProblem, starts: int, seed: int, first: Array | None = None,
     keep: Callable[[Array, float], None] | None = None, more: Sequence[Array] = (), wide: bool = False, steps: int = _STEPS,
 ) -> Found:  # fmt: skip
     """The best point from ``starts`` of them: the given one (or the machine's), ``more``, and others spread over the
@@ -64,7 +64,7 @@ def search(
         else:
             U = np.array(begin)
         U = problem.repaired(np.concatenate([U, *(x[None] for x in more)]))
-        costs = cost(problem.residuals(U))
+        costs = half_squares(problem.residuals(U))
         order = np.argsort(costs)[: _KEEP[0]]
         if 0 not in order:
             order = np.append(order[:-1], 0)
@@ -98,7 +98,7 @@ def _agreeing(costs: Array, i: int) -> int:
     return int(np.sum(costs < 1.01 * costs[i] + 1e-12))
 
 
-def _step(problem: Problem, U: Array, costs: Array, damping: Array) -> tuple[Array, Array, Array]:
+def _step(problem: MachineProblem, U: Array, costs: Array, damping: Array) -> tuple[Array, Array, Array]:
     """One step of each start: the best of several dampings."""
     n = U.shape[1]
     r, J = problem.slopes(U, np.full(n, STEP))
@@ -106,7 +106,7 @@ def _step(problem: Problem, U: Array, costs: Array, damping: Array) -> tuple[Arr
         U[p] + direction(r[p], J[p], U[p], problem, damping[p] * share) for p in range(len(U)) for share in _DAMPINGS
     ]
     tried = problem.repaired(np.array(trials))
-    found = cost(problem.residuals(tried)).reshape(len(U), -1)
+    found = half_squares(problem.residuals(tried)).reshape(len(U), -1)
     tried = tried.reshape(len(U), -1, n)
     new, out, after = costs.copy(), U.copy(), damping.copy()
     for p in range(len(U)):
@@ -119,7 +119,7 @@ def _step(problem: Problem, U: Array, costs: Array, damping: Array) -> tuple[Arr
     return out, new, after
 
 
-def direction(r: Array, J: Array, u: Array, problem: Problem, damping: float) -> Array:
+def direction(r: Array, J: Array, u: Array, problem: MachineProblem, damping: float) -> Array:
     """The damped step of Gauss and Newton; coordinates that press against a bound stay there."""
     if not (np.isfinite(r).all() and np.isfinite(J).all()):
         return np.zeros(len(u))
@@ -135,7 +135,7 @@ def direction(r: Array, J: Array, u: Array, problem: Problem, damping: float) ->
     return step
 
 
-def scanned(problem: Problem, found: Found, steps: int = 5) -> list[Array]:
+def scanned(problem: MachineProblem, found: Found, steps: int = 5) -> list[Array]:
     """Points elsewhere that might lead to a lower cost: each number in turn is put at several places over its bounds, the
     others follow, and the best of each are taken."""
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance and c.output is None]
@@ -153,9 +153,9 @@ def scanned(problem: Problem, found: Found, steps: int = 5) -> list[Array]:
     return [moved[i] for i in order[:_WIDE]]
 
 
-def relaxed(problem: Problem, points: Array, held: list[int], rounds: int = 2) -> tuple[Array, Array]:
+def relaxed(problem: MachineProblem, points: Array, held: list[int], rounds: int = 2) -> tuple[Array, Array]:
     """The points with all coordinates but the one held moved to where the cost is least, and the cost."""
-    costs = cost(problem.residuals(points))
+    costs = half_squares(problem.residuals(points))
     for _ in range(rounds):
         r, J = problem.slopes(points, np.full(points.shape[1], STEP))
         trials = []
@@ -167,7 +167,7 @@ def relaxed(problem: Problem, points: Array, held: list[int], rounds: int = 2) -
                 step[k] = 0.0
                 trials.append(points[p] + step)
         tried = np.clip(np.array(trials), problem.low, problem.high)
-        new = cost(problem.residuals(tried)).reshape(len(points), -1)
+        new = half_squares(problem.residuals(tried)).reshape(len(points), -1)
         for p in range(len(points)):
             i = int(np.argmin(new[p]))
             if new[p, i] < costs[p]:

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from stribeck.identify.actuator.coordinates import Coordinate
+from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.recordings import Channel, Recording
-from stribeck.identify.actuator.runs import Run, made
+from stribeck.identify.actuator.runs import RecordedRun, recorded_run
 from stribeck.scenario import Scenario
 
 _NEAR = 12  # samples from which a state is estimated
@@ -64,16 +64,16 @@ def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
 
 def begun(
     scenario: Scenario, recording: Recording, log: int, named: set[str], span: tuple[float, float] | None = None
-) -> tuple[Run, list[Coordinate]]:
+) -> tuple[RecordedRun, list[MachineCoordinate]]:
     """A recording (or a stretch of it) to simulate, and what of its start must be found with it.
 
     Where the file, the recording or the user says how a body begins, it begins so; else the first samples say it
     roughly, and the fit precisely.
     """
     late = any((n.startswith("outputs.") and n.endswith((".delay", ".clock"))) or ".outputs." in n for n in named)
-    run = made(scenario, recording, log, span, late)
+    run = recorded_run(scenario, recording, log, span, late)
     at = span[0] if span else 0.0
-    found: list[Coordinate] = []
+    found: list[MachineCoordinate] = []
     told: set[str] = set()
     for column, channel in recording.outputs.items():
         name, _, what = column.rpartition(".")
@@ -95,7 +95,7 @@ def begun(
             run.start |= {path: f * x for path, f in targets.items()}
             room = _ROOM * max(dx, 1e-9 * max(abs(x), 1e-3))
             label = f"log.{log}.{'' if span is None else f'{at:g}s.'}initial.{name}.{kind}"
-            found.append(Coordinate(label, x - room, x + room, x, None, targets, None, log, True, run.piece))
+            found.append(MachineCoordinate(label, x - room, x + room, x, None, targets, None, log, True, run.piece))
     return run, [replace(c, prior=None) for c in found]
 
 

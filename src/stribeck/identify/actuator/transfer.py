@@ -9,7 +9,7 @@ from stribeck.identify.actuator import judge
 from stribeck.identify.actuator.estimate import beyond_noise, estimate, traces
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.identify.actuator.result import LogResult, MachineFit
-from stribeck.identify.actuator.runs import made
+from stribeck.identify.actuator.runs import recorded_run
 
 if TYPE_CHECKING:
     from stribeck.identify.actuator.api import Fitting
@@ -20,7 +20,7 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> dict[str, Any]
     problems: list[str] = []
     for i, recording in enumerate(other.recordings):
         try:
-            made(fit.scenario, recording, i)
+            recorded_run(fit.scenario, recording, i)
         except InputError as error:
             problems += [f"{arg('transfer')}: {line}" for line in error.problems]
     if problems:

@@ -19,7 +19,7 @@ _REGULAR = 0.8  # of the changes of a held column stand at one distance
 _HELD = ("position", "velocity", "force")
 
 
-def pieces(columns: dict[str, Array], name: str, notes: list[str]) -> list[dict[str, Array]]:
+def steady_stretches(columns: dict[str, Array], name: str, notes: list[str]) -> list[dict[str, Array]]:
     """The columns of a file, cut where its sampling rate changes for good."""
     time = columns["time"]
     steps = np.diff(time)

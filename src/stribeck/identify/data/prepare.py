@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from hashlib import file_digest
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +12,9 @@ from scipy import signal
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
-from stribeck.identify.data.clocks import on_one_clock, pieces, released
-from stribeck.identify.data.filters import derivative, low_pass
+from stribeck.files import sha256_of
+from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
+from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.identify.log import INTEGRAL, Log
@@ -49,7 +49,7 @@ class Preparation:
     simulated: bool = False
 
 
-def load(sources: Sequence[Any], columns: ColumnNames, how: Preparation | None = None) -> Log:
+def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | None = None) -> Log:
     """The log in one file or table, or in several of the same layout, each a run of its own.
 
     Raises:
@@ -59,21 +59,15 @@ def load(sources: Sequence[Any], columns: ColumnNames, how: Preparation | None =
     cleaned, owners = [], []
     for each, name in zip(sources, names, strict=True):
         notes: list[str] = []
-        for part in pieces(read(each, columns), name, notes):
+        for part in steady_stretches(read(each, columns), name, notes):
             released(part, name, notes)
             found = clean(part, name)
             cleaned.append(replace(found, notes=[*notes, *found.notes]))
             owners.append(name)
             notes = []
-    hashes = tuple(_hash(Path(each)) for each in sources if not is_table(each))
+    hashes = tuple(sha256_of(Path(each)) for each in sources if not is_table(each))
     log = prepare(on_one_clock(cleaned), how or Preparation(), owners)
     return log.with_columns(hashes=hashes if len(hashes) == len(sources) else ())
-
-
-def _hash(path: Path) -> str:
-    """SHA-256 of a file."""
-    with path.open("rb") as file:
-        return file_digest(file, "sha256").hexdigest()
 
 
 def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ()) -> Log:
@@ -206,7 +200,7 @@ def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep
 
 def _slope(x: Array, step: float, spline: bool) -> Array:
     """dx/dt by a spline or central differences, which are the published procedure's for least squares."""
-    return derivative(x, step) if spline else np.asarray(np.gradient(x, step))
+    return spline_derivative(x, step) if spline else np.asarray(np.gradient(x, step))
 
 
 def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean], slopes: str) -> dict[str, str]:

@@ -58,7 +58,7 @@ class Solved:
     reason: str
 
 
-def solve(
+def solve_blocks(
     problem: Blocks, start: Array, tolerance: float, evaluations: int, held: Collection[int] = ()
 ) -> Solved:  # fmt: skip
     """The point of least squares that is reached from a start, within the bounds.

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
-from stribeck.identify.methods.blockwise import solve
+from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.methods.optimise import STOPPED, Optimum, multistart, starting_points
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, velocity_problem
 from stribeck.identify.models.motion_problem import white_noise
@@ -104,7 +104,7 @@ def cross_validated(problem: VelocityProblem, point: Array, log: Log, folds: int
 
     def missed_without(out: NDArray[np.bool_]) -> tuple[float, float]:
         training = problem.with_rows(~out)
-        found = solve(training, training.without_unseen_starts(point), 1e-6, 30).point
+        found = solve_blocks(training, training.without_unseen_starts(point), 1e-6, 30).point
         found = training.nearest(training.without_unseen_starts(found))  # nothing has kept them in place
         force = training.force(found[None, :])
         missed = np.inf if force is None else float(np.sum((force[0] - log.force)[out] ** 2))
@@ -115,7 +115,7 @@ def cross_validated(problem: VelocityProblem, point: Array, log: Log, folds: int
 
 def judged_of(
     problem: Problem, optimum: Optimum, log: Log, profiles: bool, noise: Noise, work: Work
-) -> uncertainty.Judgement:  # fmt: skip
+) -> uncertainty.ConfidenceIntervals:  # fmt: skip
     """What is known at an optimum; the bare values where Ctrl-C comes before that is clear."""
     try:
         return uncertainty.judge(problem, optimum.point, log, profiles, noise, work)
@@ -125,7 +125,7 @@ def judged_of(
 
 
 def fit_of(
-    problem: VelocityProblem, point: Array, judged: uncertainty.Judgement, optimum: Optimum, log: Log, work: Work
+    problem: VelocityProblem, point: Array, judged: uncertainty.ConfidenceIntervals, optimum: Optimum, log: Log, work: Work
 ) -> Fit:  # fmt: skip
     """The fit from its optimum and what was judged of it; ``point``: the optimum in the problem's coordinates."""
     force = problem.force(point[None, :])

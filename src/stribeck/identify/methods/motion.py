@@ -23,7 +23,7 @@ from stribeck.identify.result import Fit
 from stribeck.identify.statistics.verdicts import Noise
 from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
-from stribeck.signals import Points
+from stribeck.signals import PointsSignal
 from stribeck.simulation import simulate
 
 _RTOL = 1e-6
@@ -98,7 +98,7 @@ class RigProblem(Problem):
         z = values.get(first_deflection(number), 0.0) * self.length(values)
         initial = {**self.scenarios[number].initial, **({"z": z} if self.law.has_z else {})}
         time = self.log.time[rows] - self.log.time[rows][0]
-        signal = Points(time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0))
+        signal = PointsSignal(time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0))
         solution = simulate(
             self.scenarios[number].with_values(law=law, mass=values["mass"], initial=initial, signal=signal)
         )

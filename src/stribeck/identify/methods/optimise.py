@@ -11,9 +11,10 @@ from scipy.optimize import least_squares
 from scipy.stats import qmc
 
 from stribeck.arrays import Array
-from stribeck.identify.methods.blockwise import Solved, solve
+from stribeck.identify.methods.blockwise import Solved, solve_blocks
 from stribeck.identify.models.problem import Problem
-from stribeck.identify.work import Stopped, Work, cores
+from stribeck.identify.work import Stopped, Work
+from stribeck.simulation.lanes import threads_of_this_machine
 
 STOPPED = "stopped by Ctrl-C: the best values so far"
 _MANY = 200  # evaluations
@@ -83,13 +84,13 @@ def multistart(
     work = work or Work()
     best: dict[str, Any] = {"cost": np.inf, "point": None}
     watched = _Watched(problem, work, best)
-    batch, tried = max(cores(), 2), 0
+    batch, tried = max(threads_of_this_machine(), 2), 0
     done: list[Solved] = []
     looks: list[Solved] = []
 
     def to_the_end(run: Solved) -> Solved:
         near = from_afar(watched, run.point, _MIDDLE, most)
-        last = solve(watched, near.point, _MIDDLE, most)
+        last = solve_blocks(watched, near.point, _MIDDLE, most)
         return last if last.cost < near.cost else near
 
     try:
@@ -110,7 +111,7 @@ def multistart(
             met = [run for run in done if run.cost <= enough]
             # the first that met it, however many ran beside it
             first = met[0] if met else min(done, key=lambda run: run.cost)
-            last = solve(watched, first.point, _FINE, most)
+            last = solve_blocks(watched, first.point, _FINE, most)
     except (KeyboardInterrupt, Stopped):
         work.stop()
     if work.stopped:

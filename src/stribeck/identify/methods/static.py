@@ -28,7 +28,7 @@ from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Estimate, Fit, Prediction
 from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, cross_validate
-from stribeck.identify.statistics.static_intervals import judge, linearised
+from stribeck.identify.statistics.static_intervals import linearised, static_intervals
 
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
@@ -124,7 +124,7 @@ def settle(
 def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
     """The fit with intervals, verdicts and what a report shows."""
     made, solution, log = settled.model, settled.solution, rows.log
-    judged = judge(rows, made, solution, profiles)
+    judged = static_intervals(rows, made, solution, profiles)
     law, values = made.law, solution.values
     estimates = {n: judged.estimates[n] for n in law.constants() if n in judged.estimates}
     body = {n: e for n, e in judged.estimates.items() if n in TERMS}

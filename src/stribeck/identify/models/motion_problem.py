@@ -19,7 +19,7 @@ from stribeck.errors import InputError
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, form_of
 from stribeck.identify.models.problem import Coordinate, Problem
-from stribeck.simulation.response import Motion
+from stribeck.simulation.response import ForcedBody
 
 OUTPUTS = {"position": "position", "velocity": "velocity"}
 ROUGH, FINE = 1e-2, 1e-4  # error of a step as a share of the output's noise; an estimate averages over many samples
@@ -57,7 +57,7 @@ class MotionProblem(Problem):
         measured = self._without_means(raw(log, output)[self.rows][None, :])[0]
         scale = float(np.sqrt(np.mean(measured**2))) or 1.0
         super().__init__(inverse.law, own, inverse.fixed, inverse.tied, measured, scale)
-        self.model = Motion(self.law, form_of(self.law, self.fixed))
+        self.model = ForcedBody(self.law, form_of(self.law, self.fixed))
         assert inverse.home is not None
         self.home = self.from_values(inverse.values(inverse.home))
 

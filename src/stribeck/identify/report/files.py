@@ -15,7 +15,7 @@ from stribeck.identify.statistics.choose import Choice
 from stribeck.version import __version__
 
 
-def write(result: Fit | Choice, log: Log, folder: Path, command: str, data: str) -> list[str]:
+def write_fit(result: Fit | Choice, log: Log, folder: Path, command: str, data: str) -> list[str]:
     """Write report.html and, last, parameters.toml; the paths."""
     from stribeck.identify.report.page import page
 

@@ -47,7 +47,7 @@ def figure(
     return found
 
 
-def write(
+def write_overlay(
     folder: Path, name: str, title: str, introduction: Sequence[str], errors: Sequence[Sequence[str]],
     figures: Sequence[FigureSvg], command: str,
 ) -> str:  # fmt: skip

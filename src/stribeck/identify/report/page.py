@@ -14,6 +14,7 @@ from stribeck.identify.report import pictures, traces
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.choose import Choice
 from stribeck.properties import check
+from stribeck.report.cells import digits, percent
 from stribeck.report.page import Chapter, Table, html
 from stribeck.version import __version__
 
@@ -32,15 +33,9 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
     unknown = [n for n in fit.unidentified if n in fit.estimates]
     introduction = [
         f"Law {fit.law}, method {fit.method}. The relative force error, norm(residual)/norm(force), is "
-        f"{_percent(fit.relative_force_error)}"
-        + (f", and {_percent(fit.cross_validated_error)} on data left out." if fit.cross_validated_error else "."),
-        *(
-            [
-                f"The {fit.details['output']} is what is fitted: {_percent(fit.details['output_error'])} of its changes is left."
-            ]
-            if "output" in fit.details
-            else []
-        ),
+        f"{percent(fit.relative_force_error, 3)}"
+        + (f", and {percent(fit.cross_validated_error, 3)} on data left out." if fit.cross_validated_error else "."),
+        *_of_output(fit),
         f"The data do not determine {', '.join(unknown)}: see below for why, and for what to measure."
         if unknown
         else "The data determine every parameter of the law.",
@@ -51,10 +46,12 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
 def _result(fit: Fit) -> Chapter:
     rows = {**fit.estimates, **fit.body}
     known = [
-        [n, _digits(e.value), _digits(e.low), _digits(e.high), e.unit or "1"] for n, e in rows.items() if e.identifiable
+        [n, digits(e.value, "open"), digits(e.low, "open"), digits(e.high, "open"), e.unit or "1"]
+        for n, e in rows.items()
+        if e.identifiable
     ]
     known += [
-        [n, v if isinstance(v, str) else _digits(v), "given", "given", _unit(fit, n)]
+        [n, v if isinstance(v, str) else digits(v, "open"), "given", "given", _unit(fit, n)]
         for n, v in fit.fixed.items()
         if n not in rows
     ]
@@ -85,7 +82,7 @@ def _unit(fit: Fit, name: str) -> str:
 
 def _laws(choice: Choice) -> Chapter:
     rows = [
-        [r["law"], _percent(r["cross_validated_error"]), _percent(r["relative_force_error"]), str(r["numbers"])]
+        [r["law"], percent(r["cross_validated_error"], 3), percent(r["relative_force_error"], 3), str(r["numbers"])]
         for r in choice.table()
     ]
     text = [
@@ -100,7 +97,7 @@ def _selection(fit: Fit) -> list[Chapter]:
     steps = fit.details.get("selection")
     if not steps:
         return []
-    rows = [[s["added"], _percent(s["cross_validated_error"]), _percent(s["relative_force_error"])] for s in steps]
+    rows = [[s["added"], percent(s["cross_validated_error"], 3), percent(s["relative_force_error"], 3)] for s in steps]
     text = ["Each line adds what lowers the error on data left out most; it stops where that is less than a hundredth."]
     return [
         Chapter("terms", "Which terms", text, [Table(["added", "error on data left out", "error of the fit"], rows)])
@@ -219,9 +216,8 @@ def _properties(fit: Fit) -> list[Chapter]:
     return [Chapter("properties", "Properties of the result", text, [Table(["property", "holds", "how"], rows, True)])]
 
 
-def _digits(value: float | None) -> str:
-    return "open" if value is None else f"{value:.6g}"
-
-
-def _percent(share: float | None) -> str:
-    return "-" if share is None or not np.isfinite(share) else f"{100 * share:.3f} %"
+def _of_output(fit: Fit) -> list[str]:
+    if "output" not in fit.details:
+        return []
+    left = percent(fit.details["output_error"], 3)
+    return [f"The {fit.details['output']} is what is fitted: {left} of its changes is left."]

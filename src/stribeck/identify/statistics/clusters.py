@@ -23,7 +23,7 @@ _FEWEST_FILES, _FEWEST_RUNS = 3, 6
 
 
 @dataclass(frozen=True)
-class Parts:
+class RowGroups:
     """Which part each row belongs to, what the parts are, and whether they are repeated experiments."""
 
     number: Groups
@@ -36,16 +36,16 @@ class Parts:
         return int(self.number.max()) + 1
 
 
-def parts_of(log: Log) -> Parts:
+def parts_of(log: Log) -> RowGroups:
     """Files where there are three or more, runs where there are six, else ten blocks in time."""
     names = list(dict.fromkeys(log.files))
     if len(names) >= _FEWEST_FILES:
         number = np.array([names.index(name) for name in log.files])[log.run]
-        return Parts(_dense(number), f"{len(names)} files", True)
+        return RowGroups(_dense(number), f"{len(names)} files", True)
     runs = np.cumsum(np.diff(log.run, prepend=log.run[:1]) != 0)
     if (count := int(runs[-1]) + 1) >= _FEWEST_RUNS:
-        return Parts(runs.astype(np.intp), f"{count} runs", True)
-    return Parts((np.arange(len(log)) * BLOCKS // len(log)).astype(np.intp), f"{BLOCKS} blocks in time", False)
+        return RowGroups(runs.astype(np.intp), f"{count} runs", True)
+    return RowGroups((np.arange(len(log)) * BLOCKS // len(log)).astype(np.intp), f"{BLOCKS} blocks in time", False)
 
 
 def _dense(number: Groups) -> Groups:

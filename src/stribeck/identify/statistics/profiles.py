@@ -6,7 +6,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from stribeck.arrays import Array
-from stribeck.identify.methods.blockwise import solve
+from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Profile
 
@@ -138,5 +138,5 @@ def _cost_at(problem: Problem, start: Array, k: int, value: float, tolerance: fl
     """The smallest cost with one coordinate held, to a share of it, and the point."""
     begin = np.array(start)
     begin[k] = value
-    found = solve(problem, begin, min(tolerance, _COARSEST), _MOST_EVALUATIONS, held=[k])
+    found = solve_blocks(problem, begin, min(tolerance, _COARSEST), _MOST_EVALUATIONS, held=[k])
     return found.cost, found.point

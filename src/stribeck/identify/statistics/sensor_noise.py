@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.data.filters import derivative, low_pass
+from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem, raw, white_noise
 from stribeck.identify.models.problem import Problem, linear_step
@@ -45,7 +45,7 @@ def _moved(
     velocity = log.velocity.copy()
     for rows in log.runs():
         noise = low_pass(deviation * draw.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
-        velocity[rows] += derivative(noise, log.step) if measured == "position" else noise
+        velocity[rows] += spline_derivative(noise, log.step) if measured == "position" else noise
     noisy = problem.moving(velocity)
     slopes, misfit = noisy.sensitivities(u), noisy.misfit(u)
     if slopes is None or misfit is None:
@@ -74,5 +74,5 @@ def acceleration_of_full_band(problem: Problem, u: Array, slopes: Array) -> Arra
     log, mass = problem.log, problem.values(u).get("mass", 0.0)
     missing = np.zeros(len(log))
     for rows in log.runs():
-        missing[rows] = mass * (derivative(log.velocity[rows], log.step) - log.acceleration[rows])
+        missing[rows] = mass * (spline_derivative(log.velocity[rows], log.step) - log.acceleration[rows])
     return np.asarray(abs(linear_step(slopes, missing[problem.rows])))

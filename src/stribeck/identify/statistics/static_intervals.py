@@ -38,7 +38,7 @@ _PROFILED = ("F_c", "F_s", "v_s", "k_v", "delta")
 
 
 @dataclass(frozen=True)
-class Judged:
+class StaticConfidenceIntervals:
     """Estimates by name, covariance of ``names``, profiles, notes, and ``details`` for a report."""
 
     estimates: dict[str, Estimate]
@@ -95,7 +95,9 @@ def _is_log(name: str) -> bool:
     return TERMS[name].positive if name in TERMS else True
 
 
-def judge(rows: Rows, model: StaticModel, solution: Minimum, profiles: bool = True) -> Judged:
+def static_intervals(
+    rows: Rows, model: StaticModel, solution: Minimum, profiles: bool = True
+) -> StaticConfidenceIntervals:
     """Intervals and verdicts for everything that was to be fitted."""
     at = linearised(model.whole, solution)
     half, notes, details = _half_widths(rows, model, solution, at)
@@ -133,7 +135,7 @@ def judge(rows: Rows, model: StaticModel, solution: Minimum, profiles: bool = Tr
     details["noise"] = {
         "standard_deviation": float(np.std(at.misfit[rows.weight > 0])), "memory": len(memory),
     }  # fmt: skip
-    return Judged(estimates, at.names, matrix, curves, tuple(notes), details)
+    return StaticConfidenceIntervals(estimates, at.names, matrix, curves, tuple(notes), details)
 
 
 def _half_widths(

@@ -18,7 +18,7 @@ from stribeck.identify.features.filtering import filter_bias, sampling
 from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
-from stribeck.identify.methods.blockwise import solve
+from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
@@ -57,7 +57,7 @@ _FRESH_STARTS = 4
 
 
 @dataclass(frozen=True)
-class Judgement:
+class ConfidenceIntervals:
     """Estimates with intervals; covariance of ``names`` (values, not logarithms); profiles; what a reader should know.
 
     ``point``: the optimum, which may be better than the one given: profiles sometimes find one. ``noise``: its standard
@@ -75,7 +75,7 @@ class Judgement:
 
 def judge(
     problem: Problem, u: Array, log: Log, profiles: bool = True, noise: Noise | None = None, work: Work | None = None
-) -> Judgement:
+) -> ConfidenceIntervals:
     """Intervals and verdicts for every coordinate that is no nuisance, at the optimum ``u``.
 
     A fit that misses what was measured, by more than noise can, has no intervals: its numbers are those of another machine.
@@ -87,7 +87,7 @@ def judge(
         try:
             return _judge(problem, u, log, profiles, noise, work)
         except Lower as lower:
-            better = problem.nearest(solve(problem, lower.point, 1e-10, 200).point)
+            better = problem.nearest(solve_blocks(problem, lower.point, 1e-10, 200).point)
             if problem.sensitivities(better) is None:
                 break
             u = better
@@ -105,7 +105,7 @@ def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
     return np.asarray(np.sqrt(noise**2 + filtered**2 + sampling(problem, u, slopes) ** 2))
 
 
-def without(problem: Problem, u: Array, why: str) -> Judgement:
+def without(problem: Problem, u: Array, why: str) -> ConfidenceIntervals:
     """The best values found, and nothing that is known of them."""
     values = {c.name: c.outer(x) for c, x in zip(problem.coordinates, u.tolist(), strict=True) if not c.nuisance}
     units = {c.name: c.unit for c in problem.coordinates}
@@ -113,7 +113,9 @@ def without(problem: Problem, u: Array, why: str) -> Judgement:
     deviation = float("nan") if misfit is None else float(np.sqrt(np.mean(misfit**2)))
     estimates = {n: Estimate(None, None, None, units[n], False, why, best=x) for n, x in values.items()}
     nothing = np.full((len(values), len(values)), np.nan)
-    return Judgement(u, estimates, tuple(values), nothing, {}, (), {"standard_deviation": deviation, "memory": 0})
+    return ConfidenceIntervals(
+        u, estimates, tuple(values), nothing, {}, (), {"standard_deviation": deviation, "memory": 0}
+    )
 
 
 def misses(problem: Problem, misfit: Array, noise: Noise) -> str:
@@ -184,7 +186,7 @@ class _Optimum:
         return motion and self.deviation < _MORE * self.expected.expected
 
 
-def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise, work: Work) -> Judgement:
+def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise, work: Work) -> ConfidenceIntervals:
     slopes, misfit = problem.sensitivities(u), problem.misfit(u)
     if slopes is None or misfit is None:
         return without(problem, u, "the simulation fails beside the best values")
@@ -223,7 +225,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     notes += widened(problem, estimates, bias, at.inner)
     noise = {"standard_deviation": at.deviation, "memory": len(at.memory)}
     curves = {problem.coordinates[k].name: ends[k][2] for k in at.own if k in ends}
-    return Judgement(u, estimates, names, outer, curves, tuple(notes), noise)
+    return ConfidenceIntervals(u, estimates, names, outer, curves, tuple(notes), noise)
 
 
 def _at_optimum(

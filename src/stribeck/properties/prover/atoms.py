@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import floor
-from typing import TYPE_CHECKING, Any
+from math import ceil, floor, isqrt
+from typing import TYPE_CHECKING
 
 from stribeck.expressions.graph import Expr, constant, rebuild
 from stribeck.expressions.ops import sqrt
 from stribeck.expressions.ranges import INF, PI, Range, ends_of
+from stribeck.properties.plain import Polynomial
 from stribeck.properties.prover.region import down, up
 from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 
@@ -162,8 +163,14 @@ def _root(leaf: Leaf, index: int, x: Quotient) -> bool:
     if not (rest.top.is_constant() and rest.bottom.is_constant() and leaf.signs(rest)[0]) or leaf.places[1] is None:
         return False
     square = rational(rest) if not rest.is_zero else Fraction(0)
-    r = Fraction(ends_of("sqrt", up(square))[1])
+    r = _root_above(square)
     return leaf.put(index, leaf.places[1] + leaf.number(r) * leaf.fresh(), None, "root", "u", r)
+
+
+def _root_above(x: Fraction) -> Fraction:
+    """A number that is not below the root of x; x may be larger than any float."""
+    top = ends_of("sqrt", up(x))[1]
+    return Fraction(top) if top < INF else Fraction(isqrt(ceil(x)) + 1)
 
 
 def _about_1(leaf: Leaf, node: Expr, y: Quotient, known: Range) -> Range:
@@ -209,7 +216,7 @@ def ranged(leaf: Leaf, atom: Quotient, node: Expr, of: Quotient | None = None) -
         leaf.put(index, value, leaf.number(Fraction(2)), "pi range", low_share, high_share)
         return atom
     a, b = Fraction(low), Fraction(high)
-    share: Any = leaf.fresh() if b > a else 0
+    share: Polynomial = leaf.fresh() if b > a else 0
     leaf.put(index, leaf.number(a) + leaf.number(b - a) * share, None, "range", a, b)
     return atom
 

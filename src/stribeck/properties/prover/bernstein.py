@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from math import comb
-from typing import Any
+
+from stribeck.properties.plain import Polynomial
 
 UNIT, POSITIVE = "unit", "positive"
 _MOST = 20_000  # coefficients
@@ -15,14 +16,14 @@ UNKNOWN: Signs = (False, False, False)
 
 
 @lru_cache(maxsize=256)
-def _weights(n: int) -> list[list[Any]]:
+def _weights(n: int) -> list[list[Polynomial]]:
     from flint import fmpq
 
     return [[fmpq(comb(i, j), comb(n, j)) for j in range(i + 1)] for i in range(n + 1)]
 
 
 @lru_cache(maxsize=1)
-def _pi() -> tuple[Any, Any]:
+def _pi() -> tuple[Polynomial, Polynomial]:
     """Two rational numbers around pi, 1e-40 apart."""
     from flint import arb, ctx, fmpq
 
@@ -31,7 +32,7 @@ def _pi() -> tuple[Any, Any]:
     return fmpq(digits, 10**40), fmpq(digits + 1, 10**40)
 
 
-def _in_pi(powers: dict[int, Any]) -> int | None:
+def _in_pi(powers: dict[int, Polynomial]) -> int | None:
     """The sign of a polynomial in pi; None where it cannot be told."""
     if not any(powers):  # no pi
         c = powers.get(0, 0)
@@ -44,13 +45,17 @@ def _in_pi(powers: dict[int, Any]) -> int | None:
     return 1 if low > 0 else -1 if high < 0 else 0 if low == high == 0 else None
 
 
-def signs(terms: dict[tuple[int, ...], Any], kinds: Sequence[str | None], opened: Sequence[bool]) -> Signs:
+def signs(
+    terms: dict[tuple[int, ...], Polynomial], kinds: Sequence[str | None], opened: Sequence[bool],
+    spend: Callable[[int], None] = lambda coefficients: None,
+) -> Signs:  # fmt: skip
     """The sign of a polynomial with the given terms (powers -> coefficient).
 
     Args:
         terms: the first power is that of pi.
         kinds: for each further variable UNIT, POSITIVE, or None where it does not occur.
         opened: for each further variable whether it is > 0 strictly.
+        spend: told how many coefficients are looked at.
     """
     if not terms:
         return True, True, False
@@ -62,13 +67,14 @@ def signs(terms: dict[tuple[int, ...], Any], kinds: Sequence[str | None], opened
     for i in units:
         degrees.append(max(k[i + 1] for k in terms) - least[i])
         size *= degrees[-1] + 1
-    groups: dict[tuple[int, ...], dict[tuple[int, ...], dict[int, Any]]] = {}
+    groups: dict[tuple[int, ...], dict[tuple[int, ...], dict[int, Polynomial]]] = {}
     for k, c in terms.items():
         outer = tuple(int(k[i + 1] - least[i]) for i in positives)
         inner = tuple(int(k[i + 1] - least[i]) for i in units)
         groups.setdefault(outer, {}).setdefault(inner, {})[int(k[0])] = c
     if size * len(groups) > _MOST:
         return UNKNOWN
+    spend(int(size) * len(groups))
     above, below, strict = True, True, False
     for outer, table in groups.items():
         found = {_in_pi(x) for x in _coefficients(table, degrees)}
@@ -82,19 +88,21 @@ def signs(terms: dict[tuple[int, ...], Any], kinds: Sequence[str | None], opened
     return above, below, strict and (above or below)
 
 
-def _coefficients(table: dict[tuple[int, ...], dict[int, Any]], degrees: list[int]) -> list[dict[int, Any]]:
+def _coefficients(
+    table: dict[tuple[int, ...], dict[int, Polynomial]], degrees: list[int]
+) -> list[dict[int, Polynomial]]:
     """The Bernstein coefficients, each a polynomial in pi, one dimension after the other."""
     for axis, n in enumerate(degrees):
         if n == 0:
             continue
         weights = _weights(n)
-        lines: dict[tuple[int, ...], list[tuple[int, dict[int, Any]]]] = {}
+        lines: dict[tuple[int, ...], list[tuple[int, dict[int, Polynomial]]]] = {}
         for k, x in table.items():
             lines.setdefault((*k[:axis], *k[axis + 1 :]), []).append((k[axis], x))
-        new: dict[tuple[int, ...], dict[int, Any]] = {}
+        new: dict[tuple[int, ...], dict[int, Polynomial]] = {}
         for rest, entries in lines.items():
             for i in range(n + 1):
-                total: dict[int, Any] = {}
+                total: dict[int, Polynomial] = {}
                 for j, x in entries:
                     if j <= i:
                         weight = weights[i][j]

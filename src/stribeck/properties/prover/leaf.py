@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
 
 from stribeck.expressions.graph import Expr, ordered
 from stribeck.expressions.ranges import Box, Range
+from stribeck.properties.plain import Json, Polynomial
 from stribeck.properties.prover import atoms
 from stribeck.properties.prover.bernstein import POSITIVE, UNIT, UNKNOWN, Signs, signs
 from stribeck.properties.prover.region import Region
@@ -31,7 +31,7 @@ class Rules:
 
 
 @lru_cache(maxsize=1)
-def _context() -> Any:
+def _context() -> Polynomial:
     from flint import Ordering, fmpq_mpoly_ctx
 
     return fmpq_mpoly_ctx.get(("pi", "a", "b", *(f"c{i}" for i in range(_SHARES))), Ordering.lex)
@@ -49,17 +49,19 @@ class Leaf:
         self.opened = [False] * (2 + _SHARES)
         self.bounds = region.bounds()
         self.box = Box({**inputs, **self.bounds})
-        self.places: list[Any] = [None] * (3 + ATOMS)  # numerators of the generators
-        self.below: list[Any] = [None] * (3 + ATOMS)  # their denominators, None for 1
+        self.places: list[Polynomial] = [None] * (3 + ATOMS)  # numerators of the generators
+        self.below: list[Polynomial] = [None] * (3 + ATOMS)  # their denominators, None for 1
         self.places[0] = self.pi
         self._place()
-        self.listed: dict[int, list[Any]] = {}  # atoms used: rule and numbers
+        self.listed: dict[int, list[Json]] = {}  # atoms used: rule and numbers
+        self.coefficients = 0  # looked at so far: work
         self._signs: dict[int, Signs] = {}
-        self._factors: dict[Any, Signs] = {}
+        self._factors: dict[str, Signs] = {}
         self._known: dict[Expr, Quotient] = {}
+        self._unclear: dict[Expr, str] = {}  # what cannot be treated here, and why
         self._defined: dict[Expr, bool] = {}
 
-    def number(self, x: Fraction) -> Any:
+    def number(self, x: Fraction) -> Polynomial:
         """A number as a polynomial of the coordinates."""
         from flint import fmpq
 
@@ -94,7 +96,13 @@ class Leaf:
         """
         found = self._known.get(node)
         if found is None:
-            found = self._known[node] = self._value(node)
+            if node in self._unclear:
+                raise Unclear(self._unclear[node])
+            try:
+                found = self._known[node] = self._value(node)
+            except Unclear as reason:  # kept: nested cases would ask for it again and again
+                self._unclear[node] = str(reason)
+                raise
         return found
 
     def _value(self, node: Expr) -> Quotient:
@@ -164,7 +172,7 @@ class Leaf:
         twice = self.ring.apply("sub", self.ring.apply("mul", self.ring.constant(Fraction(2)), share), self.ring.one)
         return self.ring.apply("mul", x, twice) if node.op == "abs" else twice
 
-    def _share(self, key: Any, node: Expr) -> Quotient:
+    def _share(self, key: Hashable, node: Expr) -> Quotient:
         """The share of a condition that is not settled: between 0 and 1."""
         found = self.ring.atom(("share", key), node)
         index = self.ring.index(found)
@@ -173,7 +181,7 @@ class Leaf:
             self.places[3 + index] = self.fresh()
         return found
 
-    def fresh(self, positive: bool = False) -> Any:
+    def fresh(self, positive: bool = False) -> Polynomial:
         """A share in [0, 1]; or something >= 0.
 
         Raises:
@@ -185,7 +193,7 @@ class Leaf:
         self.kinds[i] = POSITIVE if positive else UNIT
         return made
 
-    def put(self, index: int, top: Any, bottom: Any, *rule: Any) -> bool:
+    def put(self, index: int, top: Polynomial, bottom: Polynomial, *rule: Json) -> bool:
         """The value of an atom, and the rule that gives it."""
         self.places[3 + index], self.below[3 + index] = top, bottom
         self.listed[index] = list(rule)
@@ -219,7 +227,7 @@ class Leaf:
         except Unclear:
             return None
 
-    def _key(self, condition: Expr) -> Any:
+    def _key(self, condition: Expr) -> Hashable:
         if condition.op in ("lt", "le"):
             return (condition.op, *(self.convert(a).number for a in condition.args))
         return condition
@@ -271,7 +279,7 @@ class Leaf:
                     return True, True, False
         return above, below, strict
 
-    def _factor(self, factor: Any) -> Signs:
+    def _factor(self, factor: Polynomial) -> Signs:
         key = str(factor)
         if key not in self._factors:
             self._factors[key] = UNKNOWN
@@ -280,11 +288,14 @@ class Leaf:
                 return self._factors[key]
             composed = self._composed(factor)
             if composed is not None:
-                p, n, s = signs(composed[0].to_dict(), self.kinds, self.opened)
+                p, n, s = signs(composed[0].to_dict(), self.kinds, self.opened, self._spend)
                 self._factors[key] = p, n, s
         return self._factors[key]
 
-    def _positive_atom(self, factor: Any) -> bool:
+    def _spend(self, coefficients: int) -> None:
+        self.coefficients += coefficients
+
+    def _positive_atom(self, factor: Polynomial) -> bool:
         """Whether it is an atom that is > 0 by its nature: exp, or a root of something > 0."""
         if len(factor) != 1 or factor.leading_coefficient() != 1:
             return False
@@ -303,7 +314,7 @@ class Leaf:
             return False
         return above and strict
 
-    def composed_quotient(self, x: Quotient) -> tuple[Any, Any] | None:
+    def composed_quotient(self, x: Quotient) -> tuple[Polynomial, Polynomial] | None:
         """Numerator and positive denominator in coordinates and shares."""
         top, bottom = self._composed(x.top), self._composed(x.bottom)
         if top is None or bottom is None:
@@ -314,7 +325,7 @@ class Leaf:
             return None
         return (numerator, denominator) if above else (-numerator, -denominator)
 
-    def _composed(self, polynomial: Any) -> tuple[Any, Any] | None:
+    def _composed(self, polynomial: Polynomial) -> tuple[Polynomial, Polynomial] | None:
         """The polynomial in coordinates and shares, as numerator and (positive) denominator."""
         used = [i for i, d in enumerate(polynomial.degrees()) if d]
         if any(self.places[i] is None for i in used):
@@ -342,7 +353,7 @@ class Leaf:
             bottom = bottom * under[i][int(degrees[i])]
         return total, bottom
 
-    def certificate(self, nodes: set[int] | None = None) -> list[tuple[Expr, list[Any]]]:
+    def certificate(self, nodes: set[int] | None = None) -> list[tuple[Expr, list[Json]]]:
         """The atoms used, with their rules."""
         return [(self.ring.atoms[i], rule) for i, rule in self.listed.items()]
 
@@ -352,7 +363,7 @@ def divides(a: Quotient, b: Quotient) -> bool:
     return b.is_zero or (not a.is_zero and bool((a.top / a.top.gcd(b.top)).is_constant()))
 
 
-def _powers(x: Any, most: int, one: Any) -> list[Any]:
+def _powers(x: Polynomial, most: int, one: Polynomial) -> list[Polynomial]:
     found = [one]
     for _ in range(most):
         found.append(found[-1] * x)

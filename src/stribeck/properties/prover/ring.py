@@ -6,14 +6,15 @@ operation and the normal forms of their arguments agree.
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
 from itertools import count
-from typing import Any
 
 from stribeck.expressions.exact import tree_of
 from stribeck.expressions.graph import Expr
+from stribeck.properties.plain import Json, Polynomial
 
 ATOMS = 20
 _serials = count()
@@ -29,17 +30,17 @@ class Unclear(Exception):
 class Quotient:
     """top/bottom. ``bottom`` has been shown to be not 0 where it matters."""
 
-    top: Any
-    bottom: Any
+    top: Polynomial
+    bottom: Polynomial
     number: int
-    _factors: dict[str, Any] = field(default_factory=dict)
+    _factors: dict[str, Polynomial] = field(default_factory=dict)
 
     @cached_property
     def is_zero(self) -> bool:
         """Whether it is 0 identically."""
         return bool(self.top.is_zero())
 
-    def factors(self, which: str) -> tuple[Any, list[tuple[Any, int]]]:
+    def factors(self, which: str) -> tuple[Polynomial, list[tuple[Polynomial, int]]]:
         """A number and factors with their powers: of ``top`` or of ``bottom``."""
         if which not in self._factors:
             polynomial = getattr(self, which)
@@ -64,19 +65,19 @@ class Ring:
         self.context = fmpq_mpoly_ctx.get(self.names, Ordering.lex)
         self.generators = self.context.gens()
         self.atoms: list[Expr] = []  # a node for each, for its certificate
-        self._index: dict[Any, int] = {}
-        self._known: dict[Any, Quotient] = {}
+        self._index: dict[Hashable, int] = {}
+        self._known: dict[Hashable, Quotient] = {}
         self.one = self.constant(Fraction(1))
         self.zero = self.constant(Fraction(0))
         self.pi, self.u, self.w = (self._new(g, self.one.top) for g in self.generators[:3])
 
-    def _new(self, top: Any, bottom: Any) -> Quotient:
+    def _new(self, top: Polynomial, bottom: Polynomial) -> Quotient:
         key = ("q", str(top), str(bottom))
         if key not in self._known:
             self._known[key] = Quotient(top, bottom, len(self._known))
         return self._known[key]
 
-    def quotient(self, top: Any, bottom: Any) -> Quotient:
+    def quotient(self, top: Polynomial, bottom: Polynomial) -> Quotient:
         """The quotient of two polynomials."""
         return self._reduced(top, bottom)
 
@@ -93,7 +94,7 @@ class Ring:
         """
         return self._tree(tree_of(x))
 
-    def _tree(self, tree: Any) -> Quotient:
+    def _tree(self, tree: Json) -> Quotient:
         if tree == "pi":
             return self.pi
         if isinstance(tree, float):
@@ -137,7 +138,7 @@ class Ring:
             return self._reduced(a.top * b.top, a.bottom * b.bottom)
         return self._reduced(a.top * b.bottom, a.bottom * b.top)
 
-    def _reduced(self, top: Any, bottom: Any) -> Quotient:
+    def _reduced(self, top: Polynomial, bottom: Polynomial) -> Quotient:
         if len(top) > _MOST_TERMS or len(bottom) > _MOST_TERMS:
             raise Unclear("too many terms")
         if top.is_zero():
@@ -150,7 +151,7 @@ class Ring:
         lead = bottom.leading_coefficient()
         return self._new(top / lead, bottom / lead)
 
-    def atom(self, key: Any, node: Expr) -> Quotient:
+    def atom(self, key: Hashable, node: Expr) -> Quotient:
         """The atom with this key; ``node`` shows what it is.
 
         Raises:

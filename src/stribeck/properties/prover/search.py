@@ -2,22 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import log
-from typing import Any
 
 from stribeck.expressions.graph import Expr, ordered
 from stribeck.expressions.ranges import INF, Box, Range
+from stribeck.properties.plain import Json
 from stribeck.properties.prover.leaf import Leaf, Rules
 from stribeck.properties.prover.region import Axis, End, Region
 from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 
-Tree = list[Any]
+Tree = list[Json]
 _NARROW = 1e-9  # relative width at which halving ends
 _DEEP = 60
 _TERMS = 40  # of a polynomial: as much work again as a leaf
+_COEFFICIENTS = 150  # of Bernstein: likewise
 _NONE: Mapping[str, int] = {}
 _MANY_ATOMS = 8  # from earlier claims: then they are forgotten
 _LEAP = 16
@@ -29,7 +30,7 @@ class Spent(Exception):
 
 
 @dataclass
-class Work:
+class Budget:
     """Work that may still be done, in leaves; it does not depend on the machine's speed."""
 
     left: float
@@ -46,11 +47,11 @@ class Work:
         if self.left < 0:
             raise Spent
 
-    def part(self, most: float) -> Work:
+    def part(self, most: float) -> Budget:
         """At most so much of it, to be given back by :meth:`add`."""
-        return Work(min(most, self.left))
+        return Budget(min(most, self.left))
 
-    def add(self, part: Work) -> None:
+    def add(self, part: Budget) -> None:
         """Count what a part has done."""
         self.left -= part.done
         self.done += part.done
@@ -72,10 +73,10 @@ class Prover:
     ring: Ring
     inputs: Mapping[str, Range]
     hints: Hints = field(default_factory=Hints)
-    proved: dict[Any, Tree | None] = field(default_factory=dict)
+    proved: dict[Hashable, Tree | None] = field(default_factory=dict)
 
     def show(
-        self, expr: Expr, relation: str, ranges: Mapping[str, tuple[Fraction, End]], work: Work, closed: bool = False,
+        self, expr: Expr, relation: str, ranges: Mapping[str, tuple[Fraction, End]], work: Budget, closed: bool = False,
         cones: bool = False,
     ) -> Tree | None:  # fmt: skip
         """A tree that shows the relation (">=0", ">0", "!=0", "=0") on the ranges of u and w; None where none was found."""
@@ -97,7 +98,7 @@ class Prover:
             self.proved[key] = self.proved[same] if same is not None else self.proved[key]
         return self.proved[key]
 
-    def _same(self, expr: Expr, relation: str, region: Region) -> Any:
+    def _same(self, expr: Expr, relation: str, region: Region) -> Hashable:
         """What two claims share whose normal forms are the same, such as those for (v, z) and for (-v, -z)."""
         try:
             value = self.leaf(region, Rules(opaque=True)).convert(expr)
@@ -111,7 +112,7 @@ class Prover:
 
 
 class _Search:
-    def __init__(self, prover: Prover, expr: Expr, relation: str, work: Work, cones: bool) -> None:
+    def __init__(self, prover: Prover, expr: Expr, relation: str, work: Budget, cones: bool) -> None:
         self.prover, self.expr, self.relation, self.work, self.cones = prover, expr, relation, work, cones
         ops = {node.op for node in ordered([expr])}
         self.cased = bool(ops & {"where", "abs", "sign"})
@@ -234,6 +235,8 @@ class _Search:
                     return ["leaf", leaf.certificate()]
             except Unclear:
                 continue
+            finally:
+                self.work.take(leaf.coefficients / _COEFFICIENTS)
         return None
 
     def holds(self, leaf: Leaf, value: Quotient) -> bool:

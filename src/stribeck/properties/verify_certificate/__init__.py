@@ -8,18 +8,17 @@ coefficients), builds every inequality from the law's equations itself, and acce
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 from stribeck.laws.base import Law
 from stribeck.properties.verify_certificate.equations import compare, compare_bound
-from stribeck.properties.verify_certificate.expressions import Refused
+from stribeck.properties.verify_certificate.expressions import Json, Refused
 from stribeck.properties.verify_certificate.theorems import UNREADABLE, confirm, reaches, read_case
 
 __all__ = ["verify"]
 
 
 def verify(
-    certificate: Mapping[str, Any], law: Law | None = None, property: str | None = None, v_max: float | None = None
+    certificate: Mapping[str, Json], law: Law | None = None, property: str | None = None, v_max: float | None = None
 ) -> list[str]:
     """Why a certificate is not accepted; nothing where it proves what it states.
 
@@ -42,7 +41,7 @@ def verify(
     return []
 
 
-def _compare(law: Law, certificate: Mapping[str, Any]) -> None:
+def _compare(law: Law, certificate: Mapping[str, Json]) -> None:
     try:
         case = read_case(certificate)
     except UNREADABLE as error:

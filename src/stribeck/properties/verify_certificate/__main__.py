@@ -8,9 +8,9 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import Any
 
 from stribeck.properties.verify_certificate import verify
+from stribeck.properties.verify_certificate.expressions import Json
 
 
 def main(arguments: list[str]) -> int:
@@ -20,7 +20,7 @@ def main(arguments: list[str]) -> int:
         return 2
     try:
         data = json.loads(Path(arguments[0]).read_text())
-        certificates: dict[str, Any] = data["certificates"]
+        certificates: dict[str, Json] = data["certificates"]
         items = list(certificates.items())
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         print(f"{arguments[0]}: holds no certificates: {type(error).__name__}: {error}", file=sys.stderr)

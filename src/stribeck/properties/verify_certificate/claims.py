@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 from flint import fmpq
 
@@ -65,7 +64,7 @@ class Claim:
     t: int
     u: Range | None
     w: Range | None
-    data: Mapping[str, Any]
+    data: Mapping[str, Json]
 
     @property
     def region(self) -> dict[str, Range]:
@@ -107,7 +106,7 @@ def _limit(claim: Claim) -> Node:
     return make("add", number(a), make("mul", number(b), _to_the(u, k)))
 
 
-def _whole(k: Any, least: int) -> int:
+def _whole(k: Json, least: int) -> int:
     if not isinstance(k, int) or isinstance(k, bool) or not least <= k <= 64:
         raise Refused(f"{k!r} must be a whole number from {least} to 64")
     return k
@@ -161,16 +160,16 @@ def subject(claim: Claim, law: Law) -> Node:
     raise Refused(f"no claim is about {claim.about!r} with v = {s}, z = {t}")
 
 
-def _times(data: Mapping[str, Any], name: str, x: Node) -> Node:
+def _times(data: Mapping[str, Json], name: str, x: Node) -> Node:
     return make("mul", number(rational(data[name])), x)
 
 
-def _most(data: Mapping[str, Any], u: Node) -> Node:
+def _most(data: Mapping[str, Json], u: Node) -> Node:
     """k (u + above) w."""
     return make("mul", _times(data, "k", make("add", u, number(rational(data["above"])))), W)
 
 
-def _sign(data: Mapping[str, Any]) -> int:
+def _sign(data: Mapping[str, Json]) -> int:
     if data.get("sign") not in (1, -1):
         raise Refused("sign must be 1 or -1")
     return int(data["sign"])

@@ -13,6 +13,7 @@ from flint import arb, ctx
 
 from stribeck.expressions import ops
 from stribeck.laws.base import Law
+from stribeck.properties.verify_certificate.expressions import Json
 
 _BITS = 400
 _POINTS = 64
@@ -20,26 +21,27 @@ _NEAR = 1e-9  # of a place that is known to 1e-13
 _TINY = 1e-30  # of a natural scale, beside an axis
 _SHARE = 1e-6  # of the distance from the place: steps of difference quotients
 
-_table: Any = SimpleNamespace(
+_table = SimpleNamespace(
     exp=arb.exp, log=arb.log, sqrt=arb.sqrt, sin=arb.sin, cos=arb.cos, atan=arb.atan, tanh=arb.tanh, sign=arb.sgn,
     floor=arb.floor, where=lambda c, a, b: arb(a) if c else arb(b), both=lambda a, b: a and b, either=lambda a, b: a or b,
 )  # fmt: skip
 ops.register("flint", _table)
 
-Function = Callable[[Any, Any], Any]
+Ball = Any  # flint's arb
+Function = Callable[[Ball, Ball], Ball]
 
 
-def confirmed(law: Law, name: str, evidence: Mapping[str, Any]) -> bool | None:
+def confirmed(law: Law, name: str, evidence: Mapping[str, Json]) -> bool | None:
     """Whether the points agree with what the evidence states; None where it states nothing that can be looked at."""
     looks = {"bounded": _outward, "unique": _escapes, "drift_free": _departs, "smooth": _differs}
     if name not in looks:
         return None
     p = SimpleNamespace(**{n: x if x is None else arb(x) for n, x in law.values.items()}, **law.choices)
 
-    def rate(v: Any, z: Any) -> Any:
+    def rate(v: Ball, z: Ball) -> Ball:
         return law.dz_dt(p, v, z)
 
-    def force(v: Any, z: Any) -> Any:
+    def force(v: Ball, z: Ball) -> Ball:
         return law.friction(p, v, z, rate(v, z))
 
     with ctx.workprec(_BITS):
@@ -49,11 +51,11 @@ def confirmed(law: Law, name: str, evidence: Mapping[str, Any]) -> bool | None:
             return None
 
 
-def _between(start: float, end: float) -> list[Any]:
+def _between(start: float, end: float) -> list[Ball]:
     return [arb(start) + (arb(end) - arb(start)) * k / _POINTS for k in range(1, _POINTS + 1)]
 
 
-def _outward(law: Law, evidence: Mapping[str, Any], rate: Function) -> bool:
+def _outward(law: Law, evidence: Mapping[str, Json], rate: Function) -> bool:
     """dz/dt is at least what is stated on the way, and the way leads past Z."""
     stated = evidence["enclosed"]
     way = 1 if stated["z_to"] > stated["z_from"] else -1
@@ -62,7 +64,7 @@ def _outward(law: Law, evidence: Mapping[str, Any], rate: Function) -> bool:
     return bool(past and all(rate(v, z) * way >= least for z in _between(stated["z_from"], stated["z_to"])))
 
 
-def _escapes(law: Law, evidence: Mapping[str, Any], rate: Function) -> bool:
+def _escapes(law: Law, evidence: Mapping[str, Json], rate: Function) -> bool:
     """|dz/dt| is at least c |z|^power, outward, far out too."""
     start, v = arb(evidence["z_start"]), arb(evidence["v"])
     c, power = arb(evidence["enclosed"]["c"]), int(evidence["enclosed"]["power"])
@@ -70,7 +72,7 @@ def _escapes(law: Law, evidence: Mapping[str, Any], rate: Function) -> bool:
     return power >= 2 and all(bool(rate(v, z) * start.sgn() >= c * abs(z) ** power) for z in points)
 
 
-def _departs(law: Law, evidence: Mapping[str, Any], rate: Function) -> bool | None:
+def _departs(law: Law, evidence: Mapping[str, Json], rate: Function) -> bool | None:
     """dz/dt is not v near z = 0; None where it differs by less than 400 bits show."""
     stated = evidence["not_elastic"]
     v = arb(stated["v"])
@@ -80,7 +82,7 @@ def _departs(law: Law, evidence: Mapping[str, Any], rate: Function) -> bool | No
     return True if all(bool(rate(v, z) != v) for z in near) else None
 
 
-def _differs(law: Law, evidence: Mapping[str, Any], of: Function) -> bool | None:
+def _differs(law: Law, evidence: Mapping[str, Json], of: Function) -> bool | None:
     """The value, or the derivative, beside the place is what is stated: nearer to its own side's than to the other's."""
     place = [arb(evidence["v"]), arb(evidence["z"])]
     scales = law.scales(law.p)

@@ -51,6 +51,10 @@ class _Comparison:
     def _compared(self, a: Node, b: Expr) -> bool:
         if b.op == "where" and (decided := _endless(b.args[0])) is not None:
             return self(a, b.args[1 if decided else 2])
+        if b.op in ("both", "either"):
+            for x, other in (b.args, b.args[::-1]):
+                if _endless(x) is (b.op == "both"):  # it decides nothing
+                    return self(a, other)
         if b.op == "symbol":
             word = str(b.value)
             return _number(a, self.numbers[word]) if word in self.numbers else a.op == "name" and a.value == word
@@ -61,7 +65,11 @@ class _Comparison:
 
 
 def _endless(c: Expr) -> bool | None:
-    """The truth of a comparison with an infinite number; None where there is none."""
+    """The truth of a condition that comparisons with infinite numbers decide; None where they do not."""
+    if c.op in ("both", "either"):
+        parts = [_endless(x) for x in c.args]
+        decisive = c.op == "either"
+        return decisive if decisive in parts else None if None in parts else not decisive
     if c.op not in ("lt", "le"):
         return None
     for side, x in enumerate(c.args):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from typing import Any
 
 from flint import fmpq
@@ -20,17 +20,17 @@ class Node:
     __slots__ = ("args", "op", "value")
     args: tuple[Node, ...]
     op: str
-    value: Any
+    value: Json
 
 
-_nodes: dict[Any, Node] = {}
+_nodes: dict[Hashable, Node] = {}
 UNARY = ("neg", "abs", "sign", "exp", "log", "sqrt", "sin", "cos", "atan", "tanh")
 BINARY = ("add", "sub", "mul", "div", "pow")
 CONDITIONS = ("lt", "le", "both", "either")
 _ARITY = {**dict.fromkeys(UNARY, 1), **dict.fromkeys((*BINARY, *CONDITIONS), 2), "where": 3}
 
 
-def node(op: str, *args: Node, value: Any = None) -> Node:
+def node(op: str, *args: Node, value: Json = None) -> Node:
     """The node of an operation."""
     key = (op, value if not isinstance(value, fmpq) else (int(value.p), int(value.q)), args)
     found = _nodes.get(key)
@@ -55,7 +55,7 @@ ZERO, ONE = number(0), number(1)
 U, W, PI = name("u"), name("w"), name("pi")
 
 
-def rational(text: Any) -> fmpq:
+def rational(text: Json) -> fmpq:
     """The rational number that a text states.
 
     Raises:

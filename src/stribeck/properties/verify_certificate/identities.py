@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Hashable
 
 from flint import fmpq, fmpq_mpoly_ctx
 
@@ -19,7 +19,9 @@ from stribeck.properties.verify_certificate.expressions import (
     ordered,
     replace,
 )
+from stribeck.properties.verify_certificate.rational import Polynomial
 
+Pair = tuple[Polynomial, Polynomial]  # numerator and denominator
 _OPAQUE = 60  # functions and undecided cases in one expression, at most
 _AT_0 = {"exp": 1, "sin": 0, "cos": 1, "atan": 0, "tanh": 0, "sqrt": 0, "abs": 0, "sign": 0}
 _SINES = (0, 1, 0, -1)
@@ -38,10 +40,10 @@ class Normal:
         self.generators = self.context.gens()
         self.one = self.context.constant(1)
         self.positive = positive
-        self.known: dict[Node, tuple[Any, Any]] = {}
-        self.opaque: dict[Any, int] = {}
+        self.known: dict[Node, Pair] = {}
+        self.opaque: dict[Hashable, int] = {}
 
-    def __call__(self, top: Node) -> tuple[Any, Any]:
+    def __call__(self, top: Node) -> Pair:
         """Numerator and denominator, without common factors, the denominator's leading coefficient 1.
 
         Raises:
@@ -55,7 +57,7 @@ class Normal:
         """Whether an expression is 0 identically."""
         return bool(self(top)[0] == 0)
 
-    def key(self, top: Node) -> Any:
+    def key(self, top: Node) -> Hashable:
         """What equal expressions share."""
         if top.op in CONDITIONS[:2]:
             return top.op, *self._key(self(node("sub", top.args[1], top.args[0])))
@@ -64,10 +66,10 @@ class Normal:
         return self._key(self(top))
 
     @staticmethod
-    def _key(x: tuple[Any, Any]) -> Any:
+    def _key(x: Pair) -> tuple[Hashable, ...]:
         return tuple(tuple(sorted((m, (int(c.p), int(c.q))) for m, c in part.to_dict().items())) for part in x)
 
-    def _made(self, above: Any, below: Any) -> tuple[Any, Any]:
+    def _made(self, above: Polynomial, below: Polynomial) -> Pair:
         if below == 0:
             raise Refused("a divisor is 0")
         if above == 0:
@@ -77,7 +79,7 @@ class Normal:
         lead = below.leading_coefficient()
         return above / lead, below / lead
 
-    def _of(self, x: Node) -> tuple[Any, Any]:
+    def _of(self, x: Node) -> Pair:
         if x.op == "number":
             return self.context.constant(x.value), self.one
         for i, plain in enumerate((U, W, PI)):
@@ -97,7 +99,7 @@ class Normal:
             return self._made(a * d + (c * b if x.op == "add" else -c * b), b * d)
         return self._function(x)
 
-    def _case(self, x: Node) -> tuple[Any, Any]:
+    def _case(self, x: Node) -> Pair:
         c, a, b = x.args
         decided = self.decided(c)
         if decided is not None:
@@ -133,7 +135,7 @@ class Normal:
             signs.append(1 if c > 0 else -1)
         return signs[0] * signs[1]
 
-    def _function(self, x: Node) -> tuple[Any, Any]:
+    def _function(self, x: Node) -> Pair:
         arguments = [self(a) for a in x.args]
         first = arguments[0]
         if x.op in ("abs", "sign"):
@@ -154,7 +156,7 @@ class Normal:
             return parts
         return self._opaque((x.op, *(self._key(a) for a in arguments)))
 
-    def _power(self, y: tuple[Any, Any], power: tuple[Any, Any]) -> tuple[Any, Any] | None:
+    def _power(self, y: Pair, power: Pair) -> Pair | None:
         """y^0 = 1; 0^e = 0 for e > 0; y^(n + f) as y^n y^f with n >= 0 whole and 0 <= f < 1, y^(1/2) as a root."""
         if power[0] == 0:
             return self.one, self.one
@@ -171,7 +173,7 @@ class Normal:
         root = self._opaque(key) if rest != 0 else (self.one, self.one)
         return self._made(y[0] ** n * root[0], y[1] ** n * root[1])
 
-    def _quarters(self, x: tuple[Any, Any]) -> int | None:
+    def _quarters(self, x: Pair) -> int | None:
         """n where x is n pi/2."""
         ratio = self._made(x[0] * 2, x[1] * self.generators[2])
         if not (ratio[0].is_constant() and ratio[1].is_constant()):
@@ -179,7 +181,7 @@ class Normal:
         n = fmpq(ratio[0].leading_coefficient()) / fmpq(ratio[1].leading_coefficient())
         return int(n.p) if n.q == 1 else None
 
-    def _opaque(self, key: Any) -> tuple[Any, Any]:
+    def _opaque(self, key: Hashable) -> Pair:
         if key not in self.opaque:
             if len(self.opaque) == _OPAQUE:
                 raise Refused("too many functions in one identity")

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
 
 from flint import fmpq
 
@@ -24,7 +23,7 @@ from stribeck.properties.verify_certificate.expressions import (
     node,
     ordered,
 )
-from stribeck.properties.verify_certificate.identities import Normal, written_out
+from stribeck.properties.verify_certificate.identities import Normal, Pair, written_out
 from stribeck.properties.verify_certificate.intervals import Evaluation, Range
 from stribeck.properties.verify_certificate.leaf import Leaf, Region
 
@@ -56,7 +55,7 @@ class Cases:
             if x.op in ("lt", "le") and x not in (TRUE, FALSE):
                 yield x
 
-    def all_at(self, place: Place, normal: Normal, domain: Mapping[str, Range]) -> list[tuple[Any, ...]]:
+    def all_at(self, place: Place, normal: Normal, domain: Mapping[str, Range]) -> list[tuple[Pair, ...]]:
         """The values (and derivatives) at a place, for every truth of the comparisons that meet there.
 
         Other comparisons are decided where intervals over the domain of u and w do it.
@@ -131,7 +130,7 @@ def depends(x: Node, names: Iterable[Node]) -> bool:
     return any(y in wanted for y in ordered(x))
 
 
-def ratio(c: Node, place: Place, normal: Normal) -> tuple[Any, Any]:
+def ratio(c: Node, place: Place, normal: Normal) -> Pair:
     """(l - r)/(what - to) as a quotient."""
     difference = node("sub", c.args[0], c.args[1])
     return normal(node("div", difference, node("sub", place.what, place.to)))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Hashable, Iterable
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
@@ -48,7 +48,7 @@ class Ring:
         pi, *self.generators = self.context.gens()
         self.one = self.context.constant(1)
         self.pi = Quotient(pi, self.one)
-        self._signs: dict[Any, tuple[int, bool] | None] = {}
+        self._signs: dict[Hashable, tuple[int, bool] | None] = {}
 
     def number(self, x: fmpq | int) -> Quotient:
         """A rational number."""
@@ -162,7 +162,7 @@ class Ring:
     @staticmethod
     def _coefficient_signs(terms: dict[tuple[int, ...], dict[int, fmpq]], degrees: list[int]) -> set[int] | None:
         plain = all(set(powers) == {0} for powers in terms.values())
-        values: list[Any] = []
+        values: list[Polynomial] = []
         for index in product(*(range(n + 1) for n in degrees)):
             powers = terms.get(index, {})
             if plain:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from flint import fmpq
 
 from stribeck.properties.verify_certificate import intervals
-from stribeck.properties.verify_certificate.expressions import Node, Refused, node, rational, read
+from stribeck.properties.verify_certificate.expressions import Json, Node, Refused, node, rational, read
 from stribeck.properties.verify_certificate.rational import Quotient
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ class Atom:
 
     node: Node
     rule: str
-    rest: Sequence[Any]
+    rest: Sequence[Json]
     share: int
 
 

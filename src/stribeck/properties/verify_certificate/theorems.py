@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 from flint import fmpq
 
@@ -14,6 +13,7 @@ from stribeck.properties.verify_certificate import intervals
 from stribeck.properties.verify_certificate.claims import Claim, Law
 from stribeck.properties.verify_certificate.expressions import (
     PI,
+    Json,
     Node,
     Refused,
     U,
@@ -43,7 +43,7 @@ _DEEPEST = 4  # certificates within certificates
 class Case:
     """A certificate whose equations and claims have been read."""
 
-    data: Mapping[str, Any]
+    data: Mapping[str, Json]
     law: Law
     Z: fmpq
     claims: list[Claim]
@@ -75,7 +75,7 @@ class Case:
         return case
 
 
-def read_case(data: Mapping[str, Any], depth: int = 0) -> Case:
+def read_case(data: Mapping[str, Json], depth: int = 0) -> Case:
     """A certificate's equations and claims."""
     if data.get("format") != FORMAT:
         raise Refused(f"format {data.get('format')!r} is not {FORMAT}")
@@ -92,7 +92,7 @@ def read_case(data: Mapping[str, Any], depth: int = 0) -> Case:
     return Case(data, law, rational(data["Z"]), [of.read_claim(c) for c in data.get("claims", [])], known, depth)
 
 
-def confirm(data: Any, depth: int = 0) -> Case:
+def confirm(data: Json, depth: int = 0) -> Case:
     """Confirm a certificate.
 
     Raises:

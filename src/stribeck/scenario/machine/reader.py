@@ -8,10 +8,10 @@ from typing import Any
 from stribeck.constants import kind_of, show
 from stribeck.laws.base import Law
 from stribeck.machine import controllers, loads
-from stribeck.machine.links import Link
+from stribeck.machine.links import LinkElement
 from stribeck.machine.parts import (
-    Body,
-    Compensation,
+    BodyPart,
+    CompensationPart,
     ContactPart,
     ControllerPart,
     Factor,
@@ -22,7 +22,7 @@ from stribeck.machine.parts import (
     Sampled,
     Span,
 )  # fmt: skip
-from stribeck.machine.system import Machine
+from stribeck.machine.system import MachineSystem
 from stribeck.scenario import tables as common
 from stribeck.scenario.law import LawReader, no_table, unknown
 from stribeck.scenario.machine import tables, wiring
@@ -54,7 +54,7 @@ class MachineReader(Reading):
         self.problems += wiring.that_jump(contacts, bodies, self.laws)
         if not self.problems:
             parts = (bodies, links, contacts, loads_, motors, controllers_)
-            machine = Machine(*parts, tuple(self.signals), self.energy)
+            machine = MachineSystem(*parts, tuple(self.signals), self.energy)
             for contact in contacts:
                 start = contact.span.start if isinstance(contact.span.start, str) else None
                 self.laws[contact.law_path].rotary = machine.rotary(contact.span.end, start)
@@ -78,7 +78,7 @@ class MachineReader(Reading):
 
     # -- the elements ----------------------------------------------------------------------------------------------
 
-    def _body(self, name: str, table: Any) -> Body | None:
+    def _body(self, name: str, table: Any) -> BodyPart | None:
         path = f"bodies.{name}"
         if not isinstance(table, dict):
             self.problems.append((path, no_table(table)))
@@ -99,7 +99,7 @@ class MachineReader(Reading):
         if values.tied_to is not None and not self.refer(f"{path}.tied_to", values.tied_to, ["bodies"]):
             return None
         has = values.mass is not None or values.inertia is not None
-        return Body(name, values.inertia is not None, has, values.tied_to, ratio, driven)
+        return BodyPart(name, values.inertia is not None, has, values.tied_to, ratio, driven)
 
     def _span(self, values: Any, path: str, name: str) -> Span | None:
         ratio, start, end = self._ratio(values, path), values.from_, values.to
@@ -127,17 +127,17 @@ class MachineReader(Reading):
         return Span(start, None if end == tables.GROUND else end, ratio) if ok else None
 
     def _link(self, name: str, path: str, table: dict[str, Any]) -> LinkPart | None:
-        kind = self._element({"kind": Link.kind, **table}, path, Link, {Link.kind: Link})
+        kind = self._element({"kind": LinkElement.kind, **table}, path, LinkElement, {LinkElement.kind: LinkElement})
         values = self._validate(tables.link_table(kind), table, path) if kind else None
         if values is None:
             return None
         span = self._span(values, path, name)
-        off = [n for n in ("gap", "damping") if kind is Link and getattr(values, n, None) == 0]
+        off = [n for n in ("gap", "damping") if kind is LinkElement and getattr(values, n, None) == 0]
         form = self._constants(kind, values, path, off)
         return LinkPart(name, kind, form, span) if span is not None and form is not None else None
 
     def _load(self, name: str, path: str, table: dict[str, Any]) -> LoadPart | None:
-        kind = self._element(table, path, loads.Load, loads.KINDS)
+        kind = self._element(table, path, loads.LoadElement, loads.KINDS)
         values = self._validate(tables.load_table(kind), table, path) if kind else None
         if values is None:
             return None
@@ -246,7 +246,7 @@ class MachineReader(Reading):
         return 1 - size, 1 + size
 
     def _controller(self, name: str, path: str, table: dict[str, Any]) -> ControllerPart | None:
-        kind = self._element(table, path, controllers.Controller, controllers.KINDS)
+        kind = self._element(table, path, controllers.ControllerElement, controllers.KINDS)
         values = self._validate(tables.controller_table(kind), table, path) if kind else None
         if values is None:
             return None
@@ -263,6 +263,9 @@ class MachineReader(Reading):
         form = self._constants(kind, values, path)
         if not ok or signal is None or form is None or not isinstance(measures, str):
             return None
+        led = compensation is not None and compensation.lead
+        if led and values.feedforward is None and (text := wiring.no_second_derivative(self.signals[signal])):
+            self.problems.append((f"{path}.signal.kind", text.replace("feedforward", "compensation.lead")))
         if values.feedforward is not None:
             if text := wiring.no_second_derivative(self.signals[signal]):
                 self.problems.append((f"{path}.signal.kind", text))
@@ -285,7 +288,7 @@ class MachineReader(Reading):
             self.problems.append((f"{path}.period", f"{values.period:g}: {text}"))
         return part
 
-    def _compensation(self, path: str, table: dict[str, Any]) -> Compensation | None:
+    def _compensation(self, path: str, table: dict[str, Any]) -> CompensationPart | None:
         values = self._validate(tables.CompensationTable, table, path)
         if values is None:
             return None
@@ -303,4 +306,11 @@ class MachineReader(Reading):
             return None
         if values.share is not None:
             self.values[path, "share"] = values.share
-        return Compensation(type(law), law.form, place, values.speed, values.share is not None)
+        if values.lead is not None:
+            if not law.differentiable:
+                text = f"law '{law.name}' has no dF/dt; must be left out, or the law a smooth one"
+                self.problems.append((f"{path}.lead", f"{values.lead:g}: {text}"))
+            self.values[path, "lead"] = values.lead
+        return CompensationPart(
+            type(law), law.form, place, values.speed, values.share is not None, values.lead is not None
+        )

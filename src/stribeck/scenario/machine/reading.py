@@ -14,7 +14,7 @@ from stribeck.laws.form import Form
 from stribeck.laws.own import find_class
 from stribeck.machine import controllers
 from stribeck.machine.element import Element
-from stribeck.machine.links import Link
+from stribeck.machine.links import LinkElement
 from stribeck.machine.parts import (
     SignalUse,
 )  # fmt: skip
@@ -63,7 +63,7 @@ class Reading:
                 found.append(part)
         return tuple(found)
 
-    def _validate(self, model: type[common.Table], table: dict[str, Any], path: str) -> Any:
+    def _validate(self, model: type[common.StrictTable], table: dict[str, Any], path: str) -> Any:
         values, found = common.validate(model, table, path)
         self.problems += found
         return values
@@ -138,9 +138,9 @@ class Reading:
     @staticmethod
     def _fields(kind: type[Element]) -> list[str]:
         more: tuple[str, ...] = ("on", "signal", "measures", "feedforward", "compensation", "sampling")
-        if issubclass(kind, Link):
+        if issubclass(kind, LinkElement):
             more = ("from", "to", "ratio")
-        elif not issubclass(kind, controllers.Controller):
+        elif not issubclass(kind, controllers.ControllerElement):
             more = more[:2]
         return [*kind.constants(), *kind.lists(), *more]
 

@@ -13,7 +13,7 @@ from stribeck.arrays import Array
 from stribeck.expressions.emit import python_function
 from stribeck.laws.base import Law, Scales
 from stribeck.machine.parts import LinkPart, LoadPart, SignalUse
-from stribeck.machine.system import Machine
+from stribeck.machine.system import MachineSystem
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
 
@@ -28,7 +28,7 @@ _LENGTH, _SPEED, _FORCE = 1e-3, 1e-2, 1.0
 class Rig:
     """A machine's structure with the values of its constants, its signals, its laws by table and its initial state."""
 
-    machine: Machine
+    machine: MachineSystem
     values: dict[tuple[str, str], float]
     signals: dict[SignalUse, Signal]
     laws: dict[str, Law]
@@ -161,7 +161,7 @@ def _smallest(found: dict[str, Scales], name: str, scales: Scales) -> None:
 
 
 def evaluate(
-    machine: Machine, values: Mapping[tuple[str, str], Any], segment: Mapping[str, Any], t: Array,
+    machine: MachineSystem, values: Mapping[tuple[str, str], Any], segment: Mapping[str, Any], t: Array,
     states: Mapping[str, Array],
 ) -> dict[str, Any]:  # fmt: skip
     """Every column by name, from constants, numbers of the signals' pieces and held outputs, times and states; whatever
@@ -174,6 +174,6 @@ def evaluate(
 
 
 @lru_cache(maxsize=32)
-def output_function(machine: Machine, names: tuple[str, ...]) -> Callable[..., tuple[Any, ...]]:
+def output_function(machine: MachineSystem, names: tuple[str, ...]) -> Callable[..., tuple[Any, ...]]:
     """A Python function of the inputs ``names`` for the columns of a machine."""
     return python_function(names, list(machine.balance(exact=True).outputs().values()))

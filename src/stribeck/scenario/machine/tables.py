@@ -10,9 +10,9 @@ from pydantic import ConfigDict, Field, create_model
 from stribeck.constants import Constant
 from stribeck.machine import controllers, loads
 from stribeck.machine.element import Element
-from stribeck.machine.motors import Motor
-from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, SAMPLING, SHARE
-from stribeck.scenario.tables import Table, number
+from stribeck.machine.motors import MotorElement
+from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, LEAD, SAMPLING, SHARE
+from stribeck.scenario.tables import StrictTable, number
 
 GROUND = "ground"
 SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
@@ -21,24 +21,24 @@ _SIGNAL = (dict[str, Any], Field(description="the signal: a table with kind and 
 _SOME_SIGNAL = (dict[str, Any] | None, Field(None, description="the signal: a table with kind and its constants"))
 
 
-class _Aliased(Table):
+class _Aliased(StrictTable):
     model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, populate_by_name=False)
 
 
-class Initial(Table):
+class Initial(StrictTable):
     """Where a body starts."""
 
     y: float = Field(0.0, description="position at t = 0, m or rad")
     v: float = Field(0.0, description="velocity at t = 0, m/s or rad/s")
 
 
-class Velocity(Table):
+class VelocityTable(StrictTable):
     """A velocity that is given."""
 
     signal: dict[str, Any] = Field(description="the velocity: a table with kind and its constants, m/s or rad/s")
 
 
-class BodyTable(Table):
+class BodyTable(StrictTable):
     """A body."""
 
     mass: float | None = Field(None, gt=0, description="mass of a body that moves straight, kg")
@@ -46,16 +46,16 @@ class BodyTable(Table):
     initial: Initial | None = Field(None, description="the state at t = 0")
     tied_to: str | None = Field(None, description="the body to which it is tied rigidly")
     ratio: float | None = Field(None, description="how far it moves by the body it is tied to; 1 unless given")
-    velocity: Velocity | None = Field(None, description="the velocity, where it is given: nothing acts back on it")
+    velocity: VelocityTable | None = Field(None, description="the velocity, where it is given: nothing acts back on it")
 
 
-class Feedforward(Table):
+class Feedforward(StrictTable):
     """What is added to a controller's output."""
 
     inertia: float = Field(description=f"{FEEDFORWARD.meaning}, kg or kg m^2")
 
 
-class CompensationTable(Table):
+class CompensationTable(StrictTable):
     """What a controller does against friction."""
 
     contact: str | None = Field(None, description="the contact whose friction it is")
@@ -64,6 +64,7 @@ class CompensationTable(Table):
     )
     law: dict[str, Any] | None = Field(None, description="the law, if it is not the contact's")
     share: float | None = Field(None, ge=0, description=f"{SHARE.meaning}; 1 unless given")
+    lead: float | None = Field(None, gt=0, description=LEAD.meaning)
 
 
 def _numbers(constants: dict[str, Constant]) -> dict[str, Any]:
@@ -71,19 +72,19 @@ def _numbers(constants: dict[str, Constant]) -> dict[str, Any]:
 
 
 @cache
-def sampling_table() -> type[Table]:
+def sampling_table() -> type[StrictTable]:
     """The model of [controllers.NAME.sampling]."""
     fields: dict[str, Any] = _numbers(SAMPLING)
     fields["resolution"] = (float, Field(0.0, ge=0, description=f"{SAMPLING['resolution'].meaning}, m or rad; 0: none"))
     fields["seed"] = (int, Field(0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise"))
-    return create_model("Sampling", __base__=Table, **fields)
+    return create_model("Sampling", __base__=StrictTable, **fields)
 
 
 @cache
-def factor_table(signal: bool) -> type[Table]:
+def factor_table(signal: bool) -> type[StrictTable]:
     """The model of a factor: a signal, or waves of the position."""
     fields: dict[str, Any] = {"signal": _SIGNAL} if signal else {n: _list(c, n) for n, c in FACTOR.items()}
-    return create_model("SignalFactor" if signal else "WavesFactor", __base__=Table, **fields)
+    return create_model("SignalFactor" if signal else "WavesFactor", __base__=StrictTable, **fields)
 
 
 def _list(constant: Constant, name: str) -> Any:
@@ -95,7 +96,7 @@ def _list(constant: Constant, name: str) -> Any:
 
 
 @cache
-def level_table(weighted: bool) -> type[Table]:
+def level_table(weighted: bool) -> type[StrictTable]:
     """The model of an entry of a contact's loads; ``weighted``: several forces count."""
     gain = (float, Field(0.0, ge=0, description=GAIN.meaning))
     fields: dict[str, Any] = {
@@ -105,7 +106,7 @@ def level_table(weighted: bool) -> type[Table]:
     if weighted:
         weights = Field(min_length=1, description="the weight of each link, motor or load")
         fields["force"] = (dict[str, float], weights)
-    return create_model("Level", __base__=Table, **fields)
+    return create_model("Level", __base__=StrictTable, **fields)
 
 
 _TEXT_OR_TABLE: dict[str, Any] = {"anyOf": [{"type": "string"}, {"type": "object"}]}
@@ -123,7 +124,7 @@ def _ends(signal: bool) -> dict[str, Any]:
 
 
 @cache
-def link_table(kind: Any) -> type[Table]:
+def link_table(kind: Any) -> type[StrictTable]:
     """The model of [links.NAME]."""
     fields: dict[str, Any] = {"kind": (str, Field(kind.kind, description="'link', or FILE.py:NAME"))}
     return create_model("LinkTable", __base__=_Aliased, **fields, **_ends(True), **_element(kind))
@@ -134,7 +135,7 @@ def _element(kind: type[Element]) -> dict[str, Any]:
 
 
 @cache
-def contact_table() -> type[Table]:
+def contact_table() -> type[StrictTable]:
     """The model of [contacts.NAME]; its law, loads and factors are tables of their own."""
     fields: dict[str, Any] = {
         **_ends(False),
@@ -146,7 +147,7 @@ def contact_table() -> type[Table]:
 
 
 @cache
-def load_table(kind: Any) -> type[Table]:
+def load_table(kind: Any) -> type[StrictTable]:
     """The model of [loads.NAME]."""
     fields: dict[str, Any] = {
         "on": (str, Field(description="the body")),
@@ -154,18 +155,22 @@ def load_table(kind: Any) -> type[Table]:
         **_element(kind),
     }
     fields |= {"signal": _SIGNAL} if kind.follows_signal else {}
-    return create_model("LoadTable", __base__=Table, **fields)
+    return create_model("LoadTable", __base__=StrictTable, **fields)
 
 
 @cache
-def motor_table() -> type[Table]:
+def motor_table() -> type[StrictTable]:
     """The model of [motors.NAME]."""
-    fields: dict[str, Any] = {"on": (str, Field(description="the body")), **_element(Motor), "signal": _SOME_SIGNAL}
-    return create_model("MotorTable", __base__=Table, **fields)
+    fields: dict[str, Any] = {
+        "on": (str, Field(description="the body")),
+        **_element(MotorElement),
+        "signal": _SOME_SIGNAL,
+    }
+    return create_model("MotorTable", __base__=StrictTable, **fields)
 
 
 @cache
-def controller_table(kind: Any) -> type[Table]:
+def controller_table(kind: Any) -> type[StrictTable]:
     """The model of [controllers.NAME]."""
     fields: dict[str, Any] = {
         "kind": (str, Field(description=f"one of {', '.join(controllers.KINDS)}, or FILE.py:NAME")),
@@ -177,4 +182,4 @@ def controller_table(kind: Any) -> type[Table]:
         "compensation": (dict[str, Any] | None, Field(None, description="what is done against friction")),
         "sampling": (sampling_table() | None, Field(None, description="when it computes; continuous without it")),
     }
-    return create_model("ControllerTable", __base__=Table, **fields)
+    return create_model("ControllerTable", __base__=StrictTable, **fields)

@@ -8,9 +8,9 @@ import numpy as np
 
 from stribeck.constants import show
 from stribeck.laws.base import Law
-from stribeck.machine.parts import Body, ContactPart, ControllerPart, LinkPart, LoadPart, MotorPart
+from stribeck.machine.parts import BodyPart, ContactPart, ControllerPart, LinkPart, LoadPart, MotorPart
 from stribeck.scenario.tables import Problem
-from stribeck.signals import Points, Signal, Sine, Step
+from stribeck.signals import PointsSignal, Signal, SineSignal, StepSignal
 
 
 def of_body(path: str, values: Any) -> list[Problem]:
@@ -42,7 +42,7 @@ def of_body(path: str, values: Any) -> list[Problem]:
 
 
 def problems(
-    bodies: tuple[Body, ...], links: tuple[LinkPart, ...], contacts: tuple[ContactPart, ...],
+    bodies: tuple[BodyPart, ...], links: tuple[LinkPart, ...], contacts: tuple[ContactPart, ...],
     loads: tuple[LoadPart, ...], motors: tuple[MotorPart, ...], controllers: tuple[ControllerPart, ...],
     named: dict[str, dict[str, Any]],
 ) -> list[Problem]:  # fmt: skip
@@ -66,7 +66,7 @@ def problems(
     return found + _fights(bodies, motors, controllers)
 
 
-def _leader(bodies: tuple[Body, ...], name: str) -> Body | None:
+def _leader(bodies: tuple[BodyPart, ...], name: str) -> BodyPart | None:
     known, seen = {body.name: body for body in bodies}, set()
     while name in known and name not in seen:
         seen.add(name)
@@ -77,7 +77,7 @@ def _leader(bodies: tuple[Body, ...], name: str) -> Body | None:
 
 
 def _fights(
-    bodies: tuple[Body, ...], motors: tuple[MotorPart, ...], controllers: tuple[ControllerPart, ...]
+    bodies: tuple[BodyPart, ...], motors: tuple[MotorPart, ...], controllers: tuple[ControllerPart, ...]
 ) -> list[Problem]:
     """Two drives on one body: two controllers, or one where the velocity is given."""
     found: list[Problem] = []
@@ -99,7 +99,7 @@ def _fights(
     return found
 
 
-def that_jump(contacts: tuple[ContactPart, ...], bodies: tuple[Body, ...], laws: dict[str, Law]) -> list[Problem]:
+def that_jump(contacts: tuple[ContactPart, ...], bodies: tuple[BodyPart, ...], laws: dict[str, Law]) -> list[Problem]:
     """Laws whose force jumps at rest, under bodies that obey forces."""
     found: list[Problem] = []
     for contact in contacts:
@@ -118,7 +118,7 @@ def _tables(section: dict[str, Any]) -> list[dict[str, Any]]:
     return [table for table in section.values() if isinstance(table, dict)]
 
 
-def _ties(bodies: tuple[Body, ...]) -> list[Problem]:
+def _ties(bodies: tuple[BodyPart, ...]) -> list[Problem]:
     """Bodies that are tied in a ring."""
     leader = {body.name: body.leader for body in bodies}
     found: list[Problem] = []
@@ -177,12 +177,12 @@ def not_to_multiply(of: str, law: Law) -> str | None:
 
 def extremes(signal: Signal) -> tuple[float, float] | None:
     """The least and the largest value of a signal; None where it begins at 0."""
-    if isinstance(signal, Points):
+    if isinstance(signal, PointsSignal):
         return float(np.min(signal.value)), float(np.max(signal.value))
-    if isinstance(signal, Sine):
+    if isinstance(signal, SineSignal):
         middle, size = signal.values["offset"], abs(signal.values["amplitude"])
         return middle - size, middle + size
-    if isinstance(signal, Step) or not signal.smooth:
+    if isinstance(signal, StepSignal) or not signal.smooth:
         return None
     values = signal.at(np.linspace(signal.pieces[0][0], signal.pieces[-1][0], 4001))
     return float(np.min(values)), float(np.max(values))

@@ -1,0 +1,57 @@
+"""The directive ``commands``: the reference of every command, from the commands themselves."""
+
+from __future__ import annotations
+
+import textwrap
+
+import typer
+from docutils import nodes
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+from stribeck.cli.app import app
+
+
+def reference() -> dict[str, list[tuple[str, str]]]:
+    """For each command its lines: (what one writes, what it means)."""
+    group = typer.main.get_command(app)
+    found: dict[str, list[tuple[str, str]]] = {}
+    for name, command in sorted(group.commands.items()):
+        lines = [("", " ".join(textwrap.dedent(command.help or "").split()))]
+        for p in command.params:
+            if getattr(p, "hidden", False) or p.name == "help":
+                continue
+            words = ", ".join((*p.opts, *p.secondary_opts)) if p.param_type_name == "option" else ""
+            metavar = p.metavar or ""
+            lines.append((f"{words} {metavar}".strip(), p.help or ""))
+        lines.append(("example", command.epilog or ""))
+        found[name] = lines
+    return found
+
+
+class Commands(SphinxDirective):
+    """``{commands}``: a section for each command."""
+
+    def run(self) -> list[nodes.Node]:
+        """What stands in its place."""
+        made: list[nodes.Node] = []
+        for name, lines in reference().items():
+            section = nodes.section(ids=[f"stribeck-{name}"], names=[f"stribeck {name}"])
+            section += nodes.title("", f"stribeck {name}")
+            section += nodes.paragraph("", lines[0][1])
+            items = nodes.definition_list()
+            for words, meaning in lines[1:-1]:
+                term = nodes.term("", "", nodes.literal("", words))
+                items += nodes.definition_list_item("", term, nodes.definition("", nodes.paragraph("", meaning)))
+            section += items
+            if lines[-1][1]:
+                example = lines[-1][1].removeprefix("Example:").strip()
+                section += nodes.literal_block(example, example, language="sh")
+            made.append(section)
+        return made
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Tell Sphinx of the directive."""
+    app.add_directive("commands", Commands)
+    return {"parallel_read_safe": True}

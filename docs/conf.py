@@ -1,0 +1,55 @@
+"""How Sphinx makes the documentation's site: ``make docs``."""
+
+import sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+sys.path.insert(0, str(HERE / "_ext"))
+
+import stribeck  # noqa: E402
+
+project = "Stribeck"
+author = "the Stribeck developers"
+copyright = "2026, " + author
+version = release = stribeck.__version__
+
+extensions = [
+    "myst_parser",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "sphinx.ext.mathjax",
+    "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
+    "commands",
+    "explorer",
+]
+exclude_patterns = ["_build", "gallery", "made/gallery/*.ipynb", "made/gallery/*.py", "sg_execution_times.rst"]
+source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
+myst_enable_extensions = ["dollarmath", "colon_fence"]
+myst_heading_anchors = 3
+nitpicky = False
+
+autodoc_default_options = {"members": True, "member-order": "bysource", "exclude-members": "model_config"}
+autodoc_typehints = "signature"
+autodoc_class_signature = "mixed"
+
+html_theme = "furo"
+html_title = "Stribeck"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+copybutton_prompt_text = r"\$ "
+
+sphinx_gallery_conf = {
+    "examples_dirs": "gallery",
+    "gallery_dirs": "made/gallery",
+    "filename_pattern": r"\.py",
+    "within_subsection_order": "FileNameSortKey",
+    "remove_config_comments": True,
+    "show_memory": False,
+    "show_signature": False,
+    "min_reported_time": 1e9,
+    "image_srcset": [],
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "capture_repr": (),
+}

@@ -1,0 +1,30 @@
+"""
+Stick-slip: a body on a slowly pulled spring
+============================================
+
+Pull a body by a soft spring at a steady, small speed, and it does not follow steadily: it sticks until the spring
+has been wound up to the break-away force F_s, then slips. Drag F_s in the explorer below and see stick-slip begin.
+"""
+
+import matplotlib.pyplot as plt
+
+import stribeck
+
+scenario = stribeck.Scenario(
+    law={"name": "lugre_majorant", "k_v": 1e6, "parameters": "canudas1995"},
+    plant={"mass": 1.0},
+    drive={"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}},
+    solve={"t_end": 40.0},
+    output={"step": 0.01},
+)
+solution = stribeck.simulate(scenario)
+
+fig, (above, below) = plt.subplots(2, sharex=True)
+above.plot(solution["t"], solution["y"])
+above.set_ylabel("position in m")
+below.plot(solution["t"], solution["F"])
+below.set(xlabel="time in s", ylabel="friction in N")
+print("slips at", [f"{t:.2f} s" for t in solution.events["slip"]])
+
+# %%
+# .. explorer:: stick_slip --law lugre --law lugre_majorant --law coulomb_viscous

@@ -1,0 +1,31 @@
+"""
+Break-away: the faster the force rises, the lower the level
+===========================================================
+
+The force at which a body breaks away falls as the force rises faster: bristles need time to bend.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import stribeck
+
+scenario = stribeck.Scenario(
+    law={"name": "lugre", "parameters": "canudas1995"},
+    plant={"mass": 1.0},
+    drive={"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}},
+    solve={"t_end": 2.0},
+    output={"step": 0.001},
+)
+rates = np.geomspace(1.0, 50.0, 12)
+levels = []
+for rate in rates:
+    changes = {"drive.signal.rate": float(rate), "solve.t_end": 3.0 / float(rate), "output.step": 3e-4 / float(rate)}
+    solution = stribeck.simulate(scenario.replace(changes))
+    levels.append(rate * solution.events["slip"][0])
+plt.semilogx(rates, levels, "o-")
+plt.xlabel("rate of the force in N/s")
+plt.ylabel("force at break-away in N")
+
+# %%
+# .. explorer:: break_away --law lugre --law lugre_sobczyk

@@ -1,0 +1,28 @@
+"""
+Hunting: an integrator that never comes to rest
+===============================================
+
+A PID position loop on a body with static friction above kinetic hunts about its setpoint: the integrator winds up
+while the body sticks, and pushes it past the setpoint when it breaks away.
+"""
+
+import matplotlib.pyplot as plt
+
+import stribeck
+
+scenario = stribeck.Scenario(
+    law={"name": "lugre_majorant", "k_v": 1e7, "parameters": "canudas1995"},
+    plant={"mass": 1.0},
+    drive={"kind": "pid", "K_p": 3.0, "K_i": 4.0, "K_d": 6.0, "signal": {"kind": "step", "value": 1.0, "time": 10.0}},
+    solve={"t_end": 250.0},
+    output={"step": 0.05},
+)
+for K_i in (4.0, 1.0):
+    solution = stribeck.simulate(scenario.replace({"drive.K_i": K_i}))
+    plt.plot(solution["t"], solution["y"], label=f"K_i = {K_i:g} N/(m s)")
+plt.xlabel("time in s")
+plt.ylabel("position in m")
+plt.legend()
+
+# %%
+# .. explorer:: limit_cycle --law lugre_sobczyk --law lugre_majorant

@@ -1,0 +1,28 @@
+"""
+A friction that pays back more than it took
+===========================================
+
+The paper's law is bounded and smooth, but not passive. ``check`` finds a motion after which the bristles are bent as at its
+beginning, and yet more work has come out of the contact than went in; intervals enclose the energy on the wrong side of zero.
+"""
+
+import matplotlib.pyplot as plt
+
+import stribeck
+
+law = stribeck.law("lugre_sobczyk", parameters="canudas1995", k_v=1e7)
+verdict = stribeck.check(law).properties["passive"]
+print("passive:", verdict.holds)
+print(f"energy drawn: {1e6 * verdict.evidence['energy_drawn']:.0f} uJ in {verdict.evidence['time']:.2f} s")
+solution = stribeck.simulate(verdict.scenario)
+
+fig, (above, below) = plt.subplots(2, sharex=True)
+above.plot(solution["t"], 1e6 * solution["z"])
+above.set_ylabel("deflection in um")
+below.plot(solution["t"], 1e6 * solution["E_in"])
+below.set(xlabel="time in s", ylabel="work put in, in uJ")
+
+# %%
+# Another law, the same drive:
+#
+# .. explorer:: hysteresis --law lugre_sobczyk --law lugre_majorant

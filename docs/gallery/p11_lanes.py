@@ -1,0 +1,28 @@
+"""
+Sixty-four machines at once
+===========================
+
+Friction is never known exactly. ``simulate_ensemble`` runs one scenario for many numbers, in the processor's vectors.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import stribeck
+
+scenario = stribeck.Scenario(
+    law={"name": "lugre_majorant", "k_v": 1e6, "parameters": "canudas1995"},
+    plant={"mass": 1.0},
+    drive={"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}},
+    solve={"t_end": 40.0},
+    output={"step": 0.02},
+)
+F_s = np.random.default_rng(1).uniform(1.2, 1.8, 64)
+lanes = stribeck.simulate_ensemble(scenario, {"law.parameters.F_s": F_s})
+plt.plot(lanes.t, lanes["y"].T, color="C0", alpha=0.2)
+plt.xlabel("time in s")
+plt.ylabel("position in m")
+print("slips of each lane:", sorted(int(n) for n in lanes.slips))
+
+# %%
+# .. explorer:: stick_slip --law lugre_majorant

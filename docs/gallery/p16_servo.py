@@ -1,0 +1,30 @@
+"""
+The paper's pneumatic servo
+===========================
+
+A cascade controller with a friction observer on a pneumatic cylinder, and without the observer: friction then
+stays in the error, most of it where the motion turns.
+"""
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+
+import stribeck
+import stribeck.examples
+
+servo = stribeck.Scenario.load(Path(stribeck.examples.__file__).parent / "servo.toml")
+fig, (above, below) = plt.subplots(2, sharex=True)
+for words, changes in {"with the observer": {}, "without": {"drive.observer": {"name": "none"}}}.items():
+    solution = stribeck.simulate(servo.replace(changes))
+    last = solution["t"] > 5
+    above.plot(solution["t"][last], 1e3 * solution["e"][last], label=words)
+    below.plot(solution["t"][last], solution["F"][last])
+above.set_ylabel("position error in mm")
+above.legend()
+below.set(xlabel="time in s", ylabel="friction in N")
+
+# %%
+# The law that the observer holds, live:
+#
+# .. explorer:: lugre_sobczyk --law lugre_sobczyk

@@ -1,0 +1,321 @@
+"""A sampled controller, or its compensation alone, as one block: what goes in, what comes out, what is kept, by the
+equations that the simulation samples."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+from stribeck.constants import Constant, show
+from stribeck.drives.base import Column
+from stribeck.errors import InputError, arg, nearest
+from stribeck.export.c.ccode import WORDS, c_condition
+from stribeck.export.request import ascii_only, made_by, valued
+from stribeck.expressions.graph import Expr, ordered, symbol, symbols, wrap
+from stribeck.expressions.names import Names
+from stribeck.expressions.ops import sign
+from stribeck.laws.base import STATIC_ABOVE_COULOMB
+from stribeck.laws.render import equations
+from stribeck.machine.balance import lead_of
+from stribeck.machine.friction import compensation
+from stribeck.machine.parts import ControllerPart, Sampled
+from stribeck.machine.sampled import observed, sampled_states, stepped
+from stribeck.machine.system import SAMPLING
+from stribeck.scenario import Scenario
+from stribeck.signals.pieces import Reference, fields, pieces
+
+_SLOW = {
+    "exp": "exp",
+    "tanh": "tanh",
+    "atan": "atan",
+    "sin": "sin",
+    "cos": "cos",
+    "sqrt": "sqrt",
+    "log": "log",
+    "pow": "pow",
+}
+_COUNTED = {"add": "additions", "sub": "additions", "neg": "additions", "mul": "multiplications", "div": "divisions"}
+
+
+@dataclass(frozen=True)
+class Block:
+    """A block: one call is one sample.
+
+    Attributes:
+        scenario: the machine.
+        controller: the controller, as it is sampled.
+        part: "controller" (the whole) or "compensator" (what it adds against friction alone).
+        step: the sample time where the file's controller is continuous, s; the file's otherwise.
+        origin: where the numbers are from, for the header.
+    """
+
+    scenario: Scenario
+    controller: ControllerPart
+    part: str
+    step: float
+    origin: str = ""
+
+    # -- names -----------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def name(self) -> str:
+        """The prefix of all names."""
+        text = f"{self.scenario.name}_{self.controller.name}" + ("_friction" if self.part == "compensator" else "")
+        text = re.sub(r"\W", "_", text, flags=re.ASCII).lower()
+        return text if text[:1].isalpha() else f"machine_{text}"
+
+    @property
+    def rotary(self) -> bool:
+        """Whether what it measures turns."""
+        rig = self.scenario.rig
+        assert rig is not None
+        return rig.machine.rotary(self.controller.measures)
+
+    def _column(self, name: str, unit: str, meaning: str) -> Column:
+        constant = Constant(unit, meaning).of_motion(self.rotary)
+        return Column(name, constant.unit, constant.meaning)
+
+    @cached_property
+    def inputs(self) -> tuple[Column, ...]:
+        """What it is given at a sample; what its equations do not use is left out."""
+        every = (
+            self._column("r", "m", "reference: the position asked for"),
+            self._column("r_rate", "m/s", "its first derivative"),
+            self._column("r_second", "m/s^2", "its second derivative"),
+            self._column("y", "m", "position as the encoder reads it"),
+            self._column("v", "m/s", "measured velocity"),
+        )
+        used = symbols(self._by_input.values())
+        return tuple(column for column in every if f"input.{column.name}" in used)
+
+    @cached_property
+    def path_columns(self) -> tuple[Column, ...]:
+        """The inputs that the reference is made of."""
+        return tuple(c for c in self.inputs if c.name in ("r", "r_rate", "r_second"))
+
+    @cached_property
+    def outputs(self) -> tuple[Column, ...]:
+        """What it computes."""
+        if self.part == "compensator":
+            return (self._column("F", "N", "force to add against friction"),)
+        return (self._column("u", "N", "output: the force that is asked for"),)
+
+    @cached_property
+    def states(self) -> tuple[Column, ...]:
+        """What it keeps from sample to sample, 0 at first."""
+        meanings = {
+            "readings": ("1", "samples so far"), "last": ("m", "reading of the sample before"),
+            "filter_y": ("m", "filtered position"), "filter_v": ("m/s", "filtered velocity"),
+            "z_hat": ("m", "deflection of the friction observer"),
+            **{s.name: (s.unit, s.meaning) for s in self.controller.kind.states},
+        }  # fmt: skip
+        names = sampled_states(self.controller) if self.part == "controller" else self._observed
+        used = symbols(self.expressions.values())
+        return tuple(self._column(n, *meanings.get(n, ("1", n))) for n in names if f"state.{n}" in used)
+
+    @property
+    def _observed(self) -> tuple[str, ...]:
+        made = self.controller.compensation
+        return ("z_hat",) if made is not None and made.observes else ()
+
+    # -- equations -------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def called(self) -> Names:
+        """The names of what the equations hold."""
+        return Names()
+
+    @cached_property
+    def _by_input(self) -> dict[str, Expr]:
+        """Outputs and next states of inputs and states."""
+        rate = symbol("input.r_rate")
+        r = Reference(symbol("input.r"), rate, symbol("input.r_second"), sign(rate))
+        if self.part == "compensator":
+            return self._compensation(r)
+        memory = {n: symbol(f"state.{n}") for n in sampled_states(self.controller)}
+        u, after = stepped(self.controller, symbol("input.y"), r, memory, self.called)
+        return {"u": u, **{f"next.{n}": x for n, x in after.items()}}
+
+    def _compensation(self, r: Reference) -> dict[str, Expr]:
+        each = self.controller
+        assert each.compensation is not None
+        v, z = symbol("input.v"), symbol("state.z_hat")
+        force, rate = compensation(each.compensation, r, v, z, self.called, exact=True, lead=lead_of(each))
+        if each.compensation.share:
+            force = symbol(f"{each.path}.compensation.share") * force
+        if rate is None or not self._observed:
+            return {"F": wrap(force)}
+        period = symbol(f"{each.path}.sampling.period")
+        return {"F": wrap(force), "next.z_hat": observed(each, rate, z, v, period, self.called)}
+
+    @cached_property
+    def expressions(self) -> dict[str, Expr]:
+        """Outputs by name, ``next.STATE``, and, of a controller, ``path.INPUT``: the file's signal at the time t."""
+        return self._by_input | {f"path.{c.name}": self._path[c.name] for c in self.path_columns if self._has_path}
+
+    @property
+    def _has_path(self) -> bool:
+        return self.part == "controller"
+
+    @cached_property
+    def _path(self) -> dict[str, Expr]:
+        found = replace(self.controller.signal, turns=False).reference(symbol("t"))
+        return {"r": wrap(found.value), "r_rate": wrap(found.rate), "r_second": wrap(found.second)}
+
+    @cached_property
+    def pieces(self) -> list[list[float]]:
+        """The numbers of the signal's pieces, each after its start."""
+        if not self._has_path or not self.path_columns:
+            return []
+        rig = self.scenario.rig
+        assert rig is not None
+        table = pieces(rig.signals[self.controller.signal])
+        rows = zip(table.start.tolist(), table.rows.tolist(), strict=True)
+        return [[start, *row] for start, row in rows] if self.piece_fields else []
+
+    @property
+    def piece_fields(self) -> tuple[str, ...]:
+        """What they are called."""
+        return fields(self.controller.signal.kind)
+
+    # -- constants -------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def constants(self) -> dict[str, tuple[Constant, float, str]]:
+        """Declaration, value and path of each constant that the equations use, by its name in the block."""
+        rig, each = self.scenario.rig, self.controller
+        assert rig is not None
+        values: dict[str, tuple[Constant, float]] = {
+            f"{path}.{n}": (rig.machine.constant(path, n), rig.values[path, n]) for path, n in rig.machine.parameters
+        }
+        period = SAMPLING["period"]
+        values[f"{each.path}.sampling.period"] = (period, self.step)
+        used = symbols(self.expressions.values())
+        found = {}
+        for path, (constant, value) in values.items():
+            if path in used:
+                found[self._constant_name(path)] = (constant, value, path)
+        return found
+
+    def _constant_name(self, path: str) -> str:
+        owner, _, name = path.rpartition(".")
+        signal = self.controller.signal
+        if owner == signal.path:
+            return f"signal_{name}"
+        if self.controller.compensation is not None and owner == self.controller.compensation.path:
+            return f"friction_{name}"
+        return "inertia" if owner.endswith(".feedforward") else name
+
+    @cached_property
+    def relations(self) -> list[tuple[str, str, str]]:
+        """(the constant to blame, what is allowed, the condition in C on ``p``) between constants of the friction law."""
+        made = self.controller.compensation
+        if made is None or self.scenario.rig is None or made.path not in self.scenario.rig.laws:
+            return []
+        law, found = self.scenario.rig.laws[made.path], []
+        for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
+            if all(f"friction_{need}" in self.constants for need in (r.key, *r.needs)):
+                text = c_condition(r.holds, law, "p->friction_")
+                found.append((f"friction_{r.key}", r.allowed, text))
+        return found
+
+    def of_symbols(self, place: str = "p->") -> dict[str, str]:
+        """How each constant is written, by the symbol that stands for it."""
+        return {path: f"{place}{name}" for name, (_, _, path) in self.constants.items()}
+
+    # -- words -----------------------------------------------------------------------------------------------------
+
+    def operations(self) -> str:
+        """How much one sample takes at most, counted in the equations."""
+        count: dict[str, int] = {}
+        for node in ordered(self._by_input.values()):
+            word = _COUNTED.get(node.op) or (f"calls of {_SLOW[node.op]}" if node.op in _SLOW else None)
+            if word:
+                count[word] = count.get(word, 0) + 1
+        return ", ".join(f"{n} {word if n > 1 else word.removesuffix('s')}" for word, n in count.items()) or "nothing"
+
+    def about(self) -> list[str]:
+        """Lines for the header."""
+        each, scenario = self.controller, self.scenario
+        how = {"reference": "the steady curve at the reference's speed", "measured": "the law at the measured speed"}
+        first = (
+            f"{self.name}: {each.kind.kind} controller '{each.name}' of the machine {scenario.name}, sampled."
+            if self.part == "controller"
+            else f"{self.name}: friction compensation of the controller '{each.name}' of the machine {scenario.name}."
+        )
+        lines = [first, ""]
+        if self.part == "controller":
+            lines += [f"  {' '.join((each.kind.__doc__ or '').split())}"]
+        if each.compensation is not None:
+            c = each.compensation
+            lines += [f"  Friction: {c.law.name}, {how[c.speed]}:"]
+            lines += [f"    {x.text}" for x in equations(c.law, c.form)]
+        lines += ["", f"Parameters: {self.origin or f'scenario {scenario.name}'}"]
+        lines += [valued(name, value, constant) for name, (constant, value, _) in self.constants.items()]
+        return [ascii_only(line) for line in (*lines, made_by())]
+
+    def notes(self) -> list[str]:
+        """What differs from the file."""
+        rig, found = self.scenario.rig, []
+        assert rig is not None
+        own = next(c for c in rig.machine.controllers if c.name == self.controller.name)
+        if own.sampling is None:
+            found.append(
+                f"controllers.{own.name} is continuous in the file: simulate what is exported with "
+                f"sampling = {{ period = {self.step:g} }}"
+            )
+        elif delay := rig.values[f"{own.path}.sampling", "delay"]:
+            found.append(f"its output is expected to act {delay:g} s after the sample, as in the file")
+        return found
+
+
+def block_of(
+    scenario: Scenario | None, part: str, controller: str | None = None, step: float | None = None, origin: str = ""
+) -> Block:
+    """The block of a machine's controller.
+
+    Args:
+        scenario: a machine (schema = 2) with a controller.
+        part: "controller" or "compensator".
+        controller: which one; the only one unless given.
+        step: the sample time of a controller that is continuous in the file, s.
+        origin: where the numbers are from.
+
+    Raises:
+        InputError: there is no such controller, no sample time, or no compensation.
+    """
+    if scenario is None or scenario.rig is None or not scenario.rig.machine.controllers:
+        given = "" if scenario is None else f"{scenario.name!r}: "
+        raise InputError(f"{arg('scenario')}: {given}part '{part}' needs a machine (schema = 2) with a controller")
+    rig = scenario.rig
+    known = [each.name for each in rig.machine.controllers]
+    if controller is None and len(known) > 1:
+        raise InputError(f"{arg('controller')}: missing: must be given (one of {', '.join(known)})")
+    if controller is not None and controller not in known:
+        raise InputError(f"{arg('controller')}: {show(controller)}: no such controller{nearest(controller, known)}")
+    each = next(c for c in rig.machine.controllers if c.name == (controller or known[0]))
+    if part == "compensator" and each.compensation is None:
+        raise InputError(
+            f"{each.path}.compensation: missing: part 'compensator' needs one; 'stribeck design --out DIR' writes the "
+            "machine with the best"
+        )
+    timed = part == "controller" or (each.compensation is not None and each.compensation.observes)
+    if each.sampling is not None:
+        own = rig.values[f"{each.path}.sampling", "period"]
+        if step is not None and step != own:
+            raise InputError(f"{arg('step')}: {step:g}: must be left out: {each.path}.sampling.period = {own:g} holds")
+        step = own
+    elif step is None and timed:
+        raise InputError(f"{arg('step')}: missing: {each.path} has no sampling: give its sample time, s")
+    else:
+        each = replace(each, sampling=Sampled(resolution=False, noise=False, bandwidth=False))
+    block = Block(scenario, each, part, step or 0.0, origin)
+    if bad := _unusable(block.constants):
+        raise InputError([f"{name}: a constant of this name cannot be exported: rename it" for name in bad])
+    return block
+
+
+def _unusable(names: Iterable[str]) -> list[str]:
+    return [name for name in names if name in WORDS or not name.isascii()]

@@ -1,0 +1,31 @@
+"""``--target mujoco_plugin``: the controller as an actuator plugin of MuJoCo, in C."""
+
+from __future__ import annotations
+
+import math
+
+from stribeck.export.c.ccode import render
+from stribeck.export.controller.block import Block
+from stribeck.export.controller.c import context
+from stribeck.export.request import Target
+
+TARGET = Target("mujoco_plugin", "controller.mujoco_plugin", "an actuator plugin of MuJoCo, in C", ("controller",))
+
+
+def files(block: Block) -> dict[str, str | bytes]:
+    """The block in C, the plugin around it, and a model that uses it."""
+    rig, own = block.scenario.rig, f"{block.controller.path}.sampling"
+    assert rig is not None
+    delay = rig.values.get((own, "delay"), 0.0)
+    body = rig.machine.leader(block.controller.measures)
+    values = context(block) | {
+        "delay": delay, "resolution": rig.values.get((own, "resolution"), 0.0), "joint": "hinge" if block.rotary else "slide",
+        "queue": math.ceil(delay / block.step) + 2, "mass": rig.values.get((body.path, body.inertia_name), 1.0),
+        "rate": "r_rate" in {c.name for c in block.inputs}, "second": "r_second" in {c.name for c in block.inputs},
+    }  # fmt: skip
+    return {
+        f"{block.name}_mujoco.c": render("mujoco_plugin.c", **values),
+        f"{block.name}.h": render("block.h", **values),
+        f"{block.name}.c": render("block.c", **values),
+        f"{block.name}.xml": render("mujoco_plugin.xml", **values),
+    }

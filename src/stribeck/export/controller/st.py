@@ -1,0 +1,32 @@
+"""``--target st``: the block as a function block in IEC 61131-3 Structured Text."""
+
+from __future__ import annotations
+
+from stribeck.errors import InputError
+from stribeck.export.c.ccode import render
+from stribeck.export.controller.block import Block
+from stribeck.export.text.st import StWriter, st_number
+from stribeck.expressions.graph import ordered
+
+_OWN = ("reset", "ok", "x")
+
+
+def files(block: Block) -> dict[str, str | bytes]:
+    """The function block, with the functions that it needs."""
+    kept = {f"state.{c.name}": f"s_{c.name}" for c in block.states}
+    inputs = {f"input.{c.name}": c.name for c in block.inputs} | kept | block.of_symbols("")
+    names = [*_OWN, *(c.name for c in (*block.inputs, *block.outputs)), *kept.values(), *block.constants]
+    lower = [name.lower() for name in names]  # the language knows no case
+    if clash := sorted({name for name in names if lower.count(name.lower()) > 1}):
+        raise InputError([f"{name}: a constant of this name cannot be exported to Structured Text" for name in clash])
+    writer = StWriter(block.name, inputs, block.called)
+    writer.taken.update(lower)
+    wanted = [(f"n_{c.name}", block.expressions[f"next.{c.name}"]) for c in block.states]
+    wanted += [(c.name, block.expressions[c.name]) for c in block.outputs]
+    lines = [line.replace(" = ", " := ", 1) for line in writer.write(wanted)]
+    used = {node.op for node in ordered(e for _, e in wanted)}
+    text = render(
+        "block.st", P=block.name, b=block, about=block.about(), lines=lines, variables=list(dict.fromkeys(writer.variables)),
+        constants=[(n, st_number(value), c) for n, (c, value, _) in block.constants.items()], used=used,
+    )  # fmt: skip
+    return {f"{block.name}.st": text}

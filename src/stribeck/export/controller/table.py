@@ -1,0 +1,31 @@
+"""``--target table``: the compensation as a table of speed and force."""
+
+from __future__ import annotations
+
+from stribeck.errors import InputError, arg
+from stribeck.export.controller.block import Block
+from stribeck.export.request import made_by
+from stribeck.export.text.table import fit
+
+
+def files(block: Block) -> dict[str, str | bytes]:
+    """A CSV of speed and of the share of the steady friction that is added at it.
+
+    Raises:
+        InputError: the part is not the compensation, whose law alone has a steady curve.
+    """
+    rig, made = block.scenario.rig, block.controller.compensation
+    if rig is None or made is None or block.part != "compensator":
+        raise InputError(f"{arg('part')}: {block.part!r}: target 'table' has the compensator alone")
+    v, force, error = fit(rig.laws[made.path])
+    share = rig.values[f"{block.controller.path}.compensation", "share"] if made.share else 1.0
+    speed, unit = ("rad/s", "N m") if block.rotary else ("m/s", "N")
+    head = [
+        f"{block.name}: {share:g} of the steady friction of {made.law.name}, to be added at the {made.speed} speed.",
+        "F(-v) = -F(v), and 0 at v = 0. Interpolate linearly; beyond the last point go on along the last two.",
+        f"Greatest error for 0 < v <= {v[-1]:g} {speed}: {share * error:.3g} {unit}.",
+        *(["The law at the measured speed follows a deflection, which no table has."] if made.observes else []),
+        f"v in {speed}, F in {unit}", made_by(),
+    ]  # fmt: skip
+    rows = "".join(f"{x!r},{share * y!r}\n" for x, y in zip(v.tolist(), force.tolist(), strict=True))
+    return {f"{block.name}.csv": "".join(f"# {line}\n" for line in head) + "v,F\n" + rows}

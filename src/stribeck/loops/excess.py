@@ -1,0 +1,125 @@
+"""Over-compensation: from which share on a compensation at the measured speed makes up for more friction than there is."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.loops.compensation import contact_of, with_compensation
+from stribeck.loops.loop import Loop, controller_of
+from stribeck.machine.controllers import Cascade, PidController
+from stribeck.scenario import Scenario
+from stribeck.simulation.single import simulate
+
+BEYOND = 0.05  # of the share, in the run that shows it
+_SPEEDS = 400
+_DECADES = (1e-2, 1e3)  # of v_s
+_OFF = {PidController: ("K_p", "K_i", "K_d"), Cascade: ("K_p", "K_v")}
+
+
+@dataclass(frozen=True)
+class Excess:
+    """From which share on friction and compensation together push.
+
+    Attributes:
+        share: the smallest at which the steady net friction is negative at some speed, with the friction of the file.
+        worst_share: the same with the worst sample of the friction.
+        speed: where, with the worst sample, m/s or rad/s.
+        sample: the friction parameters of that sample, by path.
+        counterexample: the machine at a share 5 % above, its controller off but for the compensation, let go at that
+            speed: it runs faster by itself; None where it could not be made or does not.
+        starts, ends: its speed at first and at the end of that run.
+    """
+
+    share: float
+    worst_share: float
+    speed: float
+    sample: dict[str, float]
+    counterexample: Scenario | None
+    starts: float
+    ends: float
+
+    def row(self) -> dict[str, Any]:
+        """What is told of it."""
+        run = None if self.counterexample is None else {"speed_at_first": self.starts, "speed_at_the_end": self.ends}
+        return {
+            "share": self.share, "worst_share": self.worst_share, "speed": self.speed, "sample": self.sample,
+            "counterexample": run, "how": "steady curves, at speeds tried; the run is simulated",
+        }  # fmt: skip
+
+
+def excess(loop: Loop, controller: str, samples: dict[str, Array]) -> Excess:
+    """The share above which the law as an observer at the measured speed supplies more than the contact takes.
+
+    At a speed that is held the controller adds share times its own law's steady force, and the contact takes its own. Where
+    the first is larger the body is pushed: friction is negative there, and the two together are not passive. A feedforward
+    at the reference's speed knows nothing of the motion and takes no part in this.
+
+    Raises:
+        InputError: the measured body has no contact with the ground.
+    """
+    contact = contact_of(loop, controller)
+    made = with_compensation(loop.scenario, controller, contact, "measured", 1.0)
+    assert made.rig is not None
+    each = controller_of(made, controller)
+    assert each.compensation is not None
+    law = made.rig.laws[f"contacts.{contact}.law"]
+    own = made.rig.laws[each.compensation.path]
+    scale = law.scales(law.p).speed
+    v = scale * np.geomspace(*_DECADES, _SPEEDS)
+    added = np.asarray(own.steady_force(v))
+    count = len(next(iter(samples.values())))
+    rows = [{path: float(x[i]) for path, x in samples.items()} for i in range(count)]
+    shares = np.array([_ratios(made, contact, row, v, added) for row in rows])
+    i, k = (int(n) for n in np.unravel_index(int(np.argmin(shares)), shares.shape))
+    worst, speed = float(shares[i, k]), float(v[k])
+    file_share = float(_ratios(made, contact, {}, v, added).min())
+    shown = _counterexample(made, controller, contact, rows[i], worst * (1 + BEYOND), speed)
+    return Excess(file_share, worst, speed, rows[i], *shown)
+
+
+def _ratios(scenario: Scenario, contact: str, sample: dict[str, float], v: Array, added: Array) -> Array:
+    """What the contact takes over what is added, at each speed."""
+    changed = scenario.with_changes(sample) if sample else scenario
+    assert changed.rig is not None
+    taken = np.asarray(changed.rig.laws[f"contacts.{contact}.law"].steady_force(v))
+    return np.asarray(np.where(added > 0, taken / np.where(added > 0, added, 1.0), np.inf))
+
+
+def _counterexample(
+    made: Scenario, controller: str, contact: str, sample: dict[str, float], share: float, speed: float
+) -> tuple[Scenario | None, float, float]:
+    """The machine let go at a speed, with nothing but its friction and the compensation; its speed at first and at last."""
+    each = controller_of(made, controller)
+    gains, rig = _OFF.get(each.kind), made.rig
+    if gains is None or rig is None:
+        return None, speed, speed
+    data = deepcopy(made.with_changes(sample).data)
+    body = data["bodies"][each.measures]
+    if "tied_to" in body or "velocity" in body:
+        return None, speed, speed
+    table = data["controllers"][controller]
+    data["bodies"] = {each.measures: {**body, "initial": {"y": 0.0, "v": speed}}}
+    data["contacts"] = {contact: data["contacts"][contact]}
+    for group in ("links", "loads", "motors"):
+        data.pop(group, None)
+    data["controllers"] = {controller: table}
+    for name in ("limit", "sampling", "feedforward", "T_i"):
+        table.pop(name, None)
+    table |= {**dict.fromkeys(gains, 0.0), "on": each.measures}
+    table["signal"] = {"kind": "step", "value": 0.0, "time": 0.0}
+    table["compensation"]["share"] = share
+    data["contacts"][contact].pop("loads", None)
+    inertia = body.get("mass", body.get("inertia", 1.0))
+    law = rig.laws[f"contacts.{contact}.law"]
+    end = 20 * inertia * speed / max(BEYOND * float(law.steady_force(speed)), 1e-300)
+    data["name"] = f"{made.name}_overcompensated"
+    data["solve"], data["output"] = {"t_end": end}, {"step": end / 400, "energy": True}
+    shown = Scenario(data, folder=made.folder, trust=True)
+    run = simulate(shown)
+    last = float(run[f"{each.measures}.v"][-1])
+    return (shown if last > 1.5 * speed else None), speed, last

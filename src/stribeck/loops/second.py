@@ -1,0 +1,121 @@
+"""A second opinion on hunting: what describing functions say of the loop without its sampling and limit."""
+
+from __future__ import annotations
+
+from copy import deepcopy
+from typing import Any
+
+from stribeck.analysis.hunting import Hunting, hunting
+from stribeck.drives.pid import Pid
+from stribeck.errors import InputError, StribeckError
+from stribeck.loops.loop import Loop, controller_of
+from stribeck.machine.controllers import Cascade, PidController
+from stribeck.plants.mass import Mass
+from stribeck.scenario import Scenario
+
+WAYS = ("law", "body")
+
+
+def second_opinion(loop: Loop, controller: str) -> dict[str, Any]:
+    """By ``law`` and by ``body`` (:func:`stribeck.hunting`): amplitude and period, None where no cycle is predicted;
+    ``why_not`` where the machine is none that they are for."""
+    found = as_pid(loop, controller)
+    if isinstance(found, str):
+        return {"why_not": found}
+    scenario, left_out = found
+    told: dict[str, Any] = {"left_out": left_out}
+    for way in WAYS:
+        try:
+            told[way] = as_row(hunting(scenario, way))
+        except StribeckError as error:
+            told[way] = {"why_not": str(error)}
+    return told
+
+
+def as_row(found: Hunting) -> dict[str, float | None]:
+    """A predicted cycle as plain data."""
+    some = found.amplitude == found.amplitude
+    return {
+        "amplitude": found.amplitude if some else None, "period": found.period if some else None,
+        "mismatch": found.mismatch,
+    }  # fmt: skip
+
+
+def as_pid(loop: Loop, controller: str) -> tuple[Scenario, list[str]] | str:
+    """The loop as a mass, a law and a PID controller (schema = 1), and what of it was left out; or why it is none."""
+    scenario = loop.scenario
+    rig = scenario.rig
+    assert rig is not None
+    machine, each = rig.machine, controller_of(scenario, controller)
+    free = [body for body in machine.bodies if body.leader is None]
+    if len(free) != 1 or machine.links or machine.loads or len(machine.contacts) != 1:
+        return "describing functions are for one body with one contact and nothing else"
+    contact = machine.contacts[0]
+    body = free[0]
+    if (
+        contact.levels
+        or contact.factors
+        or contact.span.end is not None
+        or rig.values.get((contact.path, "ratio"), 1.0) != 1
+    ):
+        return "describing functions are for a contact with the ground whose level is constant"
+    gains = pid_gains(each.kind, {n: rig.values[each.path, n] for n in each.kind.numbers(each.form)})
+    if gains is None:
+        return "describing functions are for pid and cascade"
+    if not gains["K_i"]:
+        return "without an integral they predict no cycle"
+    left_out = [n for n, on in (("sampling", each.sampling), ("compensation", each.compensation)) if on is not None]
+    left_out += ["limit"] if "limit" in each.form else []
+    left_out += ["the motor's inductance and voltage"] if each.on not in machine.body else []
+    law = scenario.data["contacts"][contact.name]["law"]
+    drive = {"kind": "pid", **gains, "signal": {"kind": "step", "time": 0.0, "value": 1.0}}
+    mass = sum(
+        rig.values[b.path, b.inertia_name] * rig.values.get((b.path, "ratio"), 1.0) ** (0 if b is body else 2)
+        for b in machine.bodies if b.inertia
+    )  # fmt: skip
+    tables = {
+        "schema": 1,
+        "law": law,
+        "plant": {"mass": mass},
+        "drive": drive,
+        "solve": {"t_end": 1.0},
+        "output": {"step": 1.0},
+    }
+    return Scenario(tables, folder=scenario.folder, trust=True), left_out
+
+
+def as_machine(scenario: Scenario) -> Scenario:
+    """A PID loop of schema = 1 as a machine, whose loop can be judged.
+
+    Raises:
+        InputError: its drive is no PID controller, or its plant not a single mass.
+    """
+    if scenario.drive is not Pid:
+        raise InputError(f"drive.kind: {scenario.drive.kind!r}: must be 'pid' to hunt")
+    if scenario.plant is not Mass:
+        raise InputError(f"plant.kind: {scenario.data['plant']['kind']!r}: must be {Mass.kind!r} to hunt")
+    data = deepcopy(scenario.data)
+    inertia = "inertia" if scenario.rotary else "mass"
+    initial = {n: x for n, x in scenario.initial.items() if n in ("y", "v")}
+    drive = {n: x for n, x in data["drive"].items() if x is not None}
+    tables = {
+        "schema": 2, "name": scenario.name,
+        "bodies": {"body": {inertia: scenario.mass, **({"initial": initial} if initial else {})}},
+        "contacts": {"contact": {"from": "body", "law": data["law"]}},
+        "controllers": {"controller": {**drive, "on": "body", "measures": "body"}},
+        "solve": {"t_end": scenario.solve.t_end}, "output": {"step": scenario.output.step},
+    }  # fmt: skip
+    return Scenario(tables, folder=scenario.folder, trust=True)
+
+
+def pid_gains(kind: type, own: dict[str, float]) -> dict[str, float] | None:
+    """The gains of the PID controller that does the same while the signal rests."""
+    if kind is PidController:
+        return {n: own[n] for n in ("K_p", "K_i", "K_d")}
+    if kind is not Cascade:
+        return None
+    K_p, K_v, T_i = own["K_p"], own["K_v"], own.get("T_i")
+    if T_i is None:
+        return {"K_p": K_v * K_p, "K_i": 0.0, "K_d": K_v}
+    # u = K_v (K_p e - v) + K_v/T_i (K_p integral of e - (y - y(0))) with e = r - y
+    return {"K_p": K_v * K_p + K_v / T_i, "K_i": K_v * K_p / T_i, "K_d": K_v}

@@ -1,0 +1,205 @@
+"""What the documentation's site shows: nothing is missing, every link leads somewhere, every example runs."""
+
+import inspect
+import re
+import runpy
+import shlex
+import shutil
+import subprocess
+import sys
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+import typer
+
+import stribeck
+from stribeck.cli import _status
+from stribeck.cli.app import app
+
+ROOT = Path(__file__).parents[2]
+DOCS = ROOT / "docs"
+PAGES = sorted(p for p in DOCS.rglob("*.md") if "made" not in p.parts)
+SCRIPTS = sorted((DOCS / "gallery").glob("*.py"))
+NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
+
+
+def blocks(page, language):
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
+
+
+def anchors(page):
+    heads = re.findall(r"^#+ (.*)$", page.read_text(encoding="utf-8"), re.M)
+    return {re.sub(r"[^\w\- ]", "", head.lower()).strip().replace(" ", "-") for head in heads}
+
+
+# -- references ------------------------------------------------------------------------------------------------------
+
+
+def test_every_public_name_stands_in_the_reference():
+    shown = re.findall(
+        r"^\.\. auto\w+:: stribeck\.(?:export\.)?(\w+)$", (DOCS / "api.md").read_text(encoding="utf-8"), re.M
+    )
+    assert sorted(shown) == sorted(stribeck.__all__)
+
+
+@pytest.mark.parametrize("name", stribeck.__all__)
+def test_an_entry_of_the_reference_is_whole(name):
+    thing = getattr(stribeck, name)
+    if inspect.ismodule(thing):  # `stribeck.export` is a function, and a package that is called like it
+        thing = getattr(thing, name)
+    text = inspect.getdoc(thing) or ""
+    assert text
+    if inspect.isfunction(thing):
+        assert "Raises:" in text or name in ("allow_undetermined", "parameters"), "which errors?"
+        assert not (silent := [p for p in inspect.signature(thing).parameters if p not in text]), silent
+    elif not issubclass(thing, BaseException):
+        own = {n: m for n, m in vars(thing).items() if not n.startswith("_") and callable(getattr(thing, n, None))}
+        assert not (silent := [n for n in own if not inspect.getdoc(getattr(thing, n))]), silent
+
+
+def test_every_command_is_in_the_reference_with_all_its_options(monkeypatch):
+    pytest.importorskip("sphinx")
+    monkeypatch.syspath_prepend(str(DOCS / "_ext"))
+    from commands import reference
+
+    found = reference()
+    group = typer.main.get_command(app)
+    assert set(found) == set(group.commands)
+    for name, lines in found.items():
+        assert lines[0][1], name
+        assert lines[-1][1].startswith("Example"), name
+        assert not (silent := [words for words, meaning in lines[1:-1] if not meaning]), (name, silent)
+        written = " ".join(words for words, _ in lines)
+        for p in group.commands[name].params:
+            assert (
+                p.name == "help"
+                or getattr(p, "hidden", False)
+                or max(p.opts, key=len) in written
+                or p.metavar in written
+            )
+
+
+# -- links, blocks ---------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "README.md"], ids=lambda p: p.stem)
+def test_every_link_leads_somewhere(page):
+    text = re.sub(r"```.*?```|`[^`]*`", "", page.read_text(encoding="utf-8"), flags=re.S)
+    for target in re.findall(r"\]\(([^)\s]+)\)", text):
+        if re.match(r"\w+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        if path.startswith(("made/", "../made/")):  # the gallery's pages are made from its scripts
+            name = path.rsplit("/", 1)[1]
+            assert name == "index" or (DOCS / "gallery" / f"{name}.py").is_file(), target
+            continue
+        file = (page.parent / path) if path else page
+        assert file.exists(), target
+        assert not anchor or anchor in anchors(file), target
+
+
+def test_every_page_is_in_a_table_of_contents():
+    index = (DOCS / "index.md").read_text(encoding="utf-8")
+    listed = {
+        line.strip() for part in re.findall(r"```\{toctree\}\n(.*?)```", index, re.S) for line in part.splitlines()
+    }
+    missing = [
+        p for p in PAGES if p.name != "index.md" and p.relative_to(DOCS).with_suffix("").as_posix() not in listed
+    ]
+    assert not missing, missing
+
+
+def commands(page):
+    lines = [line for block in blocks(page, "sh") for line in block.splitlines()]
+    return [words for line in lines if (words := shlex.split(line, comments=True)) and words[0] == "stribeck"]
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if commands(p)], ids=lambda p: p.stem)
+def test_every_command_is_one_that_there_is(page):
+    group = typer.main.get_command(app)
+    for words in commands(page):
+        command = group.commands[words[1]]
+        command.make_context(words[1], list(words[2:]))  # unknown options and wrong values raise
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=lambda p: p.stem)
+def test_every_block_of_python_is_python_and_names_what_there_is(page):
+    for block in blocks(page, "python"):
+        compile(block, page.name, "exec")
+        for alias in re.findall(r"^import stribeck as (\w+)$", block, re.M) or ["stribeck"]:
+            for name in re.findall(rf"(?<![\w.]){alias}\.([a-z_A-Z]\w*)", block):
+                known = name in (*stribeck.__all__, "__version__") or find_spec(f"stribeck.{name}")
+                assert known, name
+
+
+@pytest.mark.parametrize("page", sorted((DOCS / "start").glob("*.md")), ids=lambda p: p.stem)
+def test_five_minutes(page, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for words in commands(page):
+        assert _status(words[1:]) == 0, words
+    capsys.readouterr()
+
+
+# -- the gallery, notebooks, the site --------------------------------------------------------------------------------
+
+
+def test_the_gallery_is_a_gallery():
+    assert len(SCRIPTS) >= 16
+    for script in SCRIPTS:
+        assert len(re.findall(r"^# \.\. explorer:: \S+", script.read_text(encoding="utf-8"), re.M)) == 1, script.name
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda p: p.stem)
+def test_a_script_of_the_gallery(script, monkeypatch, capsys):
+    plt = pytest.importorskip("matplotlib.pyplot")
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    plt.switch_backend("Agg")
+    plt.close("all")
+    runpy.run_path(str(script))
+    axes = [axes for number in plt.get_fignums() for axes in plt.figure(number).axes]
+    assert axes
+    for each in axes:
+        shown = [*each.lines, *each.collections]
+        assert shown, "an empty axis"
+        assert all(len(line.get_xdata()) > 1 for line in each.lines)
+    assert any(each.get_xlabel() and each.get_ylabel() for each in axes)
+    plt.close("all")
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize("notebook", NOTEBOOKS, ids=lambda p: p.stem)
+def test_a_notebook_runs(notebook, tmp_path, monkeypatch):
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    monkeypatch.setenv("IPYTHONDIR", str(tmp_path))
+    monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")
+    book = nbformat.reads(notebook.read_text(encoding="utf-8"), as_version=4)
+    assert not any(cell.get("outputs") for cell in book.cells), "kept without results: they are made where it runs"
+    nbclient.NotebookClient(
+        book, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
+    results = [cell.outputs for cell in book.cells if cell.cell_type == "code"]
+    assert all(results[1:])
+
+
+def test_the_site_is_built_without_a_warning(tmp_path):
+    """All but the gallery's runs, which have tests of their own, and the explorers."""
+    pytest.importorskip("sphinx_gallery")
+    source = tmp_path / "docs"
+    shutil.copytree(DOCS, source, ignore=shutil.ignore_patterns("made", "sg_execution_times.rst"))
+    (tmp_path / "src").symlink_to(ROOT / "src")
+    (tmp_path / "benchmarks").symlink_to(ROOT / "benchmarks")
+    (source / "_ext" / "explorer.py").write_text(
+        "from docutils.parsers.rst import Directive\n\nclass None_(Directive):\n    required_arguments = 1\n"
+        "    final_argument_whitespace = True\n    def run(self):\n        return []\n\n"
+        "def setup(app):\n    app.add_directive('explorer', None_)\n"
+    )
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html", "-D", "plot_gallery=0"]
+    made = subprocess.run([*command, str(source), str(tmp_path / "site")], capture_output=True, text=True, check=False)
+    assert made.returncode == 0, made.stderr[-2000:]
+    assert "stribeck run" in (tmp_path / "site" / "commands.html").read_text(encoding="utf-8")
+    reference = (tmp_path / "site" / "api.html").read_text(encoding="utf-8")
+    assert "InputError" in reference
+    assert "or what is made of it, for another tool" in reference
+    assert list((tmp_path / "site" / "_downloads").rglob("p01_stick_slip.ipynb")), "no notebook to download"
