@@ -56,9 +56,14 @@ def counts(law: Any, flags: str, single: bool) -> list[int]:
         command = ["arm-none-eabi-gcc", *FLAGS, *flags.split(), *([f"-D{name.upper()}_FLOAT"] if single else [])]
         command += ["-nostartfiles", "--specs=nosys.specs", f"{name}.c", "main.c", "-o", "main", "-lm"]
         subprocess.run(command, cwd=folder, check=True, capture_output=True)
-        # the code is that of the Cortex; the processor that runs it only has to know all of its instructions
-        words = ["qemu-arm", "-cpu", "max", "-singlestep", "-d", "nochain,exec", "-D", "/dev/stderr", "./main"]
-        trace = subprocess.run(words, cwd=folder, check=True, capture_output=True, text=True).stderr
+        return traced(folder)
+
+
+def traced(folder: Path) -> list[int]:
+    """Instructions of each call of ``counted`` in the folder's program ``main``."""
+    # the code is that of the Cortex; the processor that runs it only has to know all of its instructions
+    words = ["qemu-arm", "-cpu", "max", "-singlestep", "-d", "nochain,exec", "-D", "/dev/stderr", "./main"]
+    trace = subprocess.run(words, cwd=folder, check=True, capture_output=True, text=True).stderr
     found: list[int] = []
     first = None
     for line in trace.splitlines():

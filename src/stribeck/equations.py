@@ -40,6 +40,7 @@ class Sample:
     """
 
     name: str
+    timing: str  # the table that has its period and delay
     output: Expr
     memory: dict[str, Expr]
 
@@ -47,6 +48,7 @@ class Sample:
 class Equations(ABC):
     """What a system is to the code generator; hashable, and equal to another with the same equations."""
 
+    by_element: ClassVar[bool] = True  # events are told by the element's name; a single body has none
     piece_fields: ClassVar[tuple[str, ...]] = STRAIGHT  # the numbers that change from breakpoint to breakpoint
 
     @property
@@ -98,6 +100,11 @@ class Equations(ABC):
     @property
     def held(self) -> tuple[str, ...]:
         """What stays from one output of a sampled controller to the next, as ``segment.NAME`` in the equations."""
+        return ()
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """What of the controllers' memory the output shows, as ``memory.NAME``: the first of it."""
         return ()
 
     def samples(self, called: Names | None = None) -> list[Sample]:

@@ -9,12 +9,12 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, ClassVar
 
 from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.drives.base import Action, Column, Course, Drive, Motion, course
-from stribeck.equations import Equations
+from stribeck.equations import Equations, Sample
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.names import Names
@@ -22,7 +22,8 @@ from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.plants import Mass, Plant
-from stribeck.signals import Segment, Signal
+from stribeck.signals import Signal
+from stribeck.signals.pieces import constants, equation_of, fields
 
 _Y, _V = Column("y", "m", "position"), Column("v", "m/s", "velocity")
 _Z, _F = Column("z", "m", "mean bristle deflection"), Column("F", "N", "friction force")
@@ -48,6 +49,8 @@ class System(Equations):
 
     Two scenarios that differ in numbers only have equal systems, and share compiled code.
     """
+
+    by_element: ClassVar[bool] = False
 
     law: type[Law]
     form: Form  # of the law's equations
@@ -78,7 +81,7 @@ class System(Equations):
     @cached_property
     def groups(self) -> dict[str, dict[str, Constant]]:
         """The declarations of the run-time constants by owner."""
-        signal = self.signal.constants if self.signal and self.drive.follows else {}
+        signal = {n: self.signal.constants[n] for n in constants(self.signal)} if self.signal else {}
         law = self.law.numbers(self.form)
         return {"law": law, "plant": self._moved.constants, **self.drive.tables, "signal": signal}
 
@@ -107,18 +110,24 @@ class System(Equations):
 
         on_term = None if called is None else called.term
         law = self.law.symbolic(lambda n: symbol(f"law.{n}"), self.form, on_term)
-        piece = Segment(*(symbol(f"segment.{n}") for n in ("start", "value", "slope")))
-        return Groups(law, group("plant"), group("drive"), self._signal if self.signal else piece)
+        return Groups(law, group("plant"), group("drive"), self._signal)
+
+    @property
+    def piece_fields(self) -> tuple[str, ...]:  # type: ignore[override]
+        """The numbers of the signal's pieces."""
+        return fields(self.signal)
 
     @property
     def _signal(self) -> SimpleNamespace:
-        assert self.signal is not None
-        return SimpleNamespace(**{n: symbol(f"signal.{n}") for n in self.signal.constants})
+        own = {n: symbol(f"segment.{n}") for n in self.piece_fields}
+        return SimpleNamespace(**own, **{n: symbol(f"signal.{n}") for n in constants(self.signal)})
 
     def reference(self, t: Expr) -> Course:
         """The smooth signal at time t and its first three derivatives."""
-        assert self.signal is not None
-        return course(wrap(self.signal.equation(self._signal, t)), t)
+        return course(self._desired(t), t)
+
+    def _desired(self, t: Expr) -> Expr:
+        return wrap(equation_of(self.signal).equation(self._signal, t))
 
     def quantities(self, q: Groups, r: Value, x: dict[str, Value], called: Names | None = None) -> dict[str, Value]:
         """Every named quantity from the signal's value r and the states."""
@@ -149,8 +158,7 @@ class System(Equations):
     def rates(self, called: Names | None = None) -> list[Expr]:
         """The time derivatives of the states as expressions of ``t``, the states' names and the constants' symbols."""
         q, t, x = self.symbolic(called), symbol("t"), {state.name: symbol(state.name) for state in self.states}
-        r = self.signal.equation(q.signal, t) if self.signal else Segment.equation(q.signal, t)
-        k, m, action = self._quantities(q, r, x, called)
+        k, m, action = self._quantities(q, self._desired(t), x, called)
         plant, p, u = self._moved, self.drive.obeyed(q.plant, q.drive), action.u
         rates = {"y": m.v, "z": k["dz_dt"], "v": plant.acceleration(p, u, m.F, m.plant)}
         if (inside := plant.inside(p, m.y)) is not None:
@@ -163,10 +171,29 @@ class System(Equations):
             rates |= {"E_in": u * m.v, "E_dissipated": m.F * m.v - stored_by_z * k["dz_dt"] + lost}
         return [wrap(rates[state.name]) for state in self.states]
 
-    def acceleration(self) -> Expr:
-        """dv/dt without the drive, of a plant that stands between it and the body."""
-        x: dict[str, Value] = {state.name: symbol(state.name) for state in self.states}
-        return wrap(self._quantities(self.symbolic(), symbol("t"), x, None)[1].acceleration)
+    @property
+    def held(self) -> tuple[str, ...]:
+        """What a sampled drive gives."""
+        return (self.drive.gives.name,) if self.drive.memory else ()
+
+    @property
+    def shown(self) -> tuple[str, ...]:
+        """What of a sampled drive's memory the output shows."""
+        return self.drive.shown
+
+    @property
+    def memory(self) -> dict[str, tuple[str, ...]]:
+        """What a sampled drive remembers."""
+        return {self.drive.kind: self.drive.memory} if self.drive.memory else {}
+
+    def samples(self, called: Names | None = None) -> list[Sample]:
+        """What a sampled drive does at its instants."""
+        if not self.drive.memory:
+            return []
+        called, t = Names() if called is None else called, symbol("t")
+        m = self._quantities(self.symbolic(), self._desired(t), {s.name: symbol(s.name) for s in self.states}, None)[1]
+        u, after = self.drive.sample(self.reference(t), m, called)
+        return [Sample(self.drive.kind, "sampling", wrap(u), {n: wrap(after[n]) for n in self.drive.memory})]
 
     def ended(self, values: Mapping[tuple[str, str], float], t: float, x: Array) -> str | None:
         """Why the plant's equations end in the state x."""
@@ -179,17 +206,12 @@ class System(Equations):
     @cached_property
     def outputs(self) -> dict[str, Expr]:
         """Every column as an expression of t, the states (and what a sampled controller holds) and the constants."""
-        names = (*(state.name for state in self.states), *self.drive.held)
-        q, x = self.symbolic(), {name: symbol(name) for name in names}
-        r = self.signal.equation(q.signal, symbol("t")) if self.signal else Segment.equation(q.signal, symbol("t"))
-        k = self.quantities(q, r, x)
+        k = self.quantities(self.symbolic(), self._desired(symbol("t")), {s.name: symbol(s.name) for s in self.states})
         return {column.name: wrap(k[column.name]) for column in self.columns}
 
-    def table(self, values: dict[tuple[str, str], Value], t: Array, states: dict[str, Array]) -> dict[str, Value]:
-        """Every column of the output by name, from the constants' values (or arrays over time) and the states."""
-        names = [f"{owner}.{name}" for owner, name in values]
-        function = _columns(self, (*names, "t", *states))
-        return dict(zip(self.outputs, function(*values.values(), t, *states.values()), strict=True))
+    def table(self, inputs: dict[str, Value]) -> dict[str, Value]:
+        """Every column of the output by name, from the values of whatever symbols it is made of."""
+        return dict(zip(self.outputs, _columns(self, tuple(inputs))(*inputs.values()), strict=True))
 
 
 @lru_cache(maxsize=32)

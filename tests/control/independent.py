@@ -54,8 +54,8 @@ def move(start, end, begin, length):
     return path
 
 
-def solve(law, observer, path, t_end, gains=None, k_v=1e6, observer_k_v=1e6, start=(0.51, 0.0, 4e5, 4e5), rows=401):
-    """Columns of the trajectory on an even grid, without the friction term for ``observer`` None."""
+def servo(law, observer, path, gains=None, k_v=1e6, observer_k_v=1e6):
+    """The controller of (t, y, v, a, p1, p2, z_hat), and the plant of (x, the valve's angle)."""
     P, G = PLANT, {**GAINS, **(gains or {})}
     s1, w = functions(law, P, k_v)
     s1o, wo = functions(observer or "lugre_sobczyk", P, observer_k_v)
@@ -72,33 +72,57 @@ def solve(law, observer, path, t_end, gains=None, k_v=1e6, observer_k_v=1e6, sta
         _, dyd, d2yd, _ = path(t)
         return (-G["K_D"] * s + P["M"] * (d2yd - G["lam"] * (v - dyd)) + F_hat) / P["A"]
 
-    def evaluate(t, x):
-        y, v, p1, p2, z, zh = x
-        dz = s1(v) - w(v) * z
-        F = P["sigma_0"] * z + P["sigma_1"] * dz + P["sigma_2"] * v
-        a = (P["A"] * (p1 - p2) - F) / P["M"]
+    def volumes(y):
+        return P["A"] * y + P["V1"], P["A"] * (P["L"] - y) + P["V2"]
+
+    def control(t, y, v, a, p1, p2, zh):
         s, dzh, F_hat = estimate(t, y, v, zh)
         pd, h = desired(t, y, v, zh), 1e-6
         # along the tangent of the motion: central, fourth order
         at = [desired(t + n * h, y + n * h * v, v + n * h * a, zh + n * h * dzh) for n in (-2, -1, 1, 2)]
         dpd = (at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * h)
-        v1, v2 = P["A"] * y + P["V1"], P["A"] * (P["L"] - y) + P["V2"]
+        v1, v2 = volumes(y)
         gas = P["r"] * P["R"] * P["T"]
         h_hat = -P["r"] * P["A"] * v * (p1 / v1 + p2 / v2)
         u_hat = -h_hat - P["A"] / G["rho"] * s - G["K_p"] * (p1 - p2 - pd) + dpd
-        if u_hat >= 0:
-            g1, g2 = P["bf"] * (P["ps"] - p1), P["be"] * (p2 - P["p0"])
-        else:
-            g1, g2 = P["be"] * (p1 - P["p0"]), P["bf"] * (P["ps"] - p2)
+        g1, g2 = opened(u_hat, p1, p2)
         angle = u_hat / (gas * (g1 / v1 + g2 / v2))
         top = atan(2 * G["u_max"])
-        angle = min(max(angle, -top), top)
+        err = p1 - p2 - pd
+        out = {"e": y - path(t)[0], "s": s, "p_err": err, "F_hat": F_hat, "p_d": pd}
+        return min(max(angle, -top), top), dzh, -wo(v), out
+
+    def opened(sign, p1, p2):
+        if sign >= 0:
+            return P["bf"] * (P["ps"] - p1), P["be"] * (p2 - P["p0"])
+        return P["be"] * (p1 - P["p0"]), P["bf"] * (P["ps"] - p2)
+
+    def friction(v, z):
+        dz = s1(v) - w(v) * z
+        return P["sigma_0"] * z + P["sigma_1"] * dz + P["sigma_2"] * v, dz
+
+    def plant(x, angle):
+        y, v, p1, p2, z = x
+        F, dz = friction(v, z)
+        (v1, v2), (g1, g2), gas = volumes(y), opened(angle, p1, p2), P["r"] * P["R"] * P["T"]
         dp1 = (gas * g1 * angle - P["r"] * P["A"] * v * p1) / v1
         dp2 = (-gas * g2 * angle + P["r"] * P["A"] * v * p2) / v2
-        err = p1 - p2 - pd
-        V = (P["M"] * s**2 + G["rho"] * err**2 + (zh - z) ** 2 / G["K"]) / 2
-        out = {"e": y - path(t)[0], "s": s, "p_err": err, "u": tan(angle) / 2, "F": F, "F_hat": F_hat, "V": V}
-        return (v, a, dp1, dp2, dz, dzh), out
+        return v, (P["A"] * (p1 - p2) - F) / P["M"], dp1, dp2, dz
+
+    return control, plant, friction
+
+
+def solve(law, observer, path, t_end, gains=None, k_v=1e6, observer_k_v=1e6, start=(0.51, 0.0, 4e5, 4e5), rows=401):
+    """Columns of the trajectory on an even grid, without the friction term for ``observer`` None."""
+    P, G = PLANT, {**GAINS, **(gains or {})}
+    control, plant, friction = servo(law, observer, path, gains, k_v, observer_k_v)
+
+    def evaluate(t, x):
+        y, v, p1, p2, z, zh = x
+        F = friction(v, z)[0]
+        angle, dzh, _, out = control(t, y, v, (P["A"] * (p1 - p2) - F) / P["M"], p1, p2, zh)
+        V = (P["M"] * out["s"] ** 2 + G["rho"] * out["p_err"] ** 2 + (zh - z) ** 2 / G["K"]) / 2
+        return (*plant(x[:5], angle), dzh), {**out, "u": tan(angle) / 2, "F": F, "V": V}
 
     t = np.linspace(0, t_end, rows)
     found = solve_ivp(
@@ -109,3 +133,31 @@ def solve(law, observer, path, t_end, gains=None, k_v=1e6, observer_k_v=1e6, sta
     table = dict(zip(("y", "v", "p_1", "p_2", "z", "z_hat"), found.y, strict=True))
     extra = [evaluate(*each)[1] for each in zip(t, found.y.T, strict=True)]
     return {"t": t, **table, **{n: np.array([row[n] for row in extra]) for n in extra[0]}}
+
+
+def sampled(law, observer, path, t_end, period, delay, noise, count, bandwidth, seed, start=(0.51, 0.0, 4e5, 4e5)):
+    """Rows at the instants of a controller that reads with noise and a count, estimates, and acts ``delay`` later."""
+    control, plant, friction = servo(law, observer, path)
+    random, x, zh, angle, waiting, rows = np.random.default_rng(seed), np.array([*start, 0.0]), 0.0, 0.0, [], []
+    q = exp(-bandwidth * period)
+    estimate = np.array([x[0] - period * x[1], x[1], 0.0])
+    step = np.array([[1, period, period**2 / 2], [0, 1, period], [0, 0, 1]])
+    gains = np.array([1 - q**3, 1.5 * (1 - q**2) * (1 - q) / period, (1 - q) ** 3 / period**2])
+    for k in range(round(t_end / period) + 1):
+        reading = count * round((x[0] + noise * random.standard_normal()) / count)
+        estimate = step @ estimate
+        estimate = estimate + gains * (reading - estimate[0])
+        wanted, rate, slope, out = control(k * period, *estimate, x[2], x[3], zh)
+        waiting.append((k * period + delay, wanted))
+        rows.append({"y": x[0], "v": x[1], "p_1": x[2], "F": friction(x[1], x[4])[0], "z_hat": zh,
+                     "u": tan(angle) / 2, "F_hat": out["F_hat"]})  # fmt: skip
+        zh += rate * np.expm1(slope * period) / slope
+        t, until = k * period, (k + 1) * period
+        for at in (waiting[0][0], until):
+            if at > t:
+                found = solve_ivp(lambda _, x: plant(x, angle), (t, at), x, method="LSODA", rtol=1e-9,  # noqa: B023
+                                  atol=[1e-12, 1e-11, 1e-4, 1e-4, 1e-13])  # fmt: skip
+                x, t = found.y[:, -1], at
+            if at < until:
+                angle = waiting.pop(0)[1]
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}

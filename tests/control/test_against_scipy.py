@@ -74,6 +74,22 @@ def test_a_move_from_point_to_point():
     agree(solution, expected, np.arange(401))
 
 
+@needs_compiler
+def test_a_sampled_controller_with_noise_counts_and_delay():
+    """The loop from instant to instant, written anew: reading, filter, controller, observer, and when the valve acts."""
+    period, step = 4e-3, 2e-3
+    solution = solved(
+        smooth("lugre_sobczyk"), smooth("lugre_majorant"), solve__t_end=0.4, output__step=step, drive__sample_time=period,
+        drive__delay=1.5e-3, drive__noise=1e-5, drive__quantisation=5e-6, drive__bandwidth=150.0, drive__seed=7,
+    )  # fmt: skip
+    path = independent.sine(0.5, 0.2, 0.2)
+    law = ("lugre_sobczyk", "lugre_majorant")
+    expected = independent.sampled(*law, path, 0.4, period, 1.5e-3, 1e-5, 5e-6, 150.0, 7)
+    for name, x in expected.items():
+        assert np.max(np.abs(solution[name][::2] - x)) <= 1e-6 * np.max(np.abs(x)), name
+    assert set(np.diff(solution["u"]).nonzero()[0] % 2) == {0}  # it acts between two instants, and holds between
+
+
 @pytest.mark.parametrize("sampled", [False, True])
 def test_without_a_compiler(sampled):
     changes = {"drive__sample_time": 0.01} if sampled else {}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from stribeck import InputError, Scenario, simulate
-from stribeck.control.sampled import Filter
+from stribeck.control.sampled import tracked
 from stribeck.signals import PointToPointSignal, SplineSignal
 from tests.control.servos import data, last, servo, solved
 from tests.simulation.rig import needs_compiler
@@ -89,11 +89,12 @@ def test_noise_is_reproducible_and_quantisation_shows():
 
 
 def test_the_filter_follows_a_parabola():
-    tracker, T = Filter(100.0, 1e-3, 0.0, 0.2), 1e-3
+    T = 1e-3
+    motion = (-T * 0.2, 0.2, 0.0)
     for k in range(1000):
         t = k * T
-        y, v, a = tracker.update(0.2 * t + 1.5 * t * t)
-    assert (y, v, a) == pytest.approx((0.2 * t + 1.5 * t * t, 0.2 + 3 * t, 3.0), rel=1e-6)
+        motion = tracked(motion, 0.2 * t + 1.5 * t * t, 100.0, T)
+    assert motion == pytest.approx((0.2 * t + 1.5 * t * t, 0.2 + 3 * t, 3.0), rel=1e-6)
 
 
 @needs_compiler

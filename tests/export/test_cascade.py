@@ -6,15 +6,16 @@ import subprocess
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import stribeck
 from stribeck import examples
 from stribeck.cli import _status
-from stribeck.control import sampled
 from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, ControllerCode
 from stribeck.export.c.selftest import sampled as expected
 from stribeck.export.fmu import binaries
 from stribeck.export.request import Request
+from tests.control import independent
 from tests.export.harness import SANITIZE, STRICT, need
 
 EPS, EPS_FLOAT = 2.0**-52, 2.0**-23
@@ -89,29 +90,40 @@ class Controller:
         return status, out
 
 
-def recorded(scenario, monkeypatch):
-    """What the controller of a sampled simulation was given and computed at each sample, and the run."""
-    rows, original = [], sampled.SampledCascade.sample
-
-    def sample(self, period, path, measured):
-        before = list(self.x)
-        rows.append((before, measured, original(self, period, path, measured), list(self.x)))
-        return rows[-1][2]
-
-    monkeypatch.setattr(sampled.SampledCascade, "sample", sample)
-    run = stribeck.simulate(scenario)
-    monkeypatch.setattr(sampled.SampledCascade, "sample", original)
+def recorded(scenario, states):
+    """What the controller of a sampled simulation was given and computed at each sample, from rows at these."""
+    run = stribeck.simulate(scenario.with_changes({"output.step": 1e-3}))
     assert run.status == "done", run.reason
-    return rows, run
+    p = run.scenario.plant_values
+    acceleration = (p["area"] * (run["p_1"] - run["p_2"]) - run["F"]) / p["mass"]
+    measured = np.transpose([run["t"], run["y"], run["v"], run["p_1"], run["p_2"], acceleration]).tolist()
+    before = np.reshape([run.held[name] for name in states], (len(states), len(run.t))).T.tolist()
+    computed = np.transpose([run.held[name] for name in ("u", "F_hat", "p_d", "z_hat")]).tolist()
+    return list(zip(before, measured, computed, before[1:], strict=False))
+
+
+def looped(sample, t_end, period=1e-3):
+    """Columns of the loop of such a controller and of the plant written apart, which SciPy solves."""
+    _, plant, _ = independent.servo("lugre_sobczyk", None, None)
+    x, rows = np.array([0.51, 0.0, 4e5, 4e5, 0.0]), []
+    for k in range(round(t_end / period) + 1):
+        u, F_hat, _, z_hat = sample(k * period, [*x[:4].tolist(), plant(x, 0.0)[1]], period)
+        rows.append({"y": x[0], "u": u, "F_hat": F_hat, "z_hat": z_hat})
+        found = solve_ivp(
+            lambda _, x, angle: plant(x, angle), (0, period), x, method="LSODA", args=(np.arctan(2 * u),),
+            rtol=1e-10, atol=[1e-13, 1e-12, 1e-5, 1e-5, 1e-14],
+        )  # fmt: skip
+        x = found.y[:, -1]
+    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
 
 
 @pytest.mark.parametrize(("case", "single"), [*((case, False) for case in CASES), ("sine", True), ("adaptive", True)])
-def test_what_the_simulation_computes(case, single, folder, monkeypatch):
+def test_what_the_simulation_computes(case, single, folder):
     """At every sample of a simulated run, the path included: the same outputs, and the same states afterwards."""
     c, eps = Controller(case, folder, single), EPS_FLOAT if single else EPS
     size, states = expected(c.of), [column.name for column, _ in c.of.states]
     names = [*(f"path.{column.name}" for column in PATH), *(column.name for column in INPUTS), *states]
-    rows, _ = recorded(rig(case, **{"solve.t_end": 0.4}), monkeypatch)
+    rows = recorded(rig(case, **{"solve.t_end": 0.401}), states)
     free, worst = 0, 0.0
     for before, (t, *measured), (u, F_hat, p_d, _), after in rows:
         x, path = np.array(before or [0.0], c.real), np.zeros(4, c.real)
@@ -131,27 +143,22 @@ def test_what_the_simulation_computes(case, single, folder, monkeypatch):
 
 
 @pytest.mark.parametrize("case", ["sine", "adaptive", "move"])
-def test_in_the_loop(case, folder, monkeypatch):
-    """The simulation with the C in the place of its controller goes the same way."""
-    exact = stribeck.simulate(rig(case))
+def test_in_the_loop(case, folder):
+    """The C with a plant written apart goes the way of the simulation."""
+    exact = stribeck.simulate(rig(case, **{"solve.t_end": 0.4, "output.step": 1e-3}))
     c = Controller(case, folder)
     x = c.state()
-    states = [column.name for column, _ in c.of.states]
 
-    def sample(self, period, path, measured):
+    def sample(t, measured, period):
         before = float(x[0])
-        status, out = c.sample(x, float(measured[0]), measured[1:], period)
-        assert (status, self.states) == (0, states)
-        self.x = list(x)
+        status, out = c.sample(x, t, measured, period)
+        assert status == 0
         return (*map(float, out[:3]), before)
 
-    monkeypatch.setattr(sampled.SampledCascade, "sample", sample)
-    found = stribeck.simulate(rig(case))
-    assert (exact.status, found.status) == ("done", "done")
-    assert found["y"] == pytest.approx(exact["y"], abs=1e-9)
-    assert found["u"] == pytest.approx(exact["u"], abs=1e-5)
-    assert found["F_hat"] == pytest.approx(exact["F_hat"], abs=1e-5)
-    assert abs(found["e"][-50:]).max() < 4e-3 < abs(found["e"]).max()
+    found = looped(sample, 0.4)
+    assert exact.status == "done"
+    for name in ("y", "u", "F_hat", "z_hat"):
+        assert found[name] == pytest.approx(exact[name], abs=1e-6 * exact.peaks[name]), name
 
 
 def test_the_paths(folder):
@@ -261,7 +268,7 @@ def fmu(folder):
 
 
 @pytest.mark.parametrize(("case", "fmi"), [("adaptive", 2), ("adaptive", 3), ("move", 3)])
-def test_fmu_replays_the_simulation(case, fmi, fmu, fmpy, monkeypatch):
+def test_fmu_replays_the_simulation(case, fmi, fmu, fmpy):
     """Valid; and from the measurements of a simulated run FMPy gets its voltages, held over each step."""
     from fmpy.validation import validate_fmu
 
@@ -273,7 +280,7 @@ def test_fmu_replays_the_simulation(case, fmi, fmu, fmpy, monkeypatch):
     known = {v.name: v for v in description.modelVariables if v.causality == "parameter"}
     assert known["drive.K_D"].unit == "N s/m"
     assert float(known["model.mass"].start) == rig(case).settings.model["mass"]
-    rows, _ = recorded(rig(case, **{"solve.t_end": 0.4}), monkeypatch)
+    rows = recorded(rig(case, **{"solve.t_end": 0.401}), [column.name for column, _ in cascade(case).states])
     table = np.array([measured for _, measured, _, _ in rows])
     inputs = np.zeros(len(table), dtype=[(name, float) for name in ("time", *(i.name for i in INPUTS))])
     for name, column in zip(inputs.dtype.names, table.T, strict=True):
@@ -309,26 +316,25 @@ def instance(fmu, fmpy):
     return make
 
 
-def test_fmu_in_the_loop(instance, monkeypatch):
-    """The simulation with the FMU in the place of its controller; a second instance with other gains beside it."""
-    exact = stribeck.simulate(rig("adaptive", **{"solve.t_end": 1.0}))
+def test_fmu_in_the_loop(instance):
+    """The FMU with a plant written apart; a second instance with other gains beside it."""
+    exact = stribeck.simulate(rig("adaptive", **{"solve.t_end": 0.2, "output.step": 1e-3}))
     (one, at, _), (other, _, _) = instance(), instance()
     other.setFloat64([at["drive.K_D"]], [90.0])
     one.exitInitializationMode()
     other.exitInitializationMode()
-    inputs, outputs = [at[i.name] for i in INPUTS], [at[n] for n in ("u", "F_hat", "p_d", "z_hat")]
+    inputs, outputs = [at[i.name] for i in INPUTS], [at[n] for n in ("u", "F_hat", "p_d")]
 
-    def sample(self, period, path, measured):
+    def sample(t, measured, period):
         z_hat = one.getFloat64([at["z_hat"]])[0]
         for each in (other, one):
-            each.setFloat64(inputs, list(measured[1:]))
-            each.doStep(currentCommunicationPoint=measured[0], communicationStepSize=period)
-        return (*one.getFloat64(outputs[:3]), z_hat)
+            each.setFloat64(inputs, measured)
+            each.doStep(currentCommunicationPoint=t, communicationStepSize=period)
+        return (*one.getFloat64(outputs), z_hat)
 
-    monkeypatch.setattr(sampled.SampledCascade, "sample", sample)
-    found = stribeck.simulate(rig("adaptive", **{"solve.t_end": 1.0}))
-    for name, off in (("y", 1e-9), ("u", 1e-5), ("F_hat", 1e-5), ("z_hat", 1e-12)):
-        assert found[name] == pytest.approx(exact[name], abs=off), name
+    found = looped(sample, 0.2)
+    for name in ("y", "u", "F_hat", "z_hat"):
+        assert found[name] == pytest.approx(exact[name], abs=1e-6 * exact.peaks[name]), name
     assert other.getFloat64([at["p_d"]]) != one.getFloat64([at["p_d"]])
 
 

@@ -1,7 +1,9 @@
 """Whole machines in C and as FMUs against the simulation; laws of their contacts."""
 
+import importlib.util
 import json
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -106,6 +108,10 @@ def test_fmu(fmi, scenario, exact, tmp_path):
     found = fmpy.simulate_fmu(str(path), **times)
     close({n: found[n] for n in names}, exact)
     assert_balanced(found)
+    exchanged = fmpy.simulate_fmu(
+        str(path), **times, fmi_type="ModelExchange", solver="CVode", relative_tolerance=1e-9, record_events=False
+    )
+    close({n: exchanged[n] for n in names}, exact)
     if fmi == 2:
         return
     # a constant that is changed, and an input, against the same in the file
@@ -122,6 +128,27 @@ def test_fmu(fmi, scenario, exact, tmp_path):
     close({n: found[n] for n in names}, {n: other[n] for n in names})
     with pytest.raises(Exception, match="fmi"):
         fmpy.simulate_fmu(str(path), **times, start_values={"bodies.a.mass": -1.0})
+
+
+def test_python(scenario, tmp_path, capsys):
+    """One file that needs NumPy and SciPy only: as a module with another constant, and as a program."""
+    short = scenario.replace({"solve.t_end": 0.06})
+    exact, other = simulate(short), simulate(short.replace({"bodies.a.mass": 0.6, "solve.t_end": 0.02}))
+    (path,) = stribeck.export(short, "python", tmp_path / "rig.py")
+    spec = importlib.util.spec_from_file_location("rig_exported", path)
+    rig = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(rig)
+    found = rig.simulate(t_end=0.02, parameters={"bodies.a.mass": 0.6})
+    assert list(found) == list(other.keys())
+    close(found, other)
+    with pytest.raises(KeyError, match="no such constant"):
+        rig.simulate(parameters={"bodies.a.weight": 0.6})
+    done = subprocess.run([sys.executable, "-I", str(path)], capture_output=True, text=True, check=True)
+    close(table(done.stdout), exact)
+    assert done.stderr == ""
+    assert "stribeck" not in path.read_text().replace("stribeck " + stribeck.__version__, "")
+    with pytest.raises(stribeck.InputError, match="target 'python' has none; must be one of machine"):
+        stribeck.export(stribeck.law("dahl", sigma_0=1e5, F_c=1.0), "python", tmp_path / "law.py")
 
 
 def test_of_a_contact(tmp_path, monkeypatch, capsys):

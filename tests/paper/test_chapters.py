@@ -76,3 +76,14 @@ def test_the_joint(report):
     assert found["swung"]["energy_drawn_per_cycle"] > 0
     assert report.tables("joint")[0][3][-1].startswith("no")
     assert (report.folder / "figures" / "joint.svg").exists()
+
+
+def test_the_axis(report):
+    """Compensation lowers the error; 5 % beyond the share that is named the slide runs away."""
+    found = report.numbers("axis")
+    worst, over = found["worst"], found["over_compensation"]
+    assert worst["none"] > 3 * worst["reference"] > 0
+    assert worst["none"] > 3 * worst["measured"] > 0
+    assert 0.8 < over["worst_share"] < over["share"] <= 1.0 + 1e-9
+    assert over["counterexample"]["speed_at_the_end"] > 2 * over["counterexample"]["speed_at_first"]
+    assert (report.folder / "figures" / "axis.svg").exists()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, StribeckNote, examples, simulate
-from stribeck.scenario.cascade import _reversals
+from stribeck.control.sampled import turned
 from stribeck.simulation import native
 from tests.simulation.rig import needs_compiler, rig
 
@@ -86,8 +86,16 @@ def test_one_that_does_not_is_left_alone():
         assert simulate(servo()).status == "done"
 
 
+def reversals(values, swing):
+    """How often a sequence turns back, counted one by one as a sampled controller counts."""
+    extreme, way, count = values[0], 0.0, 0.0
+    for x in values:
+        extreme, way, count = turned(x, extreme, way, count, swing)
+    return count
+
+
 def test_reversals():
     t = np.linspace(0, 10, 2001)
-    assert _reversals(list(np.sin(2 * np.pi * t)), 0.5) == 20
-    assert _reversals(list(np.sin(2 * np.pi * t)), 2.5) == 0
-    assert _reversals(list(t), 0.1) == _reversals([], 0.1) == 0
+    assert reversals(list(np.sin(2 * np.pi * t)), 0.5) == 20
+    assert reversals(list(np.sin(2 * np.pi * t)), 2.5) == 0
+    assert reversals(list(t), 0.1) == 0

@@ -14,16 +14,10 @@ from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 from stribeck.simulation import Solution, simulate
 
-COMPARED = ("y", "v", "F")
-
 
 def compared(scenario: Scenario) -> tuple[str, ...]:
     """The columns that are compared: of a machine, those of each body, contact and link."""
-    if scenario.rig is None:
-        return COMPARED
-    machine = scenario.rig.machine
-    found = [f"{body.name}.{x}" for body in machine.bodies if body.leader is None for x in ("y", "v")]
-    return (*found, *(f"{x.name}.F" for x in machine.contacts), *(f"{x.name}.f" for x in machine.links))
+    return scenario.whole.compared
 
 
 @dataclass(frozen=True)
@@ -148,11 +142,11 @@ def law_path(scenario: Scenario, contact: str | None) -> str:
     Raises:
         InputError: there is no such contact, or none is named where there are several.
     """
-    if scenario.rig is None:
+    names = list(scenario.whole.named_laws)
+    if names == [""]:
         if contact is not None:
             raise InputError(f"{arg('contact')}: {contact!r}: must be left out: {scenario.name} is no machine")
         return "law"
-    names = [each.name for each in scenario.rig.machine.contacts]
     if contact is None and len(names) == 1:
         contact = names[0]
     if contact is None:

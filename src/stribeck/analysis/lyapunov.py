@@ -71,8 +71,9 @@ def along(solution: Solution) -> Along:
     drive, observer = system.drive, scenario.settings.observer
     if drive.sampled or observer is None or not observer.has_z or drive.adaptive:
         return Along(solution.t, solution["V"], None, None, saturated)
-    values = {f"{owner}.{name}": x for (owner, name), x in scenario.values().items()}
-    values |= {f"signal.{name}": x for name, x in scenario.signal.values_at(solution.t).items()}
+    values: dict[str, float | Array] = {f"{owner}.{name}": x for (owner, name), x in scenario.values().items()}
+    rows = scenario.pieces().at(solution.t)
+    values |= {f"segment.{name}": rows[:, i] for i, name in enumerate(system.piece_fields)}
     states = [state.name for state in system.states]
     rates = dict(zip(map(symbol, states), system.rates(), strict=True))
     derivative = total_derivative(system.outputs["V"], {symbol("t"): ONE, **rates})

@@ -321,7 +321,10 @@ def gains(
     json: Json = False,
     _undetermined: Undetermined = False,
 ) -> int:
-    """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation."""
+    """Show whether a servo's Lyapunov function decreases: conditions on the gains, a proof, and the simulation.
+
+    Of a machine: whether its loop is quiet, creeps, hunts or grows with the gains that it has, as 'stribeck design' says.
+    """
     from stribeck.cli import gains as command
 
     return command.gains(scenario, v_max, set_ or [], out, json, trust)

@@ -11,12 +11,22 @@ from stribeck.cli import show
 from stribeck.cli.text import say
 from stribeck.control.gains import Condition, GainVerdict, Proof, Staying
 from stribeck.control.proof import derive
+from stribeck.errors import InputError
 from stribeck.scenario import Scenario
 
 
 def gains(path: Path, v_max: float | None, assignments: list[str], out: Path | None, json: bool, trust: bool) -> int:
-    """Print whether V decreases for the scenario's gains: conditions, proof, and V along the simulation."""
+    """Print whether V decreases for the scenario's gains: conditions, proof, and V along the simulation.
+
+    A machine's controllers have no such V: what its gains do is what ``design`` says of them.
+    """
     scenario = show.load(path, assignments, trust)
+    if scenario.rig is not None:
+        from stribeck.cli import design
+
+        if v_max is not None:
+            raise InputError("--v-max: must be left out: a machine's loop is judged at the speeds of its signals")
+        return design.run(path, assignments, {"compensations": False}, out, json, trust)
     check_servo(scenario, v_max)
     if out is not None:
         show.check_folder(out)

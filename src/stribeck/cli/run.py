@@ -46,10 +46,11 @@ def _print(solution: Solution, files: list[str]) -> None:
     print(f"{scenario.name}: {solution.status}, {scenario.subject}, {len(solution.t)} rows of {scenario.rows}")
     milliseconds = 1e3 * stats["seconds"]
     print(f"  {stats['accepted']} steps ({stats['rejected']} rejected) in {milliseconds:.1f} ms, {stats['solver']}")
-    if scenario.rig is None:
+    named = scenario.system.by_element
+    if not named:
         slips, sticks = len(solution.events["slip"]), len(solution.events["stick"])
         print(f"  |v| rises through v_s {slips} times (slip), falls through it {sticks} times (stick)")
-    for element, events in solution.events.items() if scenario.rig is not None else ():
+    for element, events in solution.events.items() if named else ():
         told = ", ".join(f"{kind} {len(times)}" for kind, times in events.items() if len(times))
         print(f"  {element}: {told or 'no events'}")
     width = max(8, *(len(column.name) for column in solution.columns))

@@ -30,7 +30,7 @@ _RESERVED = (
     p c t x dx piece jac fac shift df_dt
     abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
     floor_of piece_ w dw m u which noise memory timing sample watch moved_energy
-    N WATCHES WATCHED CURVED PIECE HELD MOVED LANES BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
+    N WATCHES WATCHED CURVED PIECE HELD SHOWN MOVED LANES BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
     """.split()  # noqa: SIM905
     )
 )
@@ -167,7 +167,8 @@ class _Source:
             return []
         fields = [_c_name(name) for memory in self.memory for name in memory]
         parts = ["/* What sampled controllers remember. */\n" + self._struct("Memory", fields, None)]
-        at, names = 0, [sample.name for sample in self.system.samples()]
+        at, every = 0, self.system.samples()
+        names = [sample.name for sample in every]
         for name, memory in zip(names, self.memory, strict=True):
             nodes = self.samples[at : at + 1 + len(memory)]
             at += len(nodes)
@@ -185,10 +186,9 @@ class _Source:
         calls = "".join(
             f"    if (which == {i}) sample_{name}(p, c, piece, t, x, noise, m, u);\n" for i, name in enumerate(names)
         )
-        paths = [next(o for o, n in self.system.parameters if o.split(".")[1:] == [name, "sampling"]) for name in names]
         times = "".join(
-            f"    timing->{what}[{i}] = {self.parameter_text[f'{path}.{what}']};\n"
-            for i, path in enumerate(paths) for what in ("period", "delay")
+            f"    timing->{what}[{i}] = {self.parameter_text[f'{sample.timing}.{what}']};\n"
+            for i, sample in enumerate(every) for what in ("period", "delay")
         )  # fmt: skip
         return [
             *parts,
@@ -250,6 +250,7 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
             f"#define N {len(self.names)} /* states */\n"
             f"#define PIECE {len(self.system.piece_fields)} /* numbers of the signals' pieces */\n"
             f"#define HELD {len(self.system.held)} /* outputs of sampled controllers */\n"
+            f"#define SHOWN {len(self.system.shown)} /* of what they remember, how much the rows have */\n"
             f"#define WATCHES {len(self.watched)} /* quantities that events are told by */\n"
             f"#define WATCHED {len(moving)}\n"
             f"#define CURVED {sum(self.curved)}\n"

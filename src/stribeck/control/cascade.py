@@ -9,9 +9,10 @@ from types import SimpleNamespace
 from typing import ClassVar
 
 from stribeck.constants import Constant
-from stribeck.control.observer import ETA, SCALES, Z_HAT, Adaptation, Observed, adapt, observe
+from stribeck.control.observer import ETA, SCALES, START, Z_HAT, Adaptation, Observed, adapt, observe
+from stribeck.control.sampled import Sampled, phi_1, tracked, turned
 from stribeck.drives.base import Action, Column, Course, Drive, Motion, course
-from stribeck.expressions.graph import ONE, Expr, substitute, symbol, total_derivative, wrap
+from stribeck.expressions.graph import ONE, Expr, derivative, substitute, symbol, total_derivative, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import Value, sqrt, where
 from stribeck.laws.base import Law
@@ -22,7 +23,11 @@ from stribeck.plants.cylinder import Cylinder
 Path = tuple[Value, Value, Value, Value]  # the desired position and its first three derivatives
 MEASURED = ("t", "y", "v", "p_1", "p_2", "acceleration")  # what the controller measures
 
-_HELD = ("u", "F_hat", "p_d", "z_hat")  # what a sampled one computes, in this order
+_SHOWN = ("F_hat", "p_d", "z_hat")  # what a sampled one computes beside the voltage
+SWINGS, SWING = "swings", 0.02  # how often the valve turned back by more than this share of its limit
+_TURNS = ("extreme", "way")
+_TRACKED = ("filter_y", "filter_v", "filter_a")
+SAMPLING = "sampling"  # the table of period and delay
 E = Column("e", "m", "position error y - y_d")
 S = Column("s", "m/s", "de/dt + lambda e")
 _P_ERR = Column("p_err", "Pa", "error of the pressure difference")
@@ -44,14 +49,14 @@ class PressureCascade(Drive):
         observer: the law that compensates friction, in its form; None: no compensation.
         droop: the supply loses pressure by flow, which the controller does not know.
         adaptive: the observer's parameters are adapted.
-        sampled: the controller is not part of the differential equations; the valve voltage is the constant drive.u.
+        sampled: how it samples; None: it is part of the differential equations.
     """
 
     observer: type[Law] | None = None
     observer_form: Form = USUAL
     droop: bool = False
     adaptive: bool = False
-    sampled: bool = False
+    sampled: Sampled | None = None
 
     kind: ClassVar[str] = "cascade"
     meaning: ClassVar[str] = "the signal is the desired position of a pneumatic servo under cascade control, m"
@@ -121,22 +126,24 @@ class PressureCascade(Drive):
     def tables(self) -> dict[str, dict[str, Constant]]:
         """The constants by owner: the gains, the observer's, the plant's as it is known, and the adaptation's."""
         own = {n: c for n, c in self.constants.items() if not c.optional or self.droop}
-        if self.sampled:
-            return {"drive": {**own, "u": Constant("V", "valve voltage, held")}}
         observer = self.observer.numbers(self.observer_form) if self.observer else {}
         adaptation = Adaptation.constants if self.adaptive else {}
-        return {"drive": own, "observer": observer, "model": Cylinder.constants, "adaptation": adaptation}
+        found = {"drive": own, "observer": observer, "model": Cylinder.constants, "adaptation": adaptation}
+        return {**found, SAMPLING: self.sampled.numbers} if self.sampled else found
 
     @property
-    def follows(self) -> bool:
-        """Whether the desired course is part of the differential equations."""
-        return not self.sampled
-
-    @property
-    def held(self) -> tuple[str, ...]:
-        """What a sampled controller holds, by the names of columns and states."""
-        names = (*_HELD, *(state.name for state in self.remembered if state is not Z_HAT))
+    def shown(self) -> tuple[str, ...]:
+        """What a sampled controller computed at its last instant, by the names of columns and states."""
+        names = (*_SHOWN, *(state.name for state in self.remembered if state is not Z_HAT), SWINGS)
         return names if self.sampled else ()
+
+    @property
+    def memory(self) -> tuple[str, ...]:
+        """What a sampled controller remembers: what it shows, its states for the next instant, and its filter's."""
+        if not self.sampled:
+            return ()
+        kept = (*(f"next_{state.name}" for state in self.remembered), *(_TRACKED if self.sampled.bandwidth else ()))
+        return (*self.shown, *_TURNS, "readings", *kept)
 
     @property
     def heading(self) -> tuple[str, ...]:
@@ -175,10 +182,11 @@ class PressureCascade(Drive):
         """The valve voltage now; of a sampled controller that which it holds."""
         t = symbol("t")
         if self.sampled:
-            held = {name: symbol(name) for name in _HELD}
+            held = {name: symbol(f"memory.{name}") for name in _SHOWN}
             e, s = self.errors(p, course(wrap(m.r), t), m.y, m.v)
+            u = symbol("segment.u")
             p_err = m.plant[0] - m.plant[1] - held["p_d"]
-            found, rates, u = {"e": e, "s": s, "p_err": p_err, **held}, (), symbol("drive.u")
+            found, rates = {"e": e, "s": s, "p_err": p_err, "u": u, **held}, ()
         else:
             measured = self.controller(course(wrap(m.r), t), {t: ONE})
             known = substitute(measured.values(), {symbol("acceleration"): wrap(m.acceleration)})
@@ -188,9 +196,46 @@ class PressureCascade(Drive):
         shown["V"] = self._lyapunov(p, m, found["s"], found["p_err"])
         if self.adaptive:
             o = self._observer_constants(None)
-            shown |= {f"sigma_{i}_hat": symbol(f"observer.sigma_{i}") * symbol(f"a_{i}") for i in range(3)}
-            shown["F_c_hat"] = o.F_c * symbol("a_0") / symbol("a_g")
+            shown |= {f"sigma_{i}_hat": symbol(f"observer.sigma_{i}") * self._now(f"a_{i}") for i in range(3)}
+            shown["F_c_hat"] = o.F_c * self._now("a_0") / self._now("a_g")
         return Action(u, rates, shown)
+
+    def _now(self, state: str) -> Expr:
+        """A state of the controller's: an integrated one, or what a sampled controller shows of it."""
+        return symbol(f"memory.{state}" if self.sampled else state)
+
+    def sample(self, path: Course, m: Motion, called: Names) -> tuple[Value, dict[str, Value]]:
+        """The valve voltage from then on; the states go one period on with what was measured held.
+
+        x + T phi_1(J T) f is exact for what is linear in x, as eq. 15 is for the LuGre laws.
+        """
+        assert self.sampled is not None
+        p, memory = self.sampled.symbols(SAMPLING), {n: symbol(f"memory.{n}") for n in self.memory}
+        first = memory["readings"] <= 0
+        after: dict[str, Value] = {"readings": memory["readings"] + 1}
+        motion = (m.y, m.v, m.acceleration)
+        if self.sampled.bandwidth:
+            start = (m.y - p.period * m.v, m.v, 0.0)
+            before = [where(first, x, memory[n]) for n, x in zip(_TRACKED, start, strict=True)]
+            y, v, a = before
+            motion = tracked((y, v, a), self.sampled.reading(p, m.y), p.bandwidth, p.period)
+            after |= dict(zip(_TRACKED, motion, strict=True))
+        found = self.controller(path, {symbol("t"): ONE}, called)
+        rates = {s.name: found[f"rate.{s.name}"] for s in self.remembered}
+        slopes = {n: derivative(rate, symbol(n)) for n, rate in rates.items()}
+        states = {n: wrap(where(first, START[n], memory[f"next_{n}"])) for n in rates}
+        measured = (symbol("t"), *motion[:2], *m.plant, motion[2])
+        known = {symbol(n): wrap(x) for n, x in zip(MEASURED, measured, strict=True) if n != "t"}
+        known |= {symbol(n): x for n, x in states.items()}
+        every = [*(found[n] for n in ("u", *_SHOWN)), *rates.values(), *slopes.values()]
+        u, F_hat, p_d, z_hat, *moved = substitute(every, known, called)
+        after |= {"F_hat": F_hat, "p_d": p_d, **states, "z_hat": z_hat}
+        for (name, x), rate, slope in zip(states.items(), moved[: len(states)], moved[len(states) :], strict=True):
+            after[f"next_{name}"] = x + p.period * phi_1(slope * p.period) * rate
+        turns = turned(
+            u, where(first, u, memory["extreme"]), memory["way"], memory[SWINGS], SWING * symbol("drive.u_max")
+        )
+        return u, after | dict(zip((*_TURNS, SWINGS), turns, strict=True))
 
     # -- the equations as graphs -----------------------------------------------------------------------------------
 
@@ -234,7 +279,7 @@ class PressureCascade(Drive):
     def _lyapunov(self, c: SimpleNamespace, m: Motion, s: Value, p_err: Value) -> Value:
         """V along the loop: with the plant's own mass and deflection, and the errors of adapted parameters."""
         known = m.z is not None and self.observer is not None and self.observer.has_z
-        z_err: Value = symbol("z_hat") - m.z if known else 0.0
+        z_err: Value = self._now("z_hat") - m.z if known else 0.0
         errors: Value = 0.0
         if self.adaptive:
             a, o, q = _symbols("adaptation", Adaptation.constants), self._observer_constants(None), m.law
@@ -242,11 +287,11 @@ class PressureCascade(Drive):
                 "a_0": q.sigma_0 / o.sigma_0, "a_1": q.sigma_1 / o.sigma_1, "a_2": q.sigma_2 / o.sigma_2,
                 "a_g": (o.F_c / o.sigma_0) / (q.F_c / q.sigma_0),
             }  # fmt: skip
-            off = {n: symbol(n) - value for n, value in true.items()}
+            off = {n: self._now(n) - value for n, value in true.items()}
             gains = {"a_0": a.gamma_0, "a_1": a.gamma_1, "a_2": a.gamma_2, "a_g": a.gamma_g}
             # a parameter that is not adapted has no part in V
             errors = sum(where(gains[n] > 0, off[n] ** 2 / gains[n], 0.0) for n in off) / 2
-            z_err = (z_err - symbol("eta") * off["a_g"]) * sqrt(true["a_0"])
+            z_err = (z_err - self._now("eta") * off["a_g"]) * sqrt(true["a_0"])
         return self.energy(c, m.p.mass, s, p_err, z_err) + errors
 
 

@@ -112,14 +112,18 @@ class Drive:
         return {"drive": self.constants}
 
     @property
-    def follows(self) -> bool:
-        """Whether the signal is part of the differential equations."""
-        return True
+    def memory(self) -> tuple[str, ...]:
+        """What a sampled controller remembers; none is one that is part of the differential equations."""
+        return ()
 
     @property
-    def held(self) -> tuple[str, ...]:
-        """What a controller outside the differential equations holds from one of its samples to the next."""
+    def shown(self) -> tuple[str, ...]:
+        """What of its memory the output shows: the first of it."""
         return ()
+
+    def sample(self, path: Course, m: Motion, called: Names) -> tuple[Value, dict[str, Value]]:
+        """What a sampled controller puts out from then on, and its memory afterwards."""
+        raise NotImplementedError
 
     @property
     def heading(self) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Claims, Law, Relation
 from stribeck.scenario import Scenario
 from stribeck.signals.piecewise import Segment
-from stribeck.simulation.native import damping_of, share_of
+from stribeck.simulation.native import share_of
 from stribeck.system import Groups, System
 
 CLAIMS = tuple(field.name for field in fields(Claims))
@@ -112,7 +112,7 @@ def _setup(scenario: Scenario, q: Groups) -> dict[str, Expr]:
     """The absolute tolerance of each state, the step's share of the tolerances, the longest step."""
     system, rtol = scenario.system, symbol("rtol")
     assert isinstance(system, System)
-    share = share_of(damping_of(scenario, q))
+    share = share_of(scenario.single.damping(q))
     least = 1e-13 / rtol  # simulation/native.py: below it rounding is the larger error
     share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
     draft = object.__new__(Scenario)

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 
 _COLUMNS = ("time", "position", "velocity", "acceleration", "force", "load", "pressure", "command", "unfiltered", "run")
+INTEGRAL = "the integral of the velocity"  # the source of a position that nobody measured
 
 
 @dataclass(frozen=True)

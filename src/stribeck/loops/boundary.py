@@ -121,7 +121,7 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
             break
         look(np.concatenate([np.zeros(0), *(turned.between(a, b, _PARTS) for a, b in changes)]))
     found = []
-    for low, high in _changes(seen):
+    for low, high in _apart(_changes(seen), seen):
         value = float(np.sqrt(low * high)) if low > 0 and high / low >= _DECADE else (low + high) / 2
         found.append((low, high, value))
     if 0 < len(found) <= _MOST:
@@ -137,6 +137,21 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
 def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:
     values = sorted(seen)
     return [(a, b) for a, b in pairwise(values) if seen[a].verdict != seen[b].verdict]
+
+
+def _apart(changes: list[tuple[float, float]], seen: dict[float, Judgement]) -> list[tuple[float, float]]:
+    """The changes, those together that are nearer than the verdict is sure: between them stands a lane that the last slip
+    left in between, and the boundary is that of the verdicts outside."""
+    found: list[tuple[float, float]] = []
+    for low, high in changes:
+        if found:
+            first = found[-1][0]
+            near = high - first < _SURE * max(abs(first), abs(high))
+            if near and seen[first].verdict != seen[high].verdict:
+                found[-1] = first, high
+                continue
+        found.append((low, high))
+    return found
 
 
 def _around(turned: Turned, low: float, high: float) -> Array:

@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -44,7 +43,7 @@ class CompensationResult:
     worst_error: float
     loop: Loop
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> dict[str, object]:
         """What is told of it."""
         return {
             "kind": self.kind, "share": self.share, "largest_quiet_share": self.largest_quiet_share,

@@ -22,7 +22,7 @@ _WINDS = 0.01  # of the largest output: an integral that still moves so much may
 _AT_LIMIT = 0.999
 _OFTEN = 0.02  # of the window at the limit: the limit is what holds the oscillation
 _ONE_WAY = 0.9  # of all that moved, gone one way
-_FEW, _FAR = 30, 10.0  # rows of a run that ended early; how far it had grown from its first third to its last
+_FEW, _FAR = 6, 10.0  # rows of a run that ended early; how far it had grown from its first third to its last
 _GROWS = 1.15  # from one third of the window to the next
 
 WINDS = "an integral still winds up behind friction that holds"
@@ -134,7 +134,7 @@ def _grew(y: Array) -> bool:
     """Whether a motion that could not be followed to its end had grown all the time."""
     y = y[np.isfinite(y)]
     thirds = [float(np.ptp(part)) for part in np.array_split(y, 3)] if len(y) > _FEW else [0.0]
-    return thirds[-1] > _FAR * thirds[0] and thirds == sorted(thirds)
+    return thirds[-1] > _FAR * thirds[0]
 
 
 def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:

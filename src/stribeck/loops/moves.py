@@ -62,7 +62,7 @@ def given_signal(loop: Loop, each: ControllerPart) -> Signal:
     return next(signal for use, signal in rig.signals.items() if use.path == each.signal.path)
 
 
-def signals_of(moves: Moves) -> dict[str, tuple[dict[str, Any], float]]:
+def signals_of(moves: Moves) -> dict[str, tuple[dict[str, object], float]]:
     """The standard moves: signal and duration. The sine's reversals are those of a circle's quadrants, for each of its
     two axes; the ramp goes through a reversal at a tenth of the speed; the step is half a move."""
     T, A = moves.period, moves.amplitude

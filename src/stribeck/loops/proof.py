@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from stribeck.loops.loop import Loop
 from stribeck.machine.controllers import Cascade, PidController
 from stribeck.machine.links import LinkElement
@@ -17,7 +15,7 @@ NO_HUNTING = (
 )
 
 
-def proof(loop: Loop) -> dict[str, Any]:
+def proof(loop: Loop) -> dict[str, object]:
     """Whether passivity excludes that the loop hunts: ``holds`` true with the reasons, or null with what stands against it;
     ``contacts`` says which contacts are passive whatever the file lets their constants do.
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from stribeck.constants import Constant
 from stribeck.expressions.ops import Value
@@ -55,7 +55,7 @@ class Element:
         return {name: x for name, x in cls._declared().items() if isinstance(x, Many)}
 
     @classmethod
-    def _declared(cls) -> dict[str, Any]:
+    def _declared(cls) -> dict[str, object]:
         names = dict.fromkeys(name for base in reversed(cls.__mro__) for name in vars(base))
         return {name: getattr(cls, name) for name in names}
 
@@ -70,19 +70,19 @@ class Element:
     @classmethod
     def symbolic(cls, make: Callable[[str], Value], form: Form) -> SimpleNamespace:
         """The constants made by name; optional ones that are off are None, lists are tuples."""
-        made: dict[str, Any] = {n: None for n, c in cls.constants().items() if c.optional and n not in form}
+        made: dict[str, object] = {n: None for n, c in cls.constants().items() if c.optional and n not in form}
         made |= dict.fromkeys(cls.lists(), ())
         for name, count in form.counts:
             made[name] = tuple(make(f"{name}_{i}") for i in range(count))
         return SimpleNamespace(**made, **{n: make(n) for n, c in cls.constants().items() if n not in made})
 
     @classmethod
-    def form_of(cls, values: dict[str, Any]) -> Form:
+    def form_of(cls, values: dict[str, object]) -> Form:
         """The form of the equations for given values."""
         on = tuple(n for n, c in cls.constants().items() if c.optional and values.get(n) is not None)
-        return Form(on, counts=tuple((n, len(values[n])) for n in cls.lists()))
+        return Form(on, counts=tuple((n, len(x)) for n in cls.lists() if isinstance(x := values[n], list | tuple)))
 
     @staticmethod
-    def rates(p: SimpleNamespace, *arguments: Any) -> tuple[Value, ...]:
+    def rates(p: SimpleNamespace, *arguments: Value) -> tuple[Value, ...]:
         """The time derivatives of the element's own states, from what its force is made of."""
         return ()

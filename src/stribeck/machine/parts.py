@@ -6,13 +6,15 @@ the file and the run-time constants name it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, is_dataclass, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any
+from typing import TypeVar, cast
 
 from stribeck.constants import Constant
+from stribeck.control.sampled import Sampled
 from stribeck.expressions.graph import Expr, symbol
 from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
@@ -29,9 +31,10 @@ RATIO = Constant("", "how far `from` counts", default=1.0)
 INPUT = "input"  # what an exported machine adds to a signal
 _INPUT = Constant("", "added to the signal", default=0.0)
 Named = dict[str, Constant]
+_Part = TypeVar("_Part")
 
 
-def symbols_of(path: str) -> Any:
+def symbols_of(path: str) -> Callable[[str], Expr]:
     """What makes the symbol of a constant of the table ``path``."""
     return lambda name: symbol(f"{path}.{name}")
 
@@ -238,20 +241,6 @@ class CompensationPart:
 
 
 @dataclass(frozen=True)
-class Sampled:
-    """What of the sampling changes the form of the equations."""
-
-    resolution: bool
-    noise: bool
-    bandwidth: bool
-
-    @property
-    def numbers(self) -> dict[str, bool]:
-        """The constants of the table, and whether they take part."""
-        return {"period": True, "delay": True, **vars(self)}
-
-
-@dataclass(frozen=True)
 class ControllerPart:
     """A controller on a motor or a body."""
 
@@ -282,13 +271,13 @@ class ControllerPart:
         return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
-def with_inputs(part: Any) -> Any:
+def with_inputs(part: _Part) -> _Part:
     """A machine, or a part of one, to whose signals something can be added from outside; not to those that multiply
     parameters, which must stay positive."""
     if isinstance(part, SignalUse):
         return part if ".factors." in part.path else replace(part, open=True)
     if isinstance(part, tuple):
-        return tuple(map(with_inputs, part))
+        return cast(_Part, tuple(map(with_inputs, part)))
     if is_dataclass(part) and not isinstance(part, type):
         return replace(part, **{field.name: with_inputs(getattr(part, field.name)) for field in fields_of(part)})
     return part

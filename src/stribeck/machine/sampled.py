@@ -5,14 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from stribeck.control.sampled import phi_1
 from stribeck.equations import Sample
 from stribeck.expressions.graph import Expr, derivative, substitute, symbol, symbols, wrap
 from stribeck.expressions.names import Names
-from stribeck.expressions.ops import exp, floor, sign, where
+from stribeck.expressions.ops import exp, sign, where
 from stribeck.machine.parts import ControllerPart
 from stribeck.signals.pieces import Reference
 
 if TYPE_CHECKING:
+    from stribeck.machine.balance import Balance
     from stribeck.machine.system import MachineSystem
 
 # An observer whose law is not linear in z takes so many steps until it could have gone 25 times its largest deflection; it is
@@ -35,21 +37,16 @@ def samples_of(machine: MachineSystem, called: Names) -> list[Sample]:
     return [_sample(balance, each, called) for each in machine.controllers if each.sampling is not None]
 
 
-def _sample(balance: object, each: ControllerPart, called: Names) -> Sample:
+def _sample(balance: Balance, each: ControllerPart, called: Names) -> Sample:
     from stribeck.machine.balance import T
 
     assert each.sampling is not None
     own = f"{each.path}.sampling"
-    y = balance.k[f"{each.measures}.y"]  # type: ignore[attr-defined]
-    if each.sampling.noise:
-        y = y + symbol(f"{own}.noise") * symbol("noise")
-    if each.sampling.resolution:
-        count = symbol(f"{own}.resolution")
-        y = floor(y / count + 0.5) * count
+    y = wrap(each.sampling.reading(each.sampling.symbols(own), balance.k[f"{each.measures}.y"]))
     called[y] = f"{each.name}_reading"
     m = {n: symbol(f"memory.{each.name}_{n}") for n in sampled_states(each)}
     u, after = stepped(each, y, each.signal.reference(T), m, called)
-    return Sample(each.name, u, {f"{each.name}_{n}": after[n] for n in m})
+    return Sample(each.name, own, u, {f"{each.name}_{n}": after[n] for n in m})
 
 
 def stepped(
@@ -60,15 +57,14 @@ def stepped(
     from stribeck.machine.balance import held_at_limit, limited, unlimited
 
     assert each.sampling is not None
-    own = f"{each.path}.sampling"
-    period = symbol(f"{own}.period")
+    p = each.sampling.symbols(f"{each.path}.sampling")
     first = m["readings"] <= 0
     after: dict[str, Expr] = {"readings": m["readings"] + 1}
     if each.sampling.bandwidth:
-        v, filtered = _filter(where(first, y, m["filter_y"]), m["filter_v"], y, symbol(f"{own}.bandwidth"), period)
+        v, filtered = _filter(where(first, y, m["filter_y"]), m["filter_v"], y, p.bandwidth, p.period)
         after |= filtered
     else:
-        v = where(first, 0.0, (y - m["last"]) / period)
+        v = where(first, 0.0, (y - m["last"]) / p.period)
         after["last"] = y
     called[v] = f"{each.name}_speed"
     x = {n: m[n] for n in each.states}
@@ -76,7 +72,9 @@ def stepped(
     raw, rates = unlimited(each, r, y, v, x, called, exact=True)
     rates = held_at_limit(each, raw, rates, x, 0.0)
     for name, rate in rates.items():
-        after[name] = x[name] + period * rate if name != "z_hat" else observed(each, rate, x[name], v, period, called)
+        after[name] = (
+            x[name] + p.period * rate if name != "z_hat" else observed(each, rate, x[name], v, p.period, called)
+        )
     return wrap(limited(each, raw)), {n: wrap(x) for n, x in after.items()}
 
 
@@ -117,12 +115,3 @@ def _rosenbrock(rate: Expr, slope: Expr, z: Expr, at: Expr, step: Expr, called: 
     k_3 = (f + (372 / 25 * k_1 + 12 / 5 * k_2) / step) * pivot
     k_4 = (f - (112 / 125 * k_1 + 54 / 125 * k_2 + 2 / 5 * k_3) / step) * pivot
     return wrap(at + 19 / 9 * k_1 + k_2 / 2 + 25 / 108 * k_3 + 125 / 108 * k_4)
-
-
-def phi_1(x: Expr) -> Expr:
-    """(e^x - 1)/x, by its series where the difference would lose digits."""
-    series = wrap(1.0)
-    for n in range(9, 1, -1):
-        series = 1 + series * x / n
-    small = abs(x) < 0.1
-    return wrap(where(small, series, (exp(x) - 1) / where(small, 1.0, x)))

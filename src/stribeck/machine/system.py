@@ -31,14 +31,6 @@ _FACTOR = {
 }
 _GAIN = Constant("", "rise of the level by the force", at_least=0, default=0.0)
 _WEIGHT = Constant("", "weight of a force in a load")
-_SAMPLING = {
-    "period": Constant("s", "time between two samples", above=0),
-    "delay": Constant("s", "time from a sample to its output", at_least=0, default=0.0),
-    "resolution": Constant("m", "step of the encoder", above=0, optional=True, rotary_unit="rad"),
-    "noise": Constant("m", "standard deviation of the reading", at_least=0, default=0.0, rotary_unit="rad"),
-    "bandwidth": Constant("rad/s", "of the filter that estimates the speed", above=0, optional=True),
-}
-SAMPLING = _SAMPLING
 _FEEDFORWARD = Constant("kg", "force by the signal's second derivative", rotary_unit="kg m^2")
 FEEDFORWARD = _FEEDFORWARD
 FACTOR, GAIN, WEIGHT = _FACTOR, _GAIN, _WEIGHT
@@ -184,8 +176,7 @@ class MachineSystem(Equations):
             on = {"share": (each.compensation.share, SHARE), "lead": (each.compensation.lead, LEAD)}
             found[f"{each.path}.compensation"] = {n: constant for n, (there, constant) in on.items() if there}
         if each.sampling is not None:
-            part = each.sampling.numbers
-            found[f"{each.path}.sampling"] = {n: c for n, c in _SAMPLING.items() if part[n]}
+            found[f"{each.path}.sampling"] = each.sampling.numbers
         return {path: (constants, rotary) for path, constants in found.items()}
 
     @cached_property

@@ -72,10 +72,8 @@ def slips(solution: Solution) -> int:
 
 def of_laws(scenario: Scenario) -> list[Chapter]:
     """The law, or the laws of a machine's contacts."""
-    if scenario.rig is None:
-        return [of_law(scenario.law)]
-    laws, contacts = scenario.rig.laws, scenario.rig.machine.contacts
-    return [of_law(laws[c.law_path], f"law-{i}", f" of {c.name}") for i, c in enumerate(contacts)]
+    laws = scenario.whole.named_laws.items()
+    return [of_law(law, f"law-{i}", f" of {name}") if name else of_law(law) for i, (name, law) in enumerate(laws)]
 
 
 def of_law(law: Law, key: str = "law", of: str = "") -> Chapter:

@@ -109,10 +109,8 @@ def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> tup
 
 def _speed(solution: Solution) -> float:
     """The speed below which a body counts as near rest."""
-    if solution.scenario.rig is not None:
-        return min((law.scales(law.p).speed for law in solution.scenario.rig.laws.values()), default=0.0)
-    law = solution.scenario.law
-    return solution.scenario.threshold or float(law.scales(law.p).speed)
+    laws = solution.scenario.whole.laws.values()
+    return min((float(law.machine.get("v_s") or law.scales(law.p).speed) for law in laws), default=0.0)
 
 
 def draw(

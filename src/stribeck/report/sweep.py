@@ -163,12 +163,12 @@ class Sweep:
         s, lanes = self.lanes.scenario, self.lanes
         table = s.pieces()
         pieces = [table.start, table.rows, table.restart]
-        about = s.data["drive"] if s.rig is None else sorted(s.rig.seeds.items())
+        about = s.data.get("drive", [each["seed"] for each in s.sampling()])
         numbers = [
             sorted((*key, x) for key, x in s.values().items()),
             s.initial,
             s.atol(),
-            s.thresholds() if s.rig else s.threshold,
+            s.thresholds(),
             s.end,
         ]
         settings = [

@@ -28,10 +28,9 @@ _MOST = 200_000  # lanes in a plot: more show nothing new
 
 def _columns(scenario: Scenario) -> tuple[str, str, str]:
     """Position, velocity and force that are shown: of a machine, those of its first body, contact or link."""
-    if scenario.rig is None:
-        return "y", "v", "F"
     names = [column.name for column in scenario.system.columns]
-    force = next((n for n in names if n.endswith(".F")), next((n for n in names if n.endswith(".f")), names[1]))
+    last = [name.rpartition(".")[2] for name in names]
+    force = next((names[last.index(f)] for f in ("F", "f") if f in last), names[1])
     return names[0], names[1], force
 
 

@@ -7,7 +7,7 @@ typedef struct {
     double *x;                  /* the state at t, advanced in place */
     const double *piece_start;  /* when each row of signal pieces begins */
     const double *piece_rows;   /* the rows: the first PIECE fields of Segment */
-    double *out;                /* rows of states and held outputs */
+    double *out;                /* rows of states, held outputs and what is shown of the memory */
     double *event_time;
     const double *thresholds;   /* of the watched quantities; 0 for none */
     double *held;               /* the outputs of sampled controllers that act at t */
@@ -44,21 +44,10 @@ static inline Segment present(const Run *run)
 
 static inline void put_row(Run *run, const double *x)
 {
-    double *row = run->out + run->row++ * (N + HELD);
+    double *row = run->out + run->row++ * (N + HELD + SHOWN);
     for (int i = 0; i < N; i++) row[i] = x[i];
     for (int i = 0; i < HELD; i++) row[N + i] = run->held[i];
-}
-
-/* The rows within the step from run->t that come before t_before or at t_new; h is the step's length. */
-static void write_rows(Run *run, double h, double t_new, double t_before, double k[STAGES][N], const double *x_new)
-{
-    double d[N][3], x[N];
-    for (int i = 0; i < N; i++) dense(k, i, d[i]);
-    for (double t; run->row < run->rows && (t = (double)run->row * run->step) <= t_new && t < t_before;) {
-        const double s = (t - run->t) / h;
-        for (int i = 0; i < N; i++) x[i] = interpolate(s, run->x[i], x_new[i], d[i][0], d[i][1], d[i][2]);
-        put_row(run, x);
-    }
+    for (int i = 0; i < SHOWN; i++) row[N + HELD + i] = run->memory[i];
 }
 
 #if WATCHES > 0
@@ -161,6 +150,28 @@ static int act(Run *run, const Timing *timing, double t)
     return changed;
 }
 #endif
+
+/* The rows within the step from run->t that come before t_before or at t_new; h is the step's length. */
+static void write_rows(Run *run, const Parameters *p, const Coefficients *c, const Segment *piece, double h,
+                       double t_new, double t_before, double k[STAGES][N], const double *x_new)
+{
+    double d[N][3], x[N];
+    for (int i = 0; i < N; i++) dense(k, i, d[i]);
+#if SHOWN > 0
+    Timing timing;
+    find_timing(p, &timing);
+#else
+    (void)p, (void)c, (void)piece;
+#endif
+    for (double t; run->row < run->rows && (t = (double)run->row * run->step) <= t_new && t < t_before;) {
+        const double s = (t - run->t) / h;
+        for (int i = 0; i < N; i++) x[i] = interpolate(s, run->x[i], x_new[i], d[i][0], d[i][1], d[i][2]);
+#if SHOWN > 0
+        take_samples(run, p, c, piece, &timing, h, smaller(t * (1 + SAME_TIME), t_before), k, x_new);
+#endif
+        put_row(run, x);
+    }
+}
 
 /* Go on to the pieces that have begun at run->t, and to the outputs of controllers; note what jumps there. */
 static void pass(Run *run, const Parameters *p, const Coefficients *c, int first)
@@ -269,7 +280,7 @@ EXPORT int stribeck_advance(Run *run)
         }
         const double t_new = last ? t_stop : run->t + h, t_before = last ? t_stop * (1 - SAME_TIME) : INFINITY;
         if (run->row < run->rows && (double)run->row * run->step <= t_new)
-            write_rows(run, h, t_new, t_before, k, x_new);
+            write_rows(run, p, c, &piece, h, t_new, t_before, k, x_new);
         note_events(run, p, c, &piece, h, k, x_new);
 #if HELD > 0
         take_samples(run, p, c, &piece, &timing, h, last ? t_before : t_new * (1 - SAME_TIME), k, x_new);

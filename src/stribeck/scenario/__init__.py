@@ -6,10 +6,7 @@ import dataclasses
 from collections.abc import Collection, Mapping
 from functools import cached_property
 from pathlib import Path
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
-
-import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import kind_of
@@ -23,10 +20,11 @@ from stribeck.scenario import memory, tables
 from stribeck.scenario.changes import changed, parse_assignment, plain, unfolds
 from stribeck.scenario.parts import Parts, Settings
 from stribeck.scenario.reader import Reader
+from stribeck.scenario.single import Single
 from stribeck.scenario.trust import named
 from stribeck.signals import Signal
-from stribeck.signals.pieces import Pieces, pieces
-from stribeck.system import Groups, System
+from stribeck.signals.pieces import Pieces
+from stribeck.system import Groups
 
 if TYPE_CHECKING:
     from stribeck.scenario.machine import Rig
@@ -68,9 +66,8 @@ class Scenario:
 
     def _set(self, data: dict[str, Any], folder: Path, parts: Parts) -> None:
         """Once, when it is made."""
-        known = {n: x for n, x in vars(parts).items() if x is not None}
-        law = known.pop("law", None)
-        self.__dict__.update(known, data=data, folder=folder, parts=parts, _law=law)
+        known = {n: x for n, x in vars(parts).items() if x is not None and n != "law"}
+        self.__dict__.update(known, data=data, folder=folder, parts=parts)
 
     def __setattr__(self, name: str, value: Any) -> None:
         raise AttributeError(f"{name}: a Scenario does not change; replace({{PATH: VALUE}}) makes another")
@@ -161,7 +158,10 @@ class Scenario:
     solve: tables.Solve
     output: tables.Output
 
-    _law: Law | None = None
+    @cached_property
+    def whole(self) -> Single | Rig:
+        """All of it with its values, for the solvers: a machine's rig, or a law on a plant under a drive."""
+        return Single(self.parts) if self.rig is None else self.rig
 
     @property
     def law(self) -> Law:
@@ -170,15 +170,7 @@ class Scenario:
         Raises:
             InputError: the scenario is a machine with no contact, or with several.
         """
-        if self._law is not None:
-            return self._law
-        if self.rig is None:
-            raise AttributeError("law")
-        contacts = self.rig.machine.contacts
-        if len(contacts) == 1:
-            return self.rig.laws[contacts[0].law_path]
-        names = ", ".join(contact.name for contact in contacts) or "none"
-        raise InputError(f"contacts: {names}: there must be one contact for this, of a machine that has several")
+        return self.whole.law
 
     def __getattr__(self, name: str) -> Any:
         """What only a law on a single body has, asked of a machine."""
@@ -186,33 +178,23 @@ class Scenario:
             name in ("drive", "drive_values", "plant", "plant_values", "signal")
             and self.__dict__.get("rig") is not None
         ):
-            raise InputError(
-                f"{self.name}: schema = 2: is a machine, and this takes a law on a single body (schema = 1)"
-            )
+            raise InputError(_only_single(self.name))
         raise AttributeError(f"'Scenario' object has no attribute {name!r}")
 
     @property
     def mass(self) -> float | None:
         """The mass that the drive moves without anything between, kg (kg m^2); None where there is none."""
-        if self.rig is not None:
-            return None
-        mass: float | None = self.plant.inertia(SimpleNamespace(**self.plant_values))
-        return mass
+        return self.whole.mass
 
     @property
     def subject(self) -> str:
         """What it is about, in a few words: the law, or the machine."""
-        if self.rig is None:
-            return f"law {self.law.name}"
-        machine = self.rig.machine
-        laws = ", ".join(f"{c.name} {c.law.name}" for c in machine.contacts)
-        bodies = f"{len(machine.bodies)} bod{'y' if len(machine.bodies) == 1 else 'ies'}"
-        return f"{bodies}, contacts: {laws}" if laws else f"{bodies}, no contacts"
+        return self.whole.subject
 
     @property
     def label(self) -> str:
         """What its line in a plot is called: the law's name, or the machine's."""
-        return self.law.name if self.rig is None else self.name
+        return self.whole.label or self.name
 
     @property
     def name(self) -> str:
@@ -223,7 +205,7 @@ class Scenario:
     def rotary(self) -> bool:
         """Whether the one body turns: the columns are in rad and N m then, the numbers are the same. A machine of many
         bodies says it for each."""
-        return self.rig is None and self.law.rotary
+        return self.whole.rotary
 
     @cached_property
     def rows(self) -> int:
@@ -235,14 +217,12 @@ class Scenario:
         """When the simulation ends, s: t_end, or the last row where rounding puts it behind t_end."""
         return max(self.solve.t_end, (self.rows - 1) * self.output.step)
 
-    @cached_property
+    @property
     def system(self) -> Equations:
         """The structure of the equations, without values."""
-        if self.rig is not None:
-            return self.rig.machine
-        return self.parts.system()
+        return self.whole.equations
 
-    @cached_property
+    @property
     def threshold(self) -> float:
         """The speed that slip and stick are told by: v_s, or 0 (none) where the parameters have no v_s."""
         return self.law.machine.get("v_s", 0.0)
@@ -250,75 +230,60 @@ class Scenario:
     @property
     def longest_step(self) -> float:
         """The longest step that cannot miss a wave of a signal, s."""
-        return self.rig.longest_step if self.rig is not None else self.signal.longest_step
+        return self.whole.longest_step
 
     def pieces(self) -> Pieces:
         """The signals as a table of pieces."""
-        if self.rig is not None:
-            return self.rig.pieces(self.end)
-        if self.signal.smooth:
-            return Pieces(np.zeros(1), np.zeros((1, 3)), np.ones(1, np.int8))
-        return pieces(self.signal)
+        return self.whole.pieces(self.end)
 
     def thresholds(self) -> list[float]:
         """The level of each watched quantity, 0 for none."""
-        return self.rig.thresholds() if self.rig is not None else [self.threshold] * len(self.system.watched)
+        return self.whole.thresholds()
 
     def sampling(self) -> list[dict[str, float]]:
-        """Period, delay, noise and seed of each sampled controller that is compiled."""
-        return self.rig.sampling() if self.rig is not None else []
+        """Period, delay, noise and seed of each sampled controller."""
+        return self.whole.sampling()
 
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Any]:
         """Every column of the output by name, from the states (and what controllers held) at the times t."""
-        system = self.system
-        if self.rig is not None:
-            return self.rig.columns(t, states, held or {}, self.end)
-        assert isinstance(system, System)
-        if system.drive.differentiates:
-            return system.table({**self.values(), **self.signal_values(t)}, t, states)
-        return system.quantities(self.groups(), self.signal.at(t), states)
+        return self.whole.columns(t, states, held or {}, self.end)
 
     def groups(self) -> Groups:
-        """The constants by owner, for evaluating the system's equations with NumPy."""
-        plant, drive = SimpleNamespace(**self.plant_values), SimpleNamespace(**self.drive_values)
-        return Groups(self.law.p, plant, drive, SimpleNamespace(**self.signal.values))
+        """The constants of a single body by owner, for evaluating the system's equations with NumPy."""
+        return self.single.groups
 
-    def signal_values(self, t: Array) -> dict[tuple[str, str], Any]:
-        """The constants of a smooth signal at the times t."""
-        return {("signal", n): x for n, x in self.signal.values_at(t).items()}
+    @property
+    def single(self) -> Single:
+        """The law on a plant under a drive.
+
+        Raises:
+            InputError: the scenario is a machine.
+        """
+        if not isinstance(self.whole, Single):
+            raise InputError(_only_single(self.name))
+        return self.whole
 
     def values(self) -> dict[tuple[str, str], float]:
         """The system's run-time constants by (group, name)."""
-        if self.rig is not None:
-            return self.rig.values
-        found = {("law", n): v for n, v in self.law.p.numbers.items()}
-        found |= {("drive", n): v for n, v in self.drive_values.items()}
-        found |= {("signal", n): v for n, v in self.signal.values.items()} if self.signal.smooth else {}
-        found |= {("plant", n): v for n, v in self.plant_values.items()}
-        return found | self.settings.values()
+        return self.whole.values
 
     def atol(self, constants: Groups | None = None) -> dict[str, float]:
         """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale.
 
         With ``constants`` it is that of the same scenario with other values.
         """
-        rtol = self.solve.rtol
-        if self.rig is not None:
-            return self.atol_of(self.rig)
-        q = self.groups() if constants is None else constants
-        scales = self.law.scales(q.law)
-        natural = {"y": scales.length, "v": scales.speed, "z": scales.length}
-        natural |= dict.fromkeys(("E_in", "E_dissipated"), scales.force * scales.length)
-        assert isinstance(self.system, System)
-        own = self.plant.state_scales(q.plant, scales.length, scales.speed, scales.force)
-        natural |= dict(zip((s.name for s in self.plant.states), own, strict=True))
-        natural |= self.system.drive.scales(q.drive, scales.length, scales.force)
-        return {s.name: self.solve.atol.get(s.name, _ATOL_SHARE * rtol * natural[s.name]) for s in self.system.states}
+        return self._atol(self.whole.natural() if constants is None else self.single.natural(constants))
 
     def atol_of(self, rig: Rig) -> dict[str, float]:
         """The absolute tolerance of each state of a machine with other values."""
-        share = _ATOL_SHARE * self.solve.rtol
-        return {n: self.solve.atol.get(n, share * x) for n, x in rig.natural().items()}
+        return self._atol(rig.natural())
+
+    def _atol(self, natural: dict[str, Any]) -> dict[str, float]:
+        return {n: self.solve.atol.get(n, _ATOL_SHARE * self.solve.rtol * x) for n, x in natural.items()}
+
+
+def _only_single(name: str) -> str:
+    return f"{name}: schema = 2: is a machine, and this takes a law on a single body (schema = 1)"
 
 
 def _trusted(trust: bool | Collection[str]) -> Collection[str] | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
@@ -15,9 +15,9 @@ from pydantic import Field
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import kind_of, show
-from stribeck.control.cascade import PressureCascade
+from stribeck.control.cascade import SAMPLING, SWING, SWINGS, PressureCascade
 from stribeck.control.observer import Adaptation
-from stribeck.control.sampled import Held, Sampling, held_intervals
+from stribeck.control.sampled import Sampled
 from stribeck.drives import Drive
 from stribeck.drives.base import course
 from stribeck.errors import InputError, NotDifferentiable
@@ -27,15 +27,14 @@ from stribeck.laws.base import PARAMETERS, BristleLaw, Law
 from stribeck.laws.form import USUAL
 from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import tables, trust
-from stribeck.scenario.parts import Parts, Settings, Stretch
+from stribeck.scenario.parts import Parts, Settings
 from stribeck.scenario.tables import Problem
 from stribeck.signals import Signal
-from stribeck.system import System
 
 NONE = "none"  # the observer's name where friction is not compensated
 _MOST_INSTANTS = 1e7  # of a sampled controller: some minutes
 _SAMPLES = 4001  # of the path, where it is judged
-_SWING, _MOST_SWINGS = 0.02, 25  # of the valve's limit; turns in a quarter of a run that need no word
+_MOST_SWINGS = 25  # turns of the valve in a quarter of a run that need no word
 
 
 def cascade_of(scenario: Any) -> CascadeSettings | None:
@@ -51,7 +50,7 @@ class CascadeSettings(Settings):
 
     model: dict[str, float]  # the plant, as the controller takes it to be
     adaptation: dict[str, float] | None
-    sampling: Sampling | None
+    sampling: dict[str, float] | None  # period, delay, resolution, noise, bandwidth and seed; None: continuous
     observer: Law | None = None
 
     @classmethod
@@ -97,9 +96,10 @@ class CascadeSettings(Settings):
         model = {**{n: getattr(plant, n) for n in Cylinder.constants}, **given}
         sampling = None
         if values.sample_time is not None:
-            sampling = Sampling(
-                values.sample_time, values.delay, values.noise, values.quantisation, values.bandwidth, values.seed
-            )
+            sampling = {
+                "period": values.sample_time, "delay": values.delay, "resolution": values.quantisation,
+                "noise": values.noise, "bandwidth": values.bandwidth or 0.0, "seed": values.seed,
+            }  # fmt: skip
         return cls(model, dict(values.adaptation) if values.adaptive else None, sampling, observer), []
 
     @property
@@ -115,9 +115,15 @@ class CascadeSettings(Settings):
     def drive(self, kind: type[Drive], given: Collection[str]) -> Drive:
         """The controller's structure."""
         law, form = (type(self.observer), self.observer.form) if self.observer else (None, USUAL)
-        return PressureCascade(
-            law, form, "supply_droop" in given, self.adaptation is not None, self.sampling is not None
-        )
+        return PressureCascade(law, form, "supply_droop" in given, self.adaptation is not None, self._sampled)
+
+    @property
+    def _sampled(self) -> Sampled | None:
+        if self.sampling is None:
+            return None
+        given = self.sampling
+        tracks = given["bandwidth"] > 0  # without it the motion is measured as it is
+        return Sampled(tracks and given["resolution"] > 0, tracks and given["noise"] > 0, tracks)
 
     def values(self) -> dict[tuple[str, str], float]:
         """The constants of the plant as it is known, of the observer and of its adaptation."""
@@ -125,7 +131,8 @@ class CascadeSettings(Settings):
         found |= {("adaptation", n): x for n, x in (self.adaptation or {}).items()}
         own = self.observer.values if self.observer else {}
         found |= {("observer", n): x for n, x in own.items() if x is not None}
-        return found | ({("drive", "u"): 0.0} if self.sampling else {})
+        sampled = self._sampled.numbers if self._sampled else {}
+        return found | {(SAMPLING, n): x for n, x in (self.sampling or {}).items() if n in sampled}
 
     def judge(self, parts: Parts) -> list[Problem]:
         """What is wrong with the time between samples, and with the path."""
@@ -134,23 +141,20 @@ class CascadeSettings(Settings):
         assert parts.signal is not None
         found: list[Problem] = []
         t_end = parts.solve.t_end
-        if self.sampling is not None and self.sampling.time < t_end / _MOST_INSTANTS:
+        period = self.sampling["period"] if self.sampling is not None else t_end
+        if period < t_end / _MOST_INSTANTS:
             text = f"must be at least solve.t_end/{_MOST_INSTANTS:g} ({t_end / _MOST_INSTANTS:g} s)"
-            found.append(("drive.sample_time", f"{show(self.sampling.time)}: {text}"))
+            found.append(("drive.sample_time", f"{show(period)}: {text}"))
         return found + _path_problems(SimpleNamespace(**parts.plant_values or {}), parts.law, parts.signal, t_end)
 
-    def stretches(
-        self, system: System, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Any
-    ) -> Generator[Stretch, Array, None]:
-        """Of a sampled controller those in which the voltage is held."""
-        if self.sampling is None:
-            return super().stretches(system, values, signal, end, log)
-        return held_intervals(system, self.sampling, values, signal, end, log)
+    def sampling_of(self) -> list[dict[str, float]]:
+        """Period, delay, noise and seed, where it samples."""
+        return [] if self.sampling is None else [{n: self.sampling[n] for n in ("period", "delay", "noise", "seed")}]
 
-    def remarks(self, scenario: Any, solution: Any, log: Held | None) -> list[str]:
+    def remarks(self, scenario: Any, solution: Any) -> list[str]:
         """Where the valve is at its limit to the end, or goes to and fro."""
         found = _limited(scenario, solution)
-        return found + (_swinging(scenario, log) if log is not None else [])
+        return found + (_swinging(scenario, solution) if self.sampling is not None else [])
 
 
 def read_observer(table: dict[str, Any], plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
@@ -289,26 +293,16 @@ def misplaced(values: Any, observer: Any) -> list[Problem]:
     return found
 
 
-def _swinging(scenario: Any, log: Held) -> list[str]:
+def _swinging(scenario: Any, solution: Any) -> list[str]:
     """That the valve goes to and fro to the end far more often than the path."""
-    end, swing = scenario.end, _SWING * scenario.drive_values["u_max"]
-    swings = _reversals([u for t, u in log.voltage if t >= 0.75 * end], swing)
+    end, swing = scenario.end, SWING * scenario.drive_values["u_max"]
+    late = solution.held[SWINGS][solution.t >= 0.75 * end]
+    swings = int(late[-1] - late[0]) if len(late) else 0
     waves = 0.25 * end / (8 * scenario.signal.longest_step)
     if swings <= max(_MOST_SWINGS, 6 * waves):
         return []
     text = f"the valve goes to and fro {swings} times by more than {swing:g} V in the last quarter of the run"
     return [f"{scenario.name}: {text}: sample_time, delay or noise are too large for these gains"]
-
-
-def _reversals(values: list[float], swing: float) -> int:
-    """How often a sequence turns back by more than ``swing``."""
-    count, extreme, rising = 0, values[0] if values else 0.0, 0
-    for x in values:
-        if (x - extreme) * rising > 0 or (not rising and abs(x - extreme) > swing):
-            rising, extreme = (1 if x > extreme else -1), x
-        elif rising and abs(x - extreme) > swing:
-            count, rising, extreme = count + 1, -rising, x
-    return count
 
 
 def _limited(scenario: Any, solution: Any) -> list[str]:

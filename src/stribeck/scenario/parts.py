@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Generator, Mapping
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from stribeck.arrays import Array
 from stribeck.drives import Drive
 from stribeck.laws.base import Law
 from stribeck.plants import Mass, Plant
@@ -17,8 +16,6 @@ from stribeck.system import System
 
 if TYPE_CHECKING:
     from stribeck.scenario.machine import Rig
-
-Stretch = tuple[float, dict[tuple[str, str], float]]  # until when, and the constants that change at its begin
 
 
 class Settings:
@@ -60,20 +57,12 @@ class Settings:
         """What is wrong with valid tables taken together."""
         return []
 
-    def stretches(
-        self, system: System, values: Mapping[tuple[str, str], float], signal: Signal, end: float, log: Any
-    ) -> Generator[Stretch, Array, None]:
-        """The stretches of a run within which no run-time constant changes; the state at the end of each is sent back."""
-        if not signal.smooth:
-            yield end, {}
-            return
-        pieces = [(start, values) for start, values in signal.pieces if start < end]
-        ends = [*(start for start, _ in pieces[1:]), end]
-        for (_, own), until in zip(pieces, ends, strict=True):
-            yield until, {("signal", name): value for name, value in own.items()}
+    def sampling_of(self) -> list[dict[str, float]]:
+        """Period, delay, noise and seed of the controller, where it samples."""
+        return []
 
-    def remarks(self, scenario: Any, solution: Any, log: Any) -> list[str]:
-        """What is to be said about a solution; ``log``: what a sampled controller held."""
+    def remarks(self, scenario: Any, solution: Any) -> list[str]:
+        """What is to be said about a solution."""
         return []
 
 

@@ -167,7 +167,7 @@ class _Lanes:
         self.variations, self.reason = variations, variations.problems()
         self.possible = np.flatnonzero([text is None for text in self.reason])
         scenario, count = variations.scenario, len(variations)
-        width = len(scenario.system.states) + len(scenario.system.held)
+        width = len(scenario.system.states) + len(scenario.system.held) + len(scenario.system.shown)
         self.states = np.full((count, scenario.rows, width), np.nan)
         self.counts = {name: np.zeros(count, np.int64) for name in ("accepted", "rejected")}
         self.counts["happened"] = np.zeros((count, max(1, len(scenario.system.watched)), 4), np.int64)
@@ -189,8 +189,12 @@ class _Lanes:
                 x[self.possible] = found.counts[name]
         for lane, status, t in zip(self.possible, found.counts["status"], found.t_reached, strict=True):
             self.reason[lane] = failure(int(status), float(t), scenario.solve.max_steps)
-        if scenario.rig is None and scenario.drive.sets_velocity:
-            _count_crossings(some, self.possible, found, self.counts)
+        step = scenario.output.step
+        for i, lane in enumerate(self.possible):
+            done = found.counts["status"][i] == 0
+            reached = scenario.end if done else max(float(found.counts["rows_reached"][i]) - 1, 0.0) * step
+            for _, what in some.more_events(i, reached):
+                self.counts["happened"][lane, what >> 2, what & 3] += 1
 
     def ensemble(self, columns: dict[str, Array] | None = None) -> Ensemble:
         """All of it; ``columns`` where they were found with the states."""
@@ -254,20 +258,6 @@ def _one_by_one(found: _Lanes, threads: int, progress: Callable[[float], None] |
             pool.shutdown(cancel_futures=True)
             raise
     return columns
-
-
-def _count_crossings(
-    variations: Variations, places: NDArray[np.int64], found: lanes.Outcome, counts: dict[str, NDArray[np.int64]]
-) -> None:
-    """Slips and sticks of a prescribed velocity: those of the signal, as far as each lane came."""
-    signals, which = variations.signals
-    threshold, scenario = variations.threshold(), variations.scenario
-    for i, lane in enumerate(places):
-        if threshold[i] > 0:
-            done = found.counts["status"][i] == 0
-            end = scenario.end if done else max(float(found.counts["rows_reached"][i]) - 1, 0.0) * scenario.output.step
-            rises = [up for _, up in signals[which[i]].crossings(float(threshold[i]), end)]
-            counts["happened"][lane, 0, :2] = sum(rises), len(rises) - sum(rises)
 
 
 def happened(scenario: Scenario, counts: NDArray[np.int64]) -> dict[str, dict[str, NDArray[np.int64]]]:

@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.control.sampled import Held
 from stribeck.errors import needed
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.scenario import Scenario
 from stribeck.signals.pieces import JUMP, SMOOTH
-from stribeck.simulation.result import Result, ended, held_back, intervals
+from stribeck.simulation.result import Result, ended, held_back
 
 _SAME_TIME = 1e-12  # as in runtime/run.c
 
@@ -33,15 +32,9 @@ class RateFunctions:
         self._rates, self._jacobian = python_function(inputs, rates), python_function(inputs, jacobian)
         self._watch = python_function(inputs, [watch.value for watch in watches])
         self._moved = python_function(inputs, [wrap(0.0) if moved is None else moved])
-        self._place = {key: i for i, key in enumerate(system.parameters)}
         self._values = [np.float64(values[key]) for key in system.parameters]
         self.piece: Array = np.zeros(len(system.piece_fields))
         self.held = np.zeros(len(system.held))
-
-    def change(self, values: dict[tuple[str, str], float]) -> None:
-        """Take other values for some constants."""
-        for key, value in values.items():
-            self._values[self._place[key]] = np.float64(value)
 
     def _at(self, t: float, x: Array) -> tuple[Any, ...]:
         return (*self._values, *self.piece, *self.held, t, *x)
@@ -80,9 +73,14 @@ class _Controllers:
             python_function([*inputs, *(f"memory.{n}" for n in each.memory)], [each.output, *each.memory.values()])
             for each in samples
         ]
-        self.memory = [[0.0] * len(each.memory) for each in samples]
+        self.memory, self._shown = [[0.0] * len(each.memory) for each in samples], len(system.shown)
         self.waiting: list[list[float]] = [[] for _ in samples]
         self.sampled, self.acted = [0] * len(samples), [0] * len(samples)
+
+    @property
+    def shown(self) -> list[float]:
+        """What of the memory the output has."""
+        return [x for each in self.memory for x in each][: self._shown]
 
     def next_stop(self) -> float:
         """The next time at which one samples or acts."""
@@ -112,22 +110,13 @@ class _Controllers:
 
 def solve(scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:
     """Integrate the scenario with SciPy's Radau; ``progress`` is told the share of time done."""
-    run, log = _Run(scenario, progress), Held()
-    stretches = intervals(scenario, log)
-    interval = next(stretches, None)
+    run, end = _Run(scenario, progress), scenario.end
     with np.errstate(all="ignore"):
         run.begin()
-        while interval is not None and run.reason is None:
-            until, changes = interval
-            run.equations.change(changes)
-            while run.t < until and run.reason is None:
-                run.advance(run.t, min(run.next_stop(), until))
-            try:
-                interval = stretches.send(run.x)
-            except StopIteration:
-                interval = None
+        while run.t < end and run.reason is None:
+            run.advance(run.t, min(run.next_stop(), end))
     stats: dict[str, Any] = {**run.count, "smallest_step": None, "largest_step": None, "solver": "scipy-radau"}
-    return Result(run.out[: run.row], run.events, run.reason, stats, log if log.t else None)
+    return Result(run.out[: run.row], run.events, run.reason, stats)
 
 
 class _Run:
@@ -143,7 +132,8 @@ class _Run:
         self.thresholds = np.array(scenario.thresholds())
         self.moved = names.index("E_in") if scenario.system.moved_energy() is not None else None
         self.rows = np.arange(scenario.rows) * scenario.output.step
-        self.out, self.row = np.empty((scenario.rows, len(names) + len(self.equations.held))), 0
+        more = len(self.equations.held) + len(scenario.system.shown)
+        self.out, self.row = np.empty((scenario.rows, len(names) + more)), 0
         self.pieces, self.piece, self.t = scenario.pieces(), 0, 0.0
         self.reason: str | None = None
         self.events: list[tuple[float, int]] = []
@@ -162,7 +152,7 @@ class _Run:
 
     def _put_rows(self, until: float) -> None:
         while self.row < len(self.rows) and self.rows[self.row] <= until:
-            self.out[self.row] = [*self.x, *self.equations.held]
+            self.out[self.row] = [*self.x, *self.equations.held, *self.controllers.shown]
             self.row += 1
 
     def _pass(self, first: bool = False) -> None:
@@ -213,7 +203,7 @@ class _Run:
             )
             if stop > self.row:
                 self.out[self.row : stop, : len(self.x)] = dense(rows[self.row : stop]).T
-                self.out[self.row : stop, len(self.x) :] = equations.held
+                self.out[self.row : stop, len(self.x) :] = [*equations.held, *self.controllers.shown]
                 self.row = stop
             self.events += self._events(dense)
             if not np.isfinite(solver.y).all():

@@ -131,6 +131,10 @@ class MachineVariations(Variations):
                 j += 1
         return self._table(found) if found else np.zeros((len(self), 0))
 
+    def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
+        """Events that no watched quantity tells: none."""
+        return []
+
     def sampling(self) -> list[list[dict[str, float]]]:
         """Period, delay, noise and seed of the sampled controllers of each lane."""
         if not self.rig.machine.held:

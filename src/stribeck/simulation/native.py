@@ -8,13 +8,11 @@ from ctypes import POINTER, c_double, c_int, c_int8, c_int32, c_int64
 
 import numpy as np
 
-from stribeck.control.sampled import Held
 from stribeck.errors import BuildError
-from stribeck.expressions.ops import Value, clip, larger, smaller, sqrt
+from stribeck.expressions.ops import Value, clip, larger, smaller
 from stribeck.scenario import Scenario
 from stribeck.simulation.layout import struct_fields
-from stribeck.simulation.result import Result, ended, failure, held_back, intervals
-from stribeck.system import Groups
+from stribeck.simulation.result import Result, ended, failure, held_back
 
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
 EVENT_ROOM = 4096
@@ -68,19 +66,7 @@ def share_of(damping: Value) -> Value:
 
 def damping_ratio(scenario: Scenario) -> float:
     """Of a body on its bristles, at rest; infinite where there is no such thing."""
-    if scenario.rig is not None:  # a machine has many bodies and contacts
-        return float("inf")
-    return float(damping_of(scenario, scenario.groups()))
-
-
-def damping_of(scenario: Scenario, constants: Groups) -> Value:
-    """The damping ratio of the scenario's body with these values, as numbers or as expressions."""
-    p, mass = constants.law, scenario.plant.inertia(constants.plant)
-    sigma_0 = getattr(p, "sigma_0", None)
-    if sigma_0 is None or mass is None or scenario.drive.sets_velocity or not scenario.law.has_z:
-        return float("inf")
-    given = [getattr(p, name, None) for name in ("sigma_1", "sigma_2")]
-    return (sum(x for x in given if x is not None) + getattr(constants.drive, "K_d", 0.0)) / (2 * sqrt(sigma_0 * mass))
+    return float(scenario.whole.damping())
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -107,14 +93,13 @@ class _Solving:
     """A run of the compiled solver: the struct that it shares with Python, and the arrays that this points to."""
 
     def __init__(self, library: ctypes.CDLL, scenario: Scenario) -> None:
-        self.library, self.scenario, self.log = library, scenario, Held()
+        self.library, self.scenario = library, scenario
         system, values, atol = scenario.system, scenario.values(), scenario.atol()
         share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
         room, noise = held_back(scenario.end, [scenario.sampling()])
         self.x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
-        self.out = np.empty((scenario.rows, len(system.states) + held))
+        self.out = np.empty((scenario.rows, len(system.states) + held + len(system.shown)))
         self.parameters = np.array([values[key] for key in system.parameters])
-        self.place = {key: i for i, key in enumerate(system.parameters)}
         event_room = max(EVENT_ROOM, library.stribeck_event_room())
         self.event_time, self.event_what = np.empty(event_room), np.empty(event_room, np.int32)
         self.events: list[tuple[float, int]] = []
@@ -143,26 +128,9 @@ class _Solving:
         run.event_room = event_room
 
     def to_the_end(self, progress: Callable[[float], None] | None) -> Result:
-        """From each sample of a controller to the next, and the last to the end."""
-        status, left = _DONE, self.scenario.solve.max_steps
-        stretches = intervals(self.scenario, self.log)
-        interval = next(stretches, None)
-        while interval is not None and status == _DONE:
-            self.run.t_end, changes = interval
-            for key, value in changes.items():
-                self.parameters[self.place[key]] = value
-            status, left = self._stretch(left, progress)
-            if status == _DONE:
-                try:
-                    interval = stretches.send(self.x)
-                except StopIteration:
-                    interval = None
-        return self._result(status)
-
-    def _stretch(self, left: int, progress: Callable[[float], None] | None) -> tuple[int, int]:
-        """To the stretch's end, with ``left`` steps at most; how it ended, and how many steps are left."""
-        run, end = self.run, self.scenario.end
-        status, run.restart = _MORE, 1
+        """From t = 0 to where it ends, slice by slice."""
+        run, end, left = self.run, self.scenario.end, self.scenario.solve.max_steps
+        status, run.restart, run.t_end = _MORE, 1, end
         while status in (_MORE, _EVENTS_FULL) and left > 0:
             run.attempts_left = attempts = min(_SLICE, left)
             before = run.t
@@ -175,7 +143,7 @@ class _Solving:
                 status = _NOT_FINITE  # time is finer than the position where the equations end
             if progress is not None:
                 progress(run.t / end)
-        return status, left
+        return self._result(status)
 
     def _result(self, status: int) -> Result:
         run, scenario = self.run, self.scenario
@@ -184,7 +152,6 @@ class _Solving:
             states=self.out[: run.row],
             events=self.events,
             reason=why or failure(status, run.t, scenario.solve.max_steps),
-            log=self.log if self.log.t else None,
             stats={
                 "accepted": run.accepted, "rejected": run.rejected, "rates": run.rates, "jacobians": run.jacobians,
                 "smallest_step": run.h_smallest if np.isfinite(run.h_smallest) else None,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
 from typing import Any
@@ -10,20 +10,17 @@ from typing import Any
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.control.sampled import Held, Interval
 from stribeck.scenario import Scenario
-from stribeck.system import System
 
 
 @dataclass(frozen=True)
 class Result:
     """The states at the output rows that were reached, the events met, why it ended early if so, and statistics."""
 
-    states: Array
+    states: Array  # then held outputs, and what is shown of the controllers' memory
     events: list[tuple[float, int]]  # time; which watched quantity (times 4), and which of its events
     reason: str | None
     stats: dict[str, Any]
-    log: Held | None = None  # of a sampled controller
 
 
 def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tuple[int, Array]:
@@ -47,18 +44,6 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
     if status == -2:
         return f"after t = {t:.9g} s the equations are no longer finite"
     return f"gave up at t = {t:.9g} s after solve.max_steps = {max_steps} attempted steps"
-
-
-def intervals(scenario: Scenario, log: Held) -> Generator[Interval, Array, None]:
-    """The stretches of a run within which no run-time constant changes: until when, and what changes at its begin.
-
-    The state at the end of each is to be sent back.
-    """
-    if scenario.rig is not None:
-        yield scenario.end, {}
-        return
-    assert isinstance(scenario.system, System)
-    yield from scenario.settings.stretches(scenario.system, scenario.values(), scenario.signal, scenario.end, log)
 
 
 def ended(scenario: Scenario, t: float, x: Array) -> str | None:

@@ -63,7 +63,7 @@ def simulate(
     )
     solution = Solution(scenario, result)
     if solution.reason is None:
-        for text in scenario.settings.remarks(scenario, solution, result.log):
+        for text in scenario.settings.remarks(scenario, solution):
             note(text)
     return solution
 
@@ -76,9 +76,6 @@ def _solve(library: object, scenario: Scenario, progress: Callable[[float], None
         if isinstance(library, ctypes.CDLL)
         else fallback.solve(scenario, progress)
     )
-    if scenario.rig is None and scenario.drive.sets_velocity and scenario.threshold > 0:
-        # the velocity is no state then: its events are those of the signal, as far as the run came
-        reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
-        found = scenario.signal.crossings(scenario.threshold, reached)
-        result.events.extend((t, int(not rises)) for t, rises in found)
+    reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
+    result.events.extend(scenario.whole.more_events(reached))
     return result

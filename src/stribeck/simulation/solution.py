@@ -34,6 +34,7 @@ class Solution:
         reason: why it failed, else None.
         events: ``{"slip": times, "stick": times}`` in s: where \\|v\\| rises, and falls, through v_s.
         states: the states at the rows, an array (rows, states) in the order of ``scenario.system.states``.
+        held: what sampled controllers held at the rows, by name: their outputs, and what is shown of their memory.
         stats: accepted and rejected steps, evaluations, the solver, and seconds spent solving and building.
     """
 
@@ -43,8 +44,8 @@ class Solution:
         self.status = "done" if result.reason is None else "failed"
         self.stats = result.stats
         count = len(scenario.system.states)
-        self.states, self._log = result.states[:, :count], result.log
-        self._held = dict(zip(scenario.system.held, result.states[:, count:].T, strict=True))
+        self.states, names = result.states[:, :count], (*scenario.system.held, *scenario.system.shown)
+        self.held: dict[str, Array] = dict(zip(names, result.states[:, count:].T, strict=True))
         self.events = _events(scenario, result.events)
         self.counts = np.zeros((max(1, len(scenario.system.watched)), 4), np.int64)  # of each event
         for _, what in result.events:
@@ -63,9 +64,8 @@ class Solution:
     @cached_property
     def _columns(self) -> dict[str, Array]:
         states = {state.name: self.states[:, i] for i, state in enumerate(self.scenario.system.states)}
-        states |= self._log.held(self.t) if self._log is not None else {}
         with np.errstate(all="ignore"):
-            found = self.scenario.columns(self.t, states, self._held)
+            found = self.scenario.columns(self.t, states, self.held)
         return {
             column.name: np.array(np.broadcast_to(np.asarray(found[column.name], float), self.t.shape))
             for column in self.columns
@@ -124,10 +124,10 @@ class Solution:
     @property
     def laws(self) -> dict[str, object]:
         """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
-        rig = self.scenario.rig
-        if rig is None:
-            return {"law": _about(self.scenario.law)}
-        return {"contacts": {c.name: {"law": _about(rig.laws[c.law_path])} for c in rig.machine.contacts}}
+        whole = self.scenario.whole
+        if not whole.equations.by_element:
+            return {"law": _about(whole.law)}
+        return {"contacts": {name: {"law": _about(law)} for name, law in whole.named_laws.items()}}
 
     def summary(self) -> dict[str, object]:
         """What ``stribeck run --json`` prints, without the files."""
@@ -155,7 +155,7 @@ def _lists(events: Mapping[str, Any]) -> dict[str, object]:
 def _events(scenario: Scenario, found: list[tuple[float, int]]) -> dict[str, Any]:
     """The times of what happened; of a machine by element, of a single body without its name."""
     watched = scenario.system.watched
-    if scenario.rig is None:
+    if not scenario.system.by_element:
         times = {"slip": [t for t, what in found if not what & 1], "stick": [t for t, what in found if what & 1]}
         return {name: np.array(each) for name, each in times.items()}
     events: dict[str, dict[str, list[float]]] = {name: {kind: [] for kind in kinds} for name, kinds in watched}

@@ -53,8 +53,7 @@ def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | La
         from stribeck.simulation.machines import vary_machine
 
         return vary_machine(scenario, values)
-    simple = not scenario.drive.differentiates and len(scenario.signal.pieces if scenario.signal.smooth else ()) <= 1
-    return (Variations if simple else LaneByLane)(scenario, values)
+    return (LaneByLane if scenario.drive.differentiates else Variations)(scenario, values)
 
 
 class Variations:
@@ -140,6 +139,13 @@ class Variations:
         """The threshold of each watched quantity, 0 for none."""
         return np.repeat(self.threshold()[:, np.newaxis], len(self.scenario.system.watched), axis=1)
 
+    def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
+        """Events of a lane that no state tells, as far as it came (:meth:`Single.more_events`)."""
+        if not self.scenario.single.drive.sets_velocity or not (threshold := float(self.threshold()[lane])) > 0:
+            return []
+        signals, which = self.signals
+        return [(t, int(not rises)) for t, rises in signals[which[lane]].crossings(threshold, reached)]
+
     def sampling(self) -> list[list[dict[str, float]]]:
         """Period, delay, noise and seed of the sampled controllers of each lane."""
         return []
@@ -164,8 +170,7 @@ class Variations:
     def pieces(self) -> Tables:
         """The signals as tables of pieces."""
         signals, which = self.signals
-        smooth = Pieces(np.zeros(1), np.zeros((1, 3)), np.ones(1, np.int8))
-        return Tables.of([smooth if signal.smooth else pieces_of(signal) for signal in signals], which)
+        return Tables.of([pieces_of(signal) for signal in signals], which)
 
     # -- values that no scenario may have --------------------------------------------------------------------------
 

@@ -1,14 +1,19 @@
 """Static and presliding fits against known truth and published numbers."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import stribeck
-from stribeck import InputError
+from stribeck import InputError, laws
 from stribeck.identify.data.segments import constant_speed, distinct_speeds
 from stribeck.identify.log import Log
 from stribeck.identify.methods.presliding import fit_presliding, loops, turning_points
+from stribeck.identify.methods.static_start import model
+from stribeck.identify.models.static_problem import rows_of
 from stribeck.rig.synthetic import Sensors, experiment
+from tests.identify import rig
 from tests.shared import SHARED
 
 EMPS = SHARED / "data" / "emps" / "DATA_EMPS.mat"
@@ -235,3 +240,47 @@ def test_without_presliding_the_stiffness_is_declared_unknown():
     fit = stribeck.fit(log, "lugre", method="presliding")
     assert not fit.estimates["sigma_0"].identifiable
     assert fit.to_json()["parameters"]["sigma_0"]["value"] is None
+
+
+def test_a_curve_that_rises_out_of_sight_is_not_believed(monkeypatch):
+    """Few speeds: F_s came out as 7e11 N beside a largest force of 30, and another record of the machine was predicted
+    7 million times its size off."""
+    monkeypatch.syspath_prepend(Path(__file__).parent.parent.parent.parent / "benchmarks")
+    import held_out
+
+    draw = np.random.default_rng(13)
+    machine = held_out.machine(draw, "stribeck")
+    columns = held_out.record(machine, held_out.motion(draw, "steps"), draw)
+    fit = stribeck.fit(columns, time="t", velocity="v", force="F").best
+    law = laws.find(fit.law)({n: x for n, x in fit.used.items() if n in laws.find(fit.law).constants()})
+    peak = np.max(abs(law.steady_force(np.linspace(-1, 1, 200001))))
+    assert peak < 5 * np.max(abs(columns["F"]))
+
+
+def test_terms_of_a_position_that_nobody_measured_are_not_chosen(monkeypatch):
+    """The zero of an integrated speed is the record's own: chosen for warmth that grew along one record, a level that grows
+    with position predicted the next one with twice the error of least squares."""
+    monkeypatch.syspath_prepend(Path(__file__).parent.parent.parent.parent / "benchmarks")
+    import held_out
+
+    draw = np.random.default_rng(15)
+    machine = held_out.machine(draw, "temperature")
+    columns = held_out.record(machine, held_out.motion(draw, "steps"), draw)
+    fit = stribeck.fit(columns, time="t", velocity="v", force="F").best
+    assert not {"stiffness", "gravity_sin", "gravity_cos", "F_c_by_position"} & set(fit.body)
+
+
+def test_the_rise_to_f_s_is_bounded_and_the_others_adapt_to_that():
+    log = rig.measured(rig.STROKES[:4])
+    rows = rows_of(log)
+    found = model(rows, laws.find("stribeck"), {}, None, 0.0, ("offset",)).whole
+    free = found.solve({"v_s": 0.05})
+    found.highest = 0.5 * (free.values["F_s"] - free.values["F_c"])
+    held = found.solve({"v_s": 0.05})
+    assert held.values["F_s"] - held.values["F_c"] == pytest.approx(found.highest, rel=1e-3)
+    names, matrix, rest = found.matrix({"v_s": 0.05})
+    k = names.index("F_s")
+    others = np.delete(matrix, k, axis=1)
+    left = rest - (held.values["F_s"] - held.values["F_c"]) * matrix[:, k]
+    least = left - others @ np.linalg.lstsq(others, left, rcond=None)[0]
+    assert held.cost == pytest.approx(float(np.sum((found.weight * least) ** 2)), rel=1e-6)

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.methods.dynamic import cross_validated, fit_dynamic
-from stribeck.identify.methods.optimise import descend
 from stribeck.identify.models.dynamic_problem import velocity_problem
 from stribeck.identify.statistics.crossvalidate import LeftOut, choose, groups
 from tests.identify import rig
@@ -44,7 +44,7 @@ def test_an_error_over_parts_left_out_is_the_noise_for_the_true_law(log):
 def test_the_part_left_out_is_not_seen(log):
     """Spoiling the force of a part changes only what the other parts' fits say, never its own prediction."""
     problem, u, _, _ = velocity_problem(two_runs(log), "lugre", mass=0.0)
-    u = descend(problem, problem.point({**rig.TRUTH, "offset": 0.0, "z_0": 0.0, "z_1": 0.0}), 1e-8, 50).point
+    u = solve_blocks(problem, problem.point({**rig.TRUTH, "offset": 0.0, "z_0": 0.0, "z_1": 0.0}), 1e-8, 50).point
     part, _ = groups(two_runs(log), 2)
     spoilt = two_runs(log).with_columns(force=np.where(part == 0, log.force + 100.0, log.force))
     other, _, _, _ = velocity_problem(spoilt, "lugre", mass=0.0)

@@ -9,8 +9,8 @@ import pytest
 from scipy.signal import lfilter
 from scipy.stats import chi2
 
+from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.methods.dynamic import fit_dynamic
-from stribeck.identify.methods.optimise import descend
 from stribeck.identify.models.dynamic_problem import velocity_problem
 from stribeck.identify.statistics import uncertainty
 from stribeck.rig.synthetic import LABEL
@@ -60,17 +60,30 @@ def test_an_estimate_on_few_samples_is_told_from_one_on_many():
 def test_a_profile_ends_where_the_likelihood_has_fallen():
     log = rig.measured([*rig.LOOPS, *rig.STROKES[:3]])
     problem, _, _, _ = velocity_problem(log, "lugre", mass=0.0)
-    u = descend(problem, problem.point({**rig.TRUTH, "offset": 0.0, "z_0": 0.0}), 1e-10, 50).point
+    u = solve_blocks(problem, problem.point({**rig.TRUTH, "offset": 0.0, "z_0": 0.0}), 1e-10, 50).point
     misfit = problem.misfit(u)
     fit = fit_dynamic(log, "lugre", mass=0.0, starts=2)
     k = [c.name for c in problem.coordinates].index("sigma_1")
     variance = misfit @ misfit / (len(misfit) - len(u))
     # independent of the search for the end: hold the value found there and fit the others anew
     held, _, _, _ = velocity_problem(log, "lugre", mass=0.0, fixed={"sigma_1": fit.estimates["sigma_1"].high})
-    there = descend(held, held.point({**problem.values(u)}), 1e-12, 100).point
+    there = solve_blocks(held, held.point({**problem.values(u)}), 1e-12, 100).point
     fall = (np.sum(held.misfit(there) ** 2) - misfit @ misfit) / variance
     assert fall == pytest.approx(chi2.ppf(0.95, 1), rel=0.05)
     assert problem.coordinates[k].outer(u[k]) == pytest.approx(fit.estimates["sigma_1"].value, rel=1e-4)
+
+
+def test_an_interval_that_is_wide_with_what_no_residual_shows_is_not_known(monkeypatch):
+    """It came out as 47000 to 200000, and known: the verdict was that of the narrower one."""
+    log = rig.measured([*rig.LOOPS, *rig.STROKES[:3]])
+    problem, _, _, _ = velocity_problem(log, "lugre", mass=0.0)
+    u = solve_blocks(problem, problem.point({**rig.TRUTH, "offset": 0.0, "z_0": 0.0}), 1e-10, 50).point
+    monkeypatch.setattr(uncertainty, "systematic", lambda problem, u, slopes: np.full(len(u), 0.75))
+    monkeypatch.setattr(uncertainty, "hangs", lambda c, bias: "")
+    found = uncertainty.judge(problem, u, log, profiles=False).estimates["sigma_0"]
+    assert found.high / found.low > 4
+    assert not found.identifiable
+    assert "spans a factor of" in found.why
 
 
 def test_noise_with_memory_widens_the_intervals():

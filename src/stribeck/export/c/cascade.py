@@ -94,7 +94,7 @@ class ControllerCode:
         """The controller's equations."""
         drive = self.settings.drive(self.scenario.drive, self.scenario.drive_values)
         assert isinstance(drive, PressureCascade)
-        return replace(drive, sampled=False)
+        return replace(drive, sampled=None)
 
     @property
     def name(self) -> str:
@@ -162,7 +162,7 @@ class ControllerCode:
         """Statements in C: of a ``sample``, or of the ``path``."""
         inputs = {f"{g}.{n}": f"p->{g}.{n}" for g, constants in self.constants.items() for n in constants}
         if part == "path":
-            inputs |= {f"signal.{n}": f"pieces[i].{n}" for n in (self.pieces or [{}])[0]} | {"t": "t"}
+            inputs |= {f"segment.{n}": f"pieces[i].{n}" for n in (self.pieces or [{}])[0]} | {"t": "t"}
             wanted = [(f"d->{c.name}", f"path.{c.name}") for c in PATH]
         else:
             inputs |= {f"path.{c.name}": f"d->{c.name}" for c in PATH} | {n: f"m->{n}" for n in MEASURED}
@@ -201,7 +201,7 @@ class ControllerCode:
     @property
     def period(self) -> float | None:
         """The sample time of the scenario, s."""
-        return self.settings.sampling.time if self.settings.sampling is not None else None
+        return self.settings.sampling["period"] if self.settings.sampling is not None else None
 
 
 def files(request: Request) -> dict[str, str | bytes]:
@@ -231,6 +231,6 @@ def notes(request: Request) -> list[str]:
         )
     elif step is not None and step != cascade.period:
         found.append(f"{arg('step')}: {step:g} s: the scenario simulates drive.sample_time = {cascade.period:g} s")
-    if sampling is not None and sampling.bandwidth is not None:
+    if sampling is not None and sampling["bandwidth"]:
         found.append("the filter of drive.bandwidth is not part of the controller: it takes velocity and acceleration")
     return found

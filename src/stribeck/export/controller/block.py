@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 from stribeck.constants import Constant, show
+from stribeck.control.sampled import SAMPLING, Sampled
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg, nearest
 from stribeck.export.c.ccode import WORDS, c_condition
@@ -20,9 +21,8 @@ from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
 from stribeck.machine.balance import lead_of
 from stribeck.machine.friction import compensation
-from stribeck.machine.parts import ControllerPart, Sampled
+from stribeck.machine.parts import ControllerPart
 from stribeck.machine.sampled import observed, sampled_states, stepped
-from stribeck.machine.system import SAMPLING
 from stribeck.scenario import Scenario
 from stribeck.signals.pieces import Reference, fields, pieces
 

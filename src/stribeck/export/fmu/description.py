@@ -67,7 +67,7 @@ def model_description(values: dict[str, Any]) -> str:
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
     }
-    if values["exchange"]:
+    if values["exchange"] and "events" not in values:  # a machine has no directional derivatives
         common[directional] = "true"
         if fmi == 3:
             common["providesAdjointDerivatives"] = "true"

@@ -1,3 +1,5 @@
-"""A whole machine for other tools: its C with its sampled controllers and the solver, and that as an FMU."""
+"""Whole machines: part ``machine`` of the targets c and fmu, and the target python."""
 
-TARGET = None  # a part of the targets c and fmu
+from stribeck.export.request import Target
+
+TARGET = Target("python", "machine.python", "a Python program that SciPy runs", ("machine",), folder=False)

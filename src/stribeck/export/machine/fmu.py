@@ -1,4 +1,4 @@
-"""``--part machine --target fmu``: the machine as an FMU for co-simulation, which brings its solver with it."""
+"""``--part machine --target fmu``: the machine as an FMU for model exchange, and for co-simulation with its solver."""
 
 from __future__ import annotations
 
@@ -15,7 +15,9 @@ def files(model: MachineModel, fmi: int) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
     values, variables = model.context(), variables_of(model)
     values |= {
-        "fmi": fmi, "variables": variables, "derivatives": [], "exchange": False, "states": [],
+        "fmi": fmi, "variables": variables, "exchange": True, "events": True,
+        "derivatives": [v for v in variables if v.derivative_of is not None],
+        "states": [v for v in variables if v.nominal is not None],
         "token": token(model.name, fmi, model.about(), variables),
     }  # fmt: skip
     sources = {
@@ -28,7 +30,7 @@ def files(model: MachineModel, fmi: int) -> dict[str, str | bytes]:
 
 
 def variables_of(model: MachineModel) -> list[Variable]:
-    """Time, an input for each signal, the columns of the output, and every constant."""
+    """Time, an input for each signal, the states and their rates, the columns of the output, and every constant."""
     found = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
 
     def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Any) -> None:
@@ -38,14 +40,19 @@ def variables_of(model: MachineModel) -> list[Variable]:
     for each in model.inputs:
         meaning = "added to the signal of the file, held over a step"
         add(each.path, each.unit, meaning, "input", f"m->s.constants[{each.parameter}]", start=0.0)
+    states, first, nominal = model.machine.states, len(found), model.rig.natural()
+    shown = {column.name: column for column in model.columns}
+    for i, state in enumerate(states):
+        column = shown.get(state.name, state)
+        role = "output" if state.name in shown else "local"
+        more: dict[str, Any] = {"start": model.start[state.name], "nominal": nominal[state.name]}
+        add(state.name, column.unit, column.meaning, role, f"m->s.x[{i}]", **more)
     known = tuple(range(1, len(found))) or (0,)
-    place = {name: i for i, name in enumerate(model.start)}
+    for i, state in enumerate(states):
+        more = {"derivative_of": first + i, "settable": False, "calculated_from": known}
+        add(f"der({state.name})", _rate(state.unit), f"rate of {state.name}", "local", f"m->rate[{i}]", **more)
     for i, column in enumerate(model.columns):
-        if column.name in place:
-            at = place[column.name]
-            more: dict[str, Any] = {"start": model.start[column.name], "calculated_from": known}
-            add(column.name, column.unit, column.meaning, "output", f"m->s.x[{at}]", **more)
-        else:
+        if column.name not in model.start:
             more = {"settable": False, "calculated_from": known}
             add(column.name, column.unit, column.meaning, "output", f"m->o[{i}]", **more)
     inputs = {each.parameter for each in model.inputs}
@@ -63,6 +70,11 @@ def variables_of(model: MachineModel) -> list[Variable]:
 def _structured(name: str) -> str:
     """A path as FMI's structured names want it: an entry of a list is an index, counted from 1."""
     return re.sub(r"\.(\d+)(?=\.|$)", lambda found: f"[{int(found[1]) + 1}]", name)
+
+
+def _rate(unit: str) -> str:
+    """The unit of a rate."""
+    return {"": "", "1": "1/s", "m/s": "m/s^2", "rad/s": "rad/s^2", "J": "J/s"}.get(unit, f"{unit}/s")
 
 
 def _unit(unit: str) -> str:

@@ -183,6 +183,13 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component i, const fmi2ValueReferenc
 fmi2Status fmi2NewDiscreteStates(fmi2Component i, fmi2EventInfo *info)
 {
     memset(info, 0, sizeof *info);
+{% if events is defined %}
+    double next;
+    if (checked(i) != fmi2OK) return fmi2Error;
+    info->valuesOfContinuousStatesChanged = update(MODEL(i), &next) ? fmi2True : fmi2False;
+    info->nextEventTimeDefined = next < INFINITY ? fmi2True : fmi2False;
+    info->nextEventTime = next < INFINITY ? next : 0;
+{% endif %}
     return checked(i);
 }
 

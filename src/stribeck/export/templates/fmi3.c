@@ -288,6 +288,13 @@ fmi3Status fmi3UpdateDiscreteStates(fmi3Instance i, fmi3Boolean *again, fmi3Bool
 {
     *again = *terminate = *nominals = *states = *timeDefined = fmi3False;
     *time = 0;
+{% if events is defined %}
+    double next;
+    if (checked(i) != fmi3OK) return fmi3Error;
+    *states = update(MODEL(i), &next) ? fmi3True : fmi3False;
+    *timeDefined = next < INFINITY ? fmi3True : fmi3False;
+    *time = next < INFINITY ? next : 0;
+{% endif %}
     return checked(i);
 }
 

@@ -1,5 +1,10 @@
 {## Model exchange, alike in FMI 2.0 and 3.0 but for the names. #}
 {% set F = "fmi%d" % fmi %}
+#ifndef X
+#define X(m) ((m)->x)
+#define TOUCHED(m) ((void)0)
+#endif
+
 {% set Handle, Real = ("fmi2Component", "fmi2Real") if fmi == 2 else ("fmi3Instance", "fmi3Float64") %}
 {{ F }}Status {{ F }}CompletedIntegratorStep({{ Handle }} i, {{ F }}Boolean noSet, {{ F }}Boolean *event, {{ F }}Boolean *terminate)
 {
@@ -11,20 +16,22 @@
 {{ F }}Status {{ F }}SetTime({{ Handle }} i, {{ Real }} time)
 {
     MODEL(i)->time = time;
+    TOUCHED(MODEL(i));
     return {{ F }}OK;
 }
 
 {{ F }}Status {{ F }}SetContinuousStates({{ Handle }} i, const {{ Real }} x[], size_t n)
 {
     if (n != STATES) return fail(i, "this is not the number of states");
-    for (size_t k = 0; k < n; ++k) MODEL(i)->x[k] = x[k];
+    for (size_t k = 0; k < n; ++k) X(MODEL(i))[k] = x[k];
+    TOUCHED(MODEL(i));
     return {{ F }}OK;
 }
 
 {{ F }}Status {{ F }}GetContinuousStates({{ Handle }} i, {{ Real }} x[], size_t n)
 {
     if (n != STATES) return fail(i, "this is not the number of states");
-    for (size_t k = 0; k < n; ++k) x[k] = MODEL(i)->x[k];
+    for (size_t k = 0; k < n; ++k) x[k] = X(MODEL(i))[k];
     return {{ F }}OK;
 }
 

@@ -9,17 +9,17 @@
 
 #undef UNUSED
 #define UNUSED(x) (void)(x)
-#define STATES 0 /* that the importer integrates */
+#define STATES {{ P | upper }}_STATES
 
 /* All that an instance is; nothing else is kept anywhere. */
 typedef struct {
     {{ P }} s;
-    double x[STATES + 1], o[{{ P | upper }}_COLUMNS], time, tolerance;
-    int initialised, known; /* known: o holds the columns of the present state */
+    double o[{{ P | upper }}_COLUMNS], rate[STATES], time, tolerance;
+    int initialised, known; /* known: o and rate are of the present state */
 } Model;
 
 typedef struct {
-    double rate[STATES + 1];
+    double rate[STATES];
 } Evaluation;
 
 static void start(Model *m)
@@ -28,16 +28,25 @@ static void start(Model *m)
     {{ P }}_start(&m->s);
 }
 
-/* The importer integrates nothing. */
-static void evaluate(const Model *m, Evaluation *e)
+/* Model exchange: the importer integrates the states, and stops where something happens. */
+#define X(m) ((m)->s.x)
+#define TOUCHED(m) ((m)->known = 0, {{ P }}_at(&(m)->s, (m)->time))
+
+static void evaluate(const Model *m, Evaluation *e) { {{ P }}_rates(&m->s, e->rate); }
+
+/* What happens now; when something happens next. Whether a state changed. */
+static int update(Model *m, double *next)
 {
-    UNUSED(m);
-    e->rate[0] = 0;
+    double before[STATES];
+    memcpy(before, m->s.x, sizeof before);
+    m->known = 0;
+    *next = {{ P }}_happen(&m->s, m->time);
+    return memcmp(before, m->s.x, sizeof before) != 0;
 }
 
 static int partial(const Model *m, unsigned unknown, unsigned known, double *value)
 {
-    UNUSED(m); UNUSED(unknown); UNUSED(known);
+    UNUSED(m); UNUSED(unknown); UNUSED(known); /* the description promises none */
     *value = 0;
     return 0;
 }
@@ -45,7 +54,10 @@ static int partial(const Model *m, unsigned unknown, unsigned known, double *val
 /* Value of a variable; 0 where there is none of this reference. */
 static int get(Model *m, unsigned reference, double *value)
 {
-    if (!m->known) {{ P }}_columns(&m->s, m->o);
+    if (!m->known) {
+        {{ P }}_columns(&m->s, m->o);
+        {{ P }}_rates(&m->s, m->rate);
+    }
     m->known = 1;
     switch (reference) {
 {% for variable in variables %}

@@ -135,6 +135,47 @@ int {{ P }}_advance({{ P }} *m, double t)
     return stribeck_advance(&m->run);
 }
 
+void {{ P }}_rates(const {{ P }} *m, double out[{{ P | upper }}_STATES])
+{
+    const Segment piece = piece_of(m);
+    const Parameters *p = (const Parameters *)m->constants;
+    Coefficients c;
+    prepare(p, &c);
+    rates(p, &c, &piece, m->run.t, m->x, out);
+}
+
+/* When a signal goes on, or a controller samples or acts, the next time. */
+static double next_of(const {{ P }} *m, const Parameters *p)
+{
+    double next = INFINITY;
+    (void)p;
+    if (m->run.piece + 1 < m->run.pieces) next = PIECE_START[m->run.piece + 1];
+#if HELD > 0
+    Timing timing;
+    find_timing(p, &timing);
+    next = smaller(next, next_output(&m->run, &timing));
+    for (int i = 0; i < HELD; i++) next = smaller(next, (double)m->sampled[i] * timing.period[i]);
+#endif
+    return next;
+}
+
+double {{ P }}_happen({{ P }} *m, double t)
+{
+    const Parameters *p = (const Parameters *)m->acting;
+    Coefficients c;
+    bind(m);
+    take_constants(m);
+    prepare(p, &c);
+    const double due = next_of(m, p);
+    m->run.t = m->begun && due > t && due <= t * (1 + 1e-9) ? due : t; /* a time that another program computed */
+    pass(&m->run, p, &c, !m->begun);
+    m->run.t = t;
+    m->begun = 1;
+    m->run.row = 1;
+    return next_of(m, p);
+}
+
+void {{ P }}_at({{ P }} *m, double t) { m->run.t = t; }
 double {{ P }}_time(const {{ P }} *m) { return m->run.t; }
 double *{{ P }}_states({{ P }} *m) { return m->x; }
 double *{{ P }}_constants({{ P }} *m) { return m->constants; }

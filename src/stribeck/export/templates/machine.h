@@ -53,6 +53,11 @@ size_t {{ P }}_size(void); /* of a machine, in bytes; its place must be aligned 
 void {{ P }}_start({{ P }} *m);
 int {{ P }}_advance({{ P }} *m, double t); /* {{ P | upper }}_DONE, or why it ended at an earlier time */
 double {{ P }}_time(const {{ P }} *m);
+/* For a solver of your own, in the place of {{ P }}_advance: the time derivatives of the states at the time that {{ P }}_at
+ * sets. At t = 0, and at each time that it returns, {{ P }}_happen lets signals go on and controllers sample and act. */
+void {{ P }}_rates(const {{ P }} *m, double out[{{ P | upper }}_STATES]);
+void {{ P }}_at({{ P }} *m, double t);
+double {{ P }}_happen({{ P }} *m, double t); /* the next such time, or infinity; it may change the state E_in */
 void {{ P }}_columns(const {{ P }} *m, double out[{{ P | upper }}_COLUMNS]);
 double *{{ P }}_states({{ P }} *m);
 double *{{ P }}_constants({{ P }} *m);

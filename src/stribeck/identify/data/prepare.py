@@ -17,7 +17,7 @@ from stribeck.identify.data.clocks import on_one_clock, released, steady_stretch
 from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, read
-from stribeck.identify.log import Log
+from stribeck.identify.log import INTEGRAL, Log
 from stribeck.recorded import is_table
 
 _LADDER = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
@@ -207,7 +207,7 @@ def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence
     filtered = f", low-pass {cutoff:g} Hz, zero phase" if cutoff > 0 else ""
     resampled = "" if all(part.even for part in parts) else ", resampled"
     found = {name: f"measured{resampled}{filtered if name in _MOTION[1:] else ''}" for name in roles}
-    found.setdefault("position", "the integral of the velocity")
+    found.setdefault("position", INTEGRAL)
     found.setdefault("velocity", f"{slopes} of the position")
     found.setdefault("acceleration", f"{slopes} of the velocity")
     return found

@@ -14,7 +14,7 @@ from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
-from stribeck.identify.models.problem import Problem
+from stribeck.identify.models.problem import Problem, linear_step
 
 _FEWEST = 8  # samples of a run
 _LOWER = float(np.sqrt(0.5))
@@ -33,8 +33,7 @@ def filter_bias(problem: Problem, u: Array, slopes: Array) -> Array:
     before, after = problem.outputs(u[None, :]), problem.moving(_smoother(problem.log)).outputs(u[None, :])
     if before is None or after is None:
         return nothing
-    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
-    shift = np.linalg.lstsq(slopes / size, after[0] - before[0], rcond=1e-9)[0] / size
+    shift = linear_step(slopes, after[0] - before[0])
     return np.asarray(_WHOLE * abs(shift))
 
 
@@ -56,8 +55,7 @@ def sampling(problem: Problem, u: Array, slopes: Array) -> Array:
     if before is None or after is None:
         return np.zeros(len(u))
     inertia = problem.values(u).get("mass", 0.0) * (acceleration - log.acceleration)[problem.rows]
-    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
-    shift = np.linalg.lstsq(slopes / size, after[0] - before[0] + inertia, rcond=1e-9)[0] / size
+    shift = linear_step(slopes, after[0] - before[0] + inertia)
     return np.asarray(_COARSER * abs(shift))
 
 

@@ -12,7 +12,8 @@ from threadpoolctl import threadpool_limits
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
-from stribeck.identify.methods.optimise import STOPPED, Optimum, descend, multistart, starting_points
+from stribeck.identify.methods.blockwise import solve_blocks
+from stribeck.identify.methods.optimise import STOPPED, Optimum, multistart, starting_points
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, velocity_problem
 from stribeck.identify.models.motion_problem import white_noise
 from stribeck.identify.models.problem import Problem, Tie
@@ -103,7 +104,7 @@ def cross_validated(problem: VelocityProblem, point: Array, log: Log, folds: int
 
     def missed_without(out: NDArray[np.bool_]) -> tuple[float, float]:
         training = problem.with_rows(~out)
-        found = descend(training, training.without_unseen_starts(point), 1e-6, 30).point
+        found = solve_blocks(training, training.without_unseen_starts(point), 1e-6, 30).point
         found = training.nearest(training.without_unseen_starts(found))  # nothing has kept them in place
         force = training.force(found[None, :])
         missed = np.inf if force is None else float(np.sum((force[0] - log.force)[out] ** 2))

@@ -11,6 +11,7 @@ from scipy.optimize import least_squares
 from scipy.stats import qmc
 
 from stribeck.arrays import Array
+from stribeck.identify.methods.blockwise import Solved, solve_blocks
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.work import Stopped, Work
 from stribeck.simulation.lanes import threads_of_this_machine
@@ -56,14 +57,6 @@ class Optimum:
         return found + ("; a lower one may exist: give more starts" if alone else "")
 
 
-@dataclass(frozen=True)
-class _Run:
-    point: Array
-    cost: float
-    converged: bool
-    reason: str
-
-
 def starting_points(problem: Problem, given: Array, low: Array, high: Array, count: int, seed: int) -> list[Array]:
     """``given`` and points that fill the box from ``low`` to ``high`` evenly (Sobol), all of them allowed."""
     sampler = qmc.Sobol(len(given), seed=seed)
@@ -92,17 +85,23 @@ def multistart(
     best: dict[str, Any] = {"cost": np.inf, "point": None}
     watched = _Watched(problem, work, best)
     batch, tried = max(threads_of_this_machine(), 2), 0
-    done: list[_Run] = []
-    looks: list[_Run] = []
+    done: list[Solved] = []
+    looks: list[Solved] = []
+
+    def to_the_end(run: Solved) -> Solved:
+        near = from_afar(watched, run.point, _MIDDLE, most)
+        last = solve_blocks(watched, near.point, _MIDDLE, most)
+        return last if last.cost < near.cost else near
+
     try:
         while tried < len(starts) and not work.stopped:
             some = starts[tried : tried + (1 if not tried else batch)]
             chosen = []
-            for run in filter(None, work.each(lambda u: descend(watched, u, _ROUGH, _FIRST_LOOK), some)):
+            for run in filter(None, work.each(lambda u: from_afar(watched, u, _ROUGH, _FIRST_LOOK), some)):
                 looks.append(run)
                 if sum(other.cost <= run.cost for other in looks) <= _KEPT:
                     chosen.append(run)
-            ended = work.each(lambda run: descend(watched, run.point, _MIDDLE, most), chosen)
+            ended = work.each(to_the_end, chosen)
             done += [run for run in ended if run]
             tried += len(some)
             work.done(tried / len(starts))
@@ -112,7 +111,7 @@ def multistart(
             met = [run for run in done if run.cost <= enough]
             # the first that met it, however many ran beside it
             first = met[0] if met else min(done, key=lambda run: run.cost)
-            last = descend(watched, first.point, _FINE, most)
+            last = solve_blocks(watched, first.point, _FINE, most)
     except (KeyboardInterrupt, Stopped):
         work.stop()
     if work.stopped:
@@ -132,7 +131,8 @@ class _Watched:
 
     def __init__(self, problem: Problem, work: Work, best: dict[str, Any]) -> None:
         self.problem, self.work, self.best = problem, work, best
-        self.bounds, self.jacobian = problem.bounds, problem.jacobian
+        self.coordinates, self.bounds, self.lanes = problem.coordinates, problem.bounds, problem.lanes
+        self.jacobian, self.slopes, self.wall = problem.jacobian, problem.slopes, problem.wall
 
     def residual(self, u: Array) -> Array:
         """The problem's."""
@@ -145,12 +145,13 @@ class _Watched:
         return found
 
 
-def descend(problem: Problem | _Watched, start: Array, tolerance: float, evaluations: int) -> _Run:
-    """Least squares from one start, with bounds (SciPy's trust-region reflective)."""
+def from_afar(problem: _Watched, start: Array, tolerance: float, evaluations: int) -> Solved:
+    """Least squares from a start that may be far from any minimum (SciPy's trust-region reflective, which keeps clear of the
+    bounds)."""
     low, high = problem.bounds
     inside = np.clip(start, low + 1e-9 * (high - low), high - 1e-9 * (high - low))
     found = least_squares(
         problem.residual, inside, problem.jacobian, bounds=(low, high), method="trf",
         ftol=tolerance, xtol=tolerance, gtol=1e-15, max_nfev=evaluations,
     )  # fmt: skip
-    return _Run(found.x, float(found.cost), found.status > 0, str(found.message))
+    return Solved(found.x, float(found.cost), found.status > 0, str(found.message))

@@ -9,6 +9,7 @@ they grow as the constants get better (:mod:`stribeck.identify.methods.horizons`
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,6 +96,12 @@ class MotionProblem(Problem):
             )
         low, high = self.bounds
         return np.asarray(np.clip(found, low, high))
+
+    def driven(self, force: Array) -> MotionProblem:
+        """The same problem under another force at its rows."""
+        other = copy(self)
+        other.driving = force
+        return other
 
     # -- outputs -----------------------------------------------------------------------------------------------------
 

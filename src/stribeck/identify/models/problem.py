@@ -17,6 +17,7 @@ from stribeck.laws.base import Law
 
 _FAILED = 1e3  # residual, in units of the data, where a simulation fails
 _WALL = 1e3  # residual for a distance of one beyond what the law allows
+_NOTHING = 1e-100  # of the largest derivative: none
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ class Problem(ABC):
         if self.home is None or self.allowed(u):
             return u
         good, bad = 0.0, 1.0
-        for _ in range(30):
+        for _ in range(50):
             middle = (good + bad) / 2
             good, bad = (middle, bad) if self.allowed(self.home + middle * (u - self.home)) else (good, middle)
         return np.asarray(self.home + good * (u - self.home))
@@ -160,30 +161,56 @@ class Problem(ABC):
 
     def jacobian(self, u: Array) -> Array:
         """The derivatives of :meth:`residual`, by differences between lanes of one simulation."""
+        slopes, outward = self.slopes(u), u - self.nearest(u)
+        whole = np.zeros((len(self.measured), len(u))) if slopes is None else self._spread(slopes)
+        return np.vstack([whole, np.outer(outward / max(float(np.linalg.norm(outward)), 1e-300), self.wall(u))])
+
+    def slopes(self, u: Array) -> Array | None:
+        """The derivatives of the scaled misfits by what each lane moves, (rows, lanes); None where the simulation fails.
+
+        Beyond what the law allows, the misfits are those of the allowed point, which moves along the wall.
+        """
         inside = self.nearest(u)
-        wall = np.zeros((len(u), len(u))) if inside is u else _WALL * np.eye(len(u))
-        slopes = self.sensitivities(inside)
-        return np.vstack([np.zeros((len(self.measured), len(u))) if slopes is None else slopes / self.scale, wall])
+        beyond = None if inside is u else [self.nearest(self._moved(u, lane)) for lane in self.lanes]
+        found = self._slopes(inside, beyond)
+        return None if found is None else found / self.scale
+
+    def wall(self, u: Array) -> Array:
+        """The derivatives of the length of the walls' residuals, with which :meth:`residual` ends, by each coordinate."""
+        found, inside = np.zeros(len(u)), self.nearest(u)
+        if inside is u:
+            return found
+        here = float(np.linalg.norm(u - inside))
+        for i, c in enumerate(self.coordinates):
+            if c.rows is None:  # no relation is about a record's own numbers
+                moved = self._moved(u, [i])
+                found[i] = _WALL * (float(np.linalg.norm(moved - self.nearest(moved))) - here) / self.step
+        return found
+
+    def _moved(self, u: Array, lane: Sequence[int]) -> Array:
+        moved = u.copy()
+        moved[lane] += self.step
+        return moved
 
     def sensitivities(self, u: Array) -> Array | None:
         """The derivatives of the output by the inner coordinates, (rows, coordinates)."""
-        lanes = self._lanes
-        points = np.repeat(u[None, :], 1 + len(lanes), axis=0)
-        for lane, moved in enumerate(lanes, start=1):
-            points[lane, moved] += self.step
-        out = self.outputs(points)
-        if out is None:
-            return None
-        result = np.zeros((out.shape[1], len(u)))
-        for lane, moved in enumerate(lanes, start=1):
-            slope = (out[lane] - out[0]) / self.step
+        found = self._slopes(u)
+        return None if found is None else self._spread(found)
+
+    def _slopes(self, u: Array, moved: Sequence[Array] | None = None) -> Array | None:
+        out = self.outputs(np.array([u, *(moved or [self._moved(u, lane) for lane in self.lanes])]))
+        return None if out is None else np.ascontiguousarray((out[1:] - out[0]).T / self.step)
+
+    def _spread(self, slopes: Array) -> Array:
+        result = np.zeros((len(slopes), len(self.coordinates)))
+        for lane, moved in enumerate(self.lanes):
             for i in moved:
                 where = self.coordinates[i].rows or slice(None)
-                result[where, i] = slope[where]
+                result[where, i] = slopes[where, lane]
         return result
 
     @cached_property
-    def _lanes(self) -> list[list[int]]:
+    def lanes(self) -> list[list[int]]:
         """The coordinates that are moved together: those that change different rows share a lane."""
         lanes = [[i] for i, c in enumerate(self.coordinates) if c.rows is None]
         shared: list[list[int]] = []
@@ -204,3 +231,11 @@ class Problem(ABC):
         """Values that belong to the machine, by name."""
         names = {c.name for c in self.coordinates if c.nuisance}
         return {name: value for name, value in self.values(u).items() if name not in names}
+
+
+def linear_step(slopes: Array, change: Array) -> Array:
+    """The least squares solution x of slopes x = change: how far a change of the output moves the coordinates. It is 0 for
+    those that the output does not hang on."""
+    size = np.sqrt(np.mean(slopes**2, axis=0))
+    size = np.where(size > _NOTHING * max(float(np.max(size)), 1e-300), size, np.inf)
+    return np.asarray(np.linalg.lstsq(slopes / size, change, rcond=1e-9)[0] / size)

@@ -22,6 +22,7 @@ from stribeck.identify.models.terms import TERMS
 _GRID, _DRAWS = 25, 5  # points of one shape; 2**draws of several
 _DELAYS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)  # steps
 _REFINED = 3  # of the starts
+_HIGHEST = 3.0  # of the largest force: what the curve rises above F_c at most, as more was nowhere measured
 _LITTLE = 1e-7  # of the force: the least that Coulomb friction is
 
 
@@ -82,6 +83,7 @@ class Separable:
         )
         self.weight = np.ones(len(columns.force)) if weight is None else weight
         self.force = columns.force
+        self.highest = _HIGHEST * float(np.max(abs(self.force)))
         self.least = _LITTLE * float(np.sqrt(np.mean(self.force**2)))
 
     def weighted(self, weight: Array) -> Separable:
@@ -126,8 +128,22 @@ class Separable:
         positive = np.array([n not in TERMS or TERMS[n].positive for n in names], bool)
         w = self.weight
         x = bounded(matrix * w[:, None], rest * w, positive)
+        if "F_s" in names and x[rise := names.index("F_s")] > (most := self._highest_rise(shape, float(x[rise]))):
+            others = np.arange(len(names)) != rise
+            less = rest - most * matrix[:, rise]
+            x[others] = bounded(matrix[:, others] * w[:, None], less * w, positive[others])
+            x[rise] = most
         missed = w * (matrix @ x - rest)
         return Minimum({**self.held, **shape, **self._named(names, x)}, float(missed @ missed)), missed
+
+    def _highest_rise(self, shape: Mapping[str, float], rise: float) -> float:
+        """The most that F_s may be above F_c, so that the curve's peak is no more than was ever measured."""
+        if rise <= self.highest:
+            return self.highest
+        own = {n: v for n, v in {**self.held, **shape}.items() if n in self.columns.sliding.law.constants()}
+        own = {n: v for n, v in own.items() if n not in self.columns.names}
+        bend = self.columns.sliding.table(own, self.columns.fastest, self.columns.names)[1]["F_s"]
+        return self.highest / max(float(np.max(abs(bend))), 1e-300)
 
     def _named(self, names: Sequence[str], x: Array) -> dict[str, float]:
         found = dict(zip(names, x.tolist(), strict=True))

@@ -50,6 +50,7 @@ TERMS: dict[str, Term] = {
     "F_c_by_pressure": Term("m^2", "growth of the level with pressure", lambda log: _get(log.pressure), True, "pressure"),
     "delay": Term("s", "time by which the measured motion lags the force", None),
 }  # fmt: skip
+OF_POSITION = ("stiffness", "gravity_sin", "gravity_cos", "F_c_by_position")
 
 
 def _get(column: Array | None) -> Array:

@@ -10,11 +10,11 @@ import numpy as np
 
 from stribeck import laws
 from stribeck.errors import InputError, StribeckError, arg
-from stribeck.identify.log import Log
+from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, settle
 from stribeck.identify.models import terms
 from stribeck.identify.models.static_problem import Rows, rows_of
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import OF_POSITION, TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate
 
@@ -236,6 +236,7 @@ def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
         and (not t.needs or getattr(log, t.needs) is not None)
         and (not t.level or "F_c" in own)
         and not (n.startswith("gravity") and float(np.ptp(log.position)) < 0.3)
+        and (n not in OF_POSITION or log.sources.get("position") != INTEGRAL)  # its zero is the record's own
     ]  # fmt: skip
     names += [f"{n} and {_PAIRED[n]}" for n in names if n == "gravity_sin" and _PAIRED[n] in names]
     free = setting.free or ()

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.stats import chi2
 
 from stribeck.arrays import Array
+from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Profile
 
 THRESHOLD = float(chi2.ppf(0.95, 1))
 _NOTICEABLE = 0.05  # of twice the log-likelihood
+_EXACT, _COARSEST = 1e-3, 1e-4  # of twice the log-likelihood; of the cost: to which a point of a profile is found
+_MOST_EVALUATIONS = 20  # for it
 _FARTHEST = 4.0  # of the logarithm, to which a profile is followed
 _STRAIGHT = 0.05  # what the root of the fall may differ by from that of a parabola
 
@@ -104,7 +106,7 @@ def _end(
         distance = min(distance, abs(limit - u[k]))
         x = float(u[k] + side * distance)
         start = u + along * (x - u[k])
-        found, best = _cost_at(problem, start, k, x)
+        found, best = _cost_at(problem, start, k, x, max(_EXACT * unit / base, 1e-8) if base > 0 else 1e-8)
         fall = 2 * (found - base) / unit
         if fall < -_NOTICEABLE:
             raise Lower(best)
@@ -132,28 +134,9 @@ def _cost(problem: Problem, u: Array) -> float:
     return 0.5 * float(r @ r)
 
 
-def _cost_at(problem: Problem, start: Array, k: int, value: float) -> tuple[float, Array]:
-    """The smallest cost with one coordinate held, and the point."""
-    rest = np.array([i for i in range(len(start)) if i != k], int)
-    low, high = problem.bounds
-    if not len(rest):
-        return _cost(problem, np.array([value])), np.array([value])
-
-    def whole(part: Array) -> Array:
-        u = np.empty(len(start))
-        u[rest], u[k] = part, value
-        return u
-
-    room = 1e-9 * (high - low)
-    inside = np.clip(start, low + room, high - room)[rest]
-
-    def residual(part: Array) -> Array:
-        return problem.residual(whole(part))
-
-    def jacobian(part: Array) -> Array:
-        return problem.jacobian(whole(part))[:, rest]
-
-    found = least_squares(
-        residual, inside, jacobian, bounds=(low[rest], high[rest]), ftol=1e-7, xtol=1e-7, gtol=1e-15, max_nfev=20,
-    )  # fmt: skip
-    return float(found.cost), whole(found.x)
+def _cost_at(problem: Problem, start: Array, k: int, value: float, tolerance: float) -> tuple[float, Array]:
+    """The smallest cost with one coordinate held, to a share of it, and the point."""
+    begin = np.array(start)
+    begin[k] = value
+    found = solve_blocks(problem, begin, min(tolerance, _COARSEST), _MOST_EVALUATIONS, held=[k])
+    return found.cost, found.point

@@ -13,8 +13,8 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.models.dynamic_problem import VelocityProblem
-from stribeck.identify.models.motion_problem import raw, white_noise
-from stribeck.identify.models.problem import Problem
+from stribeck.identify.models.motion_problem import MotionProblem, raw, white_noise
+from stribeck.identify.models.problem import Problem, linear_step
 
 _DOSES = 4
 
@@ -50,8 +50,20 @@ def _moved(
     slopes, misfit = noisy.sensitivities(u), noisy.misfit(u)
     if slopes is None or misfit is None:
         return None
-    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
-    return np.asarray(-np.linalg.lstsq(slopes / size, misfit, rcond=1e-9)[0] / size)
+    return np.asarray(-linear_step(slopes, misfit))
+
+
+def again_with_force_noise(problem: MotionProblem, u: Array) -> Array:
+    """How far the optimum of a fit of the motion moves on the mean where the measured force has its noise once more."""
+    deviation = white_noise(problem.log.force, list(problem.log.runs()))
+    draw = np.random.default_rng(0)
+    shifts = []
+    for _ in range(_DOSES if deviation > 0 else 0):
+        noisy = problem.driven(problem.driving + deviation * draw.standard_normal(len(problem.driving)))
+        slopes, misfit = noisy.sensitivities(u), noisy.misfit(u)
+        if slopes is not None and misfit is not None:
+            shifts.append(-linear_step(slopes, misfit))
+    return abs(np.asarray(np.mean(shifts, axis=0))) if len(shifts) > 1 else np.zeros(len(u))
 
 
 def acceleration_of_full_band(problem: Problem, u: Array, slopes: Array) -> Array:
@@ -63,5 +75,4 @@ def acceleration_of_full_band(problem: Problem, u: Array, slopes: Array) -> Arra
     missing = np.zeros(len(log))
     for rows in log.runs():
         missing[rows] = mass * (spline_derivative(log.velocity[rows], log.step) - log.acceleration[rows])
-    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
-    return np.asarray(abs(np.linalg.lstsq(slopes / size, missing[problem.rows], rcond=1e-9)[0] / size))
+    return np.asarray(abs(linear_step(slopes, missing[problem.rows])))

@@ -16,6 +16,7 @@ from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import thinned
 from stribeck.identify.methods.static_start import StaticModel, unit_of
 from stribeck.identify.models.columns import Columns, column
+from stribeck.identify.models.problem import linear_step
 from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS
@@ -188,8 +189,7 @@ def _filter_bias(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
         return nothing  # the band that is fitted lies far below, or there are no means to tell
     other = Columns(smoother_log(log), model.whole.columns.sliding, thinning(log, rows.q))
     moved = model.whole.weight * (model.whole.force - model.whole.on(other).force_at(solution.values))
-    size = np.maximum(np.sqrt(np.mean(at.slopes**2, axis=0)), 1e-300)
-    shift = np.linalg.lstsq(at.slopes / size, moved - at.misfit, rcond=1e-9)[0] / size
+    shift = linear_step(at.slopes, moved - at.misfit)
     return np.asarray(_WHOLE * abs(shift))
 
 

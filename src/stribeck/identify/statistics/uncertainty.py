@@ -7,7 +7,7 @@ minimum it agrees with it (Chandler and Bate, Biometrika 94(1):167-183, 2007).
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -18,12 +18,16 @@ from stribeck.identify.features.filtering import filter_bias, sampling
 from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
-from stribeck.identify.methods.optimise import descend
+from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
-from stribeck.identify.statistics.sensor_noise import acceleration_of_full_band, again_with_noise
+from stribeck.identify.statistics.sensor_noise import (
+    acceleration_of_full_band,
+    again_with_force_noise,
+    again_with_noise,
+)
 from stribeck.identify.statistics.stretches import at_least_by_blocks, by_windows
 from stribeck.identify.statistics.verdicts import (
     Noise,
@@ -83,7 +87,7 @@ def judge(
         try:
             return _judge(problem, u, log, profiles, noise, work)
         except Lower as lower:
-            better = problem.nearest(descend(problem, lower.point, 1e-10, 200).point)
+            better = problem.nearest(solve_blocks(problem, lower.point, 1e-10, 200).point)
             if problem.sensitivities(better) is None:
                 break
             u = better
@@ -94,7 +98,7 @@ def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
     """How far each inner coordinate may be off by what no residual shows: the motion's filter, what happens between its
     samples, its noise, and the lower filter of the acceleration. They have nothing to do with each other."""
     if isinstance(problem, MotionProblem):
-        return between_samples(problem, u, slopes)
+        return np.asarray(np.hypot(between_samples(problem, u, slopes), _WHOLE * again_with_force_noise(problem, u)))
     shift, spread = again_with_noise(problem, u)
     noise = _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread
     filtered = np.maximum(filter_bias(problem, u, slopes), _WHOLE * acceleration_of_full_band(problem, u, slopes))
@@ -171,6 +175,11 @@ class _Optimum:
         return not isinstance(self.problem, MotionProblem) and self.deviation > _MODEL * self.expected.expected > 0
 
     @property
+    def differs(self) -> bool:
+        """Whether windows of the motion are missed by more than the sensor's noise: no likelihood tells by how much."""
+        return isinstance(self.problem, MotionProblem) and self.deviation > _MORE * self.expected.measured > 0
+
+    @property
     def clean(self) -> bool:
         """Whether the residual is the sensor's white noise, which shows no error of the model."""
         motion = isinstance(self.problem, MotionProblem) and not len(self.memory)
@@ -196,10 +205,11 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         high: float | None
         if k in ends:
             low, high, _ = ends[k]
-            doubts[k] = left_open(low, high, c.log)
         else:
             low, high = (x if c.inner(c.low) < x < c.inner(c.high) else None for x in (u[k] - half, u[k] + half))
-        low, high = (None if x is None else c.outer(x + side * bias[k]) for x, side in ((low, -1), (high, 1)))
+        low, high = (None if x is None else x + side * bias[k] for x, side in ((low, -1), (high, 1)))
+        doubts[k] = doubts[k] or left_open(low, high, c.log)
+        low, high = (None if x is None else c.outer(x) for x in (low, high))
         best = float(c.outer(u[k]))
         if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith("v_s comes"):
             low = high = None  # the numbers of a curve that nobody has seen
@@ -227,7 +237,8 @@ def _at_optimum(
     memory = noise_memory(misfit)
     inner, plain = covariance(slopes, variance, memory), covariance(slopes, variance, np.zeros(0))
     notes = [] if free > 10 * len(u) else [f"only {len(misfit)} samples for {len(u)} numbers"]
-    if isinstance(problem, MotionProblem) and np.sqrt(variance) > _MORE * expected.measured > 0:
+    at = _Optimum(problem, u, slopes, variance, memory, plain, inner, expected)
+    if isinstance(problem, MotionProblem) and at.differs:
         inner = by_windows(problem, slopes, misfit, inner)
         notes.append(
             f"the residual is {np.sqrt(variance) / expected.measured:.3g} times the noise of the {problem.output}: the "
@@ -235,7 +246,7 @@ def _at_optimum(
         )
     elif isinstance(problem, MotionProblem):
         inner = at_least_by_blocks(problem, slopes, misfit, inner)
-    at = _Optimum(problem, u, slopes, variance, memory, plain, inner, expected)
+    at = replace(at, inner=inner)
     if at.beyond and problem.law.has_z:
         notes.append(
             f"the residual is {at.deviation / expected.expected:.2g} times the noise of the force: the intervals hold as "
@@ -267,7 +278,7 @@ def _profiled(at: _Optimum, wanted: list[int], work: Work) -> dict[int, tuple[fl
         return {}
     units = at.variance * at.inflation / at.problem.scale**2
     ends = dict(straight(at.problem, at.u, at.inner, at.deviations, units, wanted))
-    bent = [k for k in wanted if k not in ends]
+    bent = [k for k in wanted if k not in ends and not at.differs]
 
     def followed(k: int) -> tuple[float | None, float | None, Profile]:
         found = profile(at.problem, at.u, k, at.deviations[k], at.variance * at.inflation[k], at.inner)

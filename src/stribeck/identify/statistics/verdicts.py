@@ -14,7 +14,7 @@ from stribeck.identify.features.guess import Sizes, reversals
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
-from stribeck.identify.models.problem import Coordinate, Problem
+from stribeck.identify.models.problem import Coordinate, Problem, linear_step
 from stribeck.identify.result import Estimate
 from stribeck.identify.statistics.profiles import THRESHOLD
 
@@ -139,8 +139,7 @@ def hangs(c: Coordinate, bias: float) -> str:
 def between_samples(problem: MotionProblem, u: Array, slopes: Array) -> Array:
     """How far each inner coordinate may be off because nobody measured the force between its samples: the shift of the
     optimum, by a step of Gauss and Newton, if it went straight."""
-    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
-    return abs(np.asarray(np.linalg.lstsq(slopes / size, problem.between_samples(u), rcond=1e-9)[0] / size))
+    return abs(np.asarray(linear_step(slopes, problem.between_samples(u))))
 
 
 def widened(problem: Problem, estimates: Mapping[str, Estimate], bias: Array, inner: Array) -> list[str]:

@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 from stribeck.constants import kind_of, show
+from stribeck.control.sampled import Sampled
 from stribeck.laws.base import Law
 from stribeck.machine import controllers, loads
 from stribeck.machine.links import LinkElement
@@ -19,7 +20,6 @@ from stribeck.machine.parts import (
     LinkPart,
     LoadPart,
     MotorPart,
-    Sampled,
     Span,
 )  # fmt: skip
 from stribeck.machine.system import MachineSystem
@@ -278,7 +278,7 @@ class MachineReader(Reading):
         if values is None:
             return None
         part = Sampled(values.resolution > 0, values.noise > 0, values.bandwidth is not None)
-        given = {n: getattr(values, n) for n, on in part.numbers.items() if on}
+        given = {n: getattr(values, n) for n in part.numbers}
         self.values |= {(path, n): float(x) for n, x in given.items()}
         self.seeds[name] = values.seed
         solve = self.data.get("solve")

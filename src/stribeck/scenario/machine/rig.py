@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.errors import InputError
 from stribeck.expressions.emit import python_function
 from stribeck.laws.base import Law, Scales
 from stribeck.machine.parts import LinkPart, LoadPart, SignalUse
@@ -34,6 +35,56 @@ class Rig:
     laws: dict[str, Law]
     initial: dict[str, float]
     seeds: dict[str, int]
+
+    @property
+    def equations(self) -> MachineSystem:
+        """The structure of the equations, without values."""
+        return self.machine
+
+    @property
+    def law(self) -> Law:
+        """The law of the only contact.
+
+        Raises:
+            InputError: there is no contact, or there are several.
+        """
+        contacts = self.machine.contacts
+        if len(contacts) == 1:
+            return self.laws[contacts[0].law_path]
+        names = ", ".join(contact.name for contact in contacts) or "none"
+        raise InputError(f"contacts: {names}: there must be one contact for this, of a machine that has several")
+
+    @property
+    def named_laws(self) -> dict[str, Law]:
+        """The law of each contact, by its name."""
+        return {c.name: self.laws[c.law_path] for c in self.machine.contacts}
+
+    @property
+    def compared(self) -> tuple[str, ...]:
+        """The columns in which laws are compared: those of each body, contact and link."""
+        found = [f"{body.name}.{x}" for body in self.machine.bodies if body.leader is None for x in ("y", "v")]
+        forces = [*(f"{x.name}.F" for x in self.machine.contacts), *(f"{x.name}.f" for x in self.machine.links)]
+        return (*found, *forces)
+
+    @property
+    def subject(self) -> str:
+        """What it is about, in a few words."""
+        laws = ", ".join(f"{c.name} {c.law.name}" for c in self.machine.contacts)
+        count = len(self.machine.bodies)
+        bodies = f"{count} bod{'y' if count == 1 else 'ies'}"
+        return f"{bodies}, contacts: {laws}" if laws else f"{bodies}, no contacts"
+
+    label: ClassVar[str] = ""  # its line in a plot is called by its name
+    rotary: ClassVar[bool] = False  # each column says for itself whether it is of something that turns
+    mass: ClassVar[None] = None
+
+    def damping(self) -> float:
+        """Of the ringing of a body on its bristles: many bodies and contacts have no such number."""
+        return float("inf")
+
+    def more_events(self, reached: float) -> list[tuple[float, int]]:
+        """Events that no watched quantity tells: none."""
+        return []
 
     def start(self) -> dict[str, float]:
         """The states at t = 0 that are not 0."""

@@ -8,10 +8,11 @@ from typing import Any, Literal
 from pydantic import ConfigDict, Field, create_model
 
 from stribeck.constants import Constant
+from stribeck.control.sampled import SAMPLING
 from stribeck.machine import controllers, loads
 from stribeck.machine.element import Element
 from stribeck.machine.motors import MotorElement
-from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, LEAD, SAMPLING, SHARE
+from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, LEAD, SHARE
 from stribeck.scenario.tables import StrictTable, number
 
 GROUND = "ground"

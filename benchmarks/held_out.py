@@ -1,0 +1,144 @@
+"""Is the default static fit ever worse than least squares, or a tanh-Stribeck fit of SciPy, on a record that none has seen?
+
+Machines at random, whose friction is mostly none of our laws: asymmetric, Stribeck with an offset, drifting with
+temperature, cogging, backlash-like hysteresis, a plain Coulomb level; noise of speed and force; rests, one direction only,
+few speeds. Each makes two records with other motions. All fit the first and predict the second, over the rows in motion.
+
+    python benchmarks/held_out.py [--cases 100] [--first 0] [--out FILE]
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import tempfile
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.optimize import curve_fit
+
+import stribeck
+from stribeck.identify.api import read_log
+from stribeck.identify.features.rest import at_rest
+from stribeck.identify.predict import load, predict, saved
+
+RESULTS = Path(__file__).parent / "results" / "held_out.json"
+FRICTION = ("coulomb", "stribeck", "asymmetric", "temperature", "cogging", "hysteresis")
+MOTION = ("mixed", "one way", "steps", "with rest")
+STEP, ROWS = 2e-3, 3000
+
+
+def motion(draw: np.random.Generator, kind: str) -> np.ndarray:
+    """A speed in m/s, a row each 2 ms."""
+    t = np.arange(ROWS) * STEP
+    a, b = draw.uniform(0.3, 1.5, 2)
+    v = np.sin(2 * np.pi * a * t + draw.uniform(0, 6)) + 0.6 * np.sin(2 * np.pi * b * t + draw.uniform(0, 6))
+    if kind == "one way":
+        return 1.8 + v
+    if kind == "with rest":
+        return np.where((t // 0.75) % 4 < 1, 0.0, v)
+    if kind == "steps":
+        levels = np.repeat(draw.choice([-1.0, -0.5, -0.2, 0.2, 0.5, 1.0], 12), ROWS // 12)
+        return np.convolve(np.pad(levels, 30, mode="edge"), np.hanning(61) / np.hanning(61).sum(), "valid")
+    return v
+
+
+def machine(draw: np.random.Generator, kind: str) -> dict[str, float]:
+    """Constants of a machine; friction of some 10 N."""
+    return {
+        "mass": draw.uniform(0, 3), "F_c": draw.uniform(5, 12), "sigma_2": draw.uniform(0, 8),
+        "dF": draw.uniform(0, 6) if kind != "coulomb" else 0.0, "v_s": draw.uniform(0.03, 0.3),
+        "width": draw.uniform(0.002, 0.05), "offset": draw.uniform(-2, 2),
+        "one_side": draw.uniform(0.1, 0.4) * (kind == "asymmetric"), "warms": draw.uniform(0.05, 0.2) * (kind == "temperature"),
+        "cogs": draw.uniform(0.5, 2) * (kind == "cogging"), "slow": draw.uniform(0.005, 0.05) * (kind == "hysteresis"),
+        "force_noise": draw.choice([0.05, 0.3, 1.0]), "speed_noise": draw.choice([1e-4, 1e-3, 1e-2]),
+    }  # fmt: skip
+
+
+def record(m: dict[str, float], v: np.ndarray, draw: np.random.Generator) -> dict[str, np.ndarray]:
+    """What is measured."""
+    t = np.arange(len(v)) * STEP
+    sign = np.tanh(v / m["width"])
+    if m["slow"]:
+        for i in range(1, len(v)):
+            sign[i] = sign[i - 1] + (sign[i] - sign[i - 1]) * min(STEP / m["slow"], 1.0)
+    level = (m["F_c"] + m["dF"] * np.exp(-((v / m["v_s"]) ** 2))) * (1 + m["one_side"] * (v > 0))
+    level *= 1 - m["warms"] * t / t[-1]
+    y = np.cumsum(v) * STEP
+    force = (
+        m["mass"] * np.gradient(v, STEP) + level * sign + m["sigma_2"] * v + m["offset"] + m["cogs"] * np.sin(60 * y)
+    )
+    return {
+        "t": t, "v": v + m["speed_noise"] * draw.standard_normal(len(v)),
+        "F": force + m["force_noise"] * draw.standard_normal(len(v)),
+    }  # fmt: skip
+
+
+def least_squares(v: np.ndarray, a: np.ndarray, force: np.ndarray) -> Any:
+    """Mass, Coulomb, viscous and offset."""
+    found = np.linalg.lstsq(np.column_stack([a, np.sign(v), v, np.ones(len(v))]), force, rcond=None)[0]
+    return lambda v, a: np.column_stack([a, np.sign(v), v, np.ones(len(v))]) @ found
+
+
+def tanh_stribeck(v: np.ndarray, a: np.ndarray, force: np.ndarray) -> Any:
+    """The same with a Stribeck curve and a smooth sign."""
+
+    def curve(x: Any, mass: float, f_c: float, df: float, v_s: float, width: float, s2: float, offset: float) -> Any:
+        return mass * x[1] + (f_c + df * np.exp(-((x[0] / v_s) ** 2))) * np.tanh(x[0] / width) + s2 * x[0] + offset
+
+    try:
+        found, _ = curve_fit(curve, (v, a), force, [1, 8, 2, 0.1, 0.01, 1, 0], maxfev=5000)
+    except RuntimeError:
+        return None
+    return lambda v, a: curve((v, a), *found)
+
+
+def one(seed: int) -> dict[str, Any]:
+    """The errors on the second record, as shares of its force."""
+    draw = np.random.default_rng(seed)
+    kind, moves = FRICTION[seed % len(FRICTION)], MOTION[seed // len(FRICTION) % len(MOTION)]
+    m = machine(draw, kind)
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        paths = [Path(folder) / name for name in ("first.npz", "second.npz")]
+        for path in paths:
+            np.savez(path, **record(m, motion(draw, moves), draw))
+        names = {"time": "t", "velocity": "v", "force": "F"}
+        fit = stribeck.fit(paths[0], **names)
+        fit = getattr(fit, "best", fit)
+        (Path(folder) / "fit.json").write_text(saved(fit), encoding="utf-8")
+        first, second = (read_log(path, columns=names) for path in paths)
+        model = load(folder)
+        ours = predict(model, second).force_error
+        rows, tested = ~at_rest(first), ~at_rest(second)
+        size = float(np.linalg.norm(second.force[tested]))
+        errors = {"ours": ours}
+        for name, way in (("least squares", least_squares), ("tanh-Stribeck", tanh_stribeck)):
+            there = way(first.velocity[rows], first.acceleration[rows], first.force[rows])
+            if there is not None:
+                missed = second.force[tested] - there(second.velocity[tested], second.acceleration[tested])
+                errors[name] = float(np.linalg.norm(missed)) / size
+    return {"friction": kind, "motion": moves, "law": model.law, "values": sorted(model.values), "errors": errors}
+
+
+def main() -> None:
+    """Run the cases that are asked for, and name those where ours is worse by a hundredth of the error or more."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--cases", type=int, default=100)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--out", type=Path, default=RESULTS)
+    given = parser.parse_args()
+    found: dict[str, Any] = {}
+    for seed in range(given.first, given.first + given.cases):
+        found[str(seed)] = case = one(seed)
+        errors = case["errors"]
+        best = min(e for n, e in errors.items() if n != "ours")
+        print(seed, case["friction"], case["motion"], case["law"], {n: round(e, 4) for n, e in errors.items()},
+              "WORSE" if errors["ours"] > 1.01 * best else "", flush=True)  # fmt: skip
+        given.out.write_text(json.dumps({"cases": found}, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,29 @@
+"""The three axes of docs run: a log, a fit, a controller in C, and a loop whose error is smaller."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from tests.export.harness import need
+
+FOLDER = Path(__file__).parent.parent.parent / "docs" / "axes"
+
+
+def test_from_the_log_of_a_stage_to_its_controller(tmp_path, monkeypatch):
+    need("gcc")
+    monkeypatch.syspath_prepend(str(FOLDER))
+    try:
+        import axes
+
+        found = axes.show("stage", tmp_path, quick=True)
+    finally:
+        for name in ("axes", "machines"):
+            sys.modules.pop(name, None)
+    assert found["rms_after"] < 0.5 * found["rms_before"]
+    assert (tmp_path / "stage.svg").stat().st_size > 5000
+    sources = [str(tmp_path / "c" / name) for name in ("stage_axis.c", "stage_axis_test.c")]
+    subprocess.run(["gcc", "-std=c99", *sources, "-o", str(tmp_path / "check"), "-lm"], check=True)
+    subprocess.run([tmp_path / "check"], check=True, capture_output=True)
+    assert np.isfinite(list(found.values())).all()
