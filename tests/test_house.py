@@ -41,7 +41,7 @@ ANY: dict[str, tuple[int, str]] = {
         "six names for what has no type of its own: flint's numbers, data for JSON, what NumPy broadcasts",
     ),
     "report": (17, "certificates and manifests as JSON; Matplotlib's options; columns of any type"),
-    "scenario": (210, "a file's tables before they are validated, and Pydantic's models made at run time"),
+    "scenario": (14, "Pydantic's models made at run time and its JSON Schema; a file's tables, as tomllib gives them"),
     "simulation": (14, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
     "": (16, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),
 }
