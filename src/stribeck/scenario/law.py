@@ -86,7 +86,7 @@ class LawReader:
         return self.law
 
     def _evaluate(self, law: Law, name: str) -> None:
-        if trouble := laws.trouble(law) if in_a_file(name) else laws.overflow(law):
+        if trouble := (in_a_file(name) and laws.trouble(law)) or laws.overflow(law):
             self.problems.append((f"{self.path}.name", f"{show(name)}: {trouble}"))
         else:
             self.law = law
