@@ -46,7 +46,7 @@ class Chart:
     height: int = 190
     marks: bool = False
 
-    def as_data(self) -> dict[str, Any]:
+    def as_data(self) -> dict[str, object]:
         """For the page."""
         lines = [{"column": s.column, "name": s.name} for s in self.y]
         return {
@@ -87,7 +87,7 @@ def panels(scenario: Scenario) -> dict[str, Chart]:
 TOGETHER = ("position", "velocity", "force", "deflection")  # one above the other, with one time axis
 
 
-def figures(found: dict[str, Chart]) -> dict[str, Any]:
+def figures(found: dict[str, Chart]) -> dict[str, object]:
     """The charts as Bokeh's JSON, by the id of the element that shows each."""
     with needed("an explorer", "explore"):
         from bokeh.embed import json_item

@@ -92,9 +92,10 @@ def svg(made: Figure) -> str:
     return buffer.getvalue()
 
 
-def thin(x: Array, y: Array) -> tuple[Array, Array]:
-    """A long line reduced to the extremes of each stretch: what print can show, with no peak lost."""
-    size = len(x) // _BLOCKS
+def thin(x: Array, y: Array, share: float = 1.0) -> tuple[Array, Array]:
+    """A long line, over a share of the page's width, reduced to the extremes of each stretch: what print can show, with no
+    peak lost."""
+    size = len(x) // max(round(_BLOCKS * share), 1)
     if size < 8:
         return x, y
     usable = len(x) // size * size

@@ -34,9 +34,9 @@ def data(log: Log) -> list[FigureSvg]:
         time, label = _in_a_row(log.time)
         for name, unit in columns.items():
             for rows in log.runs():
-                axes[name].plot(
-                    *plots.thin(time[rows], getattr(log, name)[rows]), color=plots.COLOURS[2], linewidth=0.8
-                )
+                share = (rows.stop - rows.start) / len(log)
+                part = plots.thin(time[rows], getattr(log, name)[rows], share)
+                axes[name].plot(*part, color=plots.COLOURS[2], linewidth=0.8)
             axes[name].set_ylabel(f"{name} ({unit})")
         axes[next(reversed(columns))].set_xlabel(label)
         found = [plots.finish(made, "data", "The log as it was fitted.")]
