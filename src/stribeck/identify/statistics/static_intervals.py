@@ -131,6 +131,7 @@ def static_intervals(
     root = np.sqrt(np.maximum(np.diag(inner), np.finfo(float).tiny))
     with np.errstate(all="ignore"):
         relation = np.clip(np.nan_to_num(inner / root / root[:, None], nan=0.0), -1.0, 1.0)
+    np.fill_diagonal(relation, 1.0)  # also where rounding leaves a variance below 0: what nothing determines
     matrix = relation * np.outer(spread, spread)
     details["noise"] = {
         "standard_deviation": float(np.std(at.misfit[rows.weight > 0])), "memory": len(memory),
