@@ -58,7 +58,14 @@ def test_machine(tmp_path, monkeypatch, capsys):
         if words[0] in ("compare", "sweep", "export") or "--set" in words:  # the numbers are those of the first run
             words += ["--set", "solve.t_end=0.05"]
         assert _status(words) == 0, command
-    for file in ("arm.svg", "arm/report.html", "seals/compare.svg", "seal_sweep/part-000000.parquet", "arm.fmu", "axis/arm_axis.c"):
+    for file in (
+        "arm.svg",
+        "arm/report.html",
+        "seals/compare.svg",
+        "seal_sweep/part-000000.parquet",
+        "arm.fmu",
+        "axis/arm_axis.c",
+    ):
         assert (tmp_path / file).exists(), file
     found = json.loads((tmp_path / "arm/summary.json").read_text())
     end, seal = found["final"], found["events"]["seal"]

@@ -18,6 +18,7 @@ import numpy as np
 from stribeck import parameter_sets
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, nearest
+from stribeck.expressions.ops import Value
 from stribeck.files import read_file
 from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
 
@@ -137,10 +138,17 @@ def _module(name: str, path: Path, text: bytes) -> ModuleType:
     return sys.modules[module_name]
 
 
+def _force_in_floats(law: Law, v: float, z: float) -> Value:
+    """The force from the equations as they are written, on Python's floats: what leaves their range raises."""
+    with np.errstate(all="ignore"):
+        speed, length = np.float64(v), np.float64(z)
+        return law.friction(law.p, speed, length, law.dz_dt(law.p, speed, length))
+
+
 def overflow(law: Law) -> str | None:
     """That a law's constants are too large or too small for its equations, or None."""
     try:
-        law.force(law.scales(law.p).speed, 0.0)
+        _force_in_floats(law, law.scales(law.p).speed, 0.0)
         bool(law.jumps_at_rest)
     except ArithmeticError as error:
         return f"its equations cannot be evaluated with these constants: {type(error).__name__}"

@@ -12,7 +12,7 @@ from stribeck.properties.model import Model, Unreadable
 from stribeck.properties.prover.search import Budget
 from stribeck.properties.verdicts import Verdict, undecided
 
-SHARES = {"bounded": 0.2, "unique": 0.25, "smooth": 0.1, "passive": 0.65, "drift_free": 0.1}
+SHARES = {"bounded": 0.2, "unique": 0.5, "smooth": 0.1, "passive": 0.65, "drift_free": 0.1}
 
 
 class Checked:

@@ -87,7 +87,7 @@ class LawReader:
         return self.law
 
     def _evaluate(self, law: Law) -> None:
-        if trouble := laws.trouble(law) if in_a_file(self.table["name"]) else laws.overflow(law):
+        if trouble := (in_a_file(self.table["name"]) and laws.trouble(law)) or laws.overflow(law):
             self.problems.append((f"{self.path}.name", f"{show(self.table['name'])}: {trouble}"))
         else:
             self.law = law

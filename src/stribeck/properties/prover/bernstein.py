@@ -47,7 +47,7 @@ def _in_pi(powers: dict[int, Polynomial]) -> int | None:
 
 def signs(
     terms: dict[tuple[int, ...], Polynomial], kinds: Sequence[str | None], opened: Sequence[bool],
-    spend: Callable[[int], None] = lambda coefficients: None,
+    spend: Callable[[int], None] = lambda sums: None,
 ) -> Signs:  # fmt: skip
     """The sign of a polynomial with the given terms (powers -> coefficient).
 
@@ -55,7 +55,7 @@ def signs(
         terms: the first power is that of pi.
         kinds: for each further variable UNIT, POSITIVE, or None where it does not occur.
         opened: for each further variable whether it is > 0 strictly.
-        spend: told how many coefficients are looked at.
+        spend: told how many sums of coefficients are formed.
     """
     if not terms:
         return True, True, False
@@ -74,7 +74,7 @@ def signs(
         groups.setdefault(outer, {}).setdefault(inner, {})[int(k[0])] = c
     if size * len(groups) > _MOST:
         return UNKNOWN
-    spend(int(size) * len(groups))
+    spend(int(size) * len(groups) * (2 + int(sum(degrees))) // 2)
     above, below, strict = True, True, False
     for outer, table in groups.items():
         found = {_in_pi(x) for x in _coefficients(table, degrees)}

@@ -54,7 +54,7 @@ class Leaf:
         self.places[0] = self.pi
         self._place()
         self.listed: dict[int, list[Json]] = {}  # atoms used: rule and numbers
-        self.coefficients = 0  # looked at so far: work
+        self.sums = 0  # of coefficients, formed so far: work
         self._signs: dict[int, Signs] = {}
         self._factors: dict[str, Signs] = {}
         self._known: dict[Expr, Quotient] = {}
@@ -292,8 +292,8 @@ class Leaf:
                 self._factors[key] = p, n, s
         return self._factors[key]
 
-    def _spend(self, coefficients: int) -> None:
-        self.coefficients += coefficients
+    def _spend(self, sums: int) -> None:
+        self.sums += sums
 
     def _positive_atom(self, factor: Polynomial) -> bool:
         """Whether it is an atom that is > 0 by its nature: exp, or a root of something > 0."""

@@ -18,7 +18,7 @@ Tree = list[Json]
 _NARROW = 1e-9  # relative width at which halving ends
 _DEEP = 60
 _TERMS = 40  # of a polynomial: as much work again as a leaf
-_COEFFICIENTS = 150  # of Bernstein: likewise
+_SUMS = 350  # of Bernstein coefficients: likewise
 _NONE: Mapping[str, int] = {}
 _MANY_ATOMS = 8  # from earlier claims: then they are forgotten
 _LEAP = 16
@@ -236,7 +236,7 @@ class _Search:
             except Unclear:
                 continue
             finally:
-                self.work.take(leaf.coefficients / _COEFFICIENTS)
+                self.work.take(leaf.sums / _SUMS)
         return None
 
     def holds(self, leaf: Leaf, value: Quotient) -> bool:
