@@ -40,7 +40,7 @@ def machine_panels(scenario: Scenario) -> dict[str, Chart]:
         words = _ROTARY.get(label, label) if unit.startswith(("rad", "N m")) else label
         marks = tuple(n for n in names if n in contacts)
         lines = tuple(Series(n, n) for n in names)
-        words = f"{words} {names[0]}" if len(names) == 1 else words  # a single line has no legend
+        words = names[0] if len(names) == 1 else words  # a single line has no legend
         found[f"time-{i}"] = Chart("t", "t", "s", lines, words, unit, height=190, marks=marks)
     for i, contact in enumerate(machine.contacts):
         speed, force = (_column(machine, f"{contact.name}.{n}") for n in "wF")
