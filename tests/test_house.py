@@ -23,9 +23,9 @@ LONG_FUNCTIONS: dict[str, str] = {
 # Rooms that hold `Any`, how often at most, and what forces it there; there is none in the others.
 ANY: dict[str, tuple[int, str]] = {
     "analysis": (1, "a summary that is read again by its keys"),
-    "cli": (20, "summaries for JSON that are read again by their keys, to be printed"),
+    "cli": (17, "summaries for JSON that are read again by their keys, to be printed"),
     "exchange": (14, "the files of other programs, as JSON and XML hold them"),
-    "explore": (11, "Bokeh's figures; numbers for the page"),
+    "explore": (8, "Bokeh's figures; numbers for the page"),
     "export": (19, "the contexts of the templates of an FMU; optional fields of its variables"),
     "expressions": (
         8,
@@ -33,15 +33,14 @@ ANY: dict[str, tuple[int, str]] = {
     ),
     "identify": (120, "data frames and mappings of users; details for JSON"),
     "laws": (3, "constants as users give them"),
-    "loops": (16, "summaries for JSON, a file's tables, and columns of either"),
-    "paper": (6, "numbers of chapters and tables of machines, read again by their keys"),
+    "paper": (4, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
     "properties": (
         6,
         "six names for what has no type of its own: flint's numbers, data for JSON, what NumPy broadcasts",
     ),
     "report": (17, "certificates and manifests as JSON; Matplotlib's options; columns of any type"),
-    "scenario": (210, "a file's tables before they are validated, and Pydantic's models made at run time"),
+    "scenario": (14, "Pydantic's models made at run time and its JSON Schema; a file's tables, as tomllib gives them"),
     "simulation": (14, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
     "": (16, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),
 }

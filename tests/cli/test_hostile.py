@@ -69,7 +69,11 @@ def test_constants_that_the_equations_cannot_take(stribeck, scenario):
         "    def dz_dt(p, v, z):\n        return v - (abs(v) + 1 / p.k**2) * z\n"
     )
     words = ("--set", "law.name=mine.py:Mine", "--set", "law.k=1e200")
-    refused(stribeck("run", scenario, *words), "law.name", "its equations cannot be evaluated with these constants: OverflowError")
+    refused(
+        stribeck("run", scenario, *words),
+        "law.name",
+        "its equations cannot be evaluated with these constants: OverflowError",
+    )
 
 
 @needs_compiler

@@ -30,16 +30,16 @@ def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path |
         show.check_folder(out)
     with show.stages(scenario.name) as tell:
         found = design(scenario, tell=tell, **options)
-    summary = found.to_json()
+    summary, files = found.to_json(), list[str]()
     if out is not None:
         from stribeck.report.design import write_design
 
-        summary["files"] = write_design(found, summary, out, show.command_line())
+        summary["files"] = files = write_design(found, summary, out, show.command_line())
     if json:
         show.print_json(summary)
     else:
         _print(found)
-        for file in summary.get("files", ()):
+        for file in files:
             print(f"  wrote {file}")
     if found.verdict == "failed":
         show.failed(scenario.name, found.judgement.note)

@@ -51,7 +51,7 @@ def _version(name: str) -> str | None:
         return None
 
 
-def _compiler() -> dict[str, Any]:
+def _compiler() -> dict[str, object]:
     found = compiler.find()
     if found is None:
         return {"command": None, "version": None}
@@ -63,7 +63,7 @@ def _compiler() -> dict[str, Any]:
     return {"command": " ".join(found.command), "version": first}
 
 
-def _cache() -> dict[str, Any]:
+def _cache() -> dict[str, object]:
     folder = cache.folder()
     files = list(folder.glob("*.so")) if folder.is_dir() else []
     existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())

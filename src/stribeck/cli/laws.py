@@ -94,7 +94,7 @@ def _guarantees(law: type[Law], form: Form = USUAL) -> dict[str, Any]:
     return {n: {"if": asdict(c)} if isinstance(c, Equation) else c for n, c in found.items()}
 
 
-def _changed(law: type[Law], form: Form) -> dict[str, Any]:
+def _changed(law: type[Law], form: Form) -> dict[str, object]:
     """The equations and guarantees that a form of the law has and the usual one has not."""
     usual, claims = _equations(law), _guarantees(law)
     return {

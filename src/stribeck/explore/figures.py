@@ -47,7 +47,7 @@ class Chart:
     height: int = 190
     marks: tuple[str, ...] = ()  # columns on which slip and stick are marked
 
-    def as_data(self) -> dict[str, Any]:
+    def as_data(self) -> dict[str, object]:
         """For the page."""
         lines = [{"column": s.column, "name": s.name} for s in self.y]
         return {
@@ -85,7 +85,7 @@ def panels(scenario: Scenario) -> dict[str, Chart]:
     }
 
 
-def figures(found: dict[str, Chart]) -> dict[str, Any]:
+def figures(found: dict[str, Chart]) -> dict[str, object]:
     """The charts as Bokeh's JSON, by the id of the element that shows each."""
     with needed("an explorer", "explore"):
         from bokeh.embed import json_item

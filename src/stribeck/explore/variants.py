@@ -5,7 +5,6 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from stribeck import examples, laws, parameter_sets
 from stribeck.errors import InputError, StribeckNote
@@ -86,7 +85,7 @@ def under(scenario: Scenario, kind: type[Law]) -> Scenario:
     law = scenario.law
     given = {**law.machine, **law.p.numbers}
     machine = {**parameter_sets.load(_SET).values, **{n: x for n, x in given.items() if n in PARAMETERS}}
-    own: dict[str, Any] = {n: word for n, word in law.choices.items() if n in kind.constants()}
+    own: dict[str, float | str | None] = {n: word for n, word in law.choices.items() if n in kind.constants()}
     for name, constant in kind.own_constants().items():
         if constant.choices:
             continue

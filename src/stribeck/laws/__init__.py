@@ -73,7 +73,7 @@ def table(law: Law) -> dict[str, object]:
     return {"name": name, **own, **law.p.words, **({"parameters": machine} if machine else {})}
 
 
-def find(name: str, folder: Path | None = None) -> type[Law]:
+def find(name: object, folder: Path | None = None) -> type[Law]:
     """The law called ``name``: a built-in one, or ``FILE.py:NAME`` with FILE relative to ``folder``.
 
     Raises:

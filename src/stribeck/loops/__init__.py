@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
@@ -52,18 +51,18 @@ class Design:
     lines: list[boundary.PathVerdicts]
     compensations: list[compensation.CompensationResult]
     why_not: str
-    proof: dict[str, Any]
+    proof: dict[str, object]
     tuned: tuning.Tuned | None = None
     excess: Excess | None = None
     plane: Plane | None = None
-    second: dict[str, Any] | None = None
+    second: dict[str, object] | None = None
 
     @property
     def verdict(self) -> str:
         """The verdict in one word."""
         return self.judgement.verdict
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """Plain data, as ``stribeck design --json`` prints it."""
         j = self.judgement
         cycle = {"amplitude": j.amplitude, "period": j.period, "body": j.body}
@@ -88,7 +87,7 @@ class Design:
 
 
 def design(
-    machine: Scenario | Machine | str | Path | Mapping[str, Any],
+    machine: Scenario | Machine | str | Path | Mapping[str, object],
     vary: Sequence[str] = (),
     tune: Sequence[str] = (),
     uncertainty_file: str | Path | None = None,

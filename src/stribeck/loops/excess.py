@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -43,7 +42,7 @@ class Excess:
     starts: float
     ends: float
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> dict[str, object]:
         """What is told of it."""
         run = None if self.counterexample is None else {"speed_at_first": self.starts, "speed_at_the_end": self.ends}
         return {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -91,7 +90,7 @@ def _worth_longer(found: Judgement | None) -> bool:
     return found.verdict in ("creeping", "hunting") or found.note == WINDS
 
 
-def _simulated(loop: Loop, values: Mapping[str, Any], windows: int, count: int) -> Ensemble:
+def _simulated(loop: Loop, values: Mapping[str, ArrayLike], windows: int, count: int) -> Ensemble:
     _, end, step = window(loop, windows)
     if not values:  # one lane: any number that is there stands for it
         path, x = next(iter(a_number(loop.scenario).items()))

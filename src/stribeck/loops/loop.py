@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from copy import deepcopy
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -90,13 +89,15 @@ def with_rest(scenario: Scenario) -> tuple[Scenario, tuple[str, ...]]:
     return Scenario(data, folder=scenario.folder, trust=True), tuple(endless)
 
 
-def _table(data: dict[str, Any], path: str) -> dict[str, Any]:
+def _table(data: object, path: str) -> dict[str, object]:
     for word in path.split("."):
+        assert isinstance(data, dict | list)
         data = data[int(word)] if isinstance(data, list) else data[word]
+    assert isinstance(data, dict)
     return data
 
 
-def _held(signal: Signal, t_end: float) -> dict[str, Any]:
+def _held(signal: Signal, t_end: float) -> dict[str, object]:
     """The same course up to t_end, and its value there from then on."""
     if signal.smooth:
         waves = max(1.0, float(signal.values["frequency"]) * t_end)
@@ -159,12 +160,12 @@ def _sliding(scenario: Scenario) -> Array:
     return np.array([state[s.name] for s in machine.states])
 
 
-def replaced(scenario: Scenario, controller: str, signal: dict[str, Any]) -> Scenario:
+def replaced(scenario: Scenario, controller: str, signal: dict[str, object]) -> Scenario:
     """The machine with another signal for a controller."""
     data = deepcopy(scenario.data)
     table = data["controllers"][controller]
     table["signal"] = signal
-    if not KINDS[signal["kind"]].smooth:
+    if not KINDS[str(signal["kind"])].smooth:
         table.pop("feedforward", None)  # it needs a second derivative, as lead does
         if table.get("compensation"):
             table["compensation"].pop("lead", None)

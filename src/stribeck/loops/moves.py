@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
 from stribeck.loops.loop import Loop, a_number, controller_of, replaced, resolution_of, rests_at
 from stribeck.machine.parts import ControllerPart
 from stribeck.scenario import Scenario
 from stribeck.signals import Signal
-from stribeck.simulation.ensemble import simulate_ensemble
+from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 from stribeck.simulation.single import simulate
+from stribeck.simulation.solution import Solution
 
 _WAVES = 4  # of the sine; the first lets transients die out
 _ROWS = 4000
@@ -149,12 +149,12 @@ def _tolerance(loop: Loop, controller: str, amplitude: float) -> float:
     return max(2 * step, _SETTLED * amplitude)
 
 
-def _error(scenario: Scenario, controller: str, columns: Any) -> Array:
+def _error(scenario: Scenario, controller: str, columns: Solution | Ensemble) -> Array:
     each = controller_of(scenario, controller)
     return np.asarray(np.asarray(columns[f"{controller}.r"]) - columns[f"{each.measures}.y"], float)
 
 
-def _after_reversals(t: Array, period: float) -> Any:
+def _after_reversals(t: Array, period: float) -> NDArray[np.bool_]:
     """The rows within an eighth of a period after each reversal of a sine that begins at 0, without the first wave."""
     phase = (t / period - 0.25) % 0.5
     return (phase <= _AFTER) & (t >= period)

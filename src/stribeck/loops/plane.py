@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -49,7 +48,7 @@ class Plane:
     edges: list[Edge]
     point: tuple[float, float]
 
-    def row(self) -> dict[str, Any]:
+    def row(self) -> dict[str, object]:
         """What is told of it."""
         return {
             "across": {"path": self.across.path, "values": self.x.tolist()},

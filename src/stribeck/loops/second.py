@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from copy import deepcopy
-from typing import Any
 
 from stribeck.analysis.hunting import Hunting, hunting
 from stribeck.drives.pid import Pid
@@ -16,14 +15,14 @@ from stribeck.scenario import Scenario
 WAYS = ("law", "body")
 
 
-def second_opinion(loop: Loop, controller: str) -> dict[str, Any]:
+def second_opinion(loop: Loop, controller: str) -> dict[str, object]:
     """By ``law`` and by ``body`` (:func:`stribeck.hunting`): amplitude and period, None where no cycle is predicted;
     ``why_not`` where the machine is none that they are for."""
     found = as_pid(loop, controller)
     if isinstance(found, str):
         return {"why_not": found}
     scenario, left_out = found
-    told: dict[str, Any] = {"left_out": left_out}
+    told: dict[str, object] = {"left_out": left_out}
     for way in WAYS:
         try:
             told[way] = as_row(hunting(scenario, way))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -59,7 +58,7 @@ def intervals(loop: Loop, file: Path | None) -> dict[str, tuple[float, float]]:
     return found
 
 
-def _ends(entry: Any) -> tuple[float | None, float | None]:
+def _ends(entry: object) -> tuple[float | None, float | None]:
     if isinstance(entry, dict):
         ends = (entry.get("low"), entry.get("high"))
         return tuple(float(x) if isinstance(x, int | float) else None for x in ends)  # type: ignore[return-value]

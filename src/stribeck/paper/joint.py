@@ -27,7 +27,7 @@ _PLASTIC, _ELASTIC = "lugre_majorant", "elastoplastic_majorant"
 _TORQUE = [[0.0, 0.5, 8.5, 9.0], [0.0, 0.22, 0.22, 0.0]]  # s, and N m at the arm: below sigma_0 z_ba of the mesh
 
 
-def _machine(law: str, loads: bool = True, hunts: bool = False) -> dict[str, Any]:
+def _machine(law: str, loads: bool = True, hunts: bool = False) -> dict[str, object]:
     """The joint: a rotor, a gear, an arm; the mesh rubs the more the gear carries."""
     own = {"z_ba": 1e-4} if law == _ELASTIC else {}
     mesh = {"name": law, "k_v": 1e5, "v_d": _V_D, **own, "parameters": _SET}
@@ -79,7 +79,7 @@ def chapter(done: Done) -> Chapter:
     return Chapter("joint", "One machine: a geared joint", text, [table], [_figure(held, hunting, swung)], numbers)
 
 
-def _solve(tables: dict[str, Any]) -> Solution:
+def _solve(tables: dict[str, object]) -> Solution:
     solution = simulate(Scenario(tables))
     if solution.reason:
         raise StribeckError(f"the joint failed: {solution.reason}")

@@ -13,11 +13,12 @@ from stribeck.constants import kind_of
 from stribeck.drives import Drive
 from stribeck.equations import Equations
 from stribeck.errors import InputError, printable
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.parameter_sets import read_toml
 from stribeck.plants import Plant
 from stribeck.scenario import memory, tables
-from stribeck.scenario.changes import changed, parse_assignment, plain, unfolds
+from stribeck.scenario.changes import changed, parse_assignment, plain_table, unfolds
 from stribeck.scenario.parts import Parts, Settings
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.single import Single
@@ -51,25 +52,25 @@ class Scenario:
 
     def __init__(
         self,
-        data: Mapping[str, Any] | None = None,
+        data: Mapping[str, object] | None = None,
         *,
         folder: str | Path | None = None,
         trust: bool | Collection[str] = True,
-        **tables_: Any,
+        **tables_: object,
     ) -> None:
         given = {"schema": 1, **tables_} if data is None else {**data, **tables_}
         if isinstance(law := given.get("law"), Law) and law.rotary:
             given.setdefault("rotary", True)
-        reader = Reader(plain(given), Path(folder) if folder is not None else Path(), _trusted(trust))
+        reader = Reader(plain_table(given), Path(folder) if folder is not None else Path(), _trusted(trust))
         _refuse(reader.read())
         self._set(reader.data, reader.folder, reader.parts)
 
-    def _set(self, data: dict[str, Any], folder: Path, parts: Parts) -> None:
+    def _set(self, data: dict[str, object], folder: Path, parts: Parts) -> None:
         """Once, when it is made."""
         known = {n: x for n, x in vars(parts).items() if x is not None and n != "law"}
         self.__dict__.update(known, data=data, folder=folder, parts=parts)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{name}: a Scenario does not change; replace({{PATH: VALUE}}) makes another")
 
     __delattr__ = __setattr__  # type: ignore[assignment]
@@ -94,7 +95,7 @@ class Scenario:
 
     @classmethod
     def load(
-        cls, path: str | Path, changes: Mapping[str, Any] | None = None, *, trust: bool | Collection[str] = False
+        cls, path: str | Path, changes: Mapping[str, object] | None = None, *, trust: bool | Collection[str] = False
     ) -> Scenario:
         """The scenario in a TOML file, with the values at some paths replaced (``{"law.k_v": 1e6}``).
 
@@ -122,7 +123,7 @@ class Scenario:
         return cls(new, folder=folder, trust=True if trusted is None else {*trusted, *own})
 
     @classmethod
-    def of(cls, given: Scenario | str | Path | Mapping[str, Any]) -> Scenario:
+    def of(cls, given: Scenario | str | Path | Mapping[str, object]) -> Scenario:
         """A scenario as it is, from the path of its file or from its tables.
 
         Raises:
@@ -136,7 +137,7 @@ class Scenario:
             return cls(given if "schema" in given else {"schema": 1, **given})
         raise InputError(f"scenario: must be a Scenario, the path of its file or its tables, not {kind_of(given)}")
 
-    def with_changes(self, changes: Mapping[str, Any]) -> Scenario:
+    def with_changes(self, changes: Mapping[str, object]) -> Scenario:
         """This scenario with the values at some paths replaced: ``{"law.name": "lugre", "drive.signal.rate": 0.1}``."""
         return Scenario(changed(self.data, changes, self.folder), folder=self.folder, trust=True)
 
@@ -172,7 +173,7 @@ class Scenario:
         """
         return self.whole.law
 
-    def __getattr__(self, name: str) -> Any:
+    def __getattr__(self, name: str) -> object:
         """What only a law on a single body has, asked of a machine."""
         if (
             name in ("drive", "drive_values", "plant", "plant_values", "signal")
@@ -244,7 +245,7 @@ class Scenario:
         """Period, delay, noise and seed of each sampled controller."""
         return self.whole.sampling()
 
-    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Any]:
+    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Value]:
         """Every column of the output by name, from the states (and what controllers held) at the times t."""
         return self.whole.columns(t, states, held or {}, self.end)
 
@@ -278,7 +279,7 @@ class Scenario:
         """The absolute tolerance of each state of a machine with other values."""
         return self._atol(rig.natural())
 
-    def _atol(self, natural: dict[str, Any]) -> dict[str, float]:
+    def _atol(self, natural: dict[str, Value]) -> dict[str, float]:
         return {n: self.solve.atol.get(n, _ATOL_SHARE * self.solve.rtol * x) for n, x in natural.items()}
 
 

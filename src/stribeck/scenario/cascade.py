@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, ClassVar
+from types import EllipsisType, SimpleNamespace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from pydantic import Field
@@ -27,9 +27,12 @@ from stribeck.laws.base import PARAMETERS, BristleLaw, Law
 from stribeck.laws.form import USUAL
 from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import tables, trust
-from stribeck.scenario.parts import Parts, Settings
+from stribeck.scenario.parts import Courses, Parts, Settings
 from stribeck.scenario.tables import Problem
 from stribeck.signals import Signal
+
+if TYPE_CHECKING:
+    from stribeck.scenario import Scenario
 
 NONE = "none"  # the observer's name where friction is not compensated
 _MOST_INSTANTS = 1e7  # of a sampled controller: some minutes
@@ -37,7 +40,7 @@ _SAMPLES = 4001  # of the path, where it is judged
 _MOST_SWINGS = 25  # turns of the valve in a quarter of a run that need no word
 
 
-def cascade_of(scenario: Any) -> CascadeSettings | None:
+def cascade_of(scenario: Scenario) -> CascadeSettings | None:
     """What the cascade of a scenario is made of, for what is about that controller; None under another drive."""
     return scenario.settings if isinstance(scenario.settings, CascadeSettings) else None
 
@@ -54,7 +57,7 @@ class CascadeSettings(Settings):
     observer: Law | None = None
 
     @classmethod
-    def fields(cls) -> dict[str, Any]:
+    def fields(cls) -> tables.Fields:
         """Observer, model, adaptation and sampling."""
         known, adapted = (
             "plant constants that the controller takes for true",
@@ -74,7 +77,7 @@ class CascadeSettings(Settings):
             "adaptation": tables.given_table("Adaptation", adapted, Adaptation.constants, False),
             "model": tables.given_table("Model", known, Cylinder.constants, True),
             "observer": (
-                dict[str, Any],
+                dict[str, object],
                 Field(description="the law that the controller takes for true: name ('none' for no compensation), its own "
                       "constants, and parameters where they differ from the plant's"),
             ),
@@ -82,25 +85,28 @@ class CascadeSettings(Settings):
 
     @classmethod
     def read(
-        cls, values: Any, table: dict[str, Any], law: Law | None, plant: Any, folder: Path, executes: bool
-    ) -> tuple[Settings | None, list[Problem]]:
+        cls, values: tables.StrictTable | None, table: Mapping[str, object], law: Law | None,
+        plant: tables.StrictTable | None, folder: Path, executes: bool,
+    ) -> tuple[Settings | None, list[Problem]]:  # fmt: skip
         """The observer with the plant's parameters where it gives none, and the rest of [drive]."""
         observer, found, known = None, list[Problem](), True
         if isinstance(own := table.get("observer"), dict):
             known = executes or not trust.in_a_file(own.get("name"))
             observer, found = read_observer(own, law, folder) if known else (None, [])
-        found += misplaced(values, observer if known and not found else ...) if values is not None else []
-        if found or values is None or plant is None:
+        own_values = None if values is None else dict(values)
+        if own_values is not None:
+            found += misplaced(own_values, observer if known and not found else ...)
+        if found or own_values is None or plant is None:
             return None, found
-        given = {n: x for n in Cylinder.constants if (x := getattr(values.model, n)) is not None}
+        given = {n: x for n in Cylinder.constants if (x := getattr(own_values["model"], n)) is not None}
         model = {**{n: getattr(plant, n) for n in Cylinder.constants}, **given}
         sampling = None
-        if values.sample_time is not None:
+        if own_values["sample_time"] is not None:
             sampling = {
-                "period": values.sample_time, "delay": values.delay, "resolution": values.quantisation,
-                "noise": values.noise, "bandwidth": values.bandwidth or 0.0, "seed": values.seed,
+                "period": own_values["sample_time"], "resolution": own_values["quantisation"],
+                "bandwidth": own_values["bandwidth"] or 0.0, **{n: own_values[n] for n in ("delay", "noise", "seed")},
             }  # fmt: skip
-        return cls(model, dict(values.adaptation) if values.adaptive else None, sampling, observer), []
+        return cls(model, dict(own_values["adaptation"]) if own_values["adaptive"] else None, sampling, observer), []
 
     @property
     def law_name(self) -> str:
@@ -151,13 +157,13 @@ class CascadeSettings(Settings):
         """Period, delay, noise and seed, where it samples."""
         return [] if self.sampling is None else [{n: self.sampling[n] for n in ("period", "delay", "noise", "seed")}]
 
-    def remarks(self, scenario: Any, solution: Any) -> list[str]:
+    def remarks(self, scenario: Scenario, solution: Courses) -> list[str]:
         """Where the valve is at its limit to the end, or goes to and fro."""
         found = _limited(scenario, solution)
         return found + (_swinging(scenario, solution) if self.sampling is not None else [])
 
 
-def read_observer(table: dict[str, Any], plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
+def read_observer(table: dict[str, object], plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
     """The law of [drive.observer] with the plant's parameters where it gives none, and what is wrong with it."""
     path = "drive.observer"
     name = table.get("name")
@@ -167,7 +173,7 @@ def read_observer(table: dict[str, Any], plant: Law | None, folder: Path) -> tup
         extra = [(f"{path}.{key}", f"{show(x)}: must be left out: no law") for key, x in table.items() if key != "name"]
         return None, extra
     try:
-        cls = laws.find(name, folder)  # type: ignore[arg-type]
+        cls = laws.find(name, folder)
         given = _parameters(table.get("parameters", {}), cls, folder)
     except InputError as error:
         where = "name" if not isinstance(table.get("parameters"), str) else "parameters"
@@ -189,7 +195,7 @@ def read_observer(table: dict[str, Any], plant: Law | None, folder: Path) -> tup
     return (law, []) if (text := _useless(law)) is None else (None, [(f"{path}.name", f"{show(name)}: {text}")])
 
 
-def _parameters(given: Any, cls: type[Law], folder: Path) -> dict[str, Any]:
+def _parameters(given: object, cls: type[Law], folder: Path) -> Mapping[str, object]:
     if isinstance(given, str):
         return laws.parameters_for(cls, given, folder)
     if not isinstance(given, dict):
@@ -230,7 +236,7 @@ def not_adaptable(law: Law | None) -> str | None:
     return f"cannot adapt the observer: {reason}" if reason else None
 
 
-def _path_problems(p: Any, law: Law, signal: Signal, t_end: float) -> list[Problem]:
+def _path_problems(p: SimpleNamespace, law: Law, signal: Signal, t_end: float) -> list[Problem]:
     """Where the path cannot be followed, whatever the gains."""
     room = p.supply_pressure - p.atmospheric_pressure
     if room <= 0:
@@ -265,35 +271,37 @@ def path_of(signal: Signal, t_end: float) -> tuple[Array, tuple[Array, ...]]:
     t = np.linspace(0, t_end, int(min(max(_SAMPLES, 16 * waves), 200_000)))
     t = np.union1d(t, [start for start, _ in signal.pieces if 0 <= start <= t_end])
     values = signal.values_at(t)
-    kind: Any = type(signal)
+    kind: object = type(signal)
     found = _course(kind, tuple(values))(t, *values.values())
     return t, tuple(np.broadcast_to(np.asarray(x, float), t.shape) for x in found)
 
 
 @lru_cache(maxsize=32)
-def _course(signal: Any, names: tuple[str, ...]) -> Any:
+def _course(signal: object, names: tuple[str, ...]) -> Callable[..., tuple[Array, ...]]:
     """The path and its derivatives as a function of t and the signal's constants."""
+    assert isinstance(signal, type)
+    assert issubclass(signal, Signal)
     constants = SimpleNamespace(**{n: symbol(f"signal.{n}") for n in names})
     path = course(wrap(signal.equation(constants, symbol("t"))), symbol("t"))
     return python_function(("t", *(f"signal.{n}" for n in names)), path)
 
 
-def misplaced(values: Any, observer: Any) -> list[Problem]:
+def misplaced(values: Mapping[str, object], observer: Law | EllipsisType | None) -> list[Problem]:
     """What the valid table [drive] asks for that does not go together; ``observer`` is ... where it is not known."""
     found: list[Problem] = []
-    if values.sample_time is None:
+    if values["sample_time"] is None:
         text = "needs drive.sample_time: without it the controller is continuous and measures exactly"
-        keys = [key for key in ("delay", "noise", "quantisation", "bandwidth") if getattr(values, key)]
-        found += [(f"drive.{key}", f"{show(getattr(values, key))}: {text}") for key in keys]
-    elif (values.noise or values.quantisation) and values.bandwidth is None:
+        keys = [key for key in ("delay", "noise", "quantisation", "bandwidth") if values[key]]
+        found += [(f"drive.{key}", f"{show(values[key])}: {text}") for key in keys]
+    elif (values["noise"] or values["quantisation"]) and values["bandwidth"] is None:
         text = "missing: must be given with noise or quantisation (rad/s; of the filter that estimates v and dv/dt)"
         found.append(("drive.bandwidth", text))
-    if values.adaptive and observer is not ... and (reason := not_adaptable(observer)):
+    if values["adaptive"] and observer is not ... and (reason := not_adaptable(observer)):
         found.append(("drive.adaptive", f"true: {reason}"))
     return found
 
 
-def _swinging(scenario: Any, solution: Any) -> list[str]:
+def _swinging(scenario: Scenario, solution: Courses) -> list[str]:
     """That the valve goes to and fro to the end far more often than the path."""
     end, swing = scenario.end, SWING * scenario.drive_values["u_max"]
     late = solution.held[SWINGS][solution.t >= 0.75 * end]
@@ -305,7 +313,7 @@ def _swinging(scenario: Any, solution: Any) -> list[str]:
     return [f"{scenario.name}: {text}: sample_time, delay or noise are too large for these gains"]
 
 
-def _limited(scenario: Any, solution: Any) -> list[str]:
+def _limited(scenario: Scenario, solution: Courses) -> list[str]:
     """That the valve ends at its limit, when it has been there for a tenth of the run."""
     limit = scenario.drive_values["u_max"]
     free = np.flatnonzero(np.abs(solution["u"]) < limit * (1 - 1e-9))

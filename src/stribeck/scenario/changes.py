@@ -36,7 +36,7 @@ def parse_assignment(text: str) -> tuple[str, Any]:
     return path, read["x"] if len(read) == 1 else value.strip()
 
 
-def plain(value: Any, path: str = "", depth: int = 0) -> Any:
+def plain(value: object, path: str = "", depth: int = 0) -> object:
     """A copy made of plain Python values, as a file gives them: NumPy's become numbers and lists, a law its table.
 
     Raises:
@@ -47,7 +47,7 @@ def plain(value: Any, path: str = "", depth: int = 0) -> Any:
     if isinstance(value, laws.Law):
         return laws.table(value)
     if isinstance(value, Mapping):
-        return {str(key): plain(inner, path or str(key), depth + 1) for key, inner in value.items()}
+        return plain_table(value, path, depth)
     if isinstance(value, np.ndarray | np.generic):
         return plain(value.tolist(), path, depth)
     if isinstance(value, list | tuple):
@@ -55,20 +55,26 @@ def plain(value: Any, path: str = "", depth: int = 0) -> Any:
     return str(value) if isinstance(value, PurePath) else value
 
 
-def changed(data: Mapping[str, Any], changes: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+def plain_table(table: Mapping[str, object], path: str = "", depth: int = 0) -> dict[str, object]:
+    """Such a copy of a table."""
+    return {str(key): plain(inner, path or str(key), depth + 1) for key, inner in table.items()}
+
+
+def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: Path) -> dict[str, object]:
     """The data of a scenario with the values at the given paths replaced.
 
     A new ``law.name`` (of a machine ``contacts.NAME.law.name``) drops the constants of the old law that the new one does
     not have, and says so; likewise ``drive.observer.name``.
     """
-    new: dict[str, Any] = plain(data)
+    new = plain_table(data)
     renamed = [path for path in changes if _LAW_NAME.fullmatch(path)]
     for path in renamed:
         _set(new, path, changes[path])
         _drop_foreign_constants(new, path.removesuffix(".name"), folder)
     if "drive.observer.name" in changes and isinstance(new.get("drive"), dict):
         _set(new, "drive.observer.name", changes["drive.observer.name"])
-        _drop_of_observer(new["drive"]["observer"], folder)
+        if isinstance(observer := _table_at(new, "drive.observer"), dict):
+            _drop_of_observer(observer, folder)
     for path in sorted(changes, key=lambda path: path.count(".")):  # a table before what is in it
         if path in (*renamed, "drive.observer.name") or (
             unfolds(path) and not _unfold_parameters(new, path.partition(_INSIDE)[0] or "law", folder)
@@ -83,14 +89,14 @@ def unfolds(path: str) -> bool:
     return f".{path}".startswith(f".law{_INSIDE}") or f".law{_INSIDE}" in path
 
 
-def _table_at(data: dict[str, Any], path: str) -> Any:
-    table: Any = data
+def _table_at(data: dict[str, object], path: str) -> object:
+    table: object = data
     for name in path.split("."):
         table = table.get(name) if isinstance(table, dict) else None
     return table
 
 
-def _unfold_parameters(data: dict[str, Any], path: str, folder: Path) -> bool:
+def _unfold_parameters(data: dict[str, object], path: str, folder: Path) -> bool:
     """Put the values of a set in the place of its name; False where there is no such set, as validation will say."""
     law = _table_at(data, path)
     if not isinstance(law, dict) or not isinstance(law.get("parameters"), str):
@@ -109,27 +115,28 @@ def _unfold_parameters(data: dict[str, Any], path: str, folder: Path) -> bool:
     return True
 
 
-def _set(data: dict[str, Any], path: str, value: Any) -> None:
+def _set(data: dict[str, object], path: str, value: object) -> None:
     """Put a value at a path; a number in the path counts the entries of a list from 0."""
     *parents, last = path.split(".")
-    table: Any = data
+    table: dict[str, object] | list[object] = data
     for i, name in enumerate(parents):
-        table = table[_entry(table, name, path)] if isinstance(table, list) else table.setdefault(name, {})
-        if not isinstance(table, dict | list):
+        inner = table[_entry(table, name, path)] if isinstance(table, list) else table.setdefault(name, {})
+        if not isinstance(inner, dict | list):
             raise InputError(f"{path}: {'.'.join(parents[: i + 1])} is not a table, so it has no key '{last}'")
+        table = inner
     if isinstance(table, list):
         table[_entry(table, last, path)] = value
     else:
         table[last] = value
 
 
-def _entry(table: list[Any], name: str, path: str) -> int:
+def _entry(table: list[object], name: str, path: str) -> int:
     if not (name.isdigit() and int(name) < len(table)):
         raise InputError(f"{path}: {name!r}: must be a number from 0 to {len(table) - 1}, an entry of the list")
     return int(name)
 
 
-def _drop_of_observer(table: dict[str, Any], folder: Path) -> None:
+def _drop_of_observer(table: dict[str, object], folder: Path) -> None:
     try:
         has = laws.find(table["name"], folder).constants() if table["name"] != "none" else {}
     except InputError:
@@ -140,8 +147,10 @@ def _drop_of_observer(table: dict[str, Any], folder: Path) -> None:
         del table[name]
 
 
-def _drop_foreign_constants(data: dict[str, Any], path: str, folder: Path) -> None:
-    table = _table_at(data, path)
+def _drop_foreign_constants(data: dict[str, object], path: str, folder: Path) -> None:
+    table, plant = _table_at(data, path), data.get("plant")
+    if not isinstance(table, dict):
+        return
     try:
         law = laws.find(table["name"], folder)
     except InputError:
@@ -154,7 +163,7 @@ def _drop_foreign_constants(data: dict[str, Any], path: str, folder: Path) -> No
         for name in [name for name in place if name not in keep and name not in law.constants()]:
             note(f"{where}.{name}: dropped: law '{law.name}' has no such constant")
             del place[name]
-    initial = data.get("plant", {}).get("initial") if isinstance(data.get("plant"), dict) else None
+    initial = plant.get("initial") if isinstance(plant, dict) else None
     if not law.has_z and isinstance(initial, dict) and "z" in initial:
         note(f"plant.initial.z: dropped: law '{law.name}' has no z")
         del initial["z"]

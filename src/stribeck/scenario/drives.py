@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
-from pydantic import Field, create_model
+from pydantic import Field
 
 from stribeck import control, drives, plants
 from stribeck.constants import show
@@ -14,7 +14,7 @@ from stribeck.errors import InputError
 from stribeck.laws.own import find_class
 from stribeck.scenario.cascade import CascadeSettings
 from stribeck.scenario.parts import Settings
-from stribeck.scenario.tables import StrictTable, number
+from stribeck.scenario.tables import Fields, StrictTable, made, number
 from stribeck.scenario.trust import in_a_file
 
 DRIVES: dict[str, type[drives.Drive]] = {**drives.KINDS, **control.KINDS}
@@ -31,7 +31,7 @@ def plants_of(drive: type[drives.Drive]) -> dict[str, type[plants.Plant]]:
     return {kind: plant for kind, plant in plants.KINDS.items() if plant.takes == drive.gives}
 
 
-def find_plant(name: Any, drive: type[drives.Drive], folder: Path) -> tuple[type[plants.Plant], str | None]:
+def find_plant(name: object, drive: type[drives.Drive], folder: Path) -> tuple[type[plants.Plant], str | None]:
     """The plant of that kind under a drive (FILE.py:NAME: a class of one's own), and what is wrong with it; where there
     is no such kind, the first that the drive can move."""
     known = plants_of(drive)
@@ -52,8 +52,8 @@ def find_plant(name: Any, drive: type[drives.Drive], folder: Path) -> tuple[type
 def drive_table(kind: str) -> type[StrictTable]:
     """The model of [drive] for a kind of drive; its signal is a table of its own."""
     drive = DRIVES[kind]
-    fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=drive.meaning))}
+    fields: Fields = {"kind": (Literal[kind], Field(description=drive.meaning))}
     fields |= {name: number(constant) for name, constant in drive.constants.items()}
     fields |= settings(drive).fields()
-    fields["signal"] = (dict[str, Any], Field(description=f"{drive.signal.meaning}, {drive.signal.unit}"))
-    return create_model(f"{kind.capitalize()}Drive", __base__=StrictTable, __doc__=drive.meaning, **fields)
+    fields["signal"] = (dict[str, object], Field(description=f"{drive.signal.meaning}, {drive.signal.unit}"))
+    return made(f"{kind.capitalize()}Drive", fields, drive.meaning)

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
 
 from stribeck import laws, parameter_sets
 from stribeck.constants import kind_of, show
@@ -14,7 +13,7 @@ from stribeck.scenario.tables import Problem
 from stribeck.scenario.trust import in_a_file
 
 
-def unknown(table: dict[str, Any], path: str, known: Iterable[str]) -> list[Problem]:
+def unknown(table: Mapping[str, object], path: str, known: Iterable[str]) -> list[Problem]:
     """A problem for each key that is not known."""
     known = dict.fromkeys(known)
     found = []
@@ -24,7 +23,7 @@ def unknown(table: dict[str, Any], path: str, known: Iterable[str]) -> list[Prob
     return found
 
 
-def no_table(value: Any) -> str:
+def no_table(value: object) -> str:
     """What is wrong with a value that should be a table."""
     return f"{show(value)}: must be a table, not {kind_of(value)}"
 
@@ -39,7 +38,7 @@ class LawReader:
         executes: whether a law in a file is executed; else all but the law itself is judged.
     """
 
-    def __init__(self, table: Any, path: str, folder: Path, executes: bool = True) -> None:
+    def __init__(self, table: object, path: str, folder: Path, executes: bool = True) -> None:
         self.table, self.path, self.folder, self.executes = table, path, folder, executes
         self.problems: list[Problem] = []
         self.law: Law | None = None
@@ -83,16 +82,16 @@ class LawReader:
             found = [(name, text) for name, text in found if name not in PARAMETERS]
         self.problems += [(paths.get(name, f"{path}.{name}"), text) for name, text in found]
         if law is not None and given is not None and not found:
-            self._evaluate(law({**parameters, **own}))
+            self._evaluate(law({**parameters, **own}), table["name"])
         return self.law
 
-    def _evaluate(self, law: Law) -> None:
-        if trouble := (in_a_file(self.table["name"]) and laws.trouble(law)) or laws.overflow(law):
-            self.problems.append((f"{self.path}.name", f"{show(self.table['name'])}: {trouble}"))
+    def _evaluate(self, law: Law, name: str) -> None:
+        if trouble := (in_a_file(name) and laws.trouble(law)) or laws.overflow(law):
+            self.problems.append((f"{self.path}.name", f"{show(name)}: {trouble}"))
         else:
             self.law = law
 
-    def _named_law(self, table: dict[str, Any]) -> type[Law] | None:
+    def _named_law(self, table: Mapping[str, object]) -> type[Law] | None:
         place = f"{self.path}.name"
         if "name" not in table:
             self.problems.append((place, "missing: must be given (the name of a law, or FILE.py:NAME)"))
@@ -105,7 +104,7 @@ class LawReader:
             self.problems += [(place, text) for text in error.problems]
             return None
 
-    def _parameters(self, table: dict[str, Any], law: type[Law] | None) -> dict[str, Any] | None:
+    def _parameters(self, table: Mapping[str, object], law: type[Law] | None) -> Mapping[str, object] | None:
         """The machine's parameters; None where they are missing or cannot be read, which is then said."""
         given, place = table.get("parameters"), f"{self.path}.parameters"
         if given is None:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import Any
+from typing import overload
 
 from stribeck.scenario.trust import in_a_file
 
 
-def moved(data: Any, folder: Path, to: Path) -> Any:
+@overload
+def moved(data: dict[str, object], folder: Path, to: Path) -> dict[str, object]: ...
+@overload
+def moved(data: object, folder: Path, to: Path) -> object: ...
+def moved(data: object, folder: Path, to: Path) -> object:
     """The tables with every relative path (a parameter set, a recorded signal, a law in a file) seen from ``to`` instead
     of ``folder``; what is None is left out, for TOML has no such value."""
     if isinstance(data, dict):
@@ -17,7 +21,7 @@ def moved(data: Any, folder: Path, to: Path) -> Any:
     return [moved(x, folder, to) for x in data] if isinstance(data, list | tuple) else data
 
 
-def _seen(key: str, value: Any, folder: Path, to: Path) -> Any:
+def _seen(key: str, value: object, folder: Path, to: Path) -> object:
     if not isinstance(value, str):
         return moved(value, folder, to)
     path, colon, name = value.rpartition(":") if key in ("name", "kind") and in_a_file(value) else (value, "", "")

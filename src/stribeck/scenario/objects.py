@@ -24,15 +24,15 @@ from stribeck.constants import kind_of
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
-from stribeck.scenario.changes import changed, plain
+from stribeck.scenario.changes import changed, plain_table
 
 # -- signals ---------------------------------------------------------------------------------------------------------
 
 
-class SignalTable(Mapping[str, Any]):
+class SignalTable(Mapping[str, object]):
     """A signal of time, as the table that a file holds; see docs/scenario.md."""
 
-    def __init__(self, kind: str, **values: Any) -> None:
+    def __init__(self, kind: str, **values: object) -> None:
         self._table = {"kind": kind, **{name: x for name, x in values.items() if x is not None}}
 
     def __getitem__(self, key: str) -> Any:
@@ -107,14 +107,14 @@ class Part:
 
     section: str
     name: str
-    table: Mapping[str, Any]
+    table: Mapping[str, object]
 
     def __repr__(self) -> str:
         inside = "".join(f", {name.strip('_')}={x!r}" for name, x in self.table.items())
         return f"{type(self).__name__}({self.name!r}{inside})"
 
 
-def _given(**values: Any) -> dict[str, Any]:
+def _given(**values: object) -> dict[str, object]:
     return {name: x for name, x in values.items() if x is not None}
 
 
@@ -133,7 +133,7 @@ class Body(Part):
     def __init__(
         self, name: str, *, mass: float | None = None, inertia: float | None = None, y: float | None = None,
         v: float | None = None, tied_to: str | None = None, ratio: float | None = None,
-        velocity: Mapping[str, Any] | None = None,
+        velocity: Mapping[str, object] | None = None,
     ) -> None:  # fmt: skip
         initial = _given(y=y, v=v) or None
         driven = None if velocity is None else {"signal": velocity}
@@ -154,9 +154,9 @@ class Link(Part):
     """
 
     def __init__(
-        self, name: str, start: str | Mapping[str, Any], end: str = "ground", *, stiffness: float | None = None,
+        self, name: str, start: str | Mapping[str, object], end: str = "ground", *, stiffness: float | None = None,
         damping: float | None = None, gap: float | None = None, ratio: float | None = None, kind: str | None = None,
-        **own: Any,
+        **own: object,
     ) -> None:  # fmt: skip
         begin = start if isinstance(start, str) else {"signal": start}
         numbers = _given(ratio=ratio, stiffness=stiffness, damping=damping, gap=gap, kind=kind)
@@ -177,8 +177,8 @@ class Contact(Part):
     """
 
     def __init__(
-        self, name: str, start: str, law: Law | Mapping[str, Any], *, end: str = "ground", ratio: float | None = None,
-        loads: Sequence[Mapping[str, Any]] = (), factors: Mapping[str, Any] | None = None,
+        self, name: str, start: str, law: Law | Mapping[str, object], *, end: str = "ground", ratio: float | None = None,
+        loads: Sequence[Mapping[str, object]] = (), factors: Mapping[str, object] | None = None,
     ) -> None:  # fmt: skip
         more = _given(ratio=ratio, loads=list(loads) or None, factors=factors)
         super().__init__("contacts", name, {"from": start, "to": end, "law": law, **more})
@@ -187,11 +187,11 @@ class Contact(Part):
 class Load(Part):
     """A force on a body from outside; ``Load.signal``, ``Load.pendulum`` and ``Load.ripple`` make the usual ones."""
 
-    def __init__(self, name: str, on: str, kind: str, **values: Any) -> None:
+    def __init__(self, name: str, on: str, kind: str, **values: object) -> None:
         super().__init__("loads", name, {"on": on, "kind": kind, **values})
 
     @classmethod
-    def signal(cls, name: str, on: str, signal: Mapping[str, Any]) -> Load:
+    def signal(cls, name: str, on: str, signal: Mapping[str, object]) -> Load:
         """The signal is the force, N or N m."""
         return cls(name, on, "signal", signal=signal)
 
@@ -212,7 +212,7 @@ class Motor(Part):
 
     def __init__(
         self, name: str, on: str, *, K: float, R: float, L: float | None = None, voltage: float | None = None,
-        current_time: float | None = None, signal: Mapping[str, Any] | None = None,
+        current_time: float | None = None, signal: Mapping[str, object] | None = None,
     ) -> None:  # fmt: skip
         more = _given(L=L, voltage=voltage, current_time=current_time, signal=signal)
         super().__init__("motors", name, {"on": on, "K": K, "R": R, **more})
@@ -224,7 +224,7 @@ class Controller(Part):
     Further arguments are those of the file: measures, limit, feedforward, compensation, sampling.
     """
 
-    def __init__(self, name: str, kind: str, on: str, signal: Mapping[str, Any], **values: Any) -> None:
+    def __init__(self, name: str, kind: str, on: str, signal: Mapping[str, object], **values: object) -> None:
         super().__init__("controllers", name, {"kind": kind, "on": on, "signal": signal, **_given(**values)})
 
     @classmethod
@@ -233,11 +233,11 @@ class Controller(Part):
         name: str,
         *,
         on: str,
-        signal: Mapping[str, Any],
+        signal: Mapping[str, object],
         K_p: float,
         K_i: float = 0.0,
         K_d: float = 0.0,
-        **more: Any,
+        **more: object,
     ) -> Controller:
         """u = -K_p (y - r) - K_i I - K_d v."""
         return cls(name, "pid", on, signal, K_p=K_p, K_i=K_i, K_d=K_d, **more)
@@ -248,11 +248,11 @@ class Controller(Part):
         name: str,
         *,
         on: str,
-        signal: Mapping[str, Any],
+        signal: Mapping[str, object],
         K_p: float,
         K_v: float,
         T_i: float | None = None,
-        **more: Any,
+        **more: object,
     ) -> Controller:
         """v_r = K_p (r - y) + dr/dt, u = K_v (v_r - v) + (K_v/T_i) I."""
         return cls(name, "cascade", on, signal, K_p=K_p, K_v=K_v, T_i=T_i, **more)
@@ -266,7 +266,7 @@ class VariedMachine:
     """A machine and the values that its lanes have, for :func:`stribeck.simulate_ensemble`."""
 
     machine: Machine
-    values: dict[str, Any]
+    values: dict[str, ArrayLike]
 
 
 class Machine:
@@ -282,7 +282,7 @@ class Machine:
     """
 
     def __init__(self, *parts: Part, name: str = "machine", folder: str | Path | None = None) -> None:
-        data: dict[str, Any] = {"schema": 2, "name": name}
+        sections: dict[str, dict[str, object]] = {}
         seen: dict[str, str] = {}
         for part in parts:
             if not isinstance(part, Part):
@@ -291,17 +291,19 @@ class Machine:
                 text = f"{part.name!r}: must be another name: it is that of {seen[part.name]}.{part.name} already"
                 raise InputError(f"{part.section}.{part.name}: {text}")
             seen[part.name] = part.section
-            data.setdefault(part.section, {})[part.name] = dict(part.table)
-        self._set(plain(data), parts, Path(folder) if folder is not None else Path())
+            sections.setdefault(part.section, {})[part.name] = dict(part.table)
+        self._set(
+            plain_table({"schema": 2, "name": name, **sections}), parts, Path(folder) if folder is not None else Path()
+        )
 
-    _data: dict[str, Any]
+    _data: dict[str, object]
     _parts: tuple[Part, ...]
     _folder: Path
 
-    def _set(self, data: dict[str, Any], parts: tuple[Part, ...], folder: Path) -> None:
+    def _set(self, data: dict[str, object], parts: tuple[Part, ...], folder: Path) -> None:
         self.__dict__.update(_data=data, _parts=parts, _folder=folder)
 
-    def __setattr__(self, name: str, value: Any) -> None:
+    def __setattr__(self, name: str, value: object) -> None:
         raise AttributeError(f"{name}: a Machine does not change; replace({{PATH: VALUE}}) makes another")
 
     @property
@@ -309,10 +311,9 @@ class Machine:
         """What it is called."""
         return str(self._data["name"])
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, object]:
         """The tables of a machine file, without [solve] and [output]."""
-        found: dict[str, Any] = plain(self._data)
-        return found
+        return plain_table(self._data)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Machine) and self._data == other._data
@@ -320,10 +321,10 @@ class Machine:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        sections = (f"{s} {', '.join(t)}" for s, t in self._data.items() if s in _SECTIONS)
+        sections = (f"{s} {', '.join(t)}" for s, t in self._data.items() if s in _SECTIONS and isinstance(t, dict))
         return f"<Machine {self.name}: {'; '.join(sections)}>"
 
-    def replace(self, changes: Mapping[str, Any]) -> Machine:
+    def replace(self, changes: Mapping[str, object]) -> Machine:
         """The same machine with other values at some paths: ``{"bodies.arm.inertia": 0.4}``."""
         new = object.__new__(Machine)
         new._set(changed(self._data, changes, self._folder), self._parts, self._folder)
@@ -333,7 +334,7 @@ class Machine:
         """The machine with values for each lane of an ensemble."""
         return VariedMachine(self, dict(values))
 
-    def scenario(self, t_end: float, step: float | None = None, *, energy: bool = False, **solve: Any) -> Scenario:
+    def scenario(self, t_end: float, step: float | None = None, *, energy: bool = False, **solve: object) -> Scenario:
         """What is simulated: until ``t_end`` (s), with a row every ``step`` (s; t_end/1000 unless given).
 
         Further arguments are those of [solve], such as ``rtol``.
@@ -361,7 +362,9 @@ class Machine:
 _SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
 
 
-def scenario_of(given: Any, t_end: float | None, step: float | None, **solve: Any) -> Scenario:
+def scenario_of(
+    given: Machine | Scenario | str | Path | Mapping[str, object], t_end: float | None, step: float | None, **solve: Any
+) -> Scenario:  # fmt: skip
     """The scenario that ``simulate`` is given, with other times if these are given.
 
     Raises:

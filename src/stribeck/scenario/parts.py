@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Protocol
 
+from stribeck.arrays import Array
 from stribeck.drives import Drive
 from stribeck.laws.base import Law
 from stribeck.plants import Mass, Plant
@@ -15,7 +16,23 @@ from stribeck.signals import Signal
 from stribeck.system import System
 
 if TYPE_CHECKING:
+    from stribeck.scenario import Scenario
     from stribeck.scenario.machine import Rig
+
+
+class Courses(Protocol):
+    """What a remark is made of: the rows of a solution."""
+
+    @property
+    def t(self) -> Array:
+        """The times, s."""
+
+    @property
+    def held(self) -> Mapping[str, Array]:
+        """What controllers held at these times."""
+
+    def __getitem__(self, name: str, /) -> Array:
+        """A column."""
 
 
 class Settings:
@@ -28,14 +45,15 @@ class Settings:
     observer: Law | None = None  # the law by which friction is compensated
 
     @classmethod
-    def fields(cls) -> dict[str, Any]:
+    def fields(cls) -> tables.Fields:
         """Further keys of [drive], as fields of a pydantic model."""
         return {}
 
     @classmethod
     def read(
-        cls, values: Any, table: dict[str, Any], law: Law | None, plant: Any, folder: Path, executes: bool
-    ) -> tuple[Settings | None, list[tables.Problem]]:
+        cls, values: tables.StrictTable | None, table: Mapping[str, object], law: Law | None,
+        plant: tables.StrictTable | None, folder: Path, executes: bool,
+    ) -> tuple[Settings | None, list[tables.Problem]]:  # fmt: skip
         """From the validated table [drive] and that of the plant (None where they are not valid), and the ``table`` as
         it stands in the file; None where something is wrong, and what."""
         return cls(), []
@@ -61,7 +79,7 @@ class Settings:
         """Period, delay, noise and seed of the controller, where it samples."""
         return []
 
-    def remarks(self, scenario: Any, solution: Any) -> list[str]:
+    def remarks(self, scenario: Scenario, solution: Courses) -> list[str]:
         """What is to be said about a solution."""
         return []
 

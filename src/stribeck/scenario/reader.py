@@ -23,12 +23,12 @@ _TABLES = ("law", "plant", "drive", "solve", "output")
 class Reader:
     """Reads a scenario's data, collecting every problem; ``trusted``: laws in files that lie anywhere (None: all)."""
 
-    def __init__(self, data: Mapping[str, Any], folder: Path, trusted: Collection[str] | None = None) -> None:
+    def __init__(self, data: Mapping[str, object], folder: Path, trusted: Collection[str] | None = None) -> None:
         self.data, self.folder = dict(data), folder
         self.problems: list[tables.Problem] = []
         self.trusted, self.executes = trusted, False
         self.parts = Parts()
-        self.drive_table: Any = None
+        self.drive_table: tables.StrictTable | None = None
 
     def read(self) -> list[tables.Problem]:
         """Fill in the ``parts``; the problems found."""
@@ -104,7 +104,7 @@ class Reader:
                 guess = nearest(name, states) or f" (the states are {', '.join(states)})"
                 self.problems.append((f"solve.atol.{name}", f"{value}: there is no such state{guess}"))
 
-    def _table(self, model: type[tables.StrictTable], name: str) -> Any:
+    def _table(self, model: type[tables.Table], name: str) -> tables.Table | None:
         if name not in self.data:
             keys = ", ".join(k for k, f in model.model_fields.items() if f.is_required())
             self.problems.append((name, f"missing: the table [{name}] must be given (with {keys})"))
@@ -113,7 +113,7 @@ class Reader:
         self.problems += found
         return table
 
-    def _unknown(self, table: dict[str, Any], path: str, known: Iterable[str]) -> None:
+    def _unknown(self, table: Mapping[str, object], path: str, known: Iterable[str]) -> None:
         """Name the keys that are not known."""
         self.problems += unknown(table, path, known)
 
@@ -153,9 +153,9 @@ class Reader:
 
     def _kind(
         self,
-        table: dict[str, Any],
+        table: Mapping[str, object],
         path: str,
-        kinds: Mapping[str, Any],
+        kinds: Mapping[str, object],
         model: Callable[[str], type[tables.StrictTable]],
     ) -> str | None:
         kind = table.get("kind")
@@ -170,7 +170,7 @@ class Reader:
             self.problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
         return None
 
-    def _signal(self, table: Any) -> None:
+    def _signal(self, table: object) -> None:
         path = "drive.signal"
         if not isinstance(table, dict):
             self.problems.append((path, no_table(table)))
@@ -211,9 +211,12 @@ class Reader:
         table = self._table(tables.plant_table(plant, moved, own), "plant")
         if table is not None:
             values = {} if moved else {n: getattr(table, n) for n in plant.constants}
-            self._found(plant=plant, plant_values=values, initial={**drive.starts, "v": 0.0, **dict(table.initial)})
-        read = settings(drive).read
-        beside, problems = read(self.drive_table, self.data["drive"], self.parts.law, table, self.folder, self.executes)
+            self._found(
+                plant=plant, plant_values=values, initial={**drive.starts, "v": 0.0, **dict(dict(table)["initial"])}
+            )
+        read, whole = settings(drive).read, self.data["drive"]
+        assert isinstance(whole, dict)
+        beside, problems = read(self.drive_table, whole, self.parts.law, table, self.folder, self.executes)
         self.problems += problems
         self._found(settings=beside)
 

@@ -166,7 +166,7 @@ def _contact() -> Node:
     return node
 
 
-def _plain(kind: Any) -> Any:
+def _plain(kind: object) -> object:
     return kind
 
 
@@ -288,7 +288,7 @@ def _model(model: type[tables.StrictTable]) -> Node:
     schema = model.model_json_schema()
     definitions = schema.pop("$defs", {})
 
-    def plain(node: Any) -> Any:
+    def plain(node: object) -> Any:
         """Without titles, which only repeat the names, and with references replaced by what they mean."""
         if isinstance(node, list):
             return [plain(inner) for inner in node]

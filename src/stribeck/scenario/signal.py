@@ -3,27 +3,26 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from stribeck import signals
 from stribeck.errors import InputError
-from stribeck.scenario.tables import SIGNALS, Problem
+from stribeck.scenario.tables import SIGNALS, Problem, StrictTable
 
 
-def read_signal(kind: str, values: Any, folder: Path) -> tuple[signals.Signal | None, list[Problem]]:
+def read_signal(kind: str, values: StrictTable, folder: Path) -> tuple[signals.Signal | None, list[Problem]]:
     """The signal, or None and what is wrong with its points or its file: (key, message)."""
-    cls = SIGNALS[kind]
+    cls, given = SIGNALS[kind], dict(values)
     if cls is signals.FileSignal:
         try:
-            path, columns = folder / values.path, (values.time, values.value)
-            return signals.FileSignal.read(path, *columns, values.unit, values.time_unit, values.scale), []
+            path, columns = folder / given["path"], (given["time"], given["value"])
+            return signals.FileSignal.read(path, *columns, given["unit"], given["time_unit"], given["scale"]), []
         except InputError as error:
             keyed = (text.partition(": ") for text in error.problems)
             return None, [("path" if key == "data" else key, text) for key, _, text in keyed]
     if issubclass(cls, signals.PointsSignal | signals.Curve):
-        t, value = np.array(values.t, float), np.array(values.value, float)
+        t, value = np.array(given["t"], float), np.array(given["value"], float)
         wrong = cls.problems(t, value)
         return (None, wrong) if wrong else (cls(t, value), [])
-    return cls({name: getattr(values, name) for name in cls.constants}), []
+    return cls({name: given[name] for name in cls.constants}), []

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any
 
 from stribeck.arrays import Array
 from stribeck.drives import Drive
@@ -130,19 +129,19 @@ class Single:
             return []
         return [(t, int(not rises)) for t, rises in self.signal.crossings(self.threshold, reached)]
 
-    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], t_end: float) -> dict[str, Any]:
+    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], t_end: float) -> dict[str, Value]:
         """Every column of the output by name, from the states and what a controller held at the times t."""
         system = self.equations
         if not system.drive.differentiates:
             return system.quantities(self.groups, self.signal.at(t), states)
         values, rows = self.values, self.pieces(t_end).at(t)
-        inputs: dict[str, Any] = {f"{owner}.{name}": values[owner, name] for owner, name in system.parameters}
+        inputs: dict[str, Value] = {f"{owner}.{name}": values[owner, name] for owner, name in system.parameters}
         inputs |= {f"segment.{name}": rows[:, i] for i, name in enumerate(system.piece_fields)}
         inputs |= {f"segment.{name}": held[name] for name in system.held}
         inputs |= {f"memory.{name}": held[name] for name in system.shown}
         return system.table({**inputs, "t": t, **states})
 
-    def natural(self, constants: Groups | None = None) -> dict[str, Any]:
+    def natural(self, constants: Groups | None = None) -> dict[str, Value]:
         """The natural magnitude of each state, with other constants where they are given."""
         q, plant = self.groups if constants is None else constants, self.parts.plant
         assert plant is not None

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from functools import cache
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
+from pydantic_core import ErrorDetails
 
 from stribeck import signals
 from stribeck.constants import Constant, kind_of, show
@@ -15,6 +16,8 @@ from stribeck.errors import nearest
 from stribeck.plants import Mass, Plant
 
 Problem = tuple[str, str]  # path, message
+Fields = dict[str, tuple[object, object]]  # the type of each key and its pydantic field
+Table = TypeVar("Table", bound="StrictTable")
 
 SIGNALS: dict[str, type[signals.Signal]] = signals.KINDS
 
@@ -48,7 +51,16 @@ class Output(StrictTable):
     energy: bool = Field(False, description="add the columns E_in, E_stored and E_dissipated, J")
 
 
-def number(constant: Constant, left_out: bool = False) -> tuple[Any, Any]:
+def made(
+    name: str, fields: Fields, about: str | None = None, base: type[StrictTable] = StrictTable
+) -> type[StrictTable]:
+    """A model made at run time; ``about``: its docstring."""
+    given: dict[str, Any] = dict(fields)
+    model: type[StrictTable] = create_model(name, __base__=base, __doc__=about, **given)
+    return model
+
+
+def number(constant: Constant, left_out: bool = False) -> tuple[object, object]:
     """A constant's declaration as a pydantic field; ``left_out``: None where it is not given."""
     unit = f", {constant.unit}" if constant.unit else ""
     field = Field(
@@ -61,44 +73,47 @@ def number(constant: Constant, left_out: bool = False) -> tuple[Any, Any]:
 def initial_table(plant: type[Plant], moved: bool) -> type[StrictTable]:
     """The model of [plant.initial]; ``moved``: by a drive that sets the velocity."""
     columns = [_Y, *(() if moved else (_V,)), _Z, *plant.states]
-    fields: dict[str, Any] = {
+    fields: Fields = {
         c.name: (float, Field(... if c.name in plant.must_start else 0.0, description=f"{c.meaning}, {c.unit}"))
         for c in columns
     }
-    return create_model("Initial", __base__=StrictTable, __doc__="The state at t = 0.", **fields)
+    return made("Initial", fields, "The state at t = 0.")
 
 
 def plant_table(plant: type[Plant], moved: bool, name: str = "") -> type[StrictTable]:
     """The model of [plant]; ``moved``: by a drive that sets the velocity, which needs no mass; ``name``: what the kind is
     called in the file, if not its name."""
-    kind: Any = plant
-    return _plant_table(kind, moved, name or plant.kind)
+    kind: object = plant
+    model: type[StrictTable] = _plant_table(kind, moved, name or plant.kind)
+    return model
 
 
 @cache
-def _plant_table(plant: Any, moved: bool, name: str) -> type[StrictTable]:
-    initial: Any = initial_table(plant, moved)
+def _plant_table(plant: object, moved: bool, name: str) -> type[StrictTable]:
+    assert isinstance(plant, type)
+    assert issubclass(plant, Plant)
+    initial = initial_table(plant, moved)
     if needed := plant.must_start:
         text = f"the state at t = 0, with {', '.join(needed[:-1])} and {needed[-1]}"
-        start = (initial, Field(description=text))
+        start: tuple[object, object] = (initial, Field(description=text))
     else:
         start = (initial, Field(default_factory=initial))
-    fields: dict[str, Any] = {
+    fields: Fields = {
         "kind": (Literal[name], Field(name if plant is Mass else ..., description=plant.meaning)),
         **{name: _unused(constant) if moved else number(constant) for name, constant in plant.constants.items()},
         "initial": start,
     }
-    return create_model("Plant", __base__=StrictTable, **fields)
+    return made("Plant", fields)
 
 
-def _unused(constant: Constant) -> tuple[Any, Any]:
+def _unused(constant: Constant) -> tuple[object, object]:
     return (float | None, Field(None, gt=constant.above, description=f"{constant.meaning}, {constant.unit} (not used)"))
 
 
-def given_table(name: str, about: str, constants: dict[str, Constant], all_optional: bool) -> Any:
+def given_table(name: str, about: str, constants: dict[str, Constant], all_optional: bool) -> tuple[object, object]:
     """A table of constants that may be left out."""
-    fields: dict[str, Any] = {n: number(c, left_out=all_optional) for n, c in constants.items()}
-    model: Any = create_model(name, __base__=StrictTable, __doc__=about, **fields)
+    fields: Fields = {n: number(c, left_out=all_optional) for n, c in constants.items()}
+    model = made(name, fields, about)
     return (model, Field(default_factory=model, description=about))
 
 
@@ -106,7 +121,7 @@ def given_table(name: str, about: str, constants: dict[str, Constant], all_optio
 def signal_table(kind: str) -> type[StrictTable]:
     """The model of [drive.signal] for a kind of signal."""
     signal = SIGNALS[kind]
-    fields: dict[str, Any] = {"kind": (Literal[kind], Field(description=signal.meaning))}
+    fields: Fields = {"kind": (Literal[kind], Field(description=signal.meaning))}
     if issubclass(signal, signals.Curve):
         fields["t"] = (list[float], Field(description="times of the points, s; must increase"))
         fields["value"] = (list[float], Field(description="the signal at these times"))
@@ -122,10 +137,10 @@ def signal_table(kind: str) -> type[StrictTable]:
         fields["time_unit"] = (str, Field("s", description="unit of that column, such as ms"))
         fields["value"] = (str, Field(description="name of the column of values"))
         fields["unit"] = (str | None, Field(None, description="unit of that column, such as mm; SI unless given"))
-    return create_model(f"{kind.capitalize()}Signal", __base__=StrictTable, __doc__=signal.meaning, **fields)
+    return made(f"{kind.capitalize()}Signal", fields, signal.meaning)
 
 
-def validate(model: type[StrictTable], data: Any, path: str) -> tuple[Any, list[Problem]]:
+def validate(model: type[Table], data: object, path: str) -> tuple[Table | None, list[Problem]]:
     """The validated table, or None and what is wrong with it."""
     if not isinstance(data, dict):
         return None, [(path, f"{show(data)}: must be a table, not {kind_of(data)}")]
@@ -139,7 +154,7 @@ def validate(model: type[StrictTable], data: Any, path: str) -> tuple[Any, list[
         return None, list(found.values())
 
 
-def _up_to_first_wrong(value: Any) -> Any:
+def _up_to_first_wrong(value: object) -> object:
     """A list of numbers as far as the first that is none: only that is said, and 50 000 problems take a minute."""
     if not isinstance(value, list) or any(isinstance(x, dict | list) for x in value):
         return value
@@ -150,7 +165,7 @@ def _up_to_first_wrong(value: Any) -> Any:
     return value
 
 
-def _problem(details: Any, model: type[StrictTable], path: str) -> Problem:
+def _problem(details: ErrorDetails, model: type[StrictTable], path: str) -> Problem:
     where, value, kind = details["loc"], details["input"], details["type"]
     name = ".".join(str(part) for part in where if not isinstance(part, int))
     full = f"{path}.{name}" + "".join(f"[{part}]" for part in where if isinstance(part, int))
@@ -169,7 +184,7 @@ def _problem(details: Any, model: type[StrictTable], path: str) -> Problem:
     return full, f"{text}, not {kind_of(value)}" if kind.endswith("_type") and not is_number else text
 
 
-def _declared(model: type[StrictTable], where: tuple[Any, ...]) -> dict[str, Any]:
+def _declared(model: type[StrictTable], where: tuple[int | str, ...]) -> dict[str, Any]:
     """The JSON Schema of a key."""
     node = schema = model.model_json_schema()
     for part in where:

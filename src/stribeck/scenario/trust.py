@@ -10,25 +10,27 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TypeGuard
 
 from stribeck.constants import show
 
 _DEEPEST = 16  # tables within tables; no valid file has as many
 
 
-def in_a_file(name: object) -> bool:
+def in_a_file(name: object) -> TypeGuard[str]:
     """True for the name of a law in a file, FILE.py:NAME."""
     return isinstance(name, str) and ".py:" in name
 
 
-def named(data: Mapping[str, Any]) -> dict[str, str]:
+def named(data: Mapping[str, object]) -> dict[str, str]:
     """The laws and elements in files that a scenario's data names, by the path of the key."""
     found: dict[str, str] = {}
-    left: list[tuple[str, Any]] = [(key, value) for key, value in data.items() if isinstance(value, Mapping)]
+    left: list[tuple[str, Mapping[str, object] | list[object]]] = [
+        (key, value) for key, value in data.items() if isinstance(value, Mapping)
+    ]
     while left:  # a file may nest deeper than Python calls
         path, value = left.pop()
-        inside = value.items() if isinstance(value, Mapping) else enumerate(value)
+        inside: Iterable[tuple[str | int, object]] = value.items() if isinstance(value, Mapping) else enumerate(value)
         for key, each in inside:
             place = f"{path}[{key}]" if isinstance(key, int) else f"{path}.{key}"
             if key in ("name", "kind") and in_a_file(each):
@@ -38,7 +40,7 @@ def named(data: Mapping[str, Any]) -> dict[str, str]:
     return found
 
 
-def problems(data: Mapping[str, Any], folder: Path, trusted: Iterable[str]) -> list[tuple[str, str]]:
+def problems(data: Mapping[str, object], folder: Path, trusted: Iterable[str]) -> list[tuple[str, str]]:
     """(path, message) for each law in a file that lies elsewhere; ``trusted`` are names that the user has given."""
     text = "lies outside the scenario's folder, and a law is a program that would be executed"
     remedy = "must be in that folder or below it, or allowed with trust=True (--trust)"

@@ -16,6 +16,7 @@ _CHUNK = 1_000_000
 _STAGE = 13  # the most that one Chebyshev filter of order 8 is to reduce the rate by
 _FORGOTTEN = 1e-10
 _ENDS = 1.2  # periods of the cut-off
+_WHOLE = 1e-12  # of a sample: rounding
 
 
 def zero_phase(b: Array, a: Array, x: Array, padding: int = 0) -> Array:
@@ -81,20 +82,22 @@ def decimated_rows(count: int, q: int) -> NDArray[np.intp]:
 
 def shifted(x: Array, shift: float) -> Array:
     """x at times later by ``shift`` samples, by cubics through four samples; the ends are held."""
-    whole = int(np.floor(shift))
-    s = shift - whole
-    weights = np.array(
-        [
-            -s * (s - 1) * (s - 2) / 6,
-            (s + 1) * (s - 1) * (s - 2) / 2,
-            -s * (s + 1) * (s - 2) / 2,
-            s * (s + 1) * (s - 1) / 6,
-        ]
-    )
-    before, after = max(1 - whole, 0), max(whole + 2, 0)
-    padded = np.concatenate([np.full(before, x[0]), x, np.full(after, x[-1])])
-    start = before + whole - 1
-    return np.asarray(sum(w * padded[start + k : start + k + len(x)] for k, w in enumerate(weights)))
+    rows = np.arange(len(x))
+    return np.asarray(sum(w * x[np.clip(rows + by, 0, len(x) - 1)] for by, w in whole_shifts(shift).items()))
+
+
+def whole_shifts(shift: float) -> dict[int, float]:
+    """A shift by ``shift`` samples as shifts by whole ones with their weights: cubics through four samples."""
+    whole = int(np.floor(shift + _WHOLE))
+    s = max(shift - whole, 0.0)
+    if s <= _WHOLE:
+        return {whole: 1.0}
+    return {
+        whole - 1: -s * (s - 1) * (s - 2) / 6,
+        whole: (s + 1) * (s - 1) * (s - 2) / 2,
+        whole + 1: -s * (s + 1) * (s - 2) / 2,
+        whole + 2: s * (s + 1) * (s - 1) / 6,
+    }
 
 
 def spline_derivative(x: Array, step: float) -> Array:

@@ -28,6 +28,8 @@ _RAISED, _NOISE_ALLOWED = 4.0, 1e-3
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
 _ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
 _STILL = 0.01  # of the fastest speed
+_TRIFLE = 0.01  # of a run: a shorter end tells and spoils little
+_MISSED = 1.5  # times the misfit elsewhere, at the end: the filter's
 _LOST = 0.01  # of the motion's variance: less may go
 _MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
 _SETTLED = 5.0  # periods of the cut-off dropped at the start of a run
@@ -145,7 +147,8 @@ def _columns(
 def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, always: bool) -> dict[str, Any]:
     """The columns without the last rows of the runs that end in motion, where the filter goes astray.
 
-    Unless ``always``, only where it shows: the acceleration there exceeds all others of the run.
+    Unless ``always``, only where it shows: the acceleration there exceeds all others of the run, or a plain regression of
+    the rest misses the force there, and the end is not a mere trifle of the run.
     """
     v, a = abs(columns["velocity"]), abs(columns["acceleration"])
     fastest = float(v.max())
@@ -153,12 +156,23 @@ def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, alw
     for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
         if n > 4 * end and end > 0 and v[stop - 1] > _STILL * fastest:
             rest = float(a[stop - n : stop - end].max())
-            keep[stop - end : stop] = not (always or float(a[stop - end : stop].max()) > rest)
+            astray = always or float(a[stop - end : stop].max()) > rest
+            keep[stop - end : stop] = not (astray or (end > _TRIFLE * n and _missed(columns, stop - n, stop, end)))
     if keep.all():
         return columns
     if len(lengths) == 1:  # a view: nothing is copied
         return {name: x[:-end] for name, x in columns.items()}
     return {name: x[keep] for name, x in columns.items()}
+
+
+def _missed(columns: dict[str, Any], start: int, stop: int, end: int) -> bool:
+    """Whether a plain regression of a run without its end misses the force in the last third of it by more than elsewhere."""
+    v = columns["velocity"][start:stop]
+    told = [columns["acceleration"][start:stop], v, np.sign(v), columns["position"][start:stop], np.ones(len(v))]
+    matrix, force = np.column_stack(told), columns["force"][start:stop]
+    found = np.linalg.lstsq(matrix[:-end], force[:-end], rcond=1e-10)[0]
+    missed = (force - matrix @ found) ** 2
+    return float(np.mean(missed[-(end // 3 + 1) :])) > _MISSED**2 * float(np.mean(missed[:-end]))
 
 
 def _enough(rows: int, trim: int) -> int:

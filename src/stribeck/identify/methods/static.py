@@ -32,6 +32,7 @@ from stribeck.identify.statistics.static_intervals import linearised, static_int
 
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
+_SIGN_FROM = 200_000  # rows that tell the force's sign
 _HUBER = 1.345
 _LONGEST_STEP = 0.5  # of a shape's logarithm, in the fit without a part
 
@@ -198,7 +199,7 @@ def check_motion(log: Log) -> None:
         )
     if not np.ptp(log.force) > 0:
         raise InputError(f"{arg('force')}: {log.force[0]:.6g} N throughout: there is no friction to fit")
-    every = max(len(log) // 1_000_000, 1)
+    every = max(len(log) // _SIGN_FROM, 1)
     thin = v[::every]
     rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), np.ones(len(thin))])
     rough = np.column_stack(

@@ -20,6 +20,7 @@ from stribeck.laws.base import Law
 _STEEP = 10.0  # over the Stribeck velocity: a sign that is steep beside it, whatever the unit of the speed
 _SHARP = 1e9  # s/m
 _SHARPEST = 1e6  # over the largest speed: for motion of micrometres per second
+_SHOWN = 10  # rows that a bend of the curve needs at least
 _DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
 
 
@@ -82,7 +83,7 @@ def model(
         )
     terms = _told_apart(rows, terms, unseen, notes)
     linear = [n for n in wanted if n in sliding.linear and n not in unseen]
-    shapes = [Shape(n, *_span(n, law, sizes)) for n in wanted if n not in sliding.linear and n not in unseen]
+    shapes = [Shape(n, *_span(n, law, sizes, rows)) for n in wanted if n not in sliding.linear and n not in unseen]
     if "delay" in terms:
         step = rows.log.step
         longest = min(_DELAY_STEPS * step, max(_LONGEST_DELAY, 2 * step))
@@ -138,15 +139,21 @@ def _typical(law: type[Law], sizes: Sizes, given: Mapping[str, float]) -> dict[s
     return found
 
 
-def _span(name: str, law: type[Law], sizes: Sizes) -> tuple[float, float]:
+def _span(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> tuple[float, float]:
     """Where a constant that shapes the curve is looked for."""
     constant = law.constants()[name]
     if constant.unit == "s/m":
         return 0.3 / sizes.fast, 1e4 / sizes.fast
     if constant.unit == "m/s":
-        return 1e-3 * sizes.fast, 0.7 * sizes.fast
+        return min(max(1e-3 * sizes.fast, _slowest(rows)), 0.35 * sizes.fast), 0.7 * sizes.fast
     middle = constant.example or constant.default or ranges(law, sizes)[name].value
     return 0.2 * middle, 5 * middle
+
+
+def _slowest(rows: Rows) -> float:
+    """The speed that some rows lie below: a bend of the curve that hardly a row shows is one of the noise."""
+    v = np.sort(abs(rows.log.velocity[rows.kept][rows.weight > 0]))
+    return float(v[min(_SHOWN, len(v)) - 1]) if len(v) else 0.0
 
 
 def unit_of(law: type[Law], name: str) -> str:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.data import filters
@@ -16,6 +18,8 @@ from stribeck.identify.models.terms import TERMS
 
 Reduce = Callable[[Array], Array]
 _BYTES = 256_000_000  # that columns once computed may take
+_CURVES = 12  # whose columns are kept for curves that are the same
+_ROUNDING = 1e-12  # of the largest value of a curve
 
 
 class Columns:
@@ -24,7 +28,7 @@ class Columns:
     Args:
         log: the record.
         sliding: the law's steady force.
-        reduce: from all rows to those that are compared: filter and thin out, or the means of stretches.
+        reduce: from all rows to those that are compared, linear: filter and thin out, or the means of stretches.
     """
 
     def __init__(self, log: Log, sliding: Sliding, reduce: Reduce) -> None:
@@ -33,6 +37,7 @@ class Columns:
         self.fastest = max(float(log.velocity.max()), -float(log.velocity.min()))
         self.names = list(sliding.linear)
         self._kept: OrderedDict[Any, Array] = OrderedDict()
+        self._last: OrderedDict[Any, tuple[Array, Array]] = OrderedDict()
         self._places: dict[float, _Place] = {}
         self._most = max(_BYTES // (8 * max(len(self.force), 1)), 24)
 
@@ -44,8 +49,7 @@ class Columns:
         found = self._friction(shape, delay, levels)
         for name in terms:
             if TERMS[name].column is not None and not TERMS[name].level:
-                late = 0.0 if name == "offset" else delay
-                found[name] = self._keep(("term", name, late), self._maker(name, late))
+                found[name] = self._late(name, 0.0 if name == "offset" else delay)
         return found
 
     def _friction(self, shape: tuple[tuple[str, float], ...], delay: float, levels: Sequence[str]) -> dict[str, Array]:
@@ -54,17 +58,47 @@ class Columns:
         keys = {n: ("law", n, shape, delay) for n in (*names, *levels)}
         if any(key not in self._kept for key in keys.values()):
             speeds, table = self.sliding.table(dict(shape), self.fastest, self.names)
-            place = self._place(speeds, delay)
-            for name, values in table.items():
-                if keys[name] not in self._kept:
-                    self._kept[keys[name]] = self.reduce(place.of(values))
-            for name in levels:
-                level = place.of(table["F_c"] + table.get("F_s", 0.0))
-                self._kept[keys[name]] = self.reduce(level * self._moved(column(name, self.log), delay))
+            for name, made in self._of_law(speeds, table, delay, levels).items():
+                self._kept[keys[name]] = made
         found = {n: self._kept[key] for n, key in keys.items()}
-        while len(self._kept) > self._most:
-            self._kept.popitem(last=False)
+        for key in keys.values():
+            self._kept.move_to_end(key)
+        self._forget()
         return found
+
+    def _of_law(
+        self, speeds: Array, table: Mapping[str, Array], delay: float, levels: Sequence[str]
+    ) -> dict[str, Array]:
+        """The columns of a table. What is proportional to the speed, and the sign, into which F_c's and F_s's columns add
+        up, are the same for all curves: they are filtered once, as the filter is linear."""
+        curves = dict(table)
+        if "F_c" in table and "F_s" in table:
+            curves["F_c"] = table["F_c"] + table["F_s"]
+        found = {name: self._of_curve(name, speeds, curve, delay) for name, curve in curves.items()}
+        for name in levels:
+            found[name] = self._once(name, curves["F_c"], delay, partial(self._level, name, speeds, delay))
+        if "F_c" in table and "F_s" in table:
+            found["F_c"] = found["F_c"] - found["F_s"]
+        return found
+
+    def _of_curve(self, name: str, speeds: Array, curve: Array, delay: float) -> Array:
+        slope = curve[-1] / speeds[-1]
+        if _alike(curve, slope * speeds):
+            return np.asarray(slope * self._late("velocity", delay))
+        return self._once(name, curve, delay, lambda values: self.reduce(self._place(speeds, delay).of(values)))
+
+    def _level(self, name: str, speeds: Array, delay: float, curve: Array) -> Array:
+        return self.reduce(self._place(speeds, delay).of(curve) * self._moved(column(name, self.log), delay))
+
+    def _once(self, name: str, curve: Array, delay: float, make: Callable[[Array], Array]) -> Array:
+        """The column of a curve; the last one, where that was of the same curve."""
+        last = self._last.get((name, delay))
+        if last is None or not _alike(curve, last[0]):
+            last = self._last[name, delay] = curve, make(curve)
+        self._last.move_to_end((name, delay))
+        while len(self._last) > _CURVES:
+            self._last.popitem(last=False)
+        return last[1]
 
     def _place(self, speeds: Array, delay: float) -> _Place:
         """Where the moved velocity lies among the speeds of the table, which are the same for all shapes."""
@@ -74,22 +108,58 @@ class Columns:
             self._places[delay] = _Place(speeds, self._moved(self.log.velocity, delay))
         return self._places[delay]
 
-    def _maker(self, name: str, late: float) -> Callable[[], Array]:
-        return lambda: self.reduce(self._moved(column(name, self.log), late))
+    def _late(self, name: str, delay: float) -> Array:
+        """A column of the log or of a term, later by a delay: columns moved by whole rows, filtered once each, put together."""
+        parts = filters.whole_shifts(delay / self.log.step if delay else 0.0)
+        return _sum_of(
+            parts, lambda by: self._keep(("late", name, by), lambda: self.reduce(self._held(self._raw(name), by)))
+        )
+
+    def _raw(self, name: str) -> Array:
+        return self.log.velocity if name == "velocity" else column(name, self.log)
 
     def _keep(self, key: Any, make: Callable[[], Array]) -> Array:
         if key in self._kept:
             self._kept.move_to_end(key)
-        else:
-            self._kept[key] = make()
-            while len(self._kept) > self._most:
-                self._kept.popitem(last=False)
-        return self._kept[key]
+            return self._kept[key]
+        made = self._kept[key] = make()
+        self._forget()
+        return made
+
+    def _forget(self) -> None:
+        while len(self._kept) > self._most:
+            self._kept.popitem(last=False)
 
     def _moved(self, x: Array, delay: float) -> Array:
-        if delay == 0:
+        """x later by a delay, by cubics through four rows; the ends of runs are held."""
+        parts = filters.whole_shifts(delay / self.log.step if delay else 0.0)
+        return _sum_of(parts, lambda by: self._held(x, by))
+
+    def _held(self, x: Array, by: int) -> Array:
+        """x later by whole rows; the ends of runs are held."""
+        if by == 0:
             return x
-        return np.concatenate([filters.shifted(x[rows], delay / self.log.step) for rows in self.log.runs()])
+        first, last = self._ends
+        return np.asarray(x[np.clip(np.arange(by, len(x) + by), first, last)])
+
+    @cached_property
+    def _ends(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """The first and the last row of each row's run."""
+        runs = list(self.log.runs())
+        lengths = [r.stop - r.start for r in runs]
+        return np.repeat([r.start for r in runs], lengths), np.repeat([r.stop - 1 for r in runs], lengths)
+
+
+def _sum_of(parts: Mapping[int, float], column_at: Callable[[int], Array]) -> Array:
+    """The weighted sum of columns; a single column of weight 1 as it is."""
+    if list(parts.values()) == [1.0]:
+        return column_at(next(iter(parts)))
+    return np.asarray(sum(weight * column_at(by) for by, weight in parts.items()))
+
+
+def _alike(one: Array, other: Array) -> bool:
+    """Whether two curves differ by rounding alone."""
+    return bool(np.max(abs(one - other)) <= _ROUNDING * np.max(abs(one)))
 
 
 class _Place:

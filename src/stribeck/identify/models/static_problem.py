@@ -138,19 +138,21 @@ def thinning(log: Log, q: int) -> Reduce:
         return lambda x: x
     rows = list(log.runs())
     lengths = np.array([r.stop - r.start for r in rows])
-    counts = [len(filters.decimated_rows(int(n), q)) for n in lengths]
+    starts = np.array([r.start for r in rows])
+    kept = {n: filters.decimated_rows(n, q) for n in np.unique(lengths).tolist()}
+    counts = [len(kept[n]) for n in lengths.tolist()]
     ends = np.concatenate([[0], np.cumsum(counts)])
+    groups = []  # the rows of runs of one length, a run in each line, and where they go to
+    for length, own in kept.items():
+        same = np.flatnonzero(lengths == length)
+        groups.append((starts[same, None] + np.arange(length), ends[same, None] + np.arange(len(own))))
 
     def reduce(x: Array) -> Array:
+        if len(rows) == 1:
+            return filters.decimate(x, q)
         out = np.empty(ends[-1])
-        for length in np.unique(lengths).tolist():
-            same = np.flatnonzero(lengths == length).tolist()
-            if len(same) == 1:
-                out[ends[same[0]] : ends[same[0] + 1]] = filters.decimate(x[rows[same[0]]], q)
-                continue
-            made = filters.decimate(np.stack([x[rows[k]] for k in same]), q)
-            for k, row in zip(same, made, strict=True):
-                out[ends[k] : ends[k + 1]] = row
+        for source, target in groups:
+            out[target] = filters.decimate(x[source], q)
         return out
 
     return reduce

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,6 +20,7 @@ from stribeck.identify.statistics import crossvalidate
 
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
+_CLEARLY = 2.0  # standard errors
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
 _CANDIDATES = ("coulomb_viscous", "stribeck", "stribeck_tanh")
@@ -142,7 +143,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
             except StribeckError as error:
                 failed.setdefault(law, str(error).splitlines()[0])
     settled = {**plain, **{f"{law}, selected": s for law, (s, _) in wider.items() if _differs(s, plain[law])}}
-    picked = _lowest({n: s.left_out for n, s in settled.items()})
+    picked, reason = crossvalidate.choose({n: s.left_out for n, s in settled.items()})
     fits, plainer = {}, baselines(rows, setting)
     for name, each in settled.items():
         law = name.removesuffix(", selected")
@@ -151,19 +152,11 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
         if name != law:
             details["selection"] = wider[law][1]
         fits[name] = replace(fit, details=details)
-    least = settled[picked].left_out.error
-    return Choice(fits, picked, f"the lowest error on data left out ({least:.3%})", failed)
+    return Choice(fits, picked, reason, failed)
 
 
 def _differs(one: Settled, other: Settled) -> bool:
     return (tuple(one.setting.body), one.setting.free) != (tuple(other.setting.body), other.setting.free)
-
-
-def _lowest(candidates: Mapping[str, crossvalidate.LeftOut]) -> str:
-    """The lowest error; of those that differ by less than a two-hundredth of it, the one with the fewest numbers."""
-    least = min(c.error for c in candidates.values())
-    near = [n for n, c in candidates.items() if c.error <= (1 + _WORTH / 2) * least]
-    return min(near, key=lambda n: (candidates[n].parameters, candidates[n].error))
 
 
 def baselines(rows: Rows, setting: Setting) -> list[dict[str, Any]]:
@@ -220,11 +213,12 @@ def _forward(
 
 
 def _beyond_chance(wide: Settled, narrow: Settled) -> bool:
-    """Whether the squared error falls by more than a standard error of its fall over the parts."""
+    """Whether the squared error falls by more than two standard errors of its fall over the parts: the best of several
+    terms is looked at, and neighbouring parts err alike."""
     fall = narrow.left_out.squares - wide.left_out.squares
     if len(fall) < 2:
         return True
-    return bool(float(fall.sum()) > float(np.std(fall, ddof=1)) * np.sqrt(len(fall)))
+    return bool(float(fall.sum()) > _CLEARLY * float(np.std(fall, ddof=1)) * np.sqrt(len(fall)))
 
 
 def _open(rows: Rows, law: str, setting: Setting) -> list[str]:

@@ -20,6 +20,7 @@ from stribeck.machine.parts import (
     LinkPart,
     LoadPart,
     MotorPart,
+    SignalUse,
     Span,
 )  # fmt: skip
 from stribeck.machine.system import MachineSystem
@@ -78,7 +79,7 @@ class MachineReader(Reading):
 
     # -- the elements ----------------------------------------------------------------------------------------------
 
-    def _body(self, name: str, table: Any) -> BodyPart | None:
+    def _body(self, name: str, table: object) -> BodyPart | None:
         path = f"bodies.{name}"
         if not isinstance(table, dict):
             self.problems.append((path, no_table(table)))
@@ -86,7 +87,7 @@ class MachineReader(Reading):
         values = self._validate(tables.BodyTable, table, path)
         if values is None:
             return None
-        ratio = self._ratio(values, path)
+        ratio = self._ratio(values.ratio, path)
         driven = None
         if values.velocity is not None:
             driven = self._signal(values.velocity.signal, f"{path}.velocity.signal", name)
@@ -101,9 +102,9 @@ class MachineReader(Reading):
         has = values.mass is not None or values.inertia is not None
         return BodyPart(name, values.inertia is not None, has, values.tied_to, ratio, driven)
 
-    def _span(self, values: Any, path: str, name: str) -> Span | None:
-        ratio, start, end = self._ratio(values, path), values.from_, values.to
-        ok = True
+    def _span(self, start: object, end: str, given: float | None, path: str, name: str) -> Span | None:
+        ratio = self._ratio(given, path)
+        begin: str | SignalUse | None
         if isinstance(start, dict):
             self.problems += unknown(start, f"{path}.from", ("signal",))
             if "signal" not in start:
@@ -111,34 +112,35 @@ class MachineReader(Reading):
                     (f"{path}.from.signal", "missing: must be given (a table with kind and its constants)")
                 )
                 return None
-            found = self._signal(start["signal"], f"{path}.from.signal", name)
-            start, ok = found, found is not None
+            begin = self._signal(start["signal"], f"{path}.from.signal", name)
         elif not isinstance(start, str):
             text = f"must be a body's name, or a table with the signal of a far end, not {kind_of(start)}"
             self.problems.append((f"{path}.from", f"{show(start)}: {text}"))
             return None
         else:
-            ok = self.refer(f"{path}.from", start, ["bodies"])
+            begin = start if self.refer(f"{path}.from", start, ["bodies"]) else None
         if end != tables.GROUND and not self.refer(f"{path}.to", end, ["bodies"], [tables.GROUND]):
             return None
-        if ok and start == end:
+        if begin is None:
+            return None
+        if begin == end:
             self.problems.append((f"{path}.to", f"{show(end)}: must be another body than from, or 'ground'"))
             return None
-        return Span(start, None if end == tables.GROUND else end, ratio) if ok else None
+        return Span(begin, None if end == tables.GROUND else end, ratio)
 
-    def _link(self, name: str, path: str, table: dict[str, Any]) -> LinkPart | None:
+    def _link(self, name: str, path: str, table: dict[str, object]) -> LinkPart | None:
         kind = self._element({"kind": LinkElement.kind, **table}, path, LinkElement, {LinkElement.kind: LinkElement})
-        values = self._validate(tables.link_table(kind), table, path) if kind else None
+        values = self._made(tables.link_table(kind), table, path) if kind else None
         if values is None:
             return None
-        span = self._span(values, path, name)
+        span = self._span(values.from_, values.to, values.ratio, path, name)
         off = [n for n in ("gap", "damping") if kind is LinkElement and getattr(values, n, None) == 0]
         form = self._constants(kind, values, path, off)
         return LinkPart(name, kind, form, span) if span is not None and form is not None else None
 
-    def _load(self, name: str, path: str, table: dict[str, Any]) -> LoadPart | None:
+    def _load(self, name: str, path: str, table: dict[str, object]) -> LoadPart | None:
         kind = self._element(table, path, loads.LoadElement, loads.KINDS)
-        values = self._validate(tables.load_table(kind), table, path) if kind else None
+        values = self._made(tables.load_table(kind), table, path) if kind else None
         if values is None:
             return None
         ok = self.refer(f"{path}.on", values.on, ["bodies"])
@@ -148,8 +150,8 @@ class MachineReader(Reading):
             return None
         return LoadPart(name, kind, form, values.on, signal)
 
-    def _motor(self, name: str, path: str, table: dict[str, Any]) -> MotorPart | None:
-        values = self._validate(tables.motor_table(), table, path)
+    def _motor(self, name: str, path: str, table: dict[str, object]) -> MotorPart | None:
+        values = self._made(tables.motor_table(), table, path)
         if values is None:
             return None
         ok = self.refer(f"{path}.on", values.on, ["bodies"])
@@ -160,11 +162,11 @@ class MachineReader(Reading):
         form = self._constants(MotorPart.kind, values, path)
         return MotorPart(name, form, values.on, signal) if ok and form is not None else None
 
-    def _contact(self, name: str, path: str, table: dict[str, Any]) -> ContactPart | None:
-        values = self._validate(tables.contact_table(), table, path)
+    def _contact(self, name: str, path: str, table: dict[str, object]) -> ContactPart | None:
+        values = self._made(tables.contact_table(), table, path)
         if values is None:
             return None
-        span = self._span(values, path, name)
+        span = self._span(values.from_, values.to, values.ratio, path, name)
         law = self._law(table.get("law"), f"{path}.law")
         levels = [self._level(name, f"{path}.loads.{i}", x, law) for i, x in enumerate(values.loads)]
         factors = [self._factor(name, f"{path}.factors.{of}", of, x, law) for of, x in values.factors.items()]
@@ -174,7 +176,7 @@ class MachineReader(Reading):
         parts = tuple(x for x in levels if x), tuple(x for x in factors if x)
         return ContactPart(name, type(law), law.form, span, *parts)
 
-    def _law(self, table: Any, path: str) -> Law | None:
+    def _law(self, table: object, path: str) -> Law | None:
         reader = LawReader(table, path, self.folder, self.executes)
         law = reader.read()
         self.problems += reader.problems
@@ -183,7 +185,7 @@ class MachineReader(Reading):
             self.values |= {(path, n): x for n, x in law.p.numbers.items()}
         return law
 
-    def _level(self, contact: str, path: str, table: Any, law: Law | None) -> Level | None:
+    def _level(self, contact: str, path: str, table: object, law: Law | None) -> Level | None:
         where = re.sub(r"\.(\d+)$", r"[\1]", path)
         if not isinstance(table, dict):
             self.problems.append((where, no_table(table)))
@@ -197,18 +199,19 @@ class MachineReader(Reading):
         self.problems += more or found
         if values is None or found:
             return None
-        weights = {values.force: 1.0} if isinstance(values.force, str) else values.force
+        force = dict(values)["force"]
+        weights = {force: 1.0} if isinstance(force, str) else force
         sections = ("links", "motors", "loads")
         there = [self.refer(f"{where}.force", source, sections) for source in weights]  # each is told
         if not all(there):
             return None
-        weighted = isinstance(values.force, dict)
+        weighted = isinstance(force, dict)
         gains = tuple(n for n in ("F_c", "F_s") if n in table and (law is None or n in law.constants()))
         self.values |= {(path, n): getattr(values, n) for n in gains}
         self.values |= {(path, f"weight_{n}"): x for n, x in weights.items()} if weighted else {}
         return Level(path, tuple(weights), weighted, gains)
 
-    def _factor(self, contact: str, path: str, of: str, table: Any, law: Law | None) -> Factor | None:
+    def _factor(self, contact: str, path: str, of: str, table: object, law: Law | None) -> Factor | None:
         if not isinstance(table, dict):
             self.problems.append((path, no_table(table)))
             return None
@@ -219,7 +222,7 @@ class MachineReader(Reading):
             text = f"{show(table)}: must have a signal, or amplitude and waves (by position)"
             self.problems.append((path, text))
             return None
-        values = self._validate(tables.factor_table("signal" in table), table, path)
+        values = self._made(tables.factor_table("signal" in table), table, path)
         if values is None:
             return None
         if "signal" in table:
@@ -245,9 +248,9 @@ class MachineReader(Reading):
         size = sum(abs(self.values[factor.path, f"amplitude_{i}"]) for i in range(factor.waves))
         return 1 - size, 1 + size
 
-    def _controller(self, name: str, path: str, table: dict[str, Any]) -> ControllerPart | None:
+    def _controller(self, name: str, path: str, table: dict[str, object]) -> ControllerPart | None:
         kind = self._element(table, path, controllers.ControllerElement, controllers.KINDS)
-        values = self._validate(tables.controller_table(kind), table, path) if kind else None
+        values = self._made(tables.controller_table(kind), table, path) if kind else None
         if values is None:
             return None
         ok = self.refer(f"{path}.on", values.on, ["motors", "bodies"])
@@ -288,7 +291,7 @@ class MachineReader(Reading):
             self.problems.append((f"{path}.period", f"{values.period:g}: {text}"))
         return part
 
-    def _compensation(self, path: str, table: dict[str, Any]) -> CompensationPart | None:
+    def _compensation(self, path: str, table: dict[str, object]) -> CompensationPart | None:
         values = self._validate(tables.CompensationTable, table, path)
         if values is None:
             return None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
@@ -27,6 +27,7 @@ from stribeck.scenario.tables import Problem
 from stribeck.scenario.trust import in_a_file
 from stribeck.signals import Signal
 
+Part = TypeVar("Part")
 _NAME = re.compile(r"[A-Za-z0-9_]+")
 TOP = ("schema", "name", *tables.SECTIONS, "solve", "output")
 
@@ -34,11 +35,11 @@ TOP = ("schema", "name", *tables.SECTIONS, "solve", "output")
 class Reading:
     """What has been read so far of a machine's tables, and the problems found."""
 
-    def __init__(self, data: dict[str, Any], folder: Path, energy: bool, executes: bool = True) -> None:
+    def __init__(self, data: dict[str, object], folder: Path, energy: bool, executes: bool = True) -> None:
         self.data, self.folder, self.energy = data, folder, energy
         self.executes = executes  # whether laws and elements in files are; else all but these is judged
         self.problems: list[Problem] = []
-        self.named: dict[str, dict[str, Any]] = {}  # the tables by section and name
+        self.named: dict[str, dict[str, object]] = {}  # the tables by section and name
         self.values: dict[tuple[str, str], float] = {}
         self.signals: dict[SignalUse, Signal] = {}
         self.laws: dict[str, Law] = {}  # by the table's path
@@ -46,14 +47,14 @@ class Reading:
         self.seeds: dict[str, int] = {}
         self.rig: Rig | None = None
 
-    def _section(self, section: str) -> dict[str, Any]:
+    def _section(self, section: str) -> dict[str, object]:
         table = self.data.get(section, {})
         if isinstance(table, dict):
             return table
         self.problems.append((section, no_table(table)))
         return {}
 
-    def _each(self, section: str, read: Callable[[str, str, dict[str, Any]], Any]) -> tuple[Any, ...]:
+    def _each(self, section: str, read: Callable[[str, str, dict[str, object]], Part | None]) -> tuple[Part, ...]:
         found = []
         for name, table in self.named[section].items():
             path = f"{section}.{name}"
@@ -63,10 +64,14 @@ class Reading:
                 found.append(part)
         return tuple(found)
 
-    def _validate(self, model: type[common.StrictTable], table: dict[str, Any], path: str) -> Any:
+    def _validate(self, model: type[common.Table], table: dict[str, object], path: str) -> common.Table | None:
         values, found = common.validate(model, table, path)
         self.problems += found
         return values
+
+    def _made(self, model: type[common.StrictTable], table: dict[str, object], path: str) -> Any:
+        """The values by a model made at run time, whose keys no type tells."""
+        return self._validate(model, table, path)
 
     def refer(self, path: str, name: str, sections: Iterable[str], also: Iterable[str] = ()) -> bool:
         """Whether there is such an element; else a problem is noted."""
@@ -84,7 +89,7 @@ class Reading:
         """Whether a section as a whole is wrong, so that nothing more need be said of what it lacks."""
         return not isinstance(self.data.get(section, {}), dict) or (section == "bodies" and not self.named["bodies"])
 
-    def _signal(self, table: Any, path: str, name: str, turns: bool = False) -> SignalUse | None:
+    def _signal(self, table: object, path: str, name: str, turns: bool = False) -> SignalUse | None:
         if not isinstance(table, dict):
             self.problems.append((path, no_table(table)))
             return None
@@ -106,7 +111,7 @@ class Reading:
         return use
 
     def _kind(
-        self, table: dict[str, Any], path: str, kinds: Mapping[str, Any], fields: Callable[[str], Iterable[str]]
+        self, table: dict[str, object], path: str, kinds: Mapping[str, object], fields: Callable[[str], Iterable[str]]
     ) -> str | None:
         kind = table.get("kind")
         if isinstance(kind, str) and kind in kinds:
@@ -120,7 +125,9 @@ class Reading:
             self.problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
         return None
 
-    def _element(self, table: dict[str, Any], path: str, base: type[Element], kinds: Mapping[str, Any]) -> Any:
+    def _element(
+        self, table: dict[str, object], path: str, base: type[Element], kinds: Mapping[str, type[Element]]
+    ) -> Any:
         """The class of an element, which may be one of the user's own."""
         kind = table.get("kind")
         if isinstance(kind, str) and in_a_file(kind):
@@ -144,7 +151,7 @@ class Reading:
             more = more[:2]
         return [*kind.constants(), *kind.lists(), *more]
 
-    def _constants(self, kind: type[Element], values: Any, path: str, skip: Iterable[str] = ()) -> Form | None:
+    def _constants(self, kind: type[Element], values: object, path: str, skip: Iterable[str] = ()) -> Form | None:
         """Keep an element's numbers; the form of its equations, or None where lists do not go together."""
         given = {n: getattr(values, n) for n in (*kind.constants(), *kind.lists()) if n not in skip}
         if kind.lists() and not self._lists(given, tuple(kind.lists()), path):
@@ -157,7 +164,7 @@ class Reading:
                 self.values[path, name] = float(value)
         return form
 
-    def _lists(self, given: dict[str, Any], names: tuple[str, ...], path: str) -> bool:
+    def _lists(self, given: dict[str, list[float]], names: tuple[str, ...], path: str) -> bool:
         """Whether lists have one length; phases that are not given are 0."""
         count = len(given[names[0]])
         if "phase" in names and given["phase"] is None:
@@ -170,10 +177,10 @@ class Reading:
             self.problems.append((f"{path}.{names[0]}", "[]: must hold at least one number"))
         return not wrong and bool(count)
 
-    def _ratio(self, values: Any, path: str) -> bool:
-        if values.ratio is None:
+    def _ratio(self, ratio: float | None, path: str) -> bool:
+        if ratio is None:
             return False
-        if values.ratio == 0:
+        if ratio == 0:
             self.problems.append((f"{path}.ratio", "0: must be a finite number other than 0"))
-        self.values[path, "ratio"] = values.ratio
+        self.values[path, "ratio"] = ratio
         return True

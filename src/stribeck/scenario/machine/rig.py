@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.expressions.emit import python_function
+from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law, Scales
 from stribeck.machine.parts import LinkPart, LoadPart, SignalUse
 from stribeck.machine.system import MachineSystem
@@ -135,7 +136,7 @@ class Rig:
 
     # -- the columns of the output ---------------------------------------------------------------------------------
 
-    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], t_end: float) -> dict[str, Any]:
+    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], t_end: float) -> dict[str, Value]:
         """Every column of the output by name, from the states and what controllers held at the times t."""
         rows = self.pieces(t_end).at(t)
         segment = {name: rows[:, i] for i, name in enumerate(self.machine.piece_fields)} | held
@@ -212,12 +213,12 @@ def _smallest(found: dict[str, Scales], name: str, scales: Scales) -> None:
 
 
 def evaluate(
-    machine: MachineSystem, values: Mapping[tuple[str, str], Any], segment: Mapping[str, Any], t: Array,
+    machine: MachineSystem, values: Mapping[tuple[str, str], Value], segment: Mapping[str, Value], t: Array,
     states: Mapping[str, Array],
-) -> dict[str, Any]:  # fmt: skip
+) -> dict[str, Value]:  # fmt: skip
     """Every column by name, from constants, numbers of the signals' pieces and held outputs, times and states; whatever
     shapes go together."""
-    inputs: dict[str, Any] = {f"{path}.{name}": values[path, name] for path, name in machine.parameters}
+    inputs: dict[str, Value] = {f"{path}.{name}": values[path, name] for path, name in machine.parameters}
     inputs |= {f"segment.{name}": x for name, x in segment.items()} | {"t": t, **states}
     function = output_function(machine, tuple(inputs))
     with np.errstate(all="ignore"):
@@ -225,6 +226,6 @@ def evaluate(
 
 
 @lru_cache(maxsize=32)
-def output_function(machine: MachineSystem, names: tuple[str, ...]) -> Callable[..., tuple[Any, ...]]:
+def output_function(machine: MachineSystem, names: tuple[str, ...]) -> Callable[..., tuple[Value, ...]]:
     """A Python function of the inputs ``names`` for the columns of a machine."""
     return python_function(names, list(machine.balance(exact=True).outputs().values()))

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from functools import cache
-from typing import Any, Literal
+from typing import Literal
 
-from pydantic import ConfigDict, Field, create_model
+from pydantic import ConfigDict, Field
+from pydantic.config import JsonDict
 
 from stribeck.constants import Constant
 from stribeck.control.sampled import SAMPLING
 from stribeck.machine import controllers, loads
 from stribeck.machine.element import Element
+from stribeck.machine.links import LinkElement
 from stribeck.machine.motors import MotorElement
 from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, LEAD, SHARE
-from stribeck.scenario.tables import StrictTable, number
+from stribeck.scenario.tables import Fields, StrictTable, made, number
 
 GROUND = "ground"
 SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
 RATIO = "how far `from` counts: d = ratio y_from - y_to; 1 unless given"
-_SIGNAL = (dict[str, Any], Field(description="the signal: a table with kind and its constants"))
-_SOME_SIGNAL = (dict[str, Any] | None, Field(None, description="the signal: a table with kind and its constants"))
+_SIGNAL = (dict[str, object], Field(description="the signal: a table with kind and its constants"))
+_SOME_SIGNAL = (dict[str, object] | None, Field(None, description="the signal: a table with kind and its constants"))
 
 
 class _Aliased(StrictTable):
@@ -36,7 +38,7 @@ class Initial(StrictTable):
 class VelocityTable(StrictTable):
     """A velocity that is given."""
 
-    signal: dict[str, Any] = Field(description="the velocity: a table with kind and its constants, m/s or rad/s")
+    signal: dict[str, object] = Field(description="the velocity: a table with kind and its constants, m/s or rad/s")
 
 
 class BodyTable(StrictTable):
@@ -63,32 +65,32 @@ class CompensationTable(StrictTable):
     speed: Literal["reference", "measured"] = Field(
         description="reference or measured: the speed that the law is given"
     )
-    law: dict[str, Any] | None = Field(None, description="the law, if it is not the contact's")
+    law: dict[str, object] | None = Field(None, description="the law, if it is not the contact's")
     share: float | None = Field(None, ge=0, description=f"{SHARE.meaning}; 1 unless given")
     lead: float | None = Field(None, gt=0, description=LEAD.meaning)
 
 
-def _numbers(constants: dict[str, Constant]) -> dict[str, Any]:
+def _numbers(constants: dict[str, Constant]) -> Fields:
     return {name: number(constant) for name, constant in constants.items()}
 
 
 @cache
 def sampling_table() -> type[StrictTable]:
     """The model of [controllers.NAME.sampling]."""
-    fields: dict[str, Any] = _numbers(SAMPLING)
+    fields: Fields = _numbers(SAMPLING)
     fields["resolution"] = (float, Field(0.0, ge=0, description=f"{SAMPLING['resolution'].meaning}, m or rad; 0: none"))
     fields["seed"] = (int, Field(0, ge=0, le=2**32 - 1, description="of the noise: the same seed gives the same noise"))
-    return create_model("Sampling", __base__=StrictTable, **fields)
+    return made("Sampling", fields)
 
 
 @cache
 def factor_table(signal: bool) -> type[StrictTable]:
     """The model of a factor: a signal, or waves of the position."""
-    fields: dict[str, Any] = {"signal": _SIGNAL} if signal else {n: _list(c, n) for n, c in FACTOR.items()}
-    return create_model("SignalFactor" if signal else "WavesFactor", __base__=StrictTable, **fields)
+    fields: Fields = {"signal": _SIGNAL} if signal else {n: _list(c, n) for n, c in FACTOR.items()}
+    return made("SignalFactor" if signal else "WavesFactor", fields)
 
 
-def _list(constant: Constant, name: str) -> Any:
+def _list(constant: Constant, name: str) -> tuple[object, object]:
     """A list of numbers; phases may be left out."""
     unit = f", {constant.unit}" if constant.unit else ""
     if name == "phase":
@@ -100,21 +102,21 @@ def _list(constant: Constant, name: str) -> Any:
 def level_table(weighted: bool) -> type[StrictTable]:
     """The model of an entry of a contact's loads; ``weighted``: several forces count."""
     gain = (float, Field(0.0, ge=0, description=GAIN.meaning))
-    fields: dict[str, Any] = {
+    fields: Fields = {
         "force": (str, Field(description="a link, motor or load, or a table of weights of these")),
         "F_c": gain, "F_s": gain,
     }  # fmt: skip
     if weighted:
         weights = Field(min_length=1, description="the weight of each link, motor or load")
         fields["force"] = (dict[str, float], weights)
-    return create_model("Level", __base__=StrictTable, **fields)
+    return made("Level", fields)
 
 
-_TEXT_OR_TABLE: dict[str, Any] = {"anyOf": [{"type": "string"}, {"type": "object"}]}
+_TEXT_OR_TABLE: JsonDict = {"anyOf": [{"type": "string"}, {"type": "object"}]}
 
 
-def _ends(signal: bool) -> dict[str, Any]:
-    start: Any = Any if signal else str  # a union would tell of each of its kinds
+def _ends(signal: bool) -> Fields:
+    start: object = object if signal else str  # a union would tell of each of its kinds
     what = "a body, or { signal = ... }, the position of a far end" if signal else "a body"
     to = Field(description="a body, or 'ground'") if signal else Field(GROUND, description="a body, or 'ground'")
     return {
@@ -125,62 +127,68 @@ def _ends(signal: bool) -> dict[str, Any]:
 
 
 @cache
-def link_table(kind: Any) -> type[StrictTable]:
+def link_table(kind: object) -> type[StrictTable]:
     """The model of [links.NAME]."""
-    fields: dict[str, Any] = {"kind": (str, Field(kind.kind, description="'link', or FILE.py:NAME"))}
-    return create_model("LinkTable", __base__=_Aliased, **fields, **_ends(True), **_element(kind))
+    assert isinstance(kind, type)
+    assert issubclass(kind, LinkElement)
+    fields: Fields = {"kind": (str, Field(kind.kind, description="'link', or FILE.py:NAME"))}
+    return made("LinkTable", fields | _ends(True) | _element(kind), base=_Aliased)
 
 
-def _element(kind: type[Element]) -> dict[str, Any]:
+def _element(kind: type[Element]) -> Fields:
     return _numbers(kind.constants()) | {name: _list(many.constant, name) for name, many in kind.lists().items()}
 
 
 @cache
 def contact_table() -> type[StrictTable]:
     """The model of [contacts.NAME]; its law, loads and factors are tables of their own."""
-    fields: dict[str, Any] = {
+    fields: Fields = {
         **_ends(False),
-        "law": (Any, Field(None, description="the friction law")),
-        "loads": (list[Any], Field(default_factory=list, description="forces that raise the level")),
-        "factors": (dict[str, Any], Field(default_factory=dict, description="what parameters are multiplied by")),
+        "law": (object, Field(None, description="the friction law")),
+        "loads": (list[object], Field(default_factory=list, description="forces that raise the level")),
+        "factors": (dict[str, object], Field(default_factory=dict, description="what parameters are multiplied by")),
     }
-    return create_model("ContactTable", __base__=_Aliased, **fields)
+    return made("ContactTable", fields, base=_Aliased)
 
 
 @cache
-def load_table(kind: Any) -> type[StrictTable]:
+def load_table(kind: object) -> type[StrictTable]:
     """The model of [loads.NAME]."""
-    fields: dict[str, Any] = {
+    assert isinstance(kind, type)
+    assert issubclass(kind, loads.LoadElement)
+    fields: Fields = {
         "on": (str, Field(description="the body")),
         "kind": (str, Field(description=f"one of {', '.join(loads.KINDS)}, or FILE.py:NAME")),
         **_element(kind),
     }
     fields |= {"signal": _SIGNAL} if kind.follows_signal else {}
-    return create_model("LoadTable", __base__=StrictTable, **fields)
+    return made("LoadTable", fields)
 
 
 @cache
 def motor_table() -> type[StrictTable]:
     """The model of [motors.NAME]."""
-    fields: dict[str, Any] = {
+    fields: Fields = {
         "on": (str, Field(description="the body")),
         **_element(MotorElement),
         "signal": _SOME_SIGNAL,
     }
-    return create_model("MotorTable", __base__=StrictTable, **fields)
+    return made("MotorTable", fields)
 
 
 @cache
-def controller_table(kind: Any) -> type[StrictTable]:
+def controller_table(kind: object) -> type[StrictTable]:
     """The model of [controllers.NAME]."""
-    fields: dict[str, Any] = {
+    assert isinstance(kind, type)
+    assert issubclass(kind, controllers.ControllerElement)
+    fields: Fields = {
         "kind": (str, Field(description=f"one of {', '.join(controllers.KINDS)}, or FILE.py:NAME")),
         "on": (str, Field(description="a motor or a body")),
         "measures": (str | None, Field(None, description="the body that carries the encoder")),
         "signal": _SIGNAL,
         **_element(kind),
         "feedforward": (Feedforward | None, Field(None, description="added to the output")),
-        "compensation": (dict[str, Any] | None, Field(None, description="what is done against friction")),
+        "compensation": (dict[str, object] | None, Field(None, description="what is done against friction")),
         "sampling": (sampling_table() | None, Field(None, description="when it computes; continuous without it")),
     }
-    return create_model("ControllerTable", __base__=StrictTable, **fields)
+    return made("ControllerTable", fields)

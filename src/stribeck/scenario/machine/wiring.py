@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from stribeck.constants import show
 from stribeck.laws.base import Law
 from stribeck.machine.parts import BodyPart, ContactPart, ControllerPart, LinkPart, LoadPart, MotorPart
+from stribeck.scenario.machine.tables import BodyTable
 from stribeck.scenario.tables import Problem
 from stribeck.signals import PointsSignal, Signal, SineSignal, StepSignal
 
 
-def of_body(path: str, values: Any) -> list[Problem]:
+def of_body(path: str, values: BodyTable) -> list[Problem]:
     """What in the table of a body does not go together."""
     found: list[Problem] = []
     given = [n for n in ("mass", "inertia") if getattr(values, n) is not None]
@@ -44,7 +43,7 @@ def of_body(path: str, values: Any) -> list[Problem]:
 def problems(
     bodies: tuple[BodyPart, ...], links: tuple[LinkPart, ...], contacts: tuple[ContactPart, ...],
     loads: tuple[LoadPart, ...], motors: tuple[MotorPart, ...], controllers: tuple[ControllerPart, ...],
-    named: dict[str, dict[str, Any]],
+    named: dict[str, dict[str, object]],
 ) -> list[Problem]:  # fmt: skip
     """What is wrong with the parts taken together."""
     found = _ties(bodies)
@@ -114,7 +113,7 @@ def that_jump(contacts: tuple[ContactPart, ...], bodies: tuple[BodyPart, ...], l
     return found
 
 
-def _tables(section: dict[str, Any]) -> list[dict[str, Any]]:
+def _tables(section: dict[str, object]) -> list[dict[str, object]]:
     return [table for table in section.values() if isinstance(table, dict)]
 
 
@@ -137,7 +136,7 @@ def _ties(bodies: tuple[BodyPart, ...]) -> list[Problem]:
     return found
 
 
-def carrier(on: str, named: dict[str, dict[str, Any]]) -> str | None:
+def carrier(on: str, named: dict[str, dict[str, object]]) -> str | None:
     """The body that `on` names, or that its motor is on."""
     if on in named["bodies"]:
         return on
@@ -146,7 +145,7 @@ def carrier(on: str, named: dict[str, dict[str, Any]]) -> str | None:
     return body if isinstance(body, str) and body in named["bodies"] else None
 
 
-def level_problems(table: dict[str, Any], where: str, contact: str, law: Law | None) -> list[Problem]:
+def level_problems(table: dict[str, object], where: str, contact: str, law: Law | None) -> list[Problem]:
     """What is wrong with an entry of a contact's loads before its names are looked up."""
     force = table.get("force")
     names = [force] if isinstance(force, str) else list(force) if isinstance(force, dict) else []
