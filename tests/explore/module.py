@@ -82,3 +82,44 @@ class Module:
         self.call("stribeck_table", p, scenario.rows, scenario.output.step, len(pieces.start), start, rows, out, table)
         cells = self.read(table, scenario.rows * len(columns)).reshape(scenario.rows, len(columns))
         return {c["name"]: cells[:, i] for i, c in enumerate(columns)}
+
+
+class MachineModule(Module):
+    """The module of a machine's page, given the arrays that the page makes of its data."""
+
+    def __init__(self, data):
+        (law,) = data["laws"].values()
+        super().__init__(law, data["layout"])
+        self.data = data
+
+    def run_machine(self, values):
+        """The columns with some numbers turned, by name."""
+        given, numbers = self.data["machine"], {n["path"]: n for n in self.data["numbers"]}
+        arrays = {name: np.array(x, float) for name, x in given["arrays"].items()}
+        for path, value in values.items():
+            for name, i, rate in numbers[path]["effects"]:
+                arrays[name][i] += rate * (value - numbers[path]["value"])
+        rtol, rate, rooms = arrays.pop("rtol")[0], arrays.pop("least_rate")[0], given["rooms"]
+        end, step = (numbers[path]["value"] for path in ("solve.t_end", "output.step"))
+        rows, width = int(end / step + 1e-9) + 1, len(self.law["states"]) + rooms["held"]
+        place, room = {name: self.put(x) for name, x in arrays.items()}, 4096
+        held, out = self.call("stribeck_relations", place["parameters"], self.room(800)), self.room(8 * rows * width)
+        assert held is None
+        run = self.put(np.zeros(self.layout["_size"][0], np.int8), np.int8)
+        zeros = np.zeros(max(rooms["held"], 1))
+        fields = {
+            **place, "out": out, "event_time": self.put(np.zeros(room)),
+            "event_what": self.put(np.zeros(room, np.int32), np.int32),
+            "piece_restart": self.put(given["restart"], np.int8), "sampled": self.put(zeros), "acted": self.put(zeros),
+            "rtol": rtol, "h": np.inf, "h_smallest": np.inf, "h_limit": 1 / rate if rate else np.inf, "step": step,
+            "queue_room": rooms["queue_room"], "noise_room": rooms["noise_room"], "pieces": len(given["restart"]), "rows": rows,
+            "event_room": room, "t_end": max(end, (rows - 1) * step), "restart": 1, "attempts_left": 10**7,
+        }  # fmt: skip
+        for name, value in fields.items():
+            self.set(run, name, value)
+        assert self.call("stribeck_advance", run) == 0
+        columns = self.law["columns"]
+        table, start, pieces = self.room(8 * rows * len(columns)), place["piece_start"], place["piece_rows"]
+        self.call("stribeck_table", place["parameters"], rows, step, len(given["restart"]), start, pieces, out, table)
+        cells = self.read(table, rows * len(columns)).reshape(rows, len(columns))
+        return {c["name"]: cells[:, i] for i, c in enumerate(columns)}

@@ -84,6 +84,38 @@ def test_a_slider_moves_the_numbers_of_run(page, scenario):
                                ".filter(name => !name.startsWith('blob:'))") == []  # fmt: skip
 
 
+def test_a_machine_moves_with_its_numbers(browser, tmp_path):
+    from stribeck import examples
+    from stribeck.explore import explore
+
+    scenario = Scenario.load(examples.path("belt"), {"solve.rtol": 1e-10, "solve.t_end": 2.0})
+    browser.get(explore(scenario, tmp_path / "belt.html").as_uri())
+    settle(browser)
+    path = "contacts.sole.law.parameters.F_s"
+    slide(browser, path, 0.55)
+    assert value(browser, path) > 6.0
+    solution = simulate(scenario.with_changes({path: value(browser, path)}))
+    for name, peak in solution.peaks.items():
+        shown = np.array(browser.execute_script(f"return Array.from(window.stribeck.result.columns['{name}'])"))
+        assert np.max(abs(shown - solution[name])) <= 1e-9 * peak, name
+    told = browser.execute_script("return ['slip', 'stick'].map(k => happened(window.stribeck.result, 'sole', k))")
+    for times, kind in zip(told, ("slip", "stick"), strict=True):
+        assert times == pytest.approx(solution.events["sole"][kind].tolist(), abs=1e-6)
+    browser.execute_script("window.stribeck.set(arguments[0], 1.0)", path)
+    settle(browser)
+    assert browser.find_element("id", "problem").text == f"{path}: 1: must be at least F_c"
+    browser.execute_script("window.stribeck.set('bodies.slider.mass', 1e3)")
+    assert "bodies.slider.mass: 1000: must be from 0.1 to 10 kg" in browser.find_element("id", "problem").text
+    browser.find_element("id", "reset").click()
+    settle(browser)
+    slide(browser, "links.spring.stiffness", 0.6)
+    browser.find_element("id", "toml").click()
+    (tmp_path / "mine.toml").write_text(browser.execute_script("return window.stribeck.copied"))
+    copied = Scenario.load(tmp_path / "mine.toml")
+    assert copied.values()["links.spring", "stiffness"] == value(browser, "links.spring.stiffness") != 400.0
+    assert [e for e in browser.get_log("browser") if e["level"] == "SEVERE"] == []
+
+
 def test_what_is_copied_runs_again(page, scenario, tmp_path):
     page.find_element("css selector", "option[value=elastoplastic]").click()
     settle(page)

@@ -15,6 +15,8 @@ from stribeck.expressions.emit import C, Writer
 from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Claims, Law, Relation
+from stribeck.machine.parts import ContactPart, symbols_of
+from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 from stribeck.signals.piecewise import Segment
 from stribeck.simulation.native import share_of
@@ -53,7 +55,7 @@ EXPORT void stribeck_table(const double *p, int64_t rows, double step, int64_t p
     int64_t n = 0;
     for (int64_t i = 0; i < rows; i++) {
         const double t = (double)i * step;
-        while (n + 1 < pieces && start[n + 1] <= t) n++;
+        while (n + 1 < pieces && start[n + 1] <= t * (1 + 1e-12)) n++; /* signals/pieces.py */
         columns(p, piece_rows + n * PIECE, t, states + i * (N + HELD), out + i * COLUMNS);
     }
 }"""
@@ -95,6 +97,34 @@ def appendix(scenario: Scenario) -> str:
             _function("relations", f"{p}, double *out", _relations(law, q, inputs), inputs, True),
         ]
     )
+
+
+def machine_appendix(machine: MachineSystem) -> str:
+    """The same for a machine: its columns, and the conditions between the constants of each contact's law."""
+    inputs = {f"{owner}.{name}": f"p[{i}]" for i, (owner, name) in enumerate(machine.parameters)}
+    piece = {f"segment.{name}": f"s[{i}]" for i, name in enumerate(machine.piece_fields)}
+    names = [*(state.name for state in machine.states), *(f"segment.{name}" for name in machine.held)]
+    states = {name: f"x[{i}]" for i, name in enumerate(names)}
+    found = machine.balance(exact=True).outputs()
+    outputs = {f"out[{i}]": found[column.name] for i, column in enumerate(machine.columns)}
+    held = {}
+    for i, (contact, relation) in enumerate(machine_relations(machine)):
+        law = contact.law.symbolic(symbols_of(contact.law_path), contact.form)
+        held[f"out[{i}]"] = _holds(relation, law)
+    now = "const double *p, const double *s, double t, const double *x, double *out"
+    return "\n\n".join(
+        [
+            f"/* ---- What the page shows beside the states. */\n#define COLUMNS {len(outputs)}",
+            _function("columns", now, outputs, {**inputs, **piece, **states, "t": "t"}),
+            _TABLE,
+            _function("relations", "const double *p, double *out", held, inputs, True),
+        ]
+    )
+
+
+def machine_relations(machine: MachineSystem) -> list[tuple[ContactPart, Relation]]:
+    """The conditions between constants that the page tests of each contact, in the order of the C."""
+    return [(contact, each) for contact in machine.contacts for each in relations(contact.law)]
 
 
 def columns(system: System) -> tuple[Column, ...]:
@@ -151,11 +181,15 @@ def _claims(law: type[Law], q: Groups) -> dict[str, Expr]:
 def _relations(law: type[Law], q: Groups, inputs: dict[str, str]) -> dict[str, Expr]:
     found = {}
     for i, relation in enumerate(relations(law)):
-        holds: Value = True
-        with suppress(TypeError):  # a user's own, which is no equation: the page cannot test it
-            holds = relation.holds(q.law)
-        found[f"out[{i}]"] = wrap(where(holds, wrap(1), wrap(0)) if isinstance(holds, Expr) else 1.0)
+        found[f"out[{i}]"] = _holds(relation, q.law)
     return found
+
+
+def _holds(relation: Relation, law: SimpleNamespace) -> Expr:
+    holds: Value = True
+    with suppress(TypeError):  # a user's own, which is no equation: the page cannot test it
+        holds = relation.holds(law)
+    return wrap(where(holds, wrap(1), wrap(0)) if isinstance(holds, Expr) else 1.0)
 
 
 def _value(name: str, arguments: str, value: Expr, inputs: dict[str, str]) -> str:

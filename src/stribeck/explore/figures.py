@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import cycle
 from typing import Any
 
 from stribeck.constants import rotary_unit
@@ -11,7 +12,7 @@ from stribeck.scenario import Scenario
 from stribeck.system import System
 
 # After Okabe and Ito's colours, which colour-blind readers tell apart; legible on white and on black.
-_COLOURS = ("#1b87c9", "#e06a10", "#0a9f78")
+_COLOURS = ("#1b87c9", "#e06a10", "#0a9f78", "#c06aa5", "#b09a00", "#7a68d8", "#8c5a2b")
 _GHOST = "#8c8c8c"
 _NAMES = {
     "y": "position",
@@ -44,14 +45,14 @@ class Chart:
     y_unit: str
     log: bool = False
     height: int = 190
-    marks: bool = False
+    marks: tuple[str, ...] = ()  # columns on which slip and stick are marked
 
     def as_data(self) -> dict[str, object]:
         """For the page."""
         lines = [{"column": s.column, "name": s.name} for s in self.y]
         return {
             "x": self.x, "xLabel": self.x_label, "xName": self.x_label.split()[0], "xUnit": self.x_unit, "y": lines,
-            "yLabel": self.y_label, "yUnit": self.y_unit, "log": self.log,
+            "yLabel": self.y_label, "yUnit": self.y_unit, "log": self.log, "marks": self.marks,
         }  # fmt: skip
 
 
@@ -71,8 +72,8 @@ def panels(scenario: Scenario) -> dict[str, Chart]:
     energies = tuple(Series(f"E_{n}", f"{n.replace('in', 'put in')}") for n in ("in", "dissipated", "stored"))
     m, speed, newton = unit("m"), unit("m/s"), unit("N")
     return {
-        "position": Chart("t", "t", "s", lines("y", "x", "r"), position, m, height=210, marks=True),
-        "velocity": Chart("t", "t", "s", lines("v"), "velocity", speed, marks=True),
+        "position": Chart("t", "t", "s", lines("y", "x", "r"), position, m, height=210, marks=("y",)),
+        "velocity": Chart("t", "t", "s", lines("v"), "velocity", speed, marks=("v",)),
         "force": Chart("t", "t", "s", lines("F", "u"), force, newton),
         "deflection": Chart("t", "t", "s", lines("z"), "bristles", m, height=150),
         "loop-v": Chart("v", "v, velocity", speed, lines("F"), "friction F", newton, height=280),
@@ -84,9 +85,6 @@ def panels(scenario: Scenario) -> dict[str, Chart]:
     }
 
 
-TOGETHER = ("position", "velocity", "force", "deflection")  # one above the other, with one time axis
-
-
 def figures(found: dict[str, Chart]) -> dict[str, object]:
     """The charts as Bokeh's JSON, by the id of the element that shows each."""
     with needed("an explorer", "explore"):
@@ -95,12 +93,16 @@ def figures(found: dict[str, Chart]) -> dict[str, object]:
         from bokeh.models import DataRange1d
 
     time = DataRange1d()
-    made = {name: _figure(name, panel, time if name in TOGETHER else None) for name, panel in found.items()}
-    whole = column(*(made[name] for name in TOGETHER), sizing_mode="stretch_width")
-    return {"trajectories": json_item(whole), **{n: json_item(x) for n, x in made.items() if n not in TOGETHER}}
+    together = [name for name, panel in found.items() if panel.x == "t" and name != "energy"]  # with one time axis
+    made = {
+        name: _figure(name, panel, time if name in together else None, name not in together[1:])
+        for name, panel in found.items()
+    }
+    whole = column(*(made[name] for name in together), sizing_mode="stretch_width")
+    return {"trajectories": json_item(whole), **{n: json_item(x) for n, x in made.items() if n not in together}}
 
 
-def _figure(name: str, panel: Chart, x_range: Any) -> Any:
+def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool) -> Any:
     from bokeh.models import ColumnDataSource, HoverTool
     from bokeh.models.annotations.legends import Legend
     from bokeh.plotting import figure
@@ -110,7 +112,7 @@ def _figure(name: str, panel: Chart, x_range: Any) -> Any:
     more: dict[str, Any] = {} if x_range is None else {"x_range": x_range}
     drawn: Any = figure(
         name=name, height=panel.height, sizing_mode="stretch_width", tools=tools, min_border_left=70,
-        toolbar_location=None if name in TOGETHER[1:] else "above", x_axis_type="log" if panel.log else "linear", **more,
+        toolbar_location="above" if toolbar else None, x_axis_type="log" if panel.log else "linear", **more,
     )  # fmt: skip
     drawn.toolbar.logo = None
     drawn.add_layout(Legend(**_LEGEND), "above")
@@ -119,7 +121,7 @@ def _figure(name: str, panel: Chart, x_range: Any) -> Any:
     for series in panel.y:
         drawn.line("along", series.column, source=ghost, color=_GHOST, line_width=1.4, line_alpha=0.75)
     shown = []
-    for series, colour in zip(panel.y, _COLOURS, strict=False):
+    for series, colour in zip(panel.y, cycle(_COLOURS), strict=False):
         named: dict[str, Any] = {"legend_label": series.name} if len(panel.y) > 1 or panel.log else {}
         shown.append(drawn.line("along", series.column, source=now, color=colour, line_width=1.7, **named))
     if panel.marks:

@@ -33,6 +33,10 @@ class Number:
     at_least: float | None
     target: str = ""  # the system's constant that it sets: ``group.name``
     whole: bool = False
+    closed: bool = False  # only between the slider's ends
+    effects: tuple[
+        tuple[str, int, float], ...
+    ] = ()  # of a machine's number: array, entry, change by that of the number
 
     def as_data(self) -> dict[str, object]:
         """For the page."""
@@ -56,7 +60,7 @@ def of_law(scenario: Scenario) -> list[Number]:
             group = "law.parameters" if name in PARAMETERS else "law"
             target = f"law.{name}" if name in law.numbers(law.form) else ""
             reach = _STEEP if name == "k_v" else _REACH
-            found.append(_number(group, name, value, constant.of_motion(rotary), 0.0, target, reach))
+            found.append(number_of(group, name, value, constant.of_motion(rotary), 0.0, target, reach))
     return found
 
 
@@ -64,7 +68,7 @@ def _others(scenario: Scenario) -> Iterator[Number]:
     rotary, scales = scenario.rotary, scenario.law.scales(scenario.law.p)
     for name, value in scenario.plant_values.items():
         constant = scenario.plant.constants[name].of_motion(rotary)
-        yield _number("plant", name, value, constant, 0.0, f"plant.{name}")
+        yield number_of("plant", name, value, constant, 0.0, f"plant.{name}")
     table = initial_table(scenario.plant, scenario.drive.sets_velocity)
     sizes = {"y": 10 * scales.length, "v": 10 * scales.speed, "z": scales.length}
     for name, field in table.model_fields.items():
@@ -72,22 +76,27 @@ def _others(scenario: Scenario) -> Iterator[Number]:
             continue
         words, _, unit = str(field.description).partition(", ")
         constant = Constant(unit, f"{words} at t = 0").of_motion(rotary)
-        yield _number("plant.initial", name, scenario.initial.get(name, 0.0), constant, sizes.get(name, 1.0), "")
+        yield number_of("plant.initial", name, scenario.initial.get(name, 0.0), constant, sizes.get(name, 1.0), "")
     for name, constant in scenario.drive.constants.items():
         value = scenario.drive_values[name]
-        yield _number("drive", name, value, constant.of_motion(rotary), 1.0, f"drive.{name}")
+        yield number_of("drive", name, value, constant.of_motion(rotary), 1.0, f"drive.{name}")
     yield from _of_signal(scenario)
+    yield from of_run(scenario)
+
+
+def of_run(scenario: Scenario) -> Iterator[Number]:
+    """The numbers of the solver and the output."""
     end, step = Solve.model_fields["t_end"], Output.model_fields["step"]
     time = Constant("s", str(end.description).removesuffix(", s"), above=0)
-    yield _number("solve", "t_end", scenario.solve.t_end, time, 0.0, "", 10)
-    yield _number("solve", "rtol", scenario.solve.rtol, Constant("", "relative tolerance", above=0), 0.0, "", 1e4)
+    yield number_of("solve", "t_end", scenario.solve.t_end, time, 0.0, "", 10)
+    yield number_of("solve", "rtol", scenario.solve.rtol, Constant("", "relative tolerance", above=0), 0.0, "", 1e4)
     for name, value in scenario.solve.atol.items():
-        yield _number("solve.atol", name, value, Constant("", f"absolute tolerance of {name}", above=0), 0.0, "", 1e4)
+        yield number_of("solve.atol", name, value, Constant("", f"absolute tolerance of {name}", above=0), 0.0, "", 1e4)
     steps = Constant("", str(Solve.model_fields["max_steps"].description), at_least=1)
-    number = _number("solve", "max_steps", scenario.solve.max_steps, steps, 0.0, "", 1e4)
+    number = number_of("solve", "max_steps", scenario.solve.max_steps, steps, 0.0, "", 1e4)
     yield replace(number, whole=True)
     every = Constant("s", str(step.description).partition(",")[0], above=0)
-    yield _number("output", "step", scenario.output.step, every, 0.0, "", 10)
+    yield number_of("output", "step", scenario.output.step, every, 0.0, "", 10)
 
 
 def _of_signal(scenario: Scenario) -> Iterator[Number]:
@@ -100,18 +109,22 @@ def _of_signal(scenario: Scenario) -> Iterator[Number]:
         own = Constant(
             constant.unit.replace("signal", unit), constant.meaning, constant.above, constant.at_least
         )  # fmt: skip
-        yield _number(group, name, value, own, 1.0, f"signal.{name}" if signal.smooth else "")
+        yield number_of(group, name, value, own, 1.0, f"signal.{name}" if signal.smooth else "")
     if isinstance(signal, PointsSignal) and not isinstance(signal, FileSignal) and len(signal.t) <= _MOST_POINTS:
         for i, (t, value) in enumerate(zip(signal.t, signal.value, strict=True)):
             size = float(max(abs(signal.value))) or 1.0
-            yield _number(group, f"t[{i}]", float(t), Constant("s", f"time of point {i + 1}"), scenario.solve.t_end, "")
-            yield _number(group, f"value[{i}]", float(value), Constant(unit, f"the signal at point {i + 1}"), size, "")
+            yield number_of(
+                group, f"t[{i}]", float(t), Constant("s", f"time of point {i + 1}"), scenario.solve.t_end, ""
+            )
+            yield number_of(
+                group, f"value[{i}]", float(value), Constant(unit, f"the signal at point {i + 1}"), size, ""
+            )
 
 
-def _number(
+def number_of(
     group: str, name: str, value: float, constant: Constant, size: float, target: str, reach: float = _REACH
 ) -> Number:
-    """A slider over ``reach`` times more and less where the number is positive; else as far as ``size`` or twice it."""
+    """A number, and a slider over ``reach`` times more and less where it is positive; else as far as ``size`` or twice it."""
     positive = constant.above is not None or constant.at_least is not None or value > 0
     log = positive and value > 0
     if log:

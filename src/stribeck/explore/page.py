@@ -12,10 +12,12 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.codegen import source
-from stribeck.errors import needed
+from stribeck.errors import InputError, arg, needed
 from stribeck.explore import wasm
-from stribeck.explore.appendix import CLAIMS, appendix, columns, relations
+from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
 from stribeck.explore.figures import figures, panels
+from stribeck.explore.machine import machine_data, machine_law, machine_of, machine_panels, machine_sections
+from stribeck.explore.measured import measured
 from stribeck.explore.numbers import numbers, of_law
 from stribeck.explore.variants import variants
 from stribeck.expressions.pretty import name as symbol_name
@@ -57,6 +59,8 @@ def explorer_page(
         InputError: a law that is not known, or cannot take the scenario's numbers.
     """
     library = _library()
+    if scenario.rig is not None:
+        return _filled(_machine(scenario, laws, command, progress, fitted or {}), machine_sections(scenario), library)
     found = variants(scenario, laws)
     codes = [f"{source(each.system)}\n\n{appendix(each)}" for each in found.values()]
     modules = wasm.modules(codes, progress)
@@ -75,24 +79,72 @@ def explorer_page(
         "numbers": [_number(n.as_data(), intervals) for n in numbers(scenario) if n.path not in own],
         "claims": CLAIMS,
         "signal": _signal(scenario),
+        "machine": None,
+        "watched": scenario.system.watched,
         "layout": wasm.layout(),
         "eventRoom": EVENT_ROOM,
         "panels": {name: panel.as_data() for name, panel in shown.items()},
         "figures": figures(shown),
     }
+    return _filled(data, _SECTIONS, library)
+
+
+def _machine(
+    scenario: Scenario, laws: Iterable[str] | None, command: str, progress: Callable[[float], None] | None,
+    intervals: Mapping[str, object],
+) -> dict[str, object]:  # fmt: skip
+    if laws:
+        raise InputError(f"{arg('law')}: {', '.join(laws)}: a machine keeps the laws of its file")
+    found, machine, shown = measured(scenario), machine_of(scenario), machine_panels(scenario)
+    (module,) = wasm.modules([f"{source(machine)}\n\n{machine_appendix(machine)}"], progress)
+    return {
+        "name": scenario.name,
+        "version": __version__,
+        "command": command,
+        "scenario": _plain(found.scenario.data),
+        "law": "machine",
+        "laws": {"machine": {**machine_law(scenario), "wasm": _packed(module)}},
+        "numbers": [_number(n.as_data(), intervals) for n in found.numbers],
+        "claims": [],
+        "signal": None,
+        "machine": machine_data(found),
+        "watched": machine.watched,
+        "layout": wasm.layout(),
+        "eventRoom": EVENT_ROOM,
+        "panels": {name: panel.as_data() for name, panel in shown.items()},
+        "figures": figures(shown),
+    }
+
+
+_SECTIONS = [
+    ("loop-v", "Friction against velocity"),
+    ("loop-y", "Friction against position"),
+    ("curve", "Steady curve"),
+    ("energy", "Energy balance"),
+]
+
+
+def _filled(data: Mapping[str, object], sections: Iterable[tuple[str, str]], library: str) -> str:
+    """The page's text with the data in it."""
+    name, command = str(data["name"]), str(data["command"])
+    charts = [
+        f'<section aria-labelledby="h-{n}"><h2 id="h-{n}">{escape(title)}</h2><div id="{n}" class="chart"></div></section>'
+        for n, title in sections
+    ]
     text = _asset("page.html")
     parts = {
-        "title": escape(scenario.name),
+        "sections": "\n".join(charts),
+        "title": escape(name),
         "style": _asset("page.css"),
         "data": json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         "solver": _asset("solver.js"),
-        "script": f"{_asset('panels.js')}\n{_asset('explore.js')}",
+        "script": "\n".join(map(_asset, ("panels.js", "machine.js", "explore.js"))),
         "charts": library,
         "foot": escape(command),
         "version": __version__,
     }
-    for name, part in parts.items():
-        text = text.replace("{{ " + name + " }}", part)
+    for key, part in parts.items():
+        text = text.replace("{{ " + key + " }}", part)
     return text
 
 

@@ -47,7 +47,7 @@ def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Sc
 def unfit(scenario: Scenario) -> str | None:
     """Why the page cannot show a scenario, or None."""
     if scenario.rig is not None:
-        return "schema = 2: must be 1: a page of a machine is not made yet; 'stribeck run' draws its curves"
+        return None
     if scenario.drive.differentiates:
         return "drive.kind: 'cascade': must be force, spring, pid or velocity; 'stribeck run' draws a servo's curves"
     if isinstance(scenario.signal, Curve):

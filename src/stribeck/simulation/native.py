@@ -5,9 +5,12 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable
 from ctypes import POINTER, c_double, c_int, c_int8, c_int32, c_int64
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.errors import BuildError
 from stribeck.expressions.ops import Value, clip, larger, smaller
 from stribeck.scenario import Scenario
@@ -89,42 +92,64 @@ def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], 
     return _Solving(library, scenario).to_the_end(progress)
 
 
+@dataclass(frozen=True)
+class SolverInput:
+    """What the compiled solver is given of a scenario: the arrays and numbers of the struct Run, by their names there."""
+
+    doubles: dict[str, Array]
+    restart: NDArray[np.int8]
+    numbers: dict[str, float]  # rtol, step and h_limit
+    queue_room: int
+
+
+def solver_input(scenario: Scenario) -> SolverInput:
+    """A scenario as the compiled solver takes it."""
+    system, values, atol = scenario.system, scenario.values(), scenario.atol()
+    share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
+    room, noise = held_back(scenario.end, [scenario.sampling()])
+    doubles = {
+        "parameters": np.array([values[key] for key in system.parameters]),
+        "x": np.array([scenario.initial.get(state.name, 0.0) for state in system.states]),
+        "atol": share * np.array([atol[state.name] for state in system.states]),
+        "thresholds": np.array(scenario.thresholds()),
+        "piece_start": np.ascontiguousarray(pieces.start), "piece_rows": np.ascontiguousarray(pieces.rows),
+        "held": np.zeros(held), "memory": np.zeros(sum(map(len, system.memory.values()))),
+        "queue": np.zeros((held, room)), "noise": noise,
+    }  # fmt: skip
+    numbers = {
+        "rtol": share * scenario.solve.rtol,
+        "step": scenario.output.step,
+        "h_limit": float(scenario.longest_step),
+    }
+    return SolverInput(doubles, np.ascontiguousarray(pieces.restart), numbers, room)
+
+
 class _Solving:
     """A run of the compiled solver: the struct that it shares with Python, and the arrays that this points to."""
 
     def __init__(self, library: ctypes.CDLL, scenario: Scenario) -> None:
         self.library, self.scenario = library, scenario
-        system, values, atol = scenario.system, scenario.values(), scenario.atol()
-        share, pieces, held = step_share(scenario), scenario.pieces(), len(system.held)
-        room, noise = held_back(scenario.end, [scenario.sampling()])
-        self.x = np.array([scenario.initial.get(state.name, 0.0) for state in system.states])
+        system, given = scenario.system, solver_input(scenario)
+        held, self.x = len(system.held), given.doubles["x"]
         self.out = np.empty((scenario.rows, len(system.states) + held + len(system.shown)))
-        self.parameters = np.array([values[key] for key in system.parameters])
         event_room = max(EVENT_ROOM, library.stribeck_event_room())
         self.event_time, self.event_what = np.empty(event_room), np.empty(event_room, np.int32)
         self.events: list[tuple[float, int]] = []
-        doubles = {
-            "parameters": self.parameters, "x": self.x, "out": self.out, "event_time": self.event_time,
-            "atol": share * np.array([atol[state.name] for state in system.states]),
-            "thresholds": np.array(scenario.thresholds()),
-            "piece_start": np.ascontiguousarray(pieces.start), "piece_rows": np.ascontiguousarray(pieces.rows),
-            "held": np.zeros(held), "memory": np.zeros(sum(map(len, system.memory.values()))),
-            "queue": np.zeros((held, room)), "noise": noise,
-        }  # fmt: skip
+        doubles = {**given.doubles, "out": self.out, "event_time": self.event_time}
         counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}
-        restart = np.ascontiguousarray(pieces.restart)
-        self._alive = doubles, counts, restart  # as long as the struct points to them
+        self._alive = doubles, counts, given.restart  # as long as the struct points to them
         self.run = run = Run()
         for name, array in doubles.items():
             setattr(run, name, array.ctypes.data_as(POINTER(c_double)))
         for name, count in counts.items():
             setattr(run, name, count.ctypes.data_as(POINTER(c_int64)))
-        run.piece_restart = restart.ctypes.data_as(POINTER(c_int8))
+        run.piece_restart = given.restart.ctypes.data_as(POINTER(c_int8))
         run.event_what = self.event_what.ctypes.data_as(POINTER(c_int32))
-        run.rtol, run.step = share * scenario.solve.rtol, scenario.output.step
+        for name, number in given.numbers.items():
+            setattr(run, name, number)
         run.h = run.h_smallest = np.inf
-        run.h_limit, run.queue_room, run.noise_room = scenario.longest_step, room, noise.shape[1]
-        run.pieces, run.rows = len(pieces.start), scenario.rows
+        run.queue_room, run.noise_room = given.queue_room, doubles["noise"].shape[1]
+        run.pieces, run.rows = len(given.restart), scenario.rows
         run.event_room = event_room
 
     def to_the_end(self, progress: Callable[[float], None] | None) -> Result:

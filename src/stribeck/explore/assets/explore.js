@@ -27,6 +27,7 @@ function wrong(number, x) {
   if (!Number.isFinite(x)) return `${number.path}: must be a finite number`;
   if (number.above !== null && !(x > number.above)) return `${number.path}: ${x}: must be > ${number.above}${unit}`;
   if (number.at_least !== null && !(x >= number.at_least)) return `${number.path}: ${x}: must be >= ${number.at_least}${unit}`;
+  if (number.closed && !(x >= number.low && x <= number.high)) return `${number.path}: ${x}: must be from ${show(number.low)} to ${show(number.high)}${unit} in this page`;
   return null;
 }
 
@@ -41,7 +42,7 @@ function fromSlider(n, at) {
 
 const GROUPS = { "law": "Law", "law.parameters": "Machine parameters", "plant": "Body", "plant.initial": "Start", "drive": "Drive",
   "drive.signal": "Drive signal", "solve": "Solver", "solve.atol": "Absolute tolerances", "output": "Output" };
-const CLOSED = new Set(["plant.initial", "solve", "solve.atol", "output"]);
+const closed = (group) => /(^plant|\.)\.?initial$|^solve|^output$/.test(group);
 
 function controls() {
   const box = $("numbers"), open = new Map([...box.querySelectorAll("details")].map((d) => [d.dataset.group, d.open]));
@@ -52,8 +53,8 @@ function controls() {
     groups.get(number.group).push(number);
   }
   for (const [group, own] of groups) {
-    const details = make("details", { open: open.get(group) ?? !CLOSED.has(group) },
-      make("summary", {}, GROUPS[group] ?? group, make("code", {}, `[${group}]`)));
+    const details = make("details", { open: open.get(group) ?? !closed(group) },
+      make("summary", {}, GROUPS[group] ?? group, group in GROUPS ? make("code", {}, `[${group}]`) : ""));
     details.dataset.group = group;
     for (const number of own) details.append(row(number));
     box.append(details);
@@ -134,6 +135,7 @@ function pieces() {
 }
 
 function setting() {
+  if (data.machine) return machineSetting();
   const own = law(), path = new Map(numbers().filter((n) => n.target).map((n) => [n.target, n.path]));
   const step = value("output.step"), tEnd = value("solve.t_end"), rows = Math.floor(tEnd / step + 1e-9) + 1;
   if (rows > 200001) throw new Error(`output.step: ${step}: must be at least ${show(tEnd / 200000)} s here: the page keeps up to 200001 rows`);
@@ -209,6 +211,7 @@ function answer(result, error) {
 function complete(result) {
   const { columns, rows } = result, step = value("output.step");
   columns.t = Float64Array.from({ length: rows }, (_, i) => i * step);
+  if (data.machine) return;
   if (!columns.E_in) {
     const u = columns.u ?? columns.F, { y } = columns, E = new Float64Array(rows);
     for (let i = 1; i < rows; i++) E[i] = E[i - 1] + 0.5 * (u[i] + u[i - 1]) * (y[i] - y[i - 1]);
@@ -217,6 +220,7 @@ function complete(result) {
 }
 
 function summary(result) {
+  if (data.machine) return machineSummary(result);
   const slips = result.events.filter(([, what]) => !(what & 1)).map(([t]) => t);
   const { y } = result.columns;
   if (slips.length > 3) {
@@ -286,7 +290,7 @@ function readLink() {
 
 function toml() {
   const tables = structuredClone(data.scenario);
-  tables.law = structuredClone(law().table);
+  if (!data.machine) tables.law = structuredClone(law().table);
   for (const number of numbers()) {
     const words = number.path.split(".");
     let table = tables;
@@ -298,13 +302,15 @@ function toml() {
   }
   const lines = [], word = (x) => typeof x === "string" ? JSON.stringify(x) : typeof x === "bigint" ? String(x)
     : typeof x === "number" ? (Number.isInteger(x) && Math.abs(x) < 1e15 ? `${x}.0` : String(x))
-    : Array.isArray(x) ? `[${x.map(word).join(", ")}]` : String(x);
+    : Array.isArray(x) ? `[${x.map(word).join(", ")}]`
+    : typeof x === "object" ? `{ ${Object.entries(x).map(([key, each]) => `${bare(key)} = ${word(each)}`).join(", ")} }` : String(x);
+  const bare = (key) => /^[\w-]+$/.test(key) ? key : JSON.stringify(key);
   const table = (own, path) => {
     const plain = Object.entries(own).filter(([, x]) => typeof x !== "object" || Array.isArray(x));
     if (path && plain.length) lines.push("", `[${path}]`);
-    for (const [key, x] of plain) lines.push(`${key} = ${key === "schema" || key === "seed" ? String(x) : word(x)}`);
+    for (const [key, x] of plain) lines.push(`${bare(key)} = ${["schema", "seed", "max_steps"].includes(key) ? String(x) : word(x)}`);
     for (const [key, x] of Object.entries(own)) {
-      if (typeof x === "object" && !Array.isArray(x)) table(x, path ? `${path}.${key}` : key);
+      if (typeof x === "object" && !Array.isArray(x)) table(x, path ? `${path}.${bare(key)}` : bare(key));
     }
   };
   table(tables, "");
@@ -355,6 +361,7 @@ async function begin() {
   $("link").onclick = () => copy(location.href, $("link"));
   $("command").onclick = () => copy(data.command, $("command"));
   window.onhashchange = () => { state.values = {}; state.law = data.law; readLink(); choose(state.law); };
+  if (data.machine) machineForm();
   readLink();
   const library = make("script", {}, new TextDecoder().decode(await bytes($("charts").textContent)));
   document.head.append(library);

@@ -89,18 +89,31 @@ function draw(result) {
   const ghost = state.ghost;
   const scales = {};
   for (const name of Object.keys(data.panels)) if (name !== "energy") scales[name] = fill(name, result, ghost);
-  energy(result);
-  if (ghost && ghost.columns && model("energy-ghost")) energy(ghost, true);
-  fill("energy", result, ghost);
-  for (const [kind, bit] of [["slip", 0], ["stick", 1]]) {
-    const times = result.events.filter(([, what]) => (what & 1) === bit).map(([t]) => t);
-    for (const [panel, column] of [["position", "y"], ["velocity", "v"]]) {
-      const source = model(`${panel}-${kind}`);
-      if (source) source.data = { x: times, y: times.map((t) => at(result, column, t) / scales[panel][1]) };
+  if (data.panels.energy) {
+    energy(result);
+    if (ghost && ghost.columns && model("energy-ghost")) energy(ghost, true);
+    fill("energy", result, ghost);
+  }
+  for (const [panel, { marks }] of Object.entries(data.panels)) {
+    for (const kind of marks.length ? ["slip", "stick"] : []) {
+      const source = model(`${panel}-${kind}`), found = { x: [], y: [] };
+      for (const column of marks) {
+        const element = column.includes(".") ? column.slice(0, column.lastIndexOf(".")) : "";
+        for (const t of happened(result, element, kind)) { found.x.push(t); found.y.push(at(result, column, t) / scales[panel][1]); }
+      }
+      source.data = found;
     }
   }
+  if (!result.curve) return;
   const { v, F } = result.curve, last = v.length - 1;
   model("curve-point").data = { x: [v[last]], y: [F[last] / scales.curve[1]] };
+}
+
+function happened(result, element, kind) { // when: data.watched names what the solver's numbers mean
+  return result.events.filter(([, what]) => {
+    const [name, kinds] = data.watched[what >> 2];
+    return name === element && kinds[what & 3] === kind;
+  }).map(([t]) => t);
 }
 
 function at(result, column, t) { // between two rows

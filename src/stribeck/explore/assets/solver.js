@@ -79,24 +79,47 @@ const rest = () => new Promise((go) => { // let a newer setting arrive
   channel.port2.postMessage(0);
 });
 
+// What differs between a law on a body and a machine: where the arrays come from, and what is told of the law.
+function ofLaw(memory, law, setting) {
+  const p = memory.doubles(setting.p), { pieces } = setting, found = about(memory, law, p, setting);
+  return {
+    ...found, restart: pieces.restart, width: law.states.length,
+    place: {
+      parameters: p, atol: memory.doubles(found.atol), x: memory.doubles(setting.x), piece_start: memory.doubles(pieces.start),
+      piece_rows: memory.doubles(pieces.rows), thresholds: memory.doubles([setting.level, 0]), held: memory.empty(1),
+      memory: memory.empty(1), queue: memory.empty(1), noise: memory.empty(1), sampled: memory.empty(1), acted: memory.empty(1),
+      rtol: found.share * setting.rtol, h_limit: found.longest, queue_room: 1,
+    },
+  };
+}
+
+function ofMachine(memory, law, setting) {
+  const { arrays, rooms } = setting, { rtol, least_rate, ...lists } = arrays;
+  const place = Object.fromEntries(Object.entries(lists).map(([name, list]) => [name, memory.doubles(list)]));
+  const zeros = () => memory.doubles(new Float64Array(rooms.held)); // integers 0 have the same bits
+  const holds = memory.empty(law.relations.length);
+  memory.api.stribeck_relations(place.parameters, holds);
+  return {
+    restart: setting.restart, width: law.states.length + rooms.held, claims: [], holds: Array.from(memory.view(holds, law.relations.length)),
+    place: {
+      ...place, sampled: zeros(), acted: zeros(), rtol: rtol[0], h_limit: 1 / least_rate[0],
+      queue_room: rooms.queue_room, noise_room: rooms.noise_room,
+    },
+  };
+}
+
 async function solve(instance, law, setting, tell, current) {
-  const memory = new Memory(instance), { api } = memory, started = performance.now();
-  const p = memory.doubles(setting.p), n = law.states.length, { pieces, rows } = setting;
-  const found = about(memory, law, p, setting);
+  const memory = new Memory(instance), { api } = memory, started = performance.now(), { rows } = setting;
+  const found = (setting.arrays ? ofMachine : ofLaw)(memory, law, setting), { parameters: p, piece_start, piece_rows } = found.place;
   const wrong = law.relations.filter((_, i) => found.holds[i] !== 1);
   if (wrong.length) return { wrong, claims: found.claims };
   const run = new Struct(memory), eventRoom = Math.max(setting.eventRoom, Number(api.stribeck_event_room()));
-  const out = memory.empty(rows * n), times = memory.empty(eventRoom), what = memory.empty(eventRoom);
-  const starts = memory.doubles(pieces.start), table = memory.doubles(pieces.rows);
-  const restart = memory.room(pieces.restart.length + 1);
-  new Int8Array(api.memory.buffer, restart, pieces.restart.length).set(pieces.restart);
-  const x = memory.doubles(setting.x);
+  const out = memory.empty(rows * found.width), times = memory.empty(eventRoom), what = memory.empty(eventRoom);
+  const pieces = found.restart.length, restart = memory.room(pieces + 1);
+  new Int8Array(api.memory.buffer, restart, pieces).set(found.restart);
   const place = {
-    parameters: p, atol: memory.doubles(found.atol), x, piece_start: starts, piece_rows: table, out, event_time: times,
-    thresholds: memory.doubles([setting.level, 0]), held: memory.empty(1), memory: memory.empty(1), queue: memory.empty(1),
-    noise: memory.empty(1), piece_restart: restart, event_what: what, sampled: memory.empty(1), acted: memory.empty(1),
-    rtol: found.share * setting.rtol, step: setting.step, h: Infinity, h_smallest: Infinity, h_limit: found.longest,
-    queue_room: 1, pieces: pieces.start.length, rows, event_room: eventRoom, t_end: setting.end, restart: 1,
+    ...found.place, out, event_time: times, piece_restart: restart, event_what: what, step: setting.step, h: Infinity,
+    h_smallest: Infinity, pieces, rows, event_room: eventRoom, t_end: setting.end, restart: 1,
   };
   for (const [name, value] of Object.entries(place)) run.set(name, value);
   const events = [];
@@ -119,21 +142,23 @@ async function solve(instance, law, setting, tell, current) {
     }
   }
   const done = run.get("row"), columns = law.columns.length, values = memory.empty(done * columns);
-  api.stribeck_table(p, BigInt(done), setting.step, BigInt(pieces.start.length), starts, table, out, values);
+  api.stribeck_table(p, BigInt(done), setting.step, BigInt(pieces), piece_start, piece_rows, out, values);
   const cells = memory.view(values, done * columns), found_columns = {};
   law.columns.forEach((column, j) => {
     const own = new Float64Array(done);
     for (let i = 0; i < done; i++) own[i] = cells[i * columns + j];
     found_columns[column.name] = own;
   });
-  let mean = 0; // speed over the second half: the working point
-  for (let i = done >> 1; i < done; i++) mean += Math.abs(found_columns.v[i]) / (done - (done >> 1));
-  const speeds = [...setting.speeds, mean];
-  return {
-    columns: found_columns, rows: done, events, claims: found.claims, mean, curve: { v: speeds, F: steady(memory, p, speeds) },
+  const result = {
+    columns: found_columns, rows: done, events, claims: found.claims,
     reason: status === DONE ? null : reason(status, run.get("t"), setting.maxSteps),
     stats: { accepted: run.get("accepted"), rejected: run.get("rejected"), milliseconds: performance.now() - started },
   };
+  if (setting.arrays) return result;
+  let mean = 0; // speed over the second half: the working point
+  for (let i = done >> 1; i < done; i++) mean += Math.abs(found_columns.v[i]) / (done - (done >> 1));
+  const speeds = [...setting.speeds, mean];
+  return { ...result, mean, curve: { v: speeds, F: steady(memory, p, speeds) } };
 }
 
 async function instance(name, module) {

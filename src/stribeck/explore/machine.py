@@ -1,0 +1,114 @@
+"""What the page of a machine shows: charts by unit, friction of each contact, the numbers and what they do."""
+
+from __future__ import annotations
+
+from itertools import groupby
+
+from stribeck.drives.base import Column
+from stribeck.explore.appendix import machine_relations
+from stribeck.explore.figures import Chart, Series
+from stribeck.explore.measured import Arrays, Measured
+from stribeck.machine.system import MachineSystem
+from stribeck.scenario import Scenario
+
+# What stands above each other, in this order: the chart's label by the last word of a column's name.
+_LABELS = {
+    "y": "position", "r": "position", "v": "velocity", "w": "sliding speed", "F": "friction", "f": "force", "u": "force",
+    "torque": "force", "z": "deflection", "i": "current", "V": "voltage",
+}  # fmt: skip
+_ENERGIES = {"in": "put in", "dissipated": "dissipated", "stored": "stored"}
+_ROTARY = {"position": "angle", "force": "torque", "friction": "friction torque", "velocity": "angular velocity"}
+
+
+def machine_of(scenario: Scenario) -> MachineSystem:
+    """The machine's structure."""
+    assert scenario.rig is not None
+    return scenario.rig.machine
+
+
+def machine_panels(scenario: Scenario) -> dict[str, Chart]:
+    """The charts by name: everything over time by kind and unit, each contact's friction, and the energies."""
+    machine = machine_of(scenario)
+    order = list(dict.fromkeys(_LABELS.values()))
+    contacts = {f"{contact.name}.w" for contact in machine.contacts}
+    shown = sorted(
+        (c for c in machine.columns if not c.name.startswith("E_")), key=lambda c: (order.index(_label(c)), c.unit)
+    )
+    found: dict[str, Chart] = {}
+    for i, ((label, unit), each) in enumerate(groupby(shown, key=lambda c: (_label(c), c.unit))):
+        names = [c.name for c in each]
+        words = _ROTARY.get(label, label) if unit.startswith(("rad", "N m")) else label
+        marks = tuple(n for n in names if n in contacts)
+        lines = tuple(Series(n, n) for n in names)
+        words = names[0] if len(names) == 1 else words  # a single line has no legend
+        found[f"time-{i}"] = Chart("t", "t", "s", lines, words, unit, height=190, marks=marks)
+    for i, contact in enumerate(machine.contacts):
+        speed, force = (_column(machine, f"{contact.name}.{n}") for n in "wF")
+        friction = (Series(force.name, force.name),)
+        found[f"loop-{i}"] = Chart(
+            speed.name, "sliding speed", speed.unit, friction, f"friction in {contact.name}", force.unit, height=280
+        )
+    if machine.energy:
+        energies = tuple(Series(f"E_{n}", words) for n, words in _ENERGIES.items())
+        found["energy"] = Chart("t", "t", "s", energies, "energy", "J", height=280)
+    return found
+
+
+def machine_sections(scenario: Scenario) -> list[tuple[str, str]]:
+    """The headings over the charts that stand beside each other."""
+    machine = machine_of(scenario)
+    found = [
+        (f"loop-{i}", f"Friction in {contact.name} against its sliding speed")
+        for i, contact in enumerate(machine.contacts)
+    ]
+    return [*found, ("energy", "Energy balance")] if machine.energy else found
+
+
+def _label(column: Column) -> str:
+    return _LABELS[column.name.rpartition(".")[2]]
+
+
+def _column(machine: MachineSystem, name: str) -> Column:
+    return next(column for column in machine.columns if column.name == name)
+
+
+def machine_law(scenario: Scenario) -> dict[str, object]:
+    """What stands in the place of a law."""
+    machine = machine_of(scenario)
+    conditions = [
+        {
+            "key": _path(scenario, contact.law_path, each.key),
+            "allowed": each.allowed,
+            "path": _path(scenario, contact.law_path, each.key),
+        }
+        for contact, each in machine_relations(machine)
+    ]
+    return {
+        "name": "machine", "about": f"{scenario.subject}.", "table": None, "numbers": [],
+        "parameters": [".".join(each) for each in machine.parameters], "states": [s.name for s in machine.states],
+        "columns": [{"name": c.name, "unit": c.unit, "meaning": c.meaning} for c in machine.columns],
+        "relations": conditions, "conditions": {}, "equations": [],
+    }  # fmt: skip
+
+
+def _path(scenario: Scenario, law: str, key: str) -> str:
+    assert scenario.rig is not None
+    return f"{law}.parameters.{key}" if key in scenario.rig.laws[law].machine else f"{law}.{key}"
+
+
+def machine_data(found: Measured) -> dict[str, object]:
+    """What the solver is given at the file's numbers, the events' names, and the numbers that stay."""
+    machine, arrays = machine_of(found.scenario), found.arrays
+    return {
+        "arrays": {name: array.tolist() for name, array in arrays.items() if name not in ("restart", "queue_room")},
+        "restart": [int(x) for x in arrays["restart"]],
+        "rooms": _rooms(machine, arrays),
+        "fixed": [{"path": path, "value": value} for path, value in found.fixed.items()],
+    }
+
+
+def _rooms(machine: MachineSystem, arrays: Arrays) -> dict[str, int]:
+    held = len(machine.held)
+    return {
+        "held": held, "queue_room": int(arrays["queue_room"][0]), "noise_room": arrays["noise"].size // held if held else 0
+    }  # fmt: skip

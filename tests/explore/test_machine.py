@@ -1,0 +1,68 @@
+"""Pages of machines: the modules against ``run`` at the file's numbers and after sliders were turned."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+pytest.importorskip("wasmtime")
+pytest.importorskip("ziglang")
+pytest.importorskip("bokeh")
+
+from stribeck import Scenario, examples, simulate
+from stribeck.explore import explorer_page
+from stribeck.explore.measured import arrays_of, measured, moved
+from tests.explore.module import MachineModule
+
+TURNED = {
+    "belt": {"contacts.sole.law.parameters.F_s": 6.5, "bodies.belt.velocity.signal.rate": 0.06, "links.spring.stiffness": 300.0},
+    "arm": {
+        "controllers.axis.K_v": 0.025, "controllers.axis.signal.value.1": 40.0, "controllers.axis.sampling.delay": 3e-4,
+        "loads.gravity.amplitude": 3.0, "contacts.seal.factors.level.amplitude.0": 0.2,
+    },
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module", params=sorted(TURNED))
+def page(request):
+    scenario = Scenario.load(examples.path(request.param), {"solve.rtol": 1e-10, "solve.t_end": 0.4})
+    if request.param == "belt":
+        scenario = scenario.with_changes({"solve.t_end": 2.0})
+    text = explorer_page(scenario, command="stribeck explore")
+    found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1]
+    return scenario, json.loads(found), TURNED[request.param], len(text)
+
+
+def same(shown, solution):
+    for name, peak in solution.peaks.items():
+        assert np.max(abs(shown[name] - solution[name])) <= 1e-9 * peak, name
+
+
+def test_the_page_computes_what_run_computes(page):
+    scenario, data, turned, size = page
+    module = MachineModule(data)
+    assert module.imports == []
+    assert size < 1.5e6
+    same(module.run_machine({}), simulate(scenario))
+    same(MachineModule(data).run_machine(turned), simulate(scenario.with_changes(turned)))
+
+
+@pytest.mark.parametrize("name", ["belt", "arm", "gear", "machine"])
+def test_numbers_turned_together_do_what_the_file_says(name):
+    found = measured(Scenario.load(examples.path(name)))
+    numbers = [n for n in found.numbers if n.group not in ("solve", "output")]
+    values = {n.path: n.value + 0.05 * (n.high - n.value) for n in numbers}
+    assert len(numbers) > 9
+    shown, told = moved(found.arrays, numbers, values), arrays_of(found.scenario.with_changes(values))
+    for array in set(told) - {"atol"}:  # which stays that of the file
+        assert shown[array] == pytest.approx(told[array], rel=1e-12, abs=1e-300), array
+
+
+def test_numbers_that_move_more_than_a_number_stay():
+    found = measured(Scenario.load(examples.path("arm"), {"controllers.axis.sampling.delay": 9e-4}))
+    free = {n.path for n in found.numbers}
+    assert "controllers.axis.signal.value.1" in free
+    assert {"controllers.axis.signal.t.0", "controllers.axis.signal.t.1"} <= set(found.fixed)  # other polynomials
+    sampling = {f"controllers.axis.sampling.{n}" for n in ("period", "delay")}  # together they ask for a longer queue
+    assert len(sampling & free) == len(sampling & set(found.fixed)) == 1
