@@ -34,6 +34,6 @@ below.set(xlabel="time in s", ylabel="difference in mrad")
 print("the teeth meet and part:", solution.events["gear"])
 
 # %%
-# The law of the seal, live:
+# An arm with a sampled controller, live (``stribeck new arm``):
 #
-# .. explorer:: lugre_majorant --law lugre_majorant --law lugre
+# .. explorer:: arm

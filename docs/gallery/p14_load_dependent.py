@@ -29,6 +29,6 @@ plt.ylabel("friction in N m")
 plt.legend()
 
 # %%
-# The law of the mesh, live:
+# A gear whose mesh feels its load, live (``stribeck new gear``):
 #
-# .. explorer:: hysteresis --law lugre_majorant --law coulomb_viscous
+# .. explorer:: gear

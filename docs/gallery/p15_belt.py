@@ -24,6 +24,6 @@ plt.ylabel("velocity in m/s")
 print(len(solution.events["rub"]["slip"]), "slips")
 
 # %%
-# One body on a spring does the same, live:
+# Live (``stribeck new belt``):
 #
-# .. explorer:: stick_slip --law lugre_majorant --law elastoplastic_majorant
+# .. explorer:: belt
