@@ -10,24 +10,12 @@ import pytest
 
 from stribeck import examples
 from stribeck.errors import EXTRAS
-
-# what pip install stribeck does not bring cannot be imported in this process
-BLOCK = """
-import sys
-class Finder:
-    def find_spec(self, name, path=None, target=None):
-        if name.partition(".")[0] in {blocked!r}:
-            raise ModuleNotFoundError(f"No module named {{name!r}}", name=name)
-sys.meta_path.insert(0, Finder())
-import importlib.util
-real = importlib.util.find_spec
-importlib.util.find_spec = lambda name, *rest: None if name.partition(".")[0] in {blocked!r} else real(name, *rest)
-"""
+from tests.absent import without
 
 
 def base(code, folder, blocked=tuple(EXTRAS)):
     """Python code, run where the blocked packages are not installed."""
-    text = BLOCK.format(blocked=set(blocked)) + code
+    text = without(blocked) + code
     return subprocess.run([sys.executable, "-c", text], cwd=folder, capture_output=True, text=True, check=False)
 
 

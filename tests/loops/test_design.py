@@ -214,7 +214,7 @@ def test_tuned_gains_are_better_and_repeat():
     from stribeck.loops import tuning, uncertainty
 
     loop = loop_of(Scenario(axis(K_p=30.0)))
-    few = {p: x[:3] for p, x in uncertainty.samples(uncertainty.intervals(loop, None)).items()}
+    few = {p: x[:3] for p, x in uncertainty.samples(uncertainty.intervals(loop.scenario, None)).items()}
     found, again = (tuning.tune(loop, "hold", ["K_p"], few, seed=3) for _ in range(2))
     assert found == again
     assert found.worst_error < found.error_before
@@ -257,8 +257,8 @@ def test_over_compensation_pushes_from_the_share_that_is_named(tmp_path):
     from stribeck.loops.excess import excess
 
     loop = loop_of(Scenario(axis(contact=law("lugre", sigma_1=30.0, sigma_2=2.0))))
-    samples = uncertainty.samples(uncertainty.intervals(loop, None))
-    found = excess(loop, "hold", samples)
+    samples = uncertainty.samples(uncertainty.intervals(loop.scenario, None))
+    found = excess(loop.scenario, "hold", samples)
     assert found.share == pytest.approx(1.0, rel=1e-9)  # the same law on both sides
     v = found.speed
     taken, added = (

@@ -121,7 +121,7 @@ def design(
     if tune:
         tuning.paths_of(loop, name, list(tune))
     file = Path(uncertainty_file) if uncertainty_file is not None else None
-    samples = uncertainty.samples(uncertainty.intervals(loop, file), seed)
+    samples = uncertainty.samples(uncertainty.intervals(loop.scenario, file), seed)
 
     part = partial(_part, tell)
     found = judge(loop, tell=part("the verdict"))[0]
@@ -167,7 +167,11 @@ def _compared(
     if not wanted:
         return [], None, "not asked for"
     try:
-        return compensation.compare(loop, name, samples, part("compensations")), excess(loop, name, samples), ""
+        return (
+            compensation.compare(loop, name, samples, part("compensations")),
+            excess(loop.scenario, name, samples),
+            "",
+        )
     except InputError as error:
         return [], None, str(error)
 

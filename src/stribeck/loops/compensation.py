@@ -51,15 +51,15 @@ class CompensationResult:
         }  # fmt: skip
 
 
-def contact_of(loop: Loop, controller: str) -> str:
+def contact_of(scenario: Scenario, controller: str) -> str:
     """The contact whose friction a controller can make up for: of the body that it measures, to the ground.
 
     Raises:
         InputError: there is none.
     """
-    rig = loop.scenario.rig
+    rig = scenario.rig
     assert rig is not None
-    each = controller_of(loop.scenario, controller)
+    each = controller_of(scenario, controller)
     for contact in rig.machine.contacts:
         span = contact.span
         if span.start == each.measures and span.end is None and rig.values.get((contact.path, "ratio"), 1.0) == 1:
@@ -115,7 +115,7 @@ def compare(
     Raises:
         InputError: the measured body has no contact with the ground.
     """
-    contact = contact_of(loop, controller)
+    contact = contact_of(loop.scenario, controller)
     found = []
     kinds = kinds_of(loop, controller, contact)
     for i, kind in enumerate(kinds):

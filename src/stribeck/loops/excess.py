@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.loops.compensation import contact_of, with_compensation
-from stribeck.loops.loop import Loop, controller_of
+from stribeck.loops.loop import controller_of
 from stribeck.machine.controllers import Cascade, PidController
 from stribeck.scenario import Scenario
 from stribeck.simulation.single import simulate
@@ -51,7 +51,7 @@ class Excess:
         }  # fmt: skip
 
 
-def excess(loop: Loop, controller: str, samples: dict[str, Array]) -> Excess:
+def excess(scenario: Scenario, controller: str, samples: dict[str, Array]) -> Excess:
     """The share above which the law as an observer at the measured speed supplies more than the contact takes.
 
     At a speed that is held the controller adds share times its own law's steady force, and the contact takes its own. Where
@@ -61,8 +61,8 @@ def excess(loop: Loop, controller: str, samples: dict[str, Array]) -> Excess:
     Raises:
         InputError: the measured body has no contact with the ground.
     """
-    contact = contact_of(loop, controller)
-    made = with_compensation(loop.scenario, controller, contact, "measured", 1.0)
+    contact = contact_of(scenario, controller)
+    made = with_compensation(scenario, controller, contact, "measured", 1.0)
     assert made.rig is not None
     each = controller_of(made, controller)
     assert each.compensation is not None

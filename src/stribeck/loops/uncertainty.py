@@ -9,15 +9,15 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
-from stribeck.loops.loop import Loop
 from stribeck.parameter_sets import read_toml
+from stribeck.scenario import Scenario
 
 SHARE = 0.1  # of each parameter, both ways, where no intervals are given
 VARIED = ("F_c", "F_s", "v_s", "sigma_0", "sigma_1", "sigma_2")
 _RANDOM = 8
 
 
-def intervals(loop: Loop, file: Path | None) -> dict[str, tuple[float, float]]:
+def intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple[float, float]]:
     """The interval of each friction parameter by its path: of the file, else a tenth both ways.
 
     The file is a parameters.toml as ``stribeck fit`` writes it: ``[parameters]`` with tables of value, low and high, by
@@ -28,8 +28,8 @@ def intervals(loop: Loop, file: Path | None) -> dict[str, tuple[float, float]]:
     """
     from stribeck.simulation.machines import machine_places
 
-    places = machine_places(loop.scenario)
-    rig = loop.scenario.rig
+    places = machine_places(scenario)
+    rig = scenario.rig
     assert rig is not None
     laws = {c.law_path for c in rig.machine.contacts}
     own = {path: rig.values[at] for path, at in places.items() if at[0] in laws and at in rig.values}

@@ -69,7 +69,7 @@ def _machine(found: Design, place: Path, folder: Path) -> Path:
 
     scenario, chosen = found.loop.scenario, best(found)
     if chosen is not None:
-        contact = contact_of(found.loop, found.controller)
+        contact = contact_of(found.loop.scenario, found.controller)
         scenario = with_compensation(scenario, found.controller, contact, chosen.kind, chosen.share)
     if found.tuned is not None:
         scenario = scenario.with_changes(found.tuned.gains)
