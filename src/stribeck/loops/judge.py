@@ -153,7 +153,6 @@ def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
 
 def _winding(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> str:
     """:data:`WINDS` where an output still moves one way while the bodies rest; else nothing."""
-    assert loop.scenario.rig is not None
     for each in loop.scenario.rig.machine.controllers:
         u = np.asarray(lanes[f"{each.name}.u"][lane])
         if abs(u[rows][-1] - u[rows][0]) > _WINDS * np.abs(u).max():

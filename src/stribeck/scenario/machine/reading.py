@@ -21,7 +21,7 @@ from stribeck.machine.parts import (
 from stribeck.scenario import tables as common
 from stribeck.scenario.law import no_table, unknown
 from stribeck.scenario.machine import tables
-from stribeck.scenario.machine.rig import Rig
+from stribeck.scenario.rig import Rig
 from stribeck.scenario.signal import read_signal
 from stribeck.scenario.tables import Problem
 from stribeck.scenario.trust import in_a_file
