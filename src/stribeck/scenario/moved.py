@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
-from typing import overload
 
 from stribeck.scenario.trust import in_a_file
 
 
-@overload
-def moved(data: dict[str, object], folder: Path, to: Path) -> dict[str, object]: ...
-@overload
-def moved(data: object, folder: Path, to: Path) -> object: ...
-def moved(data: object, folder: Path, to: Path) -> object:
+def moved(data: Mapping[str, object], folder: Path, to: Path) -> dict[str, object]:
     """The tables with every relative path (a parameter set, a recorded signal, a law in a file) seen from ``to`` instead
     of ``folder``; what is None is left out, for TOML has no such value."""
-    if isinstance(data, dict):
-        return {k: _seen(k, x, folder, to) for k, x in data.items() if x is not None}
-    return [moved(x, folder, to) for x in data] if isinstance(data, list | tuple) else data
+    return {k: _seen(k, x, folder, to) for k, x in data.items() if x is not None}
+
+
+def _within(value: object, folder: Path, to: Path) -> object:
+    if isinstance(value, Mapping):
+        return moved(value, folder, to)
+    return [_within(x, folder, to) for x in value] if isinstance(value, list | tuple) else value
 
 
 def _seen(key: str, value: object, folder: Path, to: Path) -> object:
     if not isinstance(value, str):
-        return moved(value, folder, to)
+        return _within(value, folder, to)
     path, colon, name = value.rpartition(":") if key in ("name", "kind") and in_a_file(value) else (value, "", "")
     if not (colon or (key == "parameters" and value.endswith(".toml")) or key == "path") or Path(path).is_absolute():
         return value
