@@ -82,8 +82,9 @@ ARM_MISTAKES = {
         "controllers.axis.signal.kind: 'step': has no second derivative, which feedforward needs",
     ),
     "a square dither without samples": (
-        {"controllers.axis.dither": {"kind": "square", "amplitude": 1.0, "frequency": 9.0}},
-        "controllers.axis.dither.kind: 'square': a continuous controller's must be 'sine'",
+        {"controllers.b": {"kind": "pid", "on": "arm", "K_p": 1.0, "signal": RAMP,
+                           "dither": {"kind": "square", "amplitude": 1.0, "frequency": 9.0}}},
+        "controllers.b.dither.kind: 'square': a continuous controller's must be 'sine'",
     ),
     "a dither above half of the sampling": (
         {"controllers.axis.sampling": {"period": 0.01}, "controllers.axis.dither": {"amplitude": 1.0, "frequency": 51.0}},
