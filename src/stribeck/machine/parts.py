@@ -21,6 +21,7 @@ from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
 from stribeck.machine.controllers import ControllerElement
+from stribeck.machine.dither import DitherPart
 from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import LoadElement
 from stribeck.machine.motors import MotorElement
@@ -257,6 +258,7 @@ class ControllerPart:
     feedforward: bool = False
     compensation: CompensationPart | None = None
     sampling: Sampled | None = None
+    dither: DitherPart | None = None
 
     @property
     def path(self) -> str:
