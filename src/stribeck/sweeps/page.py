@@ -15,7 +15,7 @@ from stribeck.report.cells import digits
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import Quantity, scale
-from stribeck.report.sweep import Sweep
+from stribeck.sweeps.job import Sweep
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
 
