@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
     from stribeck.properties.ports import MachineVerdicts, check_machine
-    from stribeck.sweeps.job import sweep
     from stribeck.scenario import Scenario
     from stribeck.scenario.objects import (
         Body,
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     )  # fmt: skip
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
     from stribeck.steepness import Advice, advise
+    from stribeck.sweeps.job import sweep
 
 __all__ = [
     "Advice", "Body", "BristleLaw", "BuildError", "Claims", "Constant", "Contact", "Controller", "Ensemble",

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import overload
 
 from stribeck.scenario.trust import in_a_file
 
 Renamed = Callable[[str], str]
 
 
-def moved(data: dict[str, object], folder: Path, to: Path) -> dict[str, object]:
+def moved(data: Mapping[str, object], folder: Path, to: Path) -> dict[str, object]:
     """The tables with every relative path (a parameter set, a recorded signal, a law in a file) seen from ``to`` instead
     of ``folder``; what is None is left out, for TOML has no such value."""
 
@@ -28,7 +27,7 @@ def moved(data: dict[str, object], folder: Path, to: Path) -> dict[str, object]:
     return _renamed(data, seen)
 
 
-def packed(data: dict[str, object], folder: Path) -> tuple[dict[str, object], dict[str, bytes]]:
+def packed(data: Mapping[str, object], folder: Path) -> tuple[dict[str, object], dict[str, bytes]]:
     """The tables with every file that they name by a short name, and the content of each such file by this name.
 
     Raises:
@@ -46,20 +45,20 @@ def packed(data: dict[str, object], folder: Path) -> tuple[dict[str, object], di
     return _renamed(data, short), files
 
 
-@overload
-def _renamed(data: dict[str, object], rename: Renamed) -> dict[str, object]: ...
-@overload
-def _renamed(data: object, rename: Renamed) -> object: ...
-def _renamed(data: object, rename: Renamed) -> object:
+def _renamed(data: Mapping[str, object], rename: Renamed) -> dict[str, object]:
     """The tables with each path in them renamed."""
-    if isinstance(data, dict):
-        return {k: _value(k, x, rename) for k, x in data.items() if x is not None}
-    return [_renamed(x, rename) for x in data] if isinstance(data, list | tuple) else data
+    return {k: _value(k, x, rename) for k, x in data.items() if x is not None}
+
+
+def _within(value: object, rename: Renamed) -> object:
+    if isinstance(value, Mapping):
+        return _renamed(value, rename)
+    return [_within(x, rename) for x in value] if isinstance(value, list | tuple) else value
 
 
 def _value(key: str, value: object, rename: Renamed) -> object:
     if not isinstance(value, str):
-        return _renamed(value, rename)
+        return _within(value, rename)
     path, colon, name = value.rpartition(":") if key in ("name", "kind") and in_a_file(value) else (value, "", "")
     if not (colon or (key == "parameters" and value.endswith(".toml")) or key == "path"):
         return value

@@ -36,7 +36,9 @@ def run_on(on: str, job: Sweep, todo: list[int], tell: Callable[[float], None]) 
         StribeckError: the scheduler went away, no worker can make the parts, or a part killed its workers.
     """
     if compiler.find() is None:
-        raise StribeckError(f"{arg('on')} {on}: without a C compiler here a cluster's numbers would differ in their last bits")
+        raise StribeckError(
+            f"{arg('on')} {on}: without a C compiler here a cluster's numbers would differ in their last bits"
+        )
     with _client(on) as client:
         _Run(client, on, job, todo, tell).run()
 
@@ -73,10 +75,11 @@ class _Run:
         self.order = job.order.to_text(job.order.probe(job.values_of(0)))
         self.first_lane = {path: x[:1].tobytes() for path, x in job.values_of(0).items()}
         self.todo, self.total = deque(todo), len(todo)
-        self.hand: dict[Future, tuple[int, frozenset[str] | None]] = {}
+        self.hand: dict[Future[worker.Made], tuple[int, frozenset[str] | None]] = {}
         self.refused: dict[str, str] = {}
         self.deaths: Counter[int] = Counter()
         self.lanes = self.parts = 0
+        self.waiting = False
 
     def run(self) -> None:
         """Until every part is written."""
@@ -111,6 +114,11 @@ class _Run:
 
     def _send(self, workers: dict[str, int]) -> None:
         may = {address: n for address, n in workers.items() if address not in self.refused}
+        if not workers and not self.waiting:
+            note(
+                f"{arg('on')} {self.on}: no worker at present; waiting for one ({self.parts} of {self.total} parts done)"
+            )
+        self.waiting = not workers
         if self.refused and not may and not self.hand:
             reasons = "; ".join(f"{address} {why}" for address, why in self.refused.items())
             raise StribeckError(f"{arg('on')} {self.on}: no worker can make these numbers: {reasons}")
@@ -133,7 +141,7 @@ class _Run:
             self.hand[future] = (part, only)
             room -= 1
 
-    def _take(self, future: Future) -> None:
+    def _take(self, future: Future[worker.Made]) -> None:
         """What came of a part."""
         from distributed import KilledWorker
 

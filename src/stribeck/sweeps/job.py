@@ -80,7 +80,9 @@ class Sweep:
 
     def path(self, part: int) -> Path | str:
         """The file of a part; of an object store its URL."""
-        return self.place.folder / self.name(part) if isinstance(self.place, Folder) else f"{self.place}/{self.name(part)}"
+        return (
+            self.place.folder / self.name(part) if isinstance(self.place, Folder) else f"{self.place}/{self.name(part)}"
+        )
 
     @property
     def order(self) -> Order:

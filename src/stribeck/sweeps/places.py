@@ -205,7 +205,7 @@ class Store:
     def put(self, name: str, write: Write) -> None:
         """See :class:`Place`."""
         with tempfile.TemporaryDirectory() as folder:
-            beside = Path(folder) / name
+            beside = Path(folder) / Path(name).name
             write(beside)
             with beside.open("rb") as file, self._files.open_output_stream(self._at(name)) as stream:
                 while some := file.read(_CHUNK):

@@ -64,6 +64,7 @@ def summary(e: Ensemble, first: int) -> list[Column]:
 
 
 def write_table(path: Path, columns: Sequence[Column]) -> None:
+    """Write columns as Parquet or CSV, by the name's ending."""
     if path.suffix == ".csv":
         write_csv(path, {name: values for name, _, _, values in columns})
         return
@@ -80,6 +81,7 @@ def write_table(path: Path, columns: Sequence[Column]) -> None:
 
 
 def failed_lanes(path: Path) -> int:
+    """How many lanes of a part failed."""
     if path.suffix == ".csv":
         with path.open(encoding="utf-8", newline="") as file:
             return len({row["lane"] for row in csv.DictReader(file) if row["status"] == "failed"})
