@@ -52,19 +52,23 @@ class Cluster:
         return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, cwd=self.folder)
 
     def worker(self) -> subprocess.Popen[bytes]:
+        """One more worker of one thread."""
         return self._start("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
 
     def close(self) -> None:
+        """Kill all."""
         for process in (*self.workers, self.scheduler):
             process.send_signal(signal.SIGKILL)
             process.wait()
 
 
 def bytes_of(folder: Path) -> dict[str, bytes]:
+    """The files of a folder."""
     return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
 
 
 def sweep(values: dict[str, Any], out: Path, on: str | None = None) -> float:
+    """Make it; how long it took, s."""
     started = time.perf_counter()
     stribeck.sweep(SCENARIO, values, out, summary=True, threads=None if on else 1, on=on)
     return time.perf_counter() - started

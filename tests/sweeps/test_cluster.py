@@ -22,7 +22,7 @@ from stribeck.sweeps.places import Store, place_of
 from tests.simulation.rig import needs_compiler
 
 pytest.importorskip("distributed")
-pytestmark = needs_compiler
+pytestmark = [needs_compiler, pytest.mark.filterwarnings("ignore::stribeck.errors.StribeckNote")]
 
 LANES = {"law.k_v": np.geomspace(1e6, 1e8, 24), "plant.mass": np.linspace(1.0, 2.0, 24)}
 
@@ -187,7 +187,6 @@ def test_workers_killed_on_the_way_and_one_without_a_compiler(cluster, tmp_path)
     assert len(bytes_of(tmp_path / "here")) == 13
 
 
-@pytest.mark.filterwarnings("ignore::stribeck.errors.StribeckNote")
 def test_a_law_of_ones_own_goes_along_as_text(cluster, own_law, tmp_path):
     law = {"name": "mine.py:Mine", "parameters": "canudas1995"}
     stribeck.sweep(scenario(own_law, law), {"plant.mass": [1.0, 1.5, 2.0]}, tmp_path / "here", summary=True)
@@ -226,7 +225,6 @@ def test_no_worker_that_can(tmp_path):
             stribeck.sweep(scenario(), LANES, tmp_path / "there", on=made.on)
 
 
-@pytest.mark.filterwarnings("ignore::stribeck.errors.StribeckNote")
 def test_in_an_object_store_by_workers_and_from_here(bucket, tmp_path):
     stribeck.sweep(scenario(), LANES, tmp_path / "here", summary=True)
     expected = bytes_of(tmp_path / "here")

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
+from stribeck.arrays import Array
 from stribeck.cli import show
 from stribeck.errors import InputError, left_out
 from stribeck.sweeps.job import Sweep
@@ -29,19 +30,9 @@ def sweep(
 ) -> int:
     """Simulate every lane, in parts; go on where an earlier run stopped."""
     scenario = show.load(path, assignments, trust)
-    problems, ranges = [], []
-    for text in vary:
-        try:
-            ranges.append(Range.parse(text, drawn=samples is not None))
-        except InputError as error:
-            problems += error.problems
-    if samples is None and seed:
-        problems.append(f"--seed {seed}: goes with --samples, which is not given")
     if on is not None and threads is not None:
-        problems.append(f"--threads {threads}: does not go with --on: a cluster's workers have their own")
-    if problems:
-        raise InputError(problems)
-    job = Sweep(scenario, lanes_of(ranges, samples, seed), out, summary, as_csv)
+        raise InputError(f"--threads {threads}: does not go with --on: a cluster's workers have their own")
+    job = Sweep(scenario, _lanes(vary, samples, seed), out, summary, as_csv)
     if not isinstance(job.place, Store):
         show.check_folder(job.place.folder)
     elif reason := job.place.trouble():
@@ -76,3 +67,22 @@ def sweep(
     if failed:
         print(f"stribeck: {failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
     return 1 if report["status"] == "failed" else 0
+
+
+def _lanes(vary: list[str], samples: int | None, seed: int) -> dict[str, Array]:
+    """The values of every lane.
+
+    Raises:
+        InputError: one line for each problem.
+    """
+    problems, ranges = [], []
+    for text in vary:
+        try:
+            ranges.append(Range.parse(text, drawn=samples is not None))
+        except InputError as error:
+            problems += error.problems
+    if samples is None and seed:
+        problems.append(f"--seed {seed}: goes with --samples, which is not given")
+    if problems:
+        raise InputError(problems)
+    return lanes_of(ranges, samples, seed)

@@ -142,12 +142,16 @@ class Factor:
 
 @dataclass(frozen=True)
 class Level:
-    """A load that raises a contact's level: the elements whose forces count, and which have a weight."""
+    """A load that raises a contact's level: the elements whose forces count, and which have a weight.
+
+    ``against``: only while this force has the other sign and is the larger one, and then by the square.
+    """
 
     path: str
     sources: tuple[str, ...]
     weighted: bool
     gains: tuple[str, ...]
+    against: str | None = None
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ def moved(data: Mapping[str, object], folder: Path, to: Path) -> dict[str, objec
     return _renamed(data, seen)
 
 
-def packed(data: Mapping[str, object], folder: Path) -> tuple[dict[str, object], dict[str, bytes]]:
+def with_files(data: Mapping[str, object], folder: Path) -> tuple[dict[str, object], dict[str, bytes]]:
     """The tables with every file that they name by a short name, and the content of each such file by this name.
 
     Raises:

@@ -63,9 +63,9 @@ def summary(e: Ensemble, first: int) -> list[Column]:
     ]
 
 
-def write_table(path: Path, columns: Sequence[Column]) -> None:
-    """Write columns as Parquet or CSV, by the name's ending."""
-    if path.suffix == ".csv":
+def write_table(path: Path, columns: Sequence[Column], as_csv: bool) -> None:
+    """Write columns as Parquet or CSV."""
+    if as_csv:
         write_csv(path, {name: values for name, _, _, values in columns})
         return
     import pyarrow

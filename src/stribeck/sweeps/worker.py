@@ -23,7 +23,7 @@ from stribeck.arrays import Array
 from stribeck.errors import StribeckError, one_line
 from stribeck.files import sha256_of
 from stribeck.scenario import Scenario
-from stribeck.scenario.moved import packed
+from stribeck.scenario.moved import with_files
 from stribeck.simulation import compiler, simulate_ensemble
 from stribeck.sweeps import tables
 from stribeck.sweeps.places import Store
@@ -64,7 +64,7 @@ class Order:
 
     def to_text(self, probe: str) -> str:
         """As JSON, with the digest of the first lane's file."""
-        data, files = packed(self.scenario.data, self.scenario.folder)
+        data, files = with_files(self.scenario.data, self.scenario.folder)
         contents = {name: base64.b64encode(content).decode() for name, content in files.items()}
         return json.dumps({
             "stribeck": __version__, "data": data, "files": contents, "summary": self.summary, "as_csv": self.as_csv,
@@ -81,12 +81,13 @@ class Order:
     ) -> None:
         """Simulate some lanes into a file."""
         found = simulate_ensemble(self.scenario, values, threads=threads, progress=progress)
-        tables.write_table(path, tables.summary(found, first) if self.summary else tables.trajectories(found, first))
+        columns = tables.summary(found, first) if self.summary else tables.trajectories(found, first)
+        tables.write_table(path, columns, self.as_csv)
 
     def probe(self, values: Mapping[str, Array]) -> str:
         """The digest of the first lane's file: of its numbers' bits, and of how they are written."""
         with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / ("probe.csv" if self.as_csv else "probe.parquet")
+            path = Path(folder) / "probe"
             self.write(path, {name: x[:1] for name, x in values.items()}, 0, threads=1)
             return sha256_of(path)
 

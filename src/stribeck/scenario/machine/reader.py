@@ -203,13 +203,15 @@ class MachineReader(Reading):
         weights = {force: 1.0} if isinstance(force, str) else force
         sections = ("links", "motors", "loads")
         there = [self.refer(f"{where}.force", source, sections) for source in weights]  # each is told
+        against = getattr(values, "against", None)
+        there += [self.refer(f"{where}.against", against, sections)] if against is not None else []
         if not all(there):
             return None
         weighted = isinstance(force, dict)
         gains = tuple(n for n in ("F_c", "F_s") if n in table and (law is None or n in law.constants()))
         self.values |= {(path, n): getattr(values, n) for n in gains}
         self.values |= {(path, f"weight_{n}"): x for n, x in weights.items()} if weighted else {}
-        return Level(path, tuple(weights), weighted, gains)
+        return Level(path, tuple(weights), weighted, gains, against)
 
     def _factor(self, contact: str, path: str, of: str, table: object, law: Law | None) -> Factor | None:
         if not isinstance(table, dict):

@@ -98,6 +98,9 @@ def _list(constant: Constant, name: str) -> tuple[object, object]:
     return (list[float], Field(description=f"{constant.meaning}{unit}"))
 
 
+_AGAINST = "a link, motor or load: counts only while that force is of the other sign and larger, and then by the square"
+
+
 @cache
 def level_table(weighted: bool) -> type[StrictTable]:
     """The model of an entry of a contact's loads; ``weighted``: several forces count."""
@@ -105,6 +108,7 @@ def level_table(weighted: bool) -> type[StrictTable]:
     fields: Fields = {
         "force": (str, Field(description="a link, motor or load, or a table of weights of these")),
         "F_c": gain, "F_s": gain,
+        "against": (str | None, Field(None, description=_AGAINST)),
     }  # fmt: skip
     if weighted:
         weights = Field(min_length=1, description="the weight of each link, motor or load")
