@@ -16,6 +16,7 @@ from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
+from stribeck.machine.dither import WAVES_A_STEP
 from stribeck.machine.parts import SignalUse
 from stribeck.scenario import Scenario
 from stribeck.scenario.rig import AT_LIMIT, Rig, evaluate
@@ -189,6 +190,9 @@ class Variations:
         for use in self.rig.signals:
             signals, which = self._signals(use)
             found = np.minimum(found, np.array([signal.longest_step for signal in signals])[which])
+        for each in self.rig.machine.controllers:
+            if each.dither is not None and each.sampling is None:
+                found = np.minimum(found, WAVES_A_STEP / self.constant(each.dither.path, "frequency"))
         return found
 
     def pieces(self) -> Tables:
