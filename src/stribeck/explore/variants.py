@@ -47,7 +47,9 @@ def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Sc
 def unfit(scenario: Scenario) -> str | None:
     """Why the page cannot show a scenario, or None."""
     if not scenario.rig.single:
-        return None
+        drive = next(iter(scenario.system.drives), None)
+        text = "kind: 'pressure_cascade': must be another kind; 'stribeck run' draws a servo's curves"
+        return None if drive is None else f"{drive.path}.{text}"
     if scenario.drive.differentiates:
         return "drive.kind: 'cascade': must be force, spring, pid or velocity; 'stribeck run' draws a servo's curves"
     if isinstance(scenario.signal, Curve):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 from typing import ClassVar
 
 from stribeck.constants import Constant
+from stribeck.drives.pid import Pid
 from stribeck.expressions.ops import Value
 from stribeck.laws.form import Form
 from stribeck.machine.element import Element, State
@@ -53,12 +54,12 @@ class PidController(ControllerElement):
     @staticmethod
     def output(p: SimpleNamespace, r: Reference, y: Value, v: Value, x: Own) -> Value:
         """-K_p (y - r) - K_i I - K_d v."""
-        return -p.K_p * (y - r.value) - p.K_i * x[0] - p.K_d * v
+        return Pid.force(p, r.value, y, v, x)
 
     @staticmethod
     def rates(p: SimpleNamespace, r: Reference, y: Value, v: Value, x: Own) -> tuple[Value, ...]:
         """dI/dt."""
-        return (y - r.value,)
+        return Pid.rates(p, r.value, y, v, x)
 
     @staticmethod
     def state_scales(p: SimpleNamespace, length: float, force: float) -> tuple[float, ...]:

@@ -46,8 +46,10 @@ def act(balance: Balance, body: BodyPart, drive: DrivePart | None) -> Driven:
     shown: dict[str, Expr] = {}
     if drive is not None:
         action, rename = _action(balance, body, drive, F)
-        p = drive.drive.obeyed(p, _symbols(drive, "drive"))
+        own = {n: rename.one(x) for n, x in vars(_symbols(drive, "drive")).items()}
+        p = drive.drive.obeyed(p, SimpleNamespace(**own))
         u = rename.one(action.u)
+        balance.called.give(u, joined(drive.name, "u", "_"))
         shown = {joined(drive.name, name): rename.one(x) for name, x in action.shown.items()}
         shown |= {joined(drive.name, state.name): symbol(joined(drive.name, state.name)) for state in drive.drive.kept}
         first = drive.drive.signal.name if not drive.name else "r"
@@ -56,8 +58,8 @@ def act(balance: Balance, body: BodyPart, drive: DrivePart | None) -> Driven:
     acceleration = wrap(body.plant.acceleration(p, u, F, inner))
     if (inside := body.plant.inside(p, y)) is not None:
         acceleration = wrap(where(inside, acceleration, float("nan")))
-    own = body.plant.rates(p, y, v, u, F, inner)
-    rates |= {joined(body.name, s.name): wrap(x) for s, x in zip(body.plant.states, own, strict=True)}
+    inside_rates = body.plant.rates(p, y, v, u, F, inner)
+    rates |= {joined(body.name, s.name): wrap(x) for s, x in zip(body.plant.states, inside_rates, strict=True)}
     if not balance.machine.energy:
         return Driven(acceleration, rates, shown, ZERO, ZERO, ZERO)
     lost, stored = body.plant.lost_power(p, y, v, u, inner), body.plant.stored_energy(p, y, v, inner)
@@ -77,9 +79,7 @@ def _action(balance: Balance, body: BodyPart, drive: DrivePart, F: Expr) -> tupl
     called = balance.called if not drive.name else None
     rename = _Renamed(drive, body, balance.called)
     motion = measured(balance, body, drive, F)
-    if not drive.name:
-        for name, value in (("acceleration", motion.acceleration),):
-            balance.called.give(value, name)
+    balance.called.give(motion.acceleration, joined(body.name, "acceleration", "_"))
     return drive.drive.act(_symbols(drive, "drive"), motion, called), rename
 
 

@@ -64,6 +64,14 @@ def entries(rig: Rig) -> list[Entry]:
         if each.sampling is not None:
             about += ["sampled", *_numbers(rig, f"{each.path}.sampling")]
         found.append(Entry("controller", each.name, each.on, each.measures, tuple(about)))
+    for drive in rig.machine.drives:
+        observer = rig.settings[drive.name].observer
+        about = ["pressure cascade", rig.signals[drive.signal].kind]
+        about.append(f"observer: {observer.name if observer else 'none'}")
+        about += _numbers(rig, drive.path)
+        sampling = _numbers(rig, drive.table("sampling"))
+        about += ["sampled", *sampling] if sampling else []
+        found.append(Entry("controller", drive.name, drive.on, drive.on, tuple(about)))
     return found
 
 

@@ -25,6 +25,7 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import symbol, wrap
 from stribeck.laws.base import PARAMETERS, BristleLaw, Law
 from stribeck.laws.form import USUAL
+from stribeck.machine.parts import DrivePart, joined
 from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import tables, trust
 from stribeck.scenario.parts import Courses, Parts, Settings
@@ -157,10 +158,10 @@ class CascadeSettings(Settings):
         """Period, delay, noise and seed, where it samples."""
         return [] if self.sampling is None else [{n: self.sampling[n] for n in ("period", "delay", "noise", "seed")}]
 
-    def remarks(self, scenario: Scenario, solution: Courses) -> list[str]:
+    def remarks(self, scenario: Scenario, solution: Courses, drive: DrivePart) -> list[str]:
         """Where the valve is at its limit to the end, or goes to and fro."""
-        found = _limited(scenario, solution)
-        return found + (_swinging(scenario, solution) if self.sampling is not None else [])
+        found = _limited(scenario, solution, drive)
+        return found + (_swinging(scenario, solution, drive) if self.sampling is not None else [])
 
 
 def read_observer(table: dict[str, object], plant: Law | None, folder: Path) -> tuple[Law | None, list[Problem]]:
@@ -301,22 +302,22 @@ def misplaced(values: Mapping[str, object], observer: Law | EllipsisType | None)
     return found
 
 
-def _swinging(scenario: Scenario, solution: Courses) -> list[str]:
+def _swinging(scenario: Scenario, solution: Courses, drive: DrivePart) -> list[str]:
     """That the valve goes to and fro to the end far more often than the path."""
-    end, swing = scenario.end, SWING * scenario.drive_values["u_max"]
-    late = solution.held[SWINGS][solution.t >= 0.75 * end]
+    end, swing = scenario.end, SWING * scenario.values()[drive.path, "u_max"]
+    late = solution.held[joined(drive.name, SWINGS, "_")][solution.t >= 0.75 * end]
     swings = int(late[-1] - late[0]) if len(late) else 0
-    waves = 0.25 * end / (8 * scenario.signal.longest_step)
+    waves = 0.25 * end / (8 * scenario.rig.signals[drive.signal].longest_step)
     if swings <= max(_MOST_SWINGS, 6 * waves):
         return []
     text = f"the valve goes to and fro {swings} times by more than {swing:g} V in the last quarter of the run"
     return [f"{scenario.name}: {text}: sample_time, delay or noise are too large for these gains"]
 
 
-def _limited(scenario: Scenario, solution: Courses) -> list[str]:
+def _limited(scenario: Scenario, solution: Courses, drive: DrivePart) -> list[str]:
     """That the valve ends at its limit, when it has been there for a tenth of the run."""
-    limit = scenario.drive_values["u_max"]
-    free = np.flatnonzero(np.abs(solution["u"]) < limit * (1 - 1e-9))
+    limit = scenario.values()[drive.path, "u_max"]
+    free = np.flatnonzero(np.abs(solution[joined(drive.name, "u")]) < limit * (1 - 1e-9))
     first = free[-1] + 1 if len(free) else 0
     if len(solution.t) - first <= 0.1 * len(solution.t):
         return []

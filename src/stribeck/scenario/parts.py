@@ -15,6 +15,7 @@ from stribeck.scenario import tables
 from stribeck.signals import Signal
 
 if TYPE_CHECKING:
+    from stribeck.machine.parts import DrivePart
     from stribeck.scenario import Scenario
     from stribeck.scenario.rig import Rig
 
@@ -78,7 +79,7 @@ class Settings:
         """Period, delay, noise and seed of the controller, where it samples."""
         return []
 
-    def remarks(self, scenario: Scenario, solution: Courses) -> list[str]:
+    def remarks(self, scenario: Scenario, solution: Courses, drive: DrivePart) -> list[str]:
         """What is to be said about a solution."""
         return []
 

@@ -11,15 +11,18 @@ from typing import Any
 
 from stribeck import drives, laws, parameter_sets, plants
 from stribeck.constants import Constant
+from stribeck.control.cascade import PressureCascade
 from stribeck.drives.base import FORCE
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.laws.form import USUAL
 from stribeck.machine import controllers as machine_controllers
 from stribeck.machine import loads as machine_loads
 from stribeck.machine.links import LinkElement
+from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import tables
 from stribeck.scenario.cascade import NONE
 from stribeck.scenario.drives import DRIVES, drive_table, plants_of, settings
+from stribeck.scenario.machine import servo
 from stribeck.scenario.machine import tables as machine_tables
 from stribeck.scenario.single import one_body
 
@@ -45,6 +48,7 @@ def json_schema() -> Node:
             "law": {"oneOf": [*map(_law, laws.builtin().values()), _own_law()], "description": "the friction law"},
             "signal": {"oneOf": [_model(tables.signal_table(kind)) for kind in tables.SIGNALS]},
             "set": {"anyOf": [_set(), _TOML_FILE]},
+            "observer": _observers(),
             **_numbers(PARAMETERS),
         },
     }
@@ -117,6 +121,7 @@ def machine_schema() -> Node:
     }
     loads = [_load(kind, load) for kind, load in machine_loads.KINDS.items()]
     controllers = [_controller(kind, each) for kind, each in machine_controllers.KINDS.items()]
+    controllers.append(_pressure_cascade())
     own = {"type": "object", "properties": {"kind": {"type": "string", "pattern": "\\.py:."}}, "required": ["kind"]}
     tables_: Node = {
         "bodies": named(_bodies()),
@@ -150,7 +155,9 @@ def _bodies() -> Node:
     _with_signal(node["properties"]["velocity"])
     driven = {"required": ["velocity"], "properties": {"mass": False, "inertia": False, "tied_to": False}}
     moved = {"oneOf": [{"required": ["mass"]}, {"required": ["inertia"]}]}
-    return {**node, "anyOf": [driven, moved]}
+    piston = _model(tables.plant_table(Cylinder, False))
+    del piston["properties"]["initial"]["properties"]["z"]
+    return {"anyOf": [{**node, "anyOf": [driven, moved]}, piston]}
 
 
 def _contact() -> Node:
@@ -184,6 +191,14 @@ def _controller(kind: str, each: type[machine_controllers.ControllerElement]) ->
     compensation["properties"]["law"] = {"$ref": "#/$defs/law"}
     node["properties"]["compensation"] = compensation
     return node
+
+
+def _pressure_cascade() -> Node:
+    """The cascade of schema 1 as a controller of a machine."""
+    node = _drive(PressureCascade.kind)
+    node["properties"]["kind"] = {"const": servo.CONTROLLER, "description": "moves the valve of a pneumatic piston"}
+    node["properties"]["on"] = {"type": "string", "description": f"a body with kind = {servo.PISTON!r}"}
+    return {**node, "required": [*node["required"], "on"]}
 
 
 def _moving() -> str:
@@ -235,6 +250,13 @@ def _observer(law: type[Law]) -> Node:
     return {**node, **({"allOf": places} if places else {})}
 
 
+def _observers() -> Node:
+    """What a controller takes the friction for."""
+    without = _object({"name": {"const": NONE, "description": "no compensation"}}, ["name"])
+    observers = [_observer(law) for law in laws.builtin().values() if law.claims.smooth is not False]
+    return {"oneOf": [without, *observers, _own_law()]}
+
+
 def _own_law() -> Node:
     """A law in a file of the user's: its constants are not known here."""
     name = {"type": "string", "pattern": "\\.py:.", "description": "FILE.py:NAME, a law of your own"}
@@ -264,9 +286,7 @@ def _drive(kind: str) -> Node:
     drive = DRIVES[kind]
     node = _model(drive_table(kind))
     for key in settings(drive).laws:
-        without = _object({"name": {"const": NONE, "description": "no compensation"}}, ["name"])
-        observers = [_observer(law) for law in laws.builtin().values() if law.claims.smooth is not False]
-        node["properties"][key] = {"oneOf": [without, *observers, _own_law()]}
+        node["properties"][key] = {"$ref": "#/$defs/observer"}
     about = f"{drive.signal.meaning}, {drive.signal.unit}"
     node["properties"]["signal"] = {"$ref": "#/$defs/signal", "description": about}
     return node

@@ -63,8 +63,8 @@ def simulate(
     )
     solution = Solution(scenario, result)
     if solution.reason is None:
-        for settings in scenario.rig.settings.values():
-            for text in settings.remarks(scenario, solution):
+        for drive in scenario.system.drives:
+            for text in scenario.rig.settings[drive.name].remarks(scenario, solution, drive):
                 note(text)
     return solution
 

@@ -62,6 +62,9 @@ class MachineModel:
         if scenario is None or scenario.rig.single:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'machine' needs a machine (schema = 2)")
+        if drives := scenario.system.drives:
+            text = "part 'machine' does not take a pressure cascade; of a file of schema 1 part 'cascade' exports it"
+            raise InputError(f"{drives[0].path}: {text}")
         self.scenario, self.rig, self.origin = scenario, scenario.rig, origin
         self.machine: MachineSystem = with_inputs(scenario.rig.machine)
 

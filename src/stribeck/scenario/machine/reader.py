@@ -27,8 +27,7 @@ from stribeck.machine.parts import (
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import tables as common
 from stribeck.scenario.law import LawReader, no_table, unknown
-from stribeck.scenario.machine import tables, wiring
-from stribeck.scenario.machine.reading import Reading
+from stribeck.scenario.machine import servo, tables, wiring
 from stribeck.scenario.rig import Rig
 from stribeck.scenario.tables import Problem
 
@@ -37,7 +36,7 @@ _SAMPLES = 1e8  # of a controller in a run
 TOP = ("schema", "name", *tables.SECTIONS, "solve", "output")
 
 
-class MachineReader(Reading):
+class MachineReader(servo.ServoTables):
     """Reads the tables of a machine; :meth:`read` gives the problems, and ``rig`` holds what was read."""
 
     def read(self) -> list[Problem]:
@@ -56,11 +55,11 @@ class MachineReader(Reading):
         self.problems += wiring.that_jump(contacts, bodies, self.laws)
         if not self.problems:
             parts = (bodies, links, contacts, loads_, motors, controllers_)
-            machine = MachineSystem(*parts, tuple(self.signals), self.energy)
+            machine = MachineSystem(*parts, tuple(self.signals), self.energy, tuple(self.drives))
             for contact in contacts:
                 start = contact.span.start if isinstance(contact.span.start, str) else None
                 self.laws[contact.law_path].rotary = machine.rotary(contact.span.end, start)
-            self.rig = Rig(machine, self.values, self.signals, self.laws, self.initial, self.seeds)
+            self.rig = Rig(machine, self.values, self.signals, self.laws, self.initial, self.seeds, self.settings)
         return self.problems
 
     def _names(self) -> None:
@@ -84,6 +83,12 @@ class MachineReader(Reading):
         path = f"bodies.{name}"
         if not isinstance(table, dict):
             self.problems.append((path, no_table(table)))
+            return None
+        if servo.is_piston(table):
+            return self._piston(name, table)
+        if "kind" in table:
+            text = f"must be left out, or {servo.PISTON!r} for the piston of a cylinder"
+            self.problems.append((f"{path}.kind", f"{show(table['kind'])}: {text}"))
             return None
         values = self._validate(tables.BodyTable, table, path)
         if values is None:
@@ -252,7 +257,11 @@ class MachineReader(Reading):
         return 1 - size, 1 + size
 
     def _controller(self, name: str, path: str, table: dict[str, object]) -> ControllerPart | None:
-        kind = self._element(table, path, controllers.ControllerElement, controllers.KINDS)
+        if table.get("kind") == servo.CONTROLLER:
+            self._servo(name, path, table)
+            return None
+        known = {**controllers.KINDS, servo.CONTROLLER: controllers.ControllerElement}
+        kind = self._element(table, path, controllers.ControllerElement, known)
         values = self._made(tables.controller_table(kind), table, path) if kind else None
         if values is None:
             return None

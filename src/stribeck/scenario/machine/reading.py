@@ -16,11 +16,13 @@ from stribeck.machine import controllers
 from stribeck.machine.element import Element
 from stribeck.machine.links import LinkElement
 from stribeck.machine.parts import (
+    DrivePart,
     SignalUse,
 )  # fmt: skip
 from stribeck.scenario import tables as common
 from stribeck.scenario.law import no_table, unknown
 from stribeck.scenario.machine import tables
+from stribeck.scenario.parts import Settings
 from stribeck.scenario.rig import Rig
 from stribeck.scenario.signal import read_signal
 from stribeck.scenario.tables import Problem
@@ -45,6 +47,9 @@ class Reading:
         self.laws: dict[str, Law] = {}  # by the table's path
         self.initial: dict[str, float] = {}
         self.seeds: dict[str, int] = {}
+        self.pistons: dict[str, common.StrictTable] = {}
+        self.drives: list[DrivePart] = []
+        self.settings: dict[str, Settings] = {}
         self.rig: Rig | None = None
 
     def _section(self, section: str) -> dict[str, object]:

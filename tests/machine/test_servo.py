@@ -1,0 +1,95 @@
+"""A cylinder and its cascade among the parts of a machine, against the same servo as a file of schema 1."""
+
+import copy
+import tomllib
+
+import numpy as np
+import pytest
+
+from stribeck import InputError, Scenario, examples, simulate
+from tests.machine.test_mistakes import GONE, edited, problems
+from tests.simulation.rig import needs_compiler
+
+SERVO = tomllib.loads(examples.path("servo").read_text())
+SERVO["solve"]["t_end"], SERVO["output"] = 1.0, {"step": 0.02}
+NAMES = {"y": "piston.y", "v": "piston.v", "p_1": "piston.p_1", "p_2": "piston.p_2", "z": "seal.z", "F": "seal.F",
+         **{n: f"axis.{n}" for n in ("u", "e", "s", "p_err", "F_hat", "z_hat", "V")}}  # fmt: skip
+SAMPLED = {"drive.sample_time": 1e-3, "drive.delay": 5e-4, "drive.noise": 1e-6, "drive.quantisation": 1e-6,
+           "drive.bandwidth": 500.0, "drive.seed": 3}  # fmt: skip
+
+
+def as_machine(servo):
+    """The servo with names: its piston a body, its law a contact, its drive a controller."""
+    servo = copy.deepcopy(servo)
+    drive = {**servo["drive"], "kind": "pressure_cascade", "on": "piston"}
+    return {
+        "schema": 2, "name": "servo", "bodies": {"piston": servo["plant"]}, "solve": servo["solve"],
+        "contacts": {"seal": {"from": "piston", "law": servo["law"]}}, "controllers": {"axis": drive},
+        "output": servo["output"],
+    }  # fmt: skip
+
+
+MACHINE = as_machine(SERVO)
+
+
+@needs_compiler
+@pytest.mark.parametrize("changes", [{}, SAMPLED, {"drive.adaptive": True, "drive.supply_droop": 1e7}])
+def test_a_machine_is_the_servo(changes):
+    servo = edited(SERVO, changes)
+    one, many = simulate(Scenario(servo)), simulate(Scenario(as_machine(servo)))
+    assert (one.reason, many.reason) == (None, None)
+    more = {f"sigma_{i}_hat": f"axis.sigma_{i}_hat" for i in range(3)} if "drive.adaptive" in changes else {}
+    for old, new in (NAMES | more).items():
+        np.testing.assert_allclose(many[new], one[old], rtol=0, atol=1e-7 * one.peaks[old], err_msg=new)
+    for kind, times in one.events.items():
+        np.testing.assert_allclose(many.events["seal"][kind], times, atol=1e-7)
+
+
+@needs_compiler
+def test_a_mass_tied_to_the_piston_counts_as_its_own():
+    split = edited(MACHINE, {
+        "bodies.piston.mass": 2.4, "bodies.load": {"mass": 0.125, "tied_to": "piston", "ratio": 2.0},
+        "controllers.axis.model": {"mass": 2.9},
+    })  # fmt: skip
+    one, many = simulate(Scenario(SERVO)), simulate(Scenario(split))
+    np.testing.assert_allclose(many["piston.y"], one["y"], rtol=0, atol=1e-7 * one.peaks["y"])
+    np.testing.assert_allclose(many["load.v"], 2 * many["piston.v"], rtol=1e-12)
+
+
+MISTAKES = {
+    "on no piston": ({"bodies.load": {"mass": 1.0}, "controllers.axis.on": "load"},
+                     "controllers.axis.on: 'load': must be a body with kind = 'pneumatic', whose valve this controller moves"),
+    "on nothing": ({"controllers.axis.on": GONE}, "controllers.axis.on: missing: must be given (the piston)"),
+    "no such kind of body": ({"bodies.piston.kind": "hydraulic"},
+                             "bodies.piston.kind: 'hydraulic': must be left out, or 'pneumatic' for the piston of a cylinder"),
+    "an unknown key": ({"controllers.axis.K_x": 3}, "controllers.axis.K_x: 3: unknown key (did you mean 'K_p'?)"),
+    "an observer's key": ({"controllers.axis.observer.k_x": 3},
+                          "controllers.axis.observer.k_x: 3: law 'lugre_sobczyk' has no such constant (did you mean 'k_v'?)"),
+    "outside the stroke": ({"bodies.piston.initial.y": 3.0},
+                           "bodies.piston.initial.y: 3.0: must be within the stroke, 0 to 1 m"),
+    "bristles": ({"bodies.piston.initial.z": 1e-5},
+                 "bodies.piston.initial.z: 1e-05: must be left out: the bristles of a contact start at 0"),
+    "energy": ({"output.energy": True}, "output.energy: true: must be false with bodies.piston, a pneumatic piston"),
+    "no friction": ({"contacts": {}},
+                    "controllers.axis.on: 'piston': must have a contact with the ground, whose friction the cascade knows"),
+    "two cascades": ({"controllers.second": MACHINE["controllers"]["axis"]},
+                     "controllers.second.on: 'piston': must be another body: controllers.axis drives it already"),
+    "too many samples": ({"controllers.axis.sample_time": 1e-9},
+                         "controllers.axis.sample_time: 1e-09: must be at least solve.t_end/1e+07 (1e-07 s)"),
+    "no derivatives": ({"controllers.axis.signal": {"kind": "ramp", "rate": 0.1}},
+                       "controllers.axis.signal.kind: 'ramp': has no three derivatives, which the controller needs; "
+                       "must be one of sine, point_to_point, spline"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", MISTAKES)
+def test_a_mistake_is_one_line(name):
+    changes, line = MISTAKES[name]
+    assert problems(edited(MACHINE, changes)) == [line]
+
+
+def test_what_exports_no_cascade_of_a_machine_says_so(tmp_path):
+    from stribeck.export import export
+
+    with pytest.raises(InputError, match=r"controllers\.axis: part 'machine' does not take a pressure cascade"):
+        export(Scenario(MACHINE), "c", tmp_path)
