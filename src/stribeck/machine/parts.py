@@ -21,6 +21,7 @@ from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
 from stribeck.machine.controllers import ControllerElement
+from stribeck.machine.dither import DitherPart
 from stribeck.machine.element import Element
 from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import LoadElement
@@ -154,12 +155,16 @@ class Factor:
 
 @dataclass(frozen=True)
 class Level:
-    """A load that raises a contact's level: the elements whose forces count, and which have a weight."""
+    """A load that raises a contact's level: the elements whose forces count, and which have a weight.
+
+    ``against``: only while this force has the other sign and is the larger one, and then by the square.
+    """
 
     path: str
     sources: tuple[str, ...]
     weighted: bool
     gains: tuple[str, ...]
+    against: str | None = None
 
 
 @dataclass(frozen=True)
@@ -251,6 +256,7 @@ class ControllerPart(_ElementPart):
     feedforward: bool = False
     compensation: CompensationPart | None = None
     sampling: Sampled | None = None
+    dither: DitherPart | None = None
 
     @property
     def states(self) -> tuple[str, ...]:

@@ -67,7 +67,9 @@ def compare(
 @app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
 def sweep(
     scenario: ScenarioFile,
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the parts; made if need be.")],
+    out: Annotated[
+        str, typer.Option("--out", metavar="DIR", help="Folder for the parts, made if need be; or a URL (s3://...).")
+    ],
     vary: Annotated[
         list[str] | None,
         typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="A range of a number; may be repeated."),
@@ -82,6 +84,10 @@ def sweep(
     threads: Annotated[
         int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
     ] = None,
+    on: Annotated[
+        str | None,
+        typer.Option("--on", metavar="CLUSTER", help="dask://HOST:PORT: a Dask cluster; dask: one of this machine."),
+    ] = None,
     trust: Trust = False,
     json: Json = False,
     _undetermined: Undetermined = False,
@@ -89,7 +95,9 @@ def sweep(
     """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
     from stribeck.cli import sweep as command
 
-    return command.sweep(scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust)
+    return command.sweep(
+        scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust, on
+    )
 
 
 @app.command(epilog="Example: stribeck new my_rig")

@@ -13,6 +13,7 @@ from stribeck.export.c.selftest import output_spread
 from stribeck.export.controller.block import Block
 from stribeck.expressions.emit import C_FUNCTIONS, python_function
 from stribeck.expressions.graph import ordered
+from stribeck.machine.dither import PHASE
 
 _DIALECT = replace(DIALECT, functions={**DIALECT.functions, **SAME})
 _TAKEN = WORDS | C_FUNCTIONS | frozenset(["p", "x", "in", "o", "next", "i", "t", "real", "R", "FN", "sign_of"])
@@ -69,6 +70,7 @@ def rows(block: Block) -> list[tuple[str, ...]]:
     for _ in range(_ROWS):
         x = [float(np.float32(size[name.partition(".")[2]] * random.uniform(-1, 1))) for name in inputs]
         x = [abs(round(v)) if name == "state.readings" else v for name, v in zip(inputs, x, strict=True)]
+        x = [abs(v) if name == f"state.{PHASE}" else v for name, v in zip(inputs, x, strict=True)]
         with np.errstate(all="ignore"):
             out = [float(v) for v in function(*constants.values(), *x)]
         pairs = zip(out[: len(wanted)], out[len(wanted) :], strict=True)
@@ -85,7 +87,7 @@ def sizes(block: Block) -> dict[str, float]:
     speed = 3 * own.speed
     found = {
         "r": near, "y": near, "last": near, "filter_y": near, "r_rate": speed, "v": speed, "filter_v": speed,
-        "r_second": 10 * speed, "readings": 3.0, "z_hat": own.length,
+        "r_second": 10 * speed, "readings": 3.0, "z_hat": own.length, PHASE: 1.0,
     }  # fmt: skip
     p = block.controller.kind.symbolic(lambda n: rig.values[block.controller.path, n], block.controller.form)
     names = [s.name for s in block.controller.kind.states_of(block.controller.form)]

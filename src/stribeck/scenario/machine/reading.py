@@ -134,7 +134,7 @@ class Reading:
 
     @staticmethod
     def _fields(kind: type[Element]) -> list[str]:
-        more: tuple[str, ...] = ("on", "signal", "measures", "feedforward", "compensation", "sampling")
+        more: tuple[str, ...] = ("on", "signal", "measures", "feedforward", "compensation", "sampling", "dither")
         if issubclass(kind, LinkElement):
             more = ("from", "to", "ratio")
         elif not issubclass(kind, controllers.ControllerElement):
