@@ -107,11 +107,14 @@ def new(
     ] = "my_rig",
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Where to; NAME.toml unless given.")] = None,
     examples: Annotated[bool, typer.Option("--list", help="List the built-in examples.")] = False,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Write the JSON Schema with which editors complete and check such files.")
+    ] = False,
 ) -> int:
     """Write a commented scenario file to start from."""
     from stribeck.cli import new as command
 
-    return command.new(name, out, examples)
+    return command.new(name, out, examples, schema)
 
 
 @app.command(epilog="Example: stribeck explore my_rig.toml --out my_rig.html")
