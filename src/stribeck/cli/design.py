@@ -79,7 +79,7 @@ def _told(tell: Callable[[float, str], None], share: float) -> None:
     tell(share, "the verdict")
 
 
-def _print_second(second: dict[str, Any], unit: str) -> None:
+def _print_second(second: dict[str, object], unit: str) -> None:
     for line in second_lines(second, unit):
         say(line, 4, "  ")
 

@@ -6,7 +6,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -254,7 +253,7 @@ class LaneByLane:
 
     def _number(self, path: str, x: float) -> float:
         """A whole number where the scenario has one, such as a seed."""
-        now: Any = self.scenario.data
+        now: object = self.scenario.data
         for name in path.split("."):
             now = now.get(name) if isinstance(now, dict) else None
         seed = path.endswith(".seed") or (isinstance(now, int) and not isinstance(now, bool))
