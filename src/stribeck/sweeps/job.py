@@ -18,6 +18,7 @@ from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
+from stribeck.simulation.ensemble import check_device
 from stribeck.simulation.native import step_share
 from stribeck.simulation.variations import arrays, vary
 from stribeck.sweeps import tables
@@ -64,12 +65,7 @@ class Sweep:
                 import pyarrow  # noqa: F401  (before hours of work, not after)
         self.lanes, self.place = vary(scenario, values), place_of(folder)
         self.summary, self.as_csv, self.device = summary, as_csv, device
-        if device not in ("cpu", "cuda"):
-            raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
-        if device == "cuda":
-            from stribeck.simulation import cuda
-
-            cuda.device()  # before hours of work, not after
+        check_device(device)  # before hours of work, not after
         self._read: set[tuple[object, ...]] = set()  # parts that have been found to be whole
         self._made: dict[str, str] = {}
         row = 8.0 * (1 + len(scenario.system.columns))
