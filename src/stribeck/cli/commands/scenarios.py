@@ -84,6 +84,9 @@ def sweep(
     threads: Annotated[
         int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
     ] = None,
+    device: Annotated[
+        str, typer.Option("--device", metavar="cpu|cuda", help="cuda: a GPU, one lane a thread.")
+    ] = "cpu",
     on: Annotated[
         str | None,
         typer.Option("--on", metavar="CLUSTER", help="dask://HOST:PORT: a Dask cluster; dask: one of this machine."),
@@ -96,7 +99,7 @@ def sweep(
     from stribeck.cli import sweep as command
 
     return command.sweep(
-        scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust, on
+        scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust, on, device
     )
 
 
