@@ -119,7 +119,7 @@ def time_constant(scenario: Scenario) -> tuple[float, bool]:
     data = deepcopy(scenario.data)
     data.get("output", {}).pop("energy", None)
     for each in data.get("controllers", {}).values():
-        for name in ("sampling", "compensation", "limit"):
+        for name in ("sampling", "compensation", "limit", "dither"):
             each.pop(name, None)
     for motor in data.get("motors", {}).values():
         motor.pop("voltage", None)

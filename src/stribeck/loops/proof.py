@@ -87,6 +87,8 @@ def active(rig: Rig, each: ControllerPart) -> list[str]:
         against.append(f"{name} has a limit, and its spring is not one beyond it")
     if each.compensation is not None and each.compensation.speed == "measured":
         against.append(f"{name} makes up for friction at the measured speed: it supplies what friction takes")
+    if each.dither is not None:
+        against.append(f"{name} has a dither: it supplies energy")
     motor = next((m for m in rig.machine.motors if m.name == each.on), None)
     acts_on = motor.on if motor is not None else each.on
     if motor is not None and (motor.has_inductance or "voltage" in motor.form):

@@ -152,7 +152,8 @@ class Balance:
     def _continuous(self, each: ControllerPart, r: Reference) -> Expr:
         y, v = self.k[f"{each.measures}.y"], self.k[f"{each.measures}.v"]
         x = {n: symbol(f"{each.name}.{n}") for n in each.states}
-        raw, rates = unlimited(each, r, y, v, x, self.called, self.exact)
+        shaken = each.dither.at(T) if each.dither is not None else ZERO
+        raw, rates = unlimited(each, r, y, v, x, self.called, self.exact, shaken)
         self.unlimited[each.name] = raw
         rates = held_at_limit(each, raw, rates, x, LAYER)
         self._own(each.name, tuple(rates), tuple(rates.values()))
@@ -247,9 +248,9 @@ class Balance:
 
 
 def unlimited(
-    each: ControllerPart, r: Reference, y: Expr, v: Expr, x: dict[str, Expr], called: Names, exact: bool
+    each: ControllerPart, r: Reference, y: Expr, v: Expr, x: dict[str, Expr], called: Names, exact: bool, shaken: Expr
 ) -> tuple[Expr, dict[str, Expr]]:
-    """A controller's output without its limit, and the rates of its states."""
+    """A controller's output without its limit, its dither's force ``shaken`` among it, and the rates of its states."""
     own = tuple(x[s.name] for s in each.kind.states_of(each.form))
     names = [s.name for s in each.kind.states_of(each.form)]
     u = wrap(each.kind.output(each.p, r, y, v, own))
@@ -261,7 +262,7 @@ def unlimited(
         u = u + (symbol(f"{each.path}.compensation.share") * force if each.compensation.share else force)
         if rate is not None and "z_hat" in x:
             rates["z_hat"] = rate
-    return wrap(u), rates
+    return wrap(u + shaken), rates
 
 
 def lead_of(each: ControllerPart) -> Expr | None:

@@ -38,6 +38,9 @@ def contact_parameters(contact: ContactPart, d: Expr, forces: dict[str, Expr], t
         for source in level.sources:
             total = total + (make(f"weight_{source}") if level.weighted else 1.0) * forces[source]
         size = abs(total)
+        if level.against is not None:
+            other = forces[level.against]
+            size = where(total * other < 0, where(size < abs(other), total**2, 0.0), 0.0)
         if isinstance(size, Expr) and size.args:
             called[size] = f"{contact.name}_load" + (f"_{i + 1}" if len(contact.levels) > 1 else "")
         for name in levels:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, is_dataclass, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
 from types import SimpleNamespace
-from typing import TypeVar, cast
+from typing import ClassVar, TypeVar, cast
 
 from stribeck.constants import Constant
 from stribeck.control.sampled import Sampled
@@ -21,6 +21,8 @@ from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
 from stribeck.machine.controllers import ControllerElement
+from stribeck.machine.dither import DitherPart
+from stribeck.machine.element import Element
 from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import LoadElement
 from stribeck.machine.motors import MotorElement
@@ -110,24 +112,35 @@ class Span:
         return {"ratio": RATIO} if self.ratio else {}
 
 
-@dataclass(frozen=True)
-class LinkPart:
-    """A link between two bodies."""
+class _ElementPart:
+    """What stands in a table of its own and has constants."""
 
+    section: ClassVar[str]
     name: str
-    kind: type[LinkElement]
+    kind: type[Element]
     form: Form
-    span: Span
 
     @property
     def path(self) -> str:
         """Its table."""
-        return f"links.{self.name}"
+        return f"{self.section}.{self.name}"
 
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
         return self.kind.symbolic(symbols_of(self.path), self.form)
+
+
+@dataclass(frozen=True)
+class LinkPart(_ElementPart):
+    """A link between two bodies."""
+
+    section: ClassVar[str] = "links"
+
+    name: str
+    kind: type[LinkElement]
+    form: Form
+    span: Span
 
 
 @dataclass(frozen=True)
@@ -142,12 +155,16 @@ class Factor:
 
 @dataclass(frozen=True)
 class Level:
-    """A load that raises a contact's level: the elements whose forces count, and which have a weight."""
+    """A load that raises a contact's level: the elements whose forces count, and which have a weight.
+
+    ``against``: only while this force has the other sign and is the larger one, and then by the square.
+    """
 
     path: str
     sources: tuple[str, ...]
     weighted: bool
     gains: tuple[str, ...]
+    against: str | None = None
 
 
 @dataclass(frozen=True)
@@ -173,8 +190,10 @@ class ContactPart:
 
 
 @dataclass(frozen=True)
-class LoadPart:
+class LoadPart(_ElementPart):
     """A force on a body."""
+
+    section: ClassVar[str] = "loads"
 
     name: str
     kind: type[LoadElement]
@@ -182,20 +201,12 @@ class LoadPart:
     on: str
     signal: SignalUse | None = None
 
-    @property
-    def path(self) -> str:
-        """Its table."""
-        return f"loads.{self.name}"
-
-    @cached_property
-    def p(self) -> SimpleNamespace:
-        """Its constants as symbols."""
-        return self.kind.symbolic(symbols_of(self.path), self.form)
-
 
 @dataclass(frozen=True)
-class MotorPart:
+class MotorPart(_ElementPart):
     """A motor on a body; ``signal`` is its voltage where no controller asks for a current."""
+
+    section: ClassVar[str] = "motors"
 
     name: str
     form: Form
@@ -204,19 +215,9 @@ class MotorPart:
     kind: type[MotorElement] = MotorElement
 
     @property
-    def path(self) -> str:
-        """Its table."""
-        return f"motors.{self.name}"
-
-    @property
     def has_inductance(self) -> bool:
         """Whether its current is a state."""
         return "L" in self.form
-
-    @cached_property
-    def p(self) -> SimpleNamespace:
-        """Its constants as symbols."""
-        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -241,8 +242,10 @@ class CompensationPart:
 
 
 @dataclass(frozen=True)
-class ControllerPart:
+class ControllerPart(_ElementPart):
     """A controller on a motor or a body."""
+
+    section: ClassVar[str] = "controllers"
 
     name: str
     kind: type[ControllerElement]
@@ -253,22 +256,13 @@ class ControllerPart:
     feedforward: bool = False
     compensation: CompensationPart | None = None
     sampling: Sampled | None = None
-
-    @property
-    def path(self) -> str:
-        """Its table."""
-        return f"controllers.{self.name}"
+    dither: DitherPart | None = None
 
     @property
     def states(self) -> tuple[str, ...]:
         """The names of its own states and of its observer's."""
         own = tuple(state.name for state in self.kind.states_of(self.form))
         return (*own, "z_hat") if self.compensation is not None and self.compensation.observes else own
-
-    @cached_property
-    def p(self) -> SimpleNamespace:
-        """Its constants as symbols."""
-        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 def with_inputs(part: _Part) -> _Part:

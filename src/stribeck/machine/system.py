@@ -177,6 +177,8 @@ class MachineSystem(Equations):
             found[f"{each.path}.compensation"] = {n: constant for n, (there, constant) in on.items() if there}
         if each.sampling is not None:
             found[f"{each.path}.sampling"] = each.sampling.numbers
+        if each.dither is not None:
+            found[each.dither.path] = each.dither.constants
         return {path: (constants, rotary) for path, constants in found.items()}
 
     @cached_property

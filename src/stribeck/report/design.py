@@ -11,7 +11,7 @@ import tomli_w
 
 from stribeck.constants import DECIDED
 from stribeck.errors import left_out
-from stribeck.files import together, write_json, write_text
+from stribeck.files import together, write_text
 from stribeck.loops import Design
 from stribeck.loops.boundary import PathVerdicts
 from stribeck.loops.compensation import CompensationResult, with_compensation
@@ -20,7 +20,7 @@ from stribeck.loops.plane import Plane
 from stribeck.machine.parts import ControllerPart
 from stribeck.report import chapters, plots
 from stribeck.report.cells import digits
-from stribeck.report.files import write_figure
+from stribeck.report.files import write_figure, write_summary
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import human
 from stribeck.scenario import Scenario
@@ -51,10 +51,7 @@ def write_design(found: Design, summary: dict[str, object], folder: Path, comman
             for figure in figures:
                 paths += write_figure(figure, place)
             paths.append(_page(found, figures, place, command))
-        paths.append(place / "summary.json")
-        files = [str(folder / path.name) for path in paths]
-        write_json(paths[-1], {**summary, "files": files})
-    return files
+        return write_summary(paths, place, folder, summary)
 
 
 def best(found: Design) -> CompensationResult | None:

@@ -59,6 +59,8 @@ def entries(rig: Rig) -> list[Entry]:
         about = [each.kind.kind, rig.signals[each.signal].kind, *_numbers(rig, each.path)]
         if each.compensation is not None:
             about.append(f"compensation: {each.compensation.law.name}, {each.compensation.speed}")
+        if each.dither is not None:
+            about += [f"dither: {each.dither.kind}", *_numbers(rig, each.dither.path)]
         if each.sampling is not None:
             about += ["sampled", *_numbers(rig, f"{each.path}.sampling")]
         found.append(Entry("controller", each.name, each.on, each.measures, tuple(about)))

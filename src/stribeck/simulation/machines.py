@@ -14,6 +14,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.errors import InputError
 from stribeck.laws.base import PARAMETERS, Law
+from stribeck.machine.dither import WAVES_A_STEP
 from stribeck.machine.parts import SignalUse
 from stribeck.scenario import Scenario
 from stribeck.scenario.machine import Rig
@@ -148,6 +149,9 @@ class MachineVariations(Variations):
         for use, signal in self.rig.signals.items():
             if (use.path, "frequency") in self._varied and signal.kind == "sine":
                 found = np.minimum(found, 0.125 / self._varied[use.path, "frequency"])
+        for each in self.rig.machine.controllers:
+            if each.dither is not None and each.sampling is None and (each.dither.path, "frequency") in self._varied:
+                found = np.minimum(found, WAVES_A_STEP / self._varied[each.dither.path, "frequency"])
         return found
 
     def pieces(self) -> Tables:

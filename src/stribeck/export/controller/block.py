@@ -20,6 +20,7 @@ from stribeck.expressions.ops import sign
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
 from stribeck.machine.balance import lead_of
+from stribeck.machine.dither import PHASE
 from stribeck.machine.friction import compensation
 from stribeck.machine.parts import ControllerPart
 from stribeck.machine.sampled import observed, sampled_states, stepped
@@ -108,7 +109,7 @@ class Block:
         meanings = {
             "readings": ("1", "samples so far"), "last": ("m", "reading of the sample before"),
             "filter_y": ("m", "filtered position"), "filter_v": ("m/s", "filtered velocity"),
-            "z_hat": ("m", "deflection of the friction observer"),
+            "z_hat": ("m", "deflection of the friction observer"), PHASE: ("1", "share of the dither's wave that has passed"),
             **{s.name: (s.unit, s.meaning) for s in self.controller.kind.states},
         }  # fmt: skip
         names = sampled_states(self.controller) if self.part == "controller" else self._observed
@@ -206,6 +207,8 @@ class Block:
             return f"signal_{name}"
         if self.controller.compensation is not None and owner == self.controller.compensation.path:
             return f"friction_{name}"
+        if self.controller.dither is not None and owner == self.controller.dither.path:
+            return f"dither_{name}"
         return "inertia" if owner.endswith(".feedforward") else name
 
     @cached_property

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from stribeck.export.c.ccode import render
 from stribeck.export.controller.block import Block
 from stribeck.export.controller.c import context
 from stribeck.export.fmu.archive import packed
-from stribeck.export.fmu.description import Variable, token
+from stribeck.export.fmu.description import Variable, parameter, token
 
 
 def files(block: Block, fmi: int = 3) -> dict[str, str | bytes]:
@@ -18,13 +17,7 @@ def files(block: Block, fmi: int = 3) -> dict[str, str | bytes]:
         "fmi": fmi, "model": block.name, "variables": variables, "derivatives": [], "exchange": False, "states": [],
         "token": token(block.name, fmi, block.about(), variables),
     }  # fmt: skip
-    sources = {
-        f"{block.name}.h": render("block.h", **values),
-        f"{block.name}.c": render("block.c", **values),
-        f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
-        "fmu.c": render("fmu_block.c", **values) + render(f"fmi{fmi}.c", **values),
-    }
-    return packed(sources, values)
+    return packed("block", "fmu_block", values)
 
 
 def variables_of(block: Block) -> list[Variable]:
@@ -45,7 +38,5 @@ def variables_of(block: Block) -> list[Variable]:
         add(f"state.{each.name}", each.unit, each.meaning, "local", "discrete", f"m->s.{each.name}", start=0.0)
     for name, (constant, value, _) in block.constants.items():
         if name != "period":
-            least = constant.above if constant.above is not None else constant.at_least
-            meaning = f"{constant.meaning}, {constant.allowed}"
-            add(name, constant.unit, meaning, "parameter", "tunable", f"m->p.{name}", start=value, minimum=least)
+            found.append(parameter(len(found), name, constant, f"m->p.{name}", value))
     return found

@@ -48,4 +48,11 @@ def files(block: Block) -> dict[str, str | bytes]:
             f"    v: [{', '.join(f'{x:.6g}' for x in v)}]  # {speed}",
             f"    torque: [{', '.join(f'{share * x:.6g}' for x in force)}]  # {unit}",
         ]
+    if each.dither is not None:
+        amplitude, frequency = (rig.values[each.dither.path, n] for n in ("amplitude", "frequency"))
+        lines += [
+            f"  dither:  # t_ff += amplitude times a {each.dither.kind} of this frequency",
+            f"    amplitude: {amplitude!r}  # {unit}",
+            f"    frequency: {frequency!r}  # Hz",
+        ]
     return {f"{block.name}.yaml": "\n".join(lines) + "\n"}

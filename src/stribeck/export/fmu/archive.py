@@ -9,11 +9,11 @@ from typing import Any
 
 from stribeck.errors import InputError
 from stribeck.export.c import c99, cascade
-from stribeck.export.c.ccode import expression, render
+from stribeck.export.c.ccode import expression, pair, render
 from stribeck.export.c.sampling import resolution
 from stribeck.export.fmu import cascade as cascade_fmu
 from stribeck.export.fmu.binaries import binaries
-from stribeck.export.fmu.description import Variable, build_description, model_description, token
+from stribeck.export.fmu.description import Variable, build_description, model_description, parameter, token
 from stribeck.export.request import Request
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.laws.base import Scales
@@ -22,21 +22,17 @@ from stribeck.plants.mass import Mass
 
 def files(request: Request) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
-    values = context(request)
-    name, fmi = values["P"], values["fmi"]
     part, model = ("cascade", "fmu_cascade") if request.part == "cascade" else ("law", "fmu_model")
-    sources = {
-        f"{name}.h": render(f"{part}.h", **values),
-        f"{name}.c": render(f"{part}.c", **values),
+    return packed(part, model, context(request))
+
+
+def packed(part: str, model: str, values: dict[str, Any]) -> dict[str, str | bytes]:
+    """The archive of what the templates ``part`` and ``model`` say with these values; ``fmu.c`` includes the rest."""
+    name, fmi = values["P"], values["fmi"]
+    sources = pair(name, part, values) | {
         f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
         "fmu.c": render(f"{model}.c", **values) + render(f"fmi{fmi}.c", **values),
     }
-    return packed(sources, values)
-
-
-def packed(sources: dict[str, str], values: dict[str, Any]) -> dict[str, str | bytes]:
-    """The archive of these sources, of which ``fmu.c`` includes the others, with what the description needs."""
-    fmi = values["fmi"]
     content: dict[str, str | bytes] = {"modelDescription.xml": model_description(values)}
     content |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:
@@ -109,10 +105,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
     if bad := [key for key in request.constants if key in {variable.name for variable in found}]:
         raise InputError([f"{key}: the FMU has a variable of this name: rename the constant" for key in bad])
     for key, value in request.constants.items():
-        constant = request.declared[key]
-        least = constant.above if constant.above is not None else constant.at_least
-        meaning = f"{constant.meaning}, {constant.allowed}"
-        add(key, constant.unit, meaning, "parameter", f"m->p.{key}", start=value, minimum=least)
+        found.append(parameter(len(found), key, request.declared[key], f"m->p.{key}", value))
     return found
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from stribeck.export.c.cascade import INPUTS, OUTPUTS, ControllerCode
-from stribeck.export.fmu.description import Variable, token
+from stribeck.export.fmu.description import Variable, parameter, token
 from stribeck.export.request import Request
 
 
@@ -37,8 +37,6 @@ def _variables(cascade: ControllerCode) -> list[Variable]:
         add(each.name, each.unit, each.meaning, "local", "discrete", f"m->s.{each.name}", start=start)
     for group, constants in cascade.constants.items():
         for name, (constant, value) in constants.items():
-            least = constant.above if constant.above is not None else constant.at_least
-            full, unit = f"{group}.{name}", "" if constant.unit == "1" else constant.unit
-            meaning = f"{constant.meaning}, {constant.allowed}"
-            add(full, unit, meaning, "parameter", "tunable", f"m->p.{full}", start=value, minimum=least)
+            full = f"{group}.{name}"
+            found.append(parameter(len(found), full, constant, f"m->p.{full}", value))
     return found

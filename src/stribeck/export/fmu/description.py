@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 from xml.etree import ElementTree as ET
 
+from stribeck.constants import Constant
 from stribeck.version import __version__
 
 _BASE = {
@@ -42,6 +43,14 @@ class Variable:
     derivative_of: int | None = None
     settable: bool = True
     calculated_from: tuple[int, ...] = ()
+
+
+def parameter(reference: int, name: str, constant: Constant, c: str, value: float) -> Variable:
+    """A constant as a variable that may be turned between the steps."""
+    least = constant.above if constant.above is not None else constant.at_least
+    unit = "" if constant.unit == "1" else constant.unit
+    meaning = f"{constant.meaning}, {constant.allowed}"
+    return Variable(reference, name, unit, meaning, "parameter", "tunable", c, start=value, minimum=least)
 
 
 def token(model: str, fmi: int, about: list[str], variables: list[Variable]) -> str:

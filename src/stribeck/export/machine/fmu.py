@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from stribeck.export.c.ccode import render
 from stribeck.export.fmu.archive import packed
-from stribeck.export.fmu.description import Variable, token
+from stribeck.export.fmu.description import Variable, parameter, token
 from stribeck.export.machine.model import MachineModel
 
 
@@ -20,13 +19,7 @@ def files(model: MachineModel, fmi: int) -> dict[str, str | bytes]:
         "states": [v for v in variables if v.nominal is not None],
         "token": token(model.name, fmi, model.about(), variables),
     }  # fmt: skip
-    sources = {
-        f"{model.name}.h": render("machine.h", **values),
-        f"{model.name}.c": render("machine.c", **values),
-        f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
-        "fmu.c": render("fmu_machine.c", **values) + render(f"fmi{fmi}.c", **values),
-    }
-    return packed(sources, values)
+    return packed("machine", "fmu_machine", values)
 
 
 def variables_of(model: MachineModel) -> list[Variable]:
@@ -58,12 +51,8 @@ def variables_of(model: MachineModel) -> list[Variable]:
     inputs = {each.parameter for each in model.inputs}
     for i, constant in enumerate(model.parameters):
         if i not in inputs:
-            c = constant.constant
-            least = c.above if c.above is not None else c.at_least
-            meaning = f"{c.meaning}, {c.allowed}"
-            add(
-                constant.path, c.unit, meaning, "parameter", f"m->s.constants[{i}]", start=constant.value, minimum=least
-            )
+            name = _structured(constant.path)
+            found.append(parameter(len(found), name, constant.constant, f"m->s.constants[{i}]", constant.value))
     return found
 
 

@@ -14,6 +14,7 @@ from stribeck.errors import InputError
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law, Scales
+from stribeck.machine.dither import WAVES_A_STEP
 from stribeck.machine.parts import LinkPart, LoadPart, SignalUse
 from stribeck.machine.system import MachineSystem
 from stribeck.signals import Signal
@@ -106,7 +107,11 @@ class Rig:
     @property
     def longest_step(self) -> float:
         """The longest step that cannot miss a wave of a signal, s."""
-        return min((signal.longest_step for signal in self.signals.values()), default=np.inf)
+        shaken = [
+            WAVES_A_STEP / self.values[each.dither.path, "frequency"]
+            for each in self.machine.controllers if each.dither is not None and each.sampling is None
+        ]  # fmt: skip
+        return min([*shaken, *(signal.longest_step for signal in self.signals.values())], default=np.inf)
 
     def thresholds(self) -> list[float]:
         """The threshold of each watched quantity: v_s of a contact, half of the play, the limit of a controller."""
