@@ -54,9 +54,8 @@ def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path |
 def hunt(path: Path, assignments: list[str], controller: str | None, json: bool, trust: bool) -> int:
     """The verdict on a loop, and what describing functions predict."""
     scenario = show.load(path, assignments, trust)
-    if scenario.rig is None:
+    if scenario.rig.single:
         scenario = as_machine(scenario)
-    assert scenario.rig is not None
     with show.stages(scenario.name) as tell:
         loop, name = loop_and_controller(scenario, controller)
         j = judge(loop, tell=tell and partial(_told, tell))[0]
@@ -92,7 +91,6 @@ def _print_second(second: dict[str, object], unit: str) -> None:
 
 def _print(found: Design) -> None:
     scenario, j = found.loop.scenario, found.judgement
-    assert scenario.rig is not None
     say(f"{scenario.name}: {sentence(found)}", 4)
     say(starts_sentence(found.starts, j, _unit_of(found)), 4, "  ")
     say(f"the loop's slowest time constant while it slides: {found.loop.slowest:.3g} s", 4, "  ")
@@ -138,7 +136,6 @@ def _print(found: Design) -> None:
 
 def _unit_of(found: Design) -> str:
     rig = found.loop.scenario.rig
-    assert rig is not None
     each = next(c for c in rig.machine.controllers if c.name == found.controller)
     return "rad" if rig.machine.body[each.measures].rotary else "m"
 

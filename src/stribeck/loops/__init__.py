@@ -183,7 +183,6 @@ def _part(tell: Tell | None, text: str) -> Callable[[float], None] | None:
 
 
 def _controller(loop: Loop, name: str | None) -> str:
-    assert loop.scenario.rig is not None
     known = [c.name for c in loop.scenario.rig.machine.controllers]
     if name is not None and name not in known:
         raise InputError(f"{arg('controller')}: {name!r}: must be one of {', '.join(known)}")

@@ -157,7 +157,6 @@ def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
 
 def _winding(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> str:
     """:data:`WINDS` where an output still moves one way while the bodies rest; else nothing."""
-    assert loop.scenario.rig is not None
     for each in loop.scenario.rig.machine.controllers:
         u = np.asarray(lanes[f"{each.name}.u"][lane])
         if each.dither is not None:  # where an integral winds, the mean moves

@@ -47,13 +47,12 @@ def loop_of(scenario: Scenario) -> Loop:
     Raises:
         InputError: it is no machine (schema = 2), or has no controller.
     """
-    if scenario.rig is None:
+    if scenario.rig.single:
         raise InputError(f"{scenario.name}: schema = 1: must be a machine (schema = 2) with a controller")
     if not scenario.rig.machine.controllers:
         raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")
     given = scenario
     scenario, held = with_rest(scenario)
-    assert scenario.rig is not None
     rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
     slowest, unstable = time_constant(scenario)
     return Loop(scenario, rest, slowest, held, unstable, given)
@@ -193,20 +192,17 @@ def replaced(scenario: Scenario, controller: str, signal: dict[str, object]) -> 
 
 def controller_of(scenario: Scenario, name: str) -> ControllerPart:
     """The controller of that name."""
-    assert scenario.rig is not None
     return next(c for c in scenario.rig.machine.controllers if c.name == name)
 
 
 def resolution_of(scenario: Scenario, controller: ControllerPart) -> float:
     """The step of a controller's encoder, 0 where it has none."""
-    assert scenario.rig is not None
     return scenario.rig.values.get((f"{controller.path}.sampling", "resolution"), 0.0)
 
 
 def a_number(scenario: Scenario) -> dict[str, float]:
     """A number of the machine by its path, as it is: a lane needs one to be given."""
-    from stribeck.simulation.machines import machine_places
+    from stribeck.simulation.places import machine_places
 
-    assert scenario.rig is not None
     places = machine_places(scenario)
     return next({path: scenario.rig.values[at]} for path, at in places.items() if at in scenario.rig.values)

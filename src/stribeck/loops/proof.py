@@ -7,7 +7,7 @@ from stribeck.machine.controllers import Cascade, PidController
 from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import Follower, Pendulum, Ripple
 from stribeck.machine.parts import ControllerPart
-from stribeck.scenario.machine import Rig
+from stribeck.scenario.rig import Rig
 
 NO_HUNTING = (
     "with the signals at rest the stored energy with the controller's K_p (r - y)^2/2 falls at least by what its damping takes, "

@@ -187,7 +187,7 @@ def _lanes(paths: list[str], trials: Array, samples: dict[str, Array]) -> dict[s
 
 
 def _value(loop: Loop, path: str) -> float:
-    from stribeck.simulation.machines import machine_places
+    from stribeck.simulation.places import machine_places
 
     rig = loop.scenario.rig
     assert rig is not None

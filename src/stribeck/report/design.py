@@ -108,7 +108,6 @@ def excess_sentence(found: Design) -> str:
 
 def _controllers(found: Design) -> tuple[ControllerPart, ...]:
     rig = found.loop.scenario.rig
-    assert rig is not None
     return rig.machine.controllers
 
 
