@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from hashlib import sha256
 
 import numpy as np
@@ -13,6 +14,7 @@ import pyarrow.parquet as parquet
 import pytest
 
 from stribeck import InputError, Scenario, simulate
+from stribeck.simulation import cuda
 from stribeck.sweeps import job as module
 from stribeck.sweeps.places import place_of
 from stribeck.sweeps.ranges import Range, lanes_of
@@ -224,6 +226,8 @@ def test_ranges():
         (("--on", "spark"), "--on: 'spark': must be dask or dask://HOST:PORT"),
         (("--on", "dask://127.0.0.1:1"), "--on: 'dask://127.0.0.1:1': no scheduler answers there"),
         (("--on", "dask", "--threads", "2"), "--threads 2: does not go with --on"),
+        (("--on", "dask", "--device", "cuda"), "--device cuda: does not go with --on"),
+        (("--device", "tpu"), "--device: 'tpu': must be 'cpu' or 'cuda'"),
         (("--out", "nothing://a/b"), "--out nothing://a/b: must be a path, or a URL that pyarrow or fsspec knows"),
     ],
     ids=lambda x: x[0] if isinstance(x, tuple) else "",
@@ -234,3 +238,13 @@ def test_mistakes_about_clusters_and_stores_are_one_line(words, line, stribeck, 
     assert found.status == 2
     assert found.err.startswith(line)
     assert len(found.err.splitlines()) == 1
+
+
+def test_without_a_gpu_nothing_is_begun(stribeck, scenario, tmp_path):
+    with suppress(cuda.NoDevice):
+        pytest.skip(f"this machine has a GPU: {cuda.device()}")
+    words = ("--vary", "law.k_v=1e6:1e8:5:log", "--out", tmp_path / "out", "--device", "cuda")
+    found = stribeck("sweep", scenario, *words)
+    assert found.status != 0
+    assert "device 'cuda'" in found.err
+    assert not (tmp_path / "out").exists()

@@ -27,12 +27,15 @@ def sweep(
     json: bool,
     trust: bool,
     on: str | None = None,
+    device: str = "cpu",
 ) -> int:
     """Simulate every lane, in parts; go on where an earlier run stopped."""
     scenario = show.load(path, assignments, trust)
     if on is not None and threads is not None:
         raise InputError(f"--threads {threads}: does not go with --on: a cluster's workers have their own")
-    job = Sweep(scenario, _lanes(vary, samples, seed), out, summary, as_csv)
+    if on is not None and device != "cpu":
+        raise InputError(f"--device {device}: does not go with --on: workers use their processors")
+    job = Sweep(scenario, _lanes(vary, samples, seed), out, summary, as_csv, device)
     if not isinstance(job.place, Store):
         show.check_folder(job.place.folder)
     elif reason := job.place.trouble():

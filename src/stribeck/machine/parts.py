@@ -11,7 +11,7 @@ from dataclasses import dataclass, is_dataclass, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
 from types import SimpleNamespace
-from typing import TypeVar, cast
+from typing import ClassVar, TypeVar, cast
 
 from stribeck.constants import Constant
 from stribeck.control.sampled import Sampled
@@ -23,6 +23,7 @@ from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
 from stribeck.machine.controllers import ControllerElement
 from stribeck.machine.dither import DitherPart
+from stribeck.machine.element import Element
 from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import LoadElement
 from stribeck.machine.motors import MotorElement
@@ -127,24 +128,35 @@ class Span:
         return {"ratio": RATIO} if self.ratio else {}
 
 
-@dataclass(frozen=True)
-class LinkPart:
-    """A link between two bodies."""
+class _ElementPart:
+    """What stands in a table of its own and has constants."""
 
+    section: ClassVar[str]
     name: str
-    kind: type[LinkElement]
+    kind: type[Element]
     form: Form
-    span: Span
 
     @property
     def path(self) -> str:
         """Its table."""
-        return f"links.{self.name}"
+        return f"{self.section}.{self.name}"
 
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
         return self.kind.symbolic(symbols_of(self.path), self.form)
+
+
+@dataclass(frozen=True)
+class LinkPart(_ElementPart):
+    """A link between two bodies."""
+
+    section: ClassVar[str] = "links"
+
+    name: str
+    kind: type[LinkElement]
+    form: Form
+    span: Span
 
 
 @dataclass(frozen=True)
@@ -194,8 +206,10 @@ class ContactPart:
 
 
 @dataclass(frozen=True)
-class LoadPart:
+class LoadPart(_ElementPart):
     """A force on a body."""
+
+    section: ClassVar[str] = "loads"
 
     name: str
     kind: type[LoadElement]
@@ -203,20 +217,12 @@ class LoadPart:
     on: str
     signal: SignalUse | None = None
 
-    @property
-    def path(self) -> str:
-        """Its table."""
-        return f"loads.{self.name}"
-
-    @cached_property
-    def p(self) -> SimpleNamespace:
-        """Its constants as symbols."""
-        return self.kind.symbolic(symbols_of(self.path), self.form)
-
 
 @dataclass(frozen=True)
-class MotorPart:
+class MotorPart(_ElementPart):
     """A motor on a body; ``signal`` is its voltage where no controller asks for a current."""
+
+    section: ClassVar[str] = "motors"
 
     name: str
     form: Form
@@ -225,19 +231,9 @@ class MotorPart:
     kind: type[MotorElement] = MotorElement
 
     @property
-    def path(self) -> str:
-        """Its table."""
-        return f"motors.{self.name}"
-
-    @property
     def has_inductance(self) -> bool:
         """Whether its current is a state."""
         return "L" in self.form
-
-    @cached_property
-    def p(self) -> SimpleNamespace:
-        """Its constants as symbols."""
-        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -262,8 +258,10 @@ class CompensationPart:
 
 
 @dataclass(frozen=True)
-class ControllerPart:
+class ControllerPart(_ElementPart):
     """A controller on a motor or a body."""
+
+    section: ClassVar[str] = "controllers"
 
     name: str
     kind: type[ControllerElement]
@@ -277,20 +275,10 @@ class ControllerPart:
     dither: DitherPart | None = None
 
     @property
-    def path(self) -> str:
-        """Its table."""
-        return f"controllers.{self.name}"
-
-    @property
     def states(self) -> tuple[str, ...]:
         """The names of its own states and of its observer's."""
         own = tuple(state.name for state in self.kind.states_of(self.form))
         return (*own, "z_hat") if self.compensation is not None and self.compensation.observes else own
-
-    @cached_property
-    def p(self) -> SimpleNamespace:
-        """Its constants as symbols."""
-        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)

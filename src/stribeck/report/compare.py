@@ -7,10 +7,10 @@ from pathlib import Path
 
 from stribeck.analysis.comparison import Comparison, compared
 from stribeck.errors import left_out
-from stribeck.files import together, write_json
+from stribeck.files import together
 from stribeck.report import chapters, overview
 from stribeck.report.cells import percent
-from stribeck.report.files import write_figure, write_table
+from stribeck.report.files import write_figure, write_summary, write_table
 from stribeck.report.page import Chapter, FigureSvg, Table
 
 _LONGEST = 100  # characters of a label in a file's name
@@ -28,10 +28,7 @@ def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, ob
             figure = overview.comparison(comparison.solutions)
             paths += write_figure(figure, place)
             paths.append(_page(comparison, figure, place, command))
-        paths.append(place / "summary.json")
-        files = [str(folder / path.name) for path in paths]
-        write_json(paths[-1], {**summary, "files": files})
-    return files
+        return write_summary(paths, place, folder, summary)
 
 
 def _page(comparison: Comparison, figure: FigureSvg, folder: Path, command: str) -> Path:

@@ -1,12 +1,11 @@
 """The JSON Schema of a scenario file, made from the declarations that validate it; editors complete and check with it.
 
-``python -m stribeck.scenario.schema`` writes it to the file that the package ships.
+``stribeck new --schema`` writes it.
 """
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 from stribeck import drives, laws, parameter_sets, plants
@@ -28,7 +27,7 @@ from stribeck.scenario.single import one_body
 
 Node = dict[str, Any]
 
-FILE = Path(__file__).parent.parent / "scenario.schema.json"
+FILE = "scenario.schema.json"
 _MACHINE: Node = {name: {"$ref": f"#/$defs/{name}"} for name in PARAMETERS}
 _TOML_FILE: Node = {"type": "string", "pattern": "\\.toml$", "description": "a file, relative to the scenario file"}
 
@@ -52,6 +51,11 @@ def json_schema() -> Node:
             **_numbers(PARAMETERS),
         },
     }
+
+
+def text() -> str:
+    """The schema as a file."""
+    return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 def _common(version: int) -> Node:
@@ -320,12 +324,3 @@ def _model(model: type[tables.StrictTable]) -> Node:
 
     result: Node = plain(schema)
     return result
-
-
-def main() -> None:
-    """Write the schema to the file that the package ships."""
-    FILE.write_text(json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -283,7 +282,7 @@ class Variations:
             found |= {(use.path, name): x for name, x in signal.values.items()}
         return found
 
-    def _table(self, columns: list[Any]) -> Array:
+    def _table(self, columns: Sequence[float | Array]) -> Array:
         return np.stack([np.broadcast_to(np.asarray(x, float), (len(self),)) for x in columns], axis=1)
 
 
@@ -307,7 +306,7 @@ class LaneByLane:
 
     def _number(self, path: str, x: float) -> float:
         """A whole number where the scenario has one, such as a seed."""
-        now: Any = self.scenario.data
+        now: object = self.scenario.data
         for name in path.split("."):
             now = now.get(name) if isinstance(now, dict) else None
         seed = path.endswith(".seed") or (isinstance(now, int) and not isinstance(now, bool))

@@ -18,6 +18,7 @@ from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
+from stribeck.simulation.ensemble import check_device
 from stribeck.simulation.native import step_share
 from stribeck.simulation.variations import arrays, vary
 from stribeck.sweeps import tables
@@ -43,19 +44,28 @@ class Sweep:
         folder: where the files go: a folder, or the URL of an object store.
         summary: keep one row a lane (peaks, slips, amplitude, period) in place of its trajectory.
         as_csv: write CSV in the place of Parquet.
+        device: ``"cuda"`` for a GPU, as for :func:`stribeck.simulate_ensemble`.
 
     Raises:
         InputError: a path cannot be varied, or no library knows the URL.
+        StribeckError: ``device="cuda"`` where there is no GPU.
     """
 
     def __init__(
-        self, scenario: Scenario, values: Mapping[str, Array], folder: Path | str, summary: bool, as_csv: bool = False
+        self,
+        scenario: Scenario,
+        values: Mapping[str, Array],
+        folder: Path | str,
+        summary: bool,
+        as_csv: bool = False,
+        device: str = "cpu",
     ) -> None:
         if not as_csv:
             with needed(f"a sweep into Parquet files ({arg('as_csv')} writes CSV)"):
                 import pyarrow  # noqa: F401  (before hours of work, not after)
         self.lanes, self.place = vary(scenario, values), place_of(folder)
-        self.summary, self.as_csv = summary, as_csv
+        self.summary, self.as_csv, self.device = summary, as_csv, device
+        check_device(device)  # before hours of work, not after
         self._read: set[tuple[object, ...]] = set()  # parts that have been found to be whole
         self._made: dict[str, str] = {}
         row = 8.0 * (1 + len(scenario.system.columns))
@@ -73,6 +83,8 @@ class Sweep:
             "parts": [self.name(i) for i in range(self.parts)],
             "digest": self._digest(),
         }
+        if device != "cpu":  # its last bits are others
+            self.manifest["device"] = device
 
     def name(self, part: int) -> str:
         """The name of a part's file."""
@@ -88,7 +100,7 @@ class Sweep:
     def order(self) -> Order:
         """How a part is made, here or elsewhere."""
         url = str(self.place) if isinstance(self.place, Store) else None
-        return Order(self.lanes.scenario, self.summary, self.as_csv, url)
+        return Order(self.lanes.scenario, self.summary, self.as_csv, url, self.device)
 
     def _digest(self) -> str:
         """Of all that decides the numbers: the equations and solver as C, every constant, the signal, the values."""
@@ -225,6 +237,7 @@ def sweep(
     summary: bool = False,
     as_csv: bool = False,
     threads: int | None = None,
+    device: str = "cpu",
     progress: Progress | None = None,
     on: str | None = None,
 ) -> Sweep:
@@ -238,6 +251,7 @@ def sweep(
         summary: keep one row a lane (peaks, events, amplitude, period) in place of its trajectory.
         as_csv: write CSV in the place of Parquet.
         threads: of the processor; all unless given.
+        device: ``"cuda"`` for a GPU, as for :func:`stribeck.simulate_ensemble`.
         progress: called with the share of the lanes done, and how many were done in this run.
         on: ``"dask://HOST:PORT"``, the scheduler of a Dask cluster; ``"dask"`` starts one of processes on this machine
             (``pip install 'stribeck[cluster]'``). The files are the same to the last byte.
@@ -247,12 +261,14 @@ def sweep(
 
     Raises:
         InputError: a path cannot be varied, or the folder holds another sweep.
-        StribeckError: the cluster went away, or none of its workers can do it; what was written stays.
+        StribeckError: the cluster went away, or none of its workers can do it (what was written stays); or no GPU.
     """
+    if on is not None and device != "cpu":
+        raise InputError(f"{arg('device')}: {device!r}: does not go with {arg('on')}: workers use their processors")
     if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **(values or {})}
     shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
-    found = Sweep(scenario_of(shared, t_end, step), arrays(values or {}), out, summary, as_csv)
+    found = Sweep(scenario_of(shared, t_end, step), arrays(values or {}), out, summary, as_csv, device)
     if isinstance(found.place, Folder):
         found.place.folder.mkdir(parents=True, exist_ok=True)
     found.run(threads, progress, on)

@@ -55,12 +55,14 @@ class Order:
         scenario: what the lanes share.
         summary, as_csv: as for :class:`stribeck.sweeps.job.Sweep`.
         url: the object store that workers write to; None where the bytes go back.
+        device: as for :func:`stribeck.simulate_ensemble`; workers of a cluster have none but their processors.
     """
 
     scenario: Scenario
     summary: bool
     as_csv: bool
     url: str | None = None
+    device: str = "cpu"
 
     def to_text(self, probe: str) -> str:
         """As JSON, with the digest of the first lane's file."""
@@ -80,7 +82,7 @@ class Order:
         progress: Callable[[float], None] | None = None,
     ) -> None:
         """Simulate some lanes into a file."""
-        found = simulate_ensemble(self.scenario, values, threads=threads, progress=progress)
+        found = simulate_ensemble(self.scenario, values, threads=threads, device=self.device, progress=progress)
         columns = tables.summary(found, first) if self.summary else tables.trajectories(found, first)
         tables.write_table(path, columns, self.as_csv)
 

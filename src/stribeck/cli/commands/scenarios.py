@@ -84,6 +84,9 @@ def sweep(
     threads: Annotated[
         int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
     ] = None,
+    device: Annotated[
+        str, typer.Option("--device", metavar="cpu|cuda", help="cuda: a GPU, one lane a thread.")
+    ] = "cpu",
     on: Annotated[
         str | None,
         typer.Option("--on", metavar="CLUSTER", help="dask://HOST:PORT: a Dask cluster; dask: one of this machine."),
@@ -96,7 +99,7 @@ def sweep(
     from stribeck.cli import sweep as command
 
     return command.sweep(
-        scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust, on
+        scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust, on, device
     )
 
 
@@ -107,11 +110,14 @@ def new(
     ] = "my_rig",
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Where to; NAME.toml unless given.")] = None,
     examples: Annotated[bool, typer.Option("--list", help="List the built-in examples.")] = False,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Write the JSON Schema with which editors complete and check such files.")
+    ] = False,
 ) -> int:
     """Write a commented scenario file to start from."""
     from stribeck.cli import new as command
 
-    return command.new(name, out, examples)
+    return command.new(name, out, examples, schema)
 
 
 @app.command(epilog="Example: stribeck explore my_rig.toml --out my_rig.html")

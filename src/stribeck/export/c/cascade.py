@@ -10,7 +10,7 @@ from stribeck.control.cascade import F_HAT, MEASURED, E, PressureCascade, S
 from stribeck.control.observer import START, Z_HAT
 from stribeck.drives.base import Column, course
 from stribeck.errors import InputError, arg
-from stribeck.export.c.ccode import WORDS, c_condition, render, statements
+from stribeck.export.c.ccode import WORDS, c_condition, pair, render, statements
 from stribeck.export.request import Request, ascii_only, made_by, valued
 from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
 from stribeck.expressions.names import Names
@@ -210,10 +210,7 @@ def files(request: Request) -> dict[str, str | bytes]:
     cascade = ControllerCode(request)
     values = cascade.context()
     name = cascade.name
-    content: dict[str, str | bytes] = {
-        f"{name}.h": render("cascade.h", **values),
-        f"{name}.c": render("cascade.c", **values),
-    }
+    content: dict[str, str | bytes] = {**pair(name, "cascade", values)}
     if request.self_test:
         from stribeck.export.c.selftest import samples
 

@@ -8,7 +8,7 @@ from importlib.resources import files as resources
 import numpy as np
 
 from stribeck.codegen import SAME
-from stribeck.export.c.ccode import DIALECT, WORDS, CWriter, render
+from stribeck.export.c.ccode import DIALECT, WORDS, CWriter, pair, render
 from stribeck.export.c.selftest import output_spread
 from stribeck.export.controller.block import Block
 from stribeck.expressions.emit import C_FUNCTIONS, python_function
@@ -23,10 +23,7 @@ _ROWS = 24
 def files(block: Block, self_test: bool = False) -> dict[str, str | bytes]:
     """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
     values, name = context(block), block.name
-    content: dict[str, str | bytes] = {
-        f"{name}.h": render("block.h", **values),
-        f"{name}.c": render("block.c", **values),
-    }
+    content: dict[str, str | bytes] = {**pair(name, "block", values)}
     if self_test:
         content[f"{name}_test.c"] = render("block_test.c", **values, rows=rows(block))
     return content

@@ -116,7 +116,7 @@ def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, Recorde
             yield f"with {column.name} measured too", replace(run, targets=[*run.targets, extra])
 
 
-def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, Any]]]:
+def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """Numbers that can be other in a further recording: those that the recordings differ in, and masses and loads."""
     sought = {path for c in best.problem.sought for path in c.targets}
     places = machine_places(run.scenario)
@@ -131,7 +131,7 @@ def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, A
             yield f"with {path} = {factor * now:.3g} (it is {now:.3g})", {path: factor * now}
 
 
-def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, Any]]]:
+def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """Its drives otherwise."""
     for use, signal in run.scenario.rig.signals.items():
         table = _table(run.scenario.data, use.path)
@@ -152,13 +152,13 @@ def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, Any]]]:
                 yield f"with the drive of {name} {words}", {f"{use.path}.frequency": new}
 
 
-def _table(data: Any, path: str) -> Any:
+def _table(data: object, path: str) -> Any:
     for word in path.split("."):
         data = data.get(word) if isinstance(data, dict) else None
     return data
 
 
-def _value(data: Any, path: str) -> float | None:
+def _value(data: object, path: str) -> float | None:
     for word in path.split("."):
         if isinstance(data, dict):
             data = data.get(word)

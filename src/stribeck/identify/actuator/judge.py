@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -28,7 +27,7 @@ class JudgedParameters:
 
     best: BestPoint
     parameters: dict[str, Parameter]
-    correlated: list[dict[str, Any]] = field(default_factory=list)
+    correlated: list[dict[str, object]] = field(default_factory=list)
     relation: tuple[list[str], Array] | None = None
     notes: list[str] = field(default_factory=list)
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -134,7 +133,7 @@ def recorded_run(
         InputError: an output is no column of the machine, an input none of its signals, or a known number none it has.
     """
     begin, end = span or (0.0, float(recording.t[-1]))
-    changes: dict[str, Any] = dict(recording.known)
+    changes: dict[str, object] = dict(recording.known)
     problems = []
     for path, channel in recording.inputs.items():
         changes[path] = signal(scenario, path, channel, begin, end)
@@ -166,7 +165,7 @@ def recorded_run(
     return RecordedRun(recording.file, log, piece, new, [x for x in targets if len(x.t)], {}, recording.hold_out)
 
 
-def _exists(data: Any, path: str) -> bool:
+def _exists(data: object, path: str) -> bool:
     for word in path.split("."):
         if not isinstance(data, dict) or word not in data:
             return False
@@ -186,7 +185,7 @@ def _step(recording: Recording) -> float:
     return step / 2
 
 
-def signal(scenario: Scenario, path: str, channel: Channel, begin: float, end: float) -> dict[str, Any]:
+def signal(scenario: Scenario, path: str, channel: Channel, begin: float, end: float) -> dict[str, object]:
     """What was recorded as a signal of the machine, from ``begin`` on."""
     good = np.isfinite(channel.x) & np.isfinite(channel.t)
     t, x = channel.t[good], channel.x[good]

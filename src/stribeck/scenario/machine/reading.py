@@ -20,7 +20,7 @@ from stribeck.machine.parts import (
     SignalUse,
 )  # fmt: skip
 from stribeck.scenario import tables as common
-from stribeck.scenario.law import no_table, unknown
+from stribeck.scenario.law import kind_of_table, no_table
 from stribeck.scenario.machine import tables
 from stribeck.scenario.parts import Settings
 from stribeck.scenario.rig import Rig
@@ -118,17 +118,7 @@ class Reading:
     def _kind(
         self, table: dict[str, object], path: str, kinds: Mapping[str, object], fields: Callable[[str], Iterable[str]]
     ) -> str | None:
-        kind = table.get("kind")
-        if isinstance(kind, str) and kind in kinds:
-            return kind
-        allowed = f"one of {', '.join(kinds)}"
-        self.problems += unknown(table, path, (name for each in kinds for name in ("kind", *fields(each))))
-        if "kind" not in table:
-            self.problems.append((f"{path}.kind", f"missing: must be given ({allowed})"))
-        else:
-            guess = nearest(kind, kinds) if isinstance(kind, str) else ""
-            self.problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
-        return None
+        return kind_of_table(table, path, kinds, lambda each: ("kind", *fields(each)), self.problems)
 
     def _element(
         self, table: dict[str, object], path: str, base: type[Element], kinds: Mapping[str, type[Element]]
