@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 from stribeck.drives import Drive
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
@@ -13,6 +15,7 @@ from stribeck.scenario.rig import Rig
 from stribeck.signals import Signal
 
 
+@lru_cache(maxsize=64)  # what a structure finds out about itself, it finds once
 def one_body(
     law: type[Law], form: Form, drive: Drive, signal: type[Signal] | None, energy: bool = False,
     plant: type[Plant] = Mass,
