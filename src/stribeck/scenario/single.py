@@ -15,7 +15,12 @@ from stribeck.scenario.rig import Rig
 from stribeck.signals import Signal
 
 
-@lru_cache(maxsize=64)  # what a structure finds out about itself, it finds once
+@lru_cache(maxsize=64)
+def _same(machine: MachineSystem) -> MachineSystem:
+    """The first of equal structures: what it finds out about itself, it finds once."""
+    return machine
+
+
 def one_body(
     law: type[Law], form: Form, drive: Drive, signal: type[Signal] | None, energy: bool = False,
     plant: type[Plant] = Mass,
@@ -25,7 +30,7 @@ def one_body(
     moved = drive.sets_velocity
     body = BodyPart("", False, not moved, driven=use if moved else None, plant=Mass if moved else plant)
     contact = ContactPart("", law, form, Span("", None))
-    return MachineSystem((body,), (), (contact,), (), (), (), (use,), energy, (DrivePart("", drive, "", use),))
+    return _same(MachineSystem((body,), (), (contact,), (), (), (), (use,), energy, (DrivePart("", drive, "", use),)))
 
 
 def structure(parts: Parts) -> MachineSystem:
