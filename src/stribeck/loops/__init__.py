@@ -16,7 +16,7 @@ from stribeck.loops.loop import Loop, loop_of
 from stribeck.loops.moves import errors
 from stribeck.loops.plane import Plane, plane, plane_of
 from stribeck.loops.proof import proof
-from stribeck.loops.second import second_opinion
+from stribeck.loops.second import SecondOpinion, second_opinion
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 
@@ -55,7 +55,7 @@ class Design:
     tuned: tuning.Tuned | None = None
     excess: Excess | None = None
     plane: Plane | None = None
-    second: dict[str, object] | None = None
+    second: SecondOpinion | None = None
 
     @property
     def verdict(self) -> str:
