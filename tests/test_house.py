@@ -24,7 +24,7 @@ ANY: dict[str, tuple[int, str]] = {
         8,
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
     ),
-    "identify": (32, "data frames and mappings of users; details for JSON"),
+    "identify": (43, "data frames and mappings of users; details for JSON"),
     "laws": (3, "constants as users give them"),
     "paper": (3, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
@@ -36,7 +36,7 @@ ANY: dict[str, tuple[int, str]] = {
     "sweeps": (4, "columns of any type"),
     "scenario": (14, "Pydantic's models made at run time and its JSON Schema; a file's tables, as tomllib gives them"),
     "simulation": (10, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
-    "": (8, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),
+    "": (7, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),
 }
 # Folders of tests that are no room of src/stribeck, and what they test; rooms that other folders test.
 BESIDE_THE_ROOMS = {

@@ -70,7 +70,7 @@ def validate(
     measured = [role for role in _COLUMNS if role in names]
     if not measured:
         raise InputError(f"{arg('position')}, {arg('velocity')} or {arg('force')}: one must be given: what is compared")
-    if scenario.rig is not None:
+    if not scenario.rig.single:
         raise InputError(
             f"{arg('scenario')}: {scenario.name}: is a machine; must be a law on a single body (schema = 1)"
         )

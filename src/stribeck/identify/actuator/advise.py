@@ -15,7 +15,7 @@ from stribeck.identify.actuator.intervals import Spread
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 from stribeck.identify.actuator.solve import STEP
-from stribeck.simulation.machines import machine_places
+from stribeck.simulation.places import machine_places
 
 _BETTER = 1.3  # times narrower than by repeating a recording: worth the trouble
 _MOST = 28  # recordings that are tried on paper
@@ -108,7 +108,6 @@ def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, Recorde
             count += 1
         except InputError:
             continue
-    assert run.scenario.rig is not None
     there = {t.column for t in run.targets}
     for column in run.scenario.rig.machine.columns:
         if column.name not in there and column.name.endswith((".y", ".i", ".torque")) and run.targets:
@@ -134,7 +133,6 @@ def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, o
 
 def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """Its drives otherwise."""
-    assert run.scenario.rig is not None
     for use, signal in run.scenario.rig.signals.items():
         table = _table(run.scenario.data, use.path)
         if table is None:

@@ -79,7 +79,7 @@ def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
             recorded_run(scenario, recording, i)
         except InputError as error:
             problems += error.problems
-    if scenario.rig is not None:
+    if not scenario.rig.single:
         try:
             sought = coordinates(scenario, logs)
         except InputError as error:

@@ -16,8 +16,8 @@ from stribeck.errors import BuildError, InputError, StribeckError
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler, lanes
-from stribeck.simulation.machines import machine_places, vary_machine
-from stribeck.simulation.variations import Variations
+from stribeck.simulation.places import machine_places
+from stribeck.simulation.variations import Variations, vary
 
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _FINER = 5
@@ -55,7 +55,7 @@ class RecordedRun:
         """For each target the simulated column at its times, (lanes, times); nan where a lane failed."""
         count = len(next(iter(values.values())))
         given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
-        variations = vary_machine(self.scenario, given)
+        variations = vary(self.scenario, given)
         if not isinstance(variations, Variations):
             raise StribeckError(
                 "a number that is sought changes the form of the equations: it cannot be fitted in lanes"
@@ -137,7 +137,7 @@ def recorded_run(
     problems = []
     for path, channel in recording.inputs.items():
         changes[path] = signal(scenario, path, channel, begin, end)
-    if scenario.rig is None:
+    if scenario.rig.single:
         raise InputError(["the machine: schema = 1: a fit to recordings needs a machine (schema = 2)"])
     known = [c.name for c in scenario.rig.machine.columns]
     for name in recording.outputs:
