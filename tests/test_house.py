@@ -24,7 +24,7 @@ ANY: dict[str, tuple[int, str]] = {
         8,
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
     ),
-    "identify": (43, "data frames and mappings of users; details for JSON"),
+    "identify": (43, "data frames and mappings of users; details for JSON; MuJoCo has no types"),
     "laws": (3, "constants as users give them"),
     "paper": (3, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
@@ -35,7 +35,7 @@ ANY: dict[str, tuple[int, str]] = {
     "report": (8, "certificates as JSON; Matplotlib's options"),
     "sweeps": (4, "columns of any type"),
     "scenario": (14, "Pydantic's models made at run time and its JSON Schema; a file's tables, as tomllib gives them"),
-    "simulation": (10, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
+    "simulation": (9, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
     "": (7, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),
 }
 # Folders of tests that are no room of src/stribeck, and what they test; rooms that other folders test.

@@ -282,7 +282,7 @@ class Variations:
             found |= {(use.path, name): x for name, x in signal.values.items()}
         return found
 
-    def _table(self, columns: Sequence[ArrayLike]) -> Array:
+    def _table(self, columns: Sequence[float | Array]) -> Array:
         return np.stack([np.broadcast_to(np.asarray(x, float), (len(self),)) for x in columns], axis=1)
 
 
