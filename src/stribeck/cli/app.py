@@ -425,3 +425,4 @@ def doctor(json: Json = False) -> int:
 
 from stribeck.cli import exchange as exchange  # noqa: E402
 from stribeck.cli import measured as measured  # noqa: E402  (its commands stand behind these)
+from stribeck.cli import parameters as parameters  # noqa: E402
