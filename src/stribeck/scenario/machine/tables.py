@@ -11,6 +11,7 @@ from pydantic.config import JsonDict
 from stribeck.constants import Constant
 from stribeck.control.sampled import SAMPLING
 from stribeck.machine import controllers, loads
+from stribeck.machine.dither import DITHER
 from stribeck.machine.element import Element
 from stribeck.machine.links import LinkElement
 from stribeck.machine.motors import MotorElement
@@ -68,6 +69,14 @@ class CompensationTable(StrictTable):
     law: dict[str, object] | None = Field(None, description="the law, if it is not the contact's")
     share: float | None = Field(None, ge=0, description=f"{SHARE.meaning}; 1 unless given")
     lead: float | None = Field(None, gt=0, description=LEAD.meaning)
+
+
+class DitherTable(StrictTable):
+    """A fast oscillation that a controller adds to its output."""
+
+    kind: Literal["sine", "square"] = Field("sine", description="sine, or square if it is sampled; sine unless given")
+    amplitude: float = Field(ge=0, description=f"{DITHER['amplitude'].meaning}, N or N m")
+    frequency: float = Field(gt=0, description=f"{DITHER['frequency'].meaning}, Hz")
 
 
 def _numbers(constants: dict[str, Constant]) -> Fields:
@@ -194,5 +203,6 @@ def controller_table(kind: object) -> type[StrictTable]:
         "feedforward": (Feedforward | None, Field(None, description="added to the output")),
         "compensation": (dict[str, object] | None, Field(None, description="what is done against friction")),
         "sampling": (sampling_table() | None, Field(None, description="when it computes; continuous without it")),
+        "dither": (DitherTable | None, Field(None, description="a fast oscillation, added to the output")),
     }
     return made("ControllerTable", fields)
