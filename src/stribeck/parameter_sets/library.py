@@ -1,0 +1,67 @@
+"""Machines with their numbers: sets from publications, and sets fitted from public records, each with where it is from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+
+from stribeck.errors import InputError, nearest
+from stribeck.parameter_sets import read_toml
+
+_FOLDER = Path(__file__).parent / "machines"
+_WORDS = ("title", "source", "licence", "date", "record", "origin", "command", "holds")
+
+
+@dataclass(frozen=True)
+class MachineSet:
+    """A machine of the library.
+
+    Attributes:
+        source, licence, record: who measured (and, if published, fitted) it, the record's licence and its address.
+        origin: "published", or "fitted" by ``command`` from the record.
+        date: of the fit, or of the publication.
+        holds: the speeds and loads in which it holds, in words.
+        parameters: the numbers that were found, by path: value, unit, verdict and, where it could be given, low and high.
+        machine: the machine's tables (``schema = 2``), for :class:`stribeck.Scenario`.
+    """
+
+    name: str
+    title: str
+    source: str
+    licence: str
+    date: str
+    record: str
+    origin: str
+    command: str
+    holds: str
+    parameters: Mapping[str, Mapping[str, object]]
+    machine: Mapping[str, object]
+
+    def to_json(self) -> dict[str, object]:
+        """As ``stribeck parameters --json`` prints it."""
+        return asdict(self)
+
+
+@lru_cache(maxsize=1)
+def machine_sets() -> dict[str, MachineSet]:
+    """Every machine of the library by name."""
+    found = {}
+    for path in sorted(_FOLDER.glob("*.toml")):
+        data = read_toml(path)
+        words = {key: str(data.get(key, "")) for key in _WORDS}
+        found[path.stem] = MachineSet(path.stem, **words, parameters=data["parameters"], machine=data["machine"])
+    return found
+
+
+def machine_set(name: str) -> MachineSet:
+    """A machine of the library.
+
+    Raises:
+        InputError: there is no such one.
+    """
+    known = machine_sets()
+    if name not in known:
+        raise InputError(f"{name!r}: no such machine{nearest(name, known) or ' (known: ' + ', '.join(known) + ')'}")
+    return known[name]

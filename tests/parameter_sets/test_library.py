@@ -1,0 +1,53 @@
+"""The library of machines: each is valid, says where it is from, and comes back from the command as a file that runs."""
+
+import json
+import tomllib
+
+import pytest
+
+from stribeck import Scenario
+from stribeck.cli import main
+from stribeck.errors import InputError
+from stribeck.parameter_sets.library import machine_set, machine_sets
+
+
+@pytest.mark.parametrize("name", machine_sets())
+def test_each_machine_is_valid_and_says_where_it_is_from(name):
+    found = machine_set(name)
+    Scenario(dict(found.machine))
+    for word in ("title", "source", "licence", "date", "record", "holds", "command"):
+        assert len(getattr(found, word)) > 3, word
+    assert found.origin in ("published", "fitted")
+    assert found.record.startswith("https://")
+    assert all(isinstance(p["value"], float) for p in found.parameters.values())
+    for path, p in found.parameters.items():
+        if found.origin == "fitted":
+            value = found.machine
+            for word in path.split("."):
+                value = value[word]
+            assert value == pytest.approx(p["value"])
+        assert ("low" in p) == ("high" in p)
+
+
+def test_the_command_lists_shows_and_writes(tmp_path, capsys):
+    with pytest.raises(SystemExit, match="0"):
+        main(["parameters"])
+    listed = capsys.readouterr().out
+    assert all(name in listed for name in (*machine_sets(), "canudas1995"))
+    with pytest.raises(SystemExit, match="0"):
+        main(["parameters", "mx106", "--out", str(tmp_path / "servo.toml"), "--json"])
+    assert json.loads(capsys.readouterr().out)["licence"] == "Apache-2.0"
+    text = (tmp_path / "servo.toml").read_text()
+    assert "Apache-2.0" in text
+    assert tomllib.loads(text) == machine_set("mx106").machine
+    Scenario.load(tmp_path / "servo.toml")
+
+
+def test_mistakes(tmp_path, capsys):
+    with pytest.raises(InputError, match=r"'mx16': no such machine \(did you mean 'mx106'\?\)"):
+        machine_set("mx16")
+    for words in (["olsson1998", "--out", str(tmp_path / "x.toml")], ["--out", str(tmp_path / "x.toml")]):
+        with pytest.raises(SystemExit, match="2"):
+            main(["parameters", *words])
+        assert "--out" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
