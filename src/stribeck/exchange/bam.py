@@ -83,7 +83,7 @@ def _read(path: Path) -> dict[str, Any]:
     return found
 
 
-def _law(n: Mapping[str, float]) -> dict[str, Any]:
+def _law(n: Mapping[str, float]) -> dict[str, object]:
     base = n["friction_base"] or _LEAST
     if "friction_stribeck" not in n:
         parameters = {"F_c": base, "sigma_2": n["friction_viscous"]}
@@ -96,7 +96,7 @@ def _law(n: Mapping[str, float]) -> dict[str, Any]:
     return {"name": "stribeck", "k_v": STEEPNESS, "delta": n["alpha"], "parameters": parameters}
 
 
-def _levels(n: Mapping[str, float]) -> list[dict[str, Any]]:
+def _levels(n: Mapping[str, float]) -> list[dict[str, object]]:
     """What raises the level: F_s rises by both shares, so that the Stribeck part is their difference."""
     found: list[dict[str, Any]] = []
     if "load_friction_base" in n:
@@ -112,7 +112,7 @@ def _levels(n: Mapping[str, float]) -> list[dict[str, Any]]:
     return found
 
 
-def to_bam(machine: Mapping[str, Any]) -> dict[str, Any]:
+def to_bam(machine: Mapping[str, Any]) -> dict[str, object]:
     """BAM's table of a machine of the form that :func:`from_bam` gives (m1 to m6).
 
     Raises:
@@ -122,7 +122,7 @@ def to_bam(machine: Mapping[str, Any]) -> dict[str, Any]:
         contact = machine["contacts"]["friction"]
         law = contact["law"]
         p, levels = law["parameters"], contact.get("loads", [])
-        found: dict[str, Any] = {"armature": machine["bodies"]["joint"]["inertia"]}
+        found: dict[str, object] = {"armature": machine["bodies"]["joint"]["inertia"]}
         if "motors" in machine:
             found |= {"kt": machine["motors"]["drive"]["K"], "R": machine["motors"]["drive"]["R"]}
         elif "gain" in machine.get("loads", {}).get("drive", {}):

@@ -11,6 +11,7 @@ from stribeck.expressions.graph import Expr, derivative, substitute, symbol, sym
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import exp, sign, where
 from stribeck.machine.dither import PHASE
+from stribeck.machine.driving import sample_of
 from stribeck.machine.parts import ControllerPart
 from stribeck.signals.pieces import Reference
 
@@ -35,7 +36,8 @@ def samples_of(machine: MachineSystem, called: Names) -> list[Sample]:
     from stribeck.machine.balance import Balance
 
     balance = Balance(machine, called=called)
-    return [_sample(balance, each, called) for each in machine.controllers if each.sampling is not None]
+    found = [sample_of(balance, drive, called) for drive in machine.drives if drive.drive.memory]
+    return found + [_sample(balance, each, called) for each in machine.controllers if each.sampling is not None]
 
 
 def _sample(balance: Balance, each: ControllerPart, called: Names) -> Sample:

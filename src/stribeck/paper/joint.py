@@ -89,7 +89,6 @@ def _solve(tables: dict[str, object]) -> Solution:
 def _contacts() -> tuple[dict[str, tuple[Varied, Verdict]], Verdict]:
     """Each contact for all that its load can do, and the mesh without v_d while its level doubles."""
     scenario = Scenario(_machine(_ELASTIC))
-    assert scenario.rig is not None
     found = {}
     for contact in scenario.rig.machine.contacts:
         varied = of_contact(scenario.rig, contact, scenario.end, {})

@@ -14,7 +14,7 @@ from stribeck.machine.loads import Follower, Pendulum, Ripple
 from stribeck.machine.parts import ContactPart, Factor, Level, MotorPart
 from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.worst import Varied
-from stribeck.scenario.machine import Rig
+from stribeck.scenario.rig import Rig
 from stribeck.signals import Curve, PointsSignal, Signal, SineSignal
 
 Ends = tuple[Fraction | None, Fraction | None]  # None: without end

@@ -49,7 +49,7 @@ def _page(comparison: Comparison, figure: FigureSvg, folder: Path, command: str)
     ]
     about = Table(["law", "slips", *(f"largest {n} ({units[n]})" for n in names), "steps"], slips)
     found = [Chapter("deviations", "Deviations", text, [Table(head, rows), about]), *chapters.plots([figure])]
-    if comparison.solutions[reference].scenario.rig is None:
+    if comparison.solutions[reference].scenario.rig.single:
         found += [chapters.of_law(s.scenario.law, f"law-{i}") for i, s in enumerate(comparison.solutions.values())]
     else:
         found += chapters.of_laws(comparison.solutions[reference].scenario)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from markupsafe import escape
 
 from stribeck.machine.parts import Span
-from stribeck.scenario.machine import Rig
+from stribeck.scenario.rig import Rig
 
 _COLUMN, _BOX, _HEIGHT, _LANE = 250, 130, 56, 76  # widths and heights in px
 _LISTS = ("amplitude", "waves", "phase")

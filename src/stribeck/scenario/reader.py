@@ -16,6 +16,7 @@ from stribeck.scenario.drives import DRIVES, drive_table, find_plant, settings
 from stribeck.scenario.law import LawReader, kind_of_table, no_table, unknown
 from stribeck.scenario.parts import Parts
 from stribeck.scenario.signal import read_signal
+from stribeck.scenario.single import structure
 
 _TABLES = ("law", "plant", "drive", "solve", "output")
 
@@ -226,7 +227,7 @@ class Reader:
             whole = SimpleNamespace(**s.plant_values or {})
             self.problems += [(f"plant.{key}", text) for key, text in plant.problems(whole, initial)]
             self.problems += s.settings.judge(s)
-        system = s.system()
+        system = structure(s)
         self._tolerances([state.name for state in system.states])
         if law.jumps_at_rest and not drive.sets_velocity:
             smooth = "k_v" in law.constants()

@@ -20,7 +20,7 @@ from stribeck.scenario import tables
 from stribeck.scenario.cascade import NONE
 from stribeck.scenario.drives import DRIVES, drive_table, plants_of, settings
 from stribeck.scenario.machine import tables as machine_tables
-from stribeck.system import System
+from stribeck.scenario.single import one_body
 
 Node = dict[str, Any]
 
@@ -282,7 +282,7 @@ def _solve() -> Node:
     for drive in DRIVES.values():
         fullest = settings(drive).fullest(drive)
         for plant in plants_of(drive).values():
-            system = System(laws.BristleLaw, USUAL, fullest, None, not drive.no_energy, plant)
+            system = one_body(laws.BristleLaw, USUAL, fullest, None, not drive.no_energy, plant)
             states |= dict.fromkeys(state.name for state in system.states)
     node["properties"]["atol"]["propertyNames"] = {"enum": sorted(states)}
     return node

@@ -68,7 +68,7 @@ def share_of(damping: Value) -> Value:
 
 def damping_ratio(scenario: Scenario) -> float:
     """Of a body on its bristles, at rest; infinite where there is no such thing."""
-    return float(scenario.whole.damping())
+    return float(scenario.rig.damping())
 
 
 def check(library: ctypes.CDLL) -> None:

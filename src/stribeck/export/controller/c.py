@@ -81,7 +81,6 @@ def rows(block: Block) -> list[tuple[str, ...]]:
 def sizes(block: Block) -> dict[str, float]:
     """A natural size of each input and state."""
     rig = block.scenario.rig
-    assert rig is not None
     own = rig.scales[rig.machine.leader(block.controller.measures).name]
     near = 10 * own.length
     speed = 3 * own.speed

@@ -18,7 +18,6 @@ def files(block: Block) -> dict[str, str | bytes]:
         InputError: the controller has an integral, which the mode lacks, or is of one's own.
     """
     rig, each = block.scenario.rig, block.controller
-    assert rig is not None
     value = {n: rig.values[each.path, n] for n in each.kind.numbers(each.form)}
     if each.kind is PidController and not value.get("K_i"):
         kp, kd, about = value["K_p"], value["K_d"], "kp = K_p, kd = K_d; send v_des = 0"

@@ -15,7 +15,6 @@ TARGET = Target("mujoco_plugin", "controller.mujoco_plugin", "an actuator plugin
 def files(block: Block) -> dict[str, str | bytes]:
     """The block in C, the plugin around it, and a model that uses it."""
     rig, own = block.scenario.rig, f"{block.controller.path}.sampling"
-    assert rig is not None
     delay = rig.values.get((own, "delay"), 0.0)
     body = rig.machine.leader(block.controller.measures)
     values = context(block) | {

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -55,7 +54,7 @@ def _bam(path: Path) -> Source:
     if not isinstance(entries, list) or not entries or not all(isinstance(e, dict) for e in entries):
         raise InputError(f"'{path}': must be a log of BAM: a list 'entries' of tables")
     names = [n for n, x in entries[0].items() if isinstance(x, int | float | bool)]
-    found: dict[str, Any] = {
+    found: dict[str, object] = {
         n: np.array([float(x) if isinstance(x := e.get(n), int | float | bool) else np.nan for e in entries])
         for n in names
     }

@@ -120,18 +120,18 @@ def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
     return Logs(tuple(found), tuple(sought), laws)
 
 
-def _table(given: Any, where: str, problems: list[str]) -> Mapping[str, Any]:
+def _table(given: object, where: str, problems: list[str]) -> Mapping[str, object]:
     if isinstance(given, Mapping):
         return given
     problems.append(f"{where}: {show(given)}: must be a table")
     return {}
 
 
-def _number(x: Any) -> bool:
+def _number(x: object) -> bool:
     return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
 
 
-def _sought(path: str, table: Any, into: list[Sought]) -> list[str]:
+def _sought(path: str, table: object, into: list[Sought]) -> list[str]:
     """Take one line of [unknown]; what is wrong with it."""
     where = f"unknown.{path}"
     if not isinstance(table, Mapping):
@@ -173,7 +173,7 @@ def _sought(path: str, table: Any, into: list[Sought]) -> list[str]:
     return []
 
 
-def _recording(entry: Any, where: str, folder: Path, window: Any) -> Recording:
+def _recording(entry: object, where: str, folder: Path, window: Any) -> Recording:
     """One [[log]]."""
     if not isinstance(entry, Mapping):
         raise InputError(f"{where}: {show(entry)}: must be a table")
@@ -203,7 +203,7 @@ def _recording(entry: Any, where: str, folder: Path, window: Any) -> Recording:
     return _read(entry, where, folder, time, wanted, None if window is None else float(window))
 
 
-def _column(given: Any, where: str, units: Mapping[str, float], problems: list[str]) -> Named | None:
+def _column(given: object, where: str, units: Mapping[str, float], problems: list[str]) -> Named | None:
     """A column's name, or a table that says more of it."""
     if isinstance(given, str):
         return Named(given)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,7 +46,7 @@ class Rows:
     kept: NDArray[np.intp]
     weight: Array
     rest: NDArray[np.bool_]
-    _columns: dict[Any, Columns] = field(default_factory=dict)
+    _columns: dict[object, Columns] = field(default_factory=dict)
 
     def columns(self, sliding: Sliding) -> Columns:
         """The columns for a law."""

@@ -177,7 +177,7 @@ def baselines(rows: Rows, setting: Setting) -> list[dict[str, Any]]:
     return found
 
 
-def _row(name: str, at: Settled) -> dict[str, Any]:
+def _row(name: str, at: Settled) -> dict[str, object]:
     told = {**_step("", at), "name": name, "numbers": at.left_out.parameters, "law": at.model.law.name}
     del told["added"]
     return {**told, "values": _numbers(at)}
@@ -189,7 +189,7 @@ def _numbers(at: Settled) -> dict[str, float]:
 
 def _forward(
     rows: Rows, law: str, best: Settled, tell: Callable[[float], None] | None, steepness: bool = True
-) -> tuple[Settled, list[dict[str, Any]]]:
+) -> tuple[Settled, list[dict[str, object]]]:
     steps = [_step("(as asked)", best)]
     while True:
         trials: dict[str, Settled] = {}
@@ -259,7 +259,7 @@ def _for_law(setting: Setting, law: str) -> Setting:
     return replace(setting, fixed={n: v for n, v in setting.fixed.items() if n in own or n in TERMS}, free=None)
 
 
-def _step(name: str, at: Settled) -> dict[str, Any]:
+def _step(name: str, at: Settled) -> dict[str, object]:
     whole, w = at.model.whole, at.model.whole.weight > 0
     missed = (whole.force - whole.force_at(at.solution.values))[w]
     return {

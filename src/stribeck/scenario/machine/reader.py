@@ -29,7 +29,7 @@ from stribeck.scenario import tables as common
 from stribeck.scenario.law import LawReader, no_table, unknown
 from stribeck.scenario.machine import tables, wiring
 from stribeck.scenario.machine.reading import Reading
-from stribeck.scenario.machine.rig import Rig
+from stribeck.scenario.rig import Rig
 from stribeck.scenario.tables import Problem
 
 _NAME = re.compile(r"[A-Za-z0-9_]+")

@@ -21,7 +21,7 @@ from stribeck.machine.parts import (
 from stribeck.scenario import tables as common
 from stribeck.scenario.law import kind_of_table, no_table
 from stribeck.scenario.machine import tables
-from stribeck.scenario.machine.rig import Rig
+from stribeck.scenario.rig import Rig
 from stribeck.scenario.signal import read_signal
 from stribeck.scenario.tables import Problem
 from stribeck.scenario.trust import in_a_file
