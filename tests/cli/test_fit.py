@@ -55,7 +55,8 @@ def test_files_are_read_back_and_the_page_stands_alone(stribeck, log, tmp_path):
     assert law.values["F_c"] == pytest.approx(5, rel=0.02)
     assert load(str(out / "parameters.toml")).values["F_c"] == law.values["F_c"]
     page = Page(out / "report.html")
-    assert page.headings[3:] == ["4. Friction against velocity", "5. Residuals", "6. Profiles of the likelihood"]
+    assert page.headings[1] == "2. Model"
+    assert page.headings[4:] == ["5. Friction against velocity", "6. Residuals", "7. Profiles of the likelihood"]
     assert page.pictures == 6
     shown = page.rows(["parameter", "value", "95 % from", "to", "unit"])
     assert shown["F_c"][0] == f"{law.values['F_c']:.6g}"

@@ -10,6 +10,7 @@ from stribeck.constants import DECIDED
 from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
 from stribeck.identify.report import pictures, traces
+from stribeck.identify.report.formula import model_lines
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.choose import Choice
 from stribeck.properties import check
@@ -24,7 +25,7 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
     """The report as HTML."""
     fit = result.best if isinstance(result, Choice) else result
     chapters = [
-        _result(fit), *([_laws(result)] if isinstance(result, Choice) else []), *_selection(fit), _data(log, data),
+        _result(fit), _model(fit), *([_laws(result)] if isinstance(result, Choice) else []), *_selection(fit), _data(log, data),
         *_traces(fit, log), *_curve(fit, log), *_levels(fit), *_loops(fit),
         *_residuals(fit, log), *_profiles(fit), *_properties(fit),
     ]  # fmt: skip
@@ -70,6 +71,12 @@ def _result(fit: Fit) -> Chapter:
         ]
         tables.append(Table(["correlation", *fit.names], relation))
     return Chapter("result", "Parameters", list(fit.notes), tables)
+
+
+def _model(fit: Fit) -> Chapter:
+    return Chapter(
+        "model", "Model", [f"What was fitted with law {fit.law}, SI units."], code="\n".join(model_lines(fit))
+    )
 
 
 def _unit(fit: Fit, name: str) -> str:

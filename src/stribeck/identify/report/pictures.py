@@ -77,7 +77,7 @@ def curve(fit: Fit, log: Log) -> FigureSvg:
     """Friction against velocity: measured, stretches of constant speed, and the law's steady force."""
     p = fit.prediction
     assert p is not None
-    inner = np.flatnonzero(inner_rows(log, len(p.time)))
+    inner = np.flatnonzero(inner_rows(log, p.time))
     rows = inner[_some(len(inner))]
     with plots.style():
         made, axes = plots.figure([["curve"]], 3.6)
@@ -156,7 +156,7 @@ def residuals(fit: Fit, log: Log) -> FigureSvg:
     """Measured less fitted friction, in time and against the velocity."""
     p = fit.prediction
     assert p is not None
-    inner = np.flatnonzero(inner_rows(log, len(p.time)))
+    inner = np.flatnonzero(inner_rows(log, p.time))
     rest, when, speed = (p.measured - p.fitted)[inner], p.time[inner], p.velocity[inner]
     rows = _some(len(rest))
     with plots.style():

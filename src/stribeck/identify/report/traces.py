@@ -32,15 +32,19 @@ def trace(fit: Fit) -> tuple[str, Mapping[str, Any]] | None:
     return "friction", {"time": p.time, "velocity": p.velocity, "measured": p.measured, "fitted": p.fitted}
 
 
-def inner_rows(log: Log, count: int) -> NDArray[np.bool_]:
-    """The rows, of as many as the log has, that lie away from the ends of runs, where a filter errs; all of another count."""
-    kept = np.ones(count, bool)
-    if count != len(log) or not log.bandwidth or not log.step:
+def inner_rows(log: Log, time: Array) -> NDArray[np.bool_]:
+    """Of the rows at these times, which a thinned record may hold, those away from the ends of runs, where a filter errs; all
+    where the times of several files do not tell which row is meant."""
+    kept = np.ones(len(time), bool)
+    rising = bool(np.all(np.diff(log.time) > 0))
+    if not log.bandwidth or not log.step or not (rising or len(time) == len(log)):
         return kept
     edge = round(_EDGE / (log.bandwidth * log.step))
+    place = np.searchsorted(log.time, time - 0.5 * log.step) if rising else np.arange(len(log))
     for rows in log.runs():
         if rows.stop - rows.start > 4 * edge:
-            kept[rows.start : rows.start + edge] = kept[rows.stop - edge : rows.stop] = False
+            near = (place < rows.start + edge) | (place >= rows.stop - edge)
+            kept &= ~(near & (place >= rows.start) & (place < rows.stop))
     return kept
 
 
@@ -50,7 +54,7 @@ def figure(fit: Fit, log: Log) -> FigureSvg | None:
     if found is None:
         return None
     name, columns = found
-    kept = inner_rows(log, len(columns["time"])) if name == "friction" else np.ones(len(columns["time"]), bool)
+    kept = inner_rows(log, columns["time"]) if name == "friction" else np.ones(len(columns["time"]), bool)
     time, velocity, measured, fitted = (columns[key][kept] for key in ("time", "velocity", "measured", "fitted"))
     if np.any(np.diff(time) < 0):  # files one behind the other
         time = np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(time), 0.0))])

@@ -1,0 +1,40 @@
+"""The model of a fit as lines of text: the force, term by term, then the law's equations."""
+
+from __future__ import annotations
+
+from stribeck import laws
+from stribeck.identify.models.dynamic_problem import form_of
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.result import Fit
+from stribeck.laws.render import equations
+
+FACTORS = {
+    "mass": "a", "offset": "1", "stiffness": "y", "gravity_sin": "sin(y)", "gravity_cos": "cos(y)", "area": "p",
+    "sigma_2_by_direction": "|v|", "F_c_by_position": "y", "F_c_by_load": "N", "F_c_by_pressure": "p", "F_c_by_time": "t",
+}  # fmt: skip
+_MEANING = {
+    "a": "a acceleration (m/s^2)", "y": "y position (m, rad)", "p": "p pressure (Pa)", "N": "N load (N)",
+    "t": "t time from the middle of the record (s)", "v": "v velocity (m/s)", "z": "z deflection of the bristles (m)",
+}  # fmt: skip
+
+
+def model_lines(fit: Fit) -> list[str]:
+    """The force that is fitted, the law's equations, and what the letters are."""
+    law = laws.find(fit.law)
+    own = [n for n, t in TERMS.items() if n in fit.used and t.column is not None]
+    beside = [_product(n) for n in own if not TERMS[n].level and not (n == "mass" and fit.used[n] == 0)]
+    lines = [" + ".join(["force = F", *beside])]
+    growth = [_product(n) for n in own if TERMS[n].level]
+    lines += [f"{level} grows by {' + '.join(growth)}" for level in ("F_c", "F_s") if growth and level in fit.used]
+    if fit.used.get("delay"):
+        lines.append("the motion is that of delay later, as it is measured late")
+    given = {n: x for n, x in fit.fixed.items() if n in law.constants()}
+    lines += [each.text for each in equations(law, form_of(law, given))]
+    letters = {"v", *(["z"] if law.has_z else []), *(FACTORS[n] for n in own)}
+    letters |= {"y"} if {"sin(y)", "cos(y)"} & letters else set()
+    return [*lines, *(words for letter, words in _MEANING.items() if letter in letters)]
+
+
+def _product(name: str) -> str:
+    factor = FACTORS[name]
+    return name if factor == "1" else f"{name} {factor}"

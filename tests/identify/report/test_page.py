@@ -1,0 +1,83 @@
+"""What a fit's page says of its model, and which rows it shows."""
+
+import re
+
+import numpy as np
+
+import stribeck
+from stribeck.identify.api import read_log
+from stribeck.identify.log import Log
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.report.formula import FACTORS, model_lines
+from stribeck.identify.report.page import page
+from stribeck.identify.report.traces import inner_rows
+from tests.pages import Page
+
+T = np.arange(2000) * 2e-3
+V = np.sin(3 * T) + 0.3 * np.sin(7.1 * T)
+
+
+def record(**more):
+    y = np.concatenate([[0.0], np.cumsum(0.5 * (V[1:] + V[:-1])) * 2e-3])
+    draw = np.random.default_rng(1)
+    force = 2 * np.gradient(V, 2e-3) + 5 * np.sign(V) + V + 30 * y + 0.05 * draw.standard_normal(len(T))
+    return {"t": T, "y": y + 1e-6 * draw.standard_normal(len(T)), "F": force, **more}
+
+
+def fitted(terms=(), **constants):
+    log = read_log(record(), columns={"time": "t", "position": "y", "force": "F"})
+    return log, stribeck.fit(log, "coulomb_viscous", terms=terms, constants=constants)
+
+
+def test_the_formula_of_a_term_is_the_column_that_is_fitted():
+    draw = np.random.default_rng(2)
+    y, v, a, load, pressure = draw.uniform(-1, 1, (5, 7))
+    t = np.arange(7.0)
+    log = Log(t, y, v, a, np.zeros(7), np.zeros(7, np.int32), load, pressure, step=1.0)
+    known = {"y": y, "v": v, "a": a, "N": load, "p": pressure, "t": t - 3, "sin": np.sin, "cos": np.cos}
+    assert set(FACTORS) == {n for n, term in TERMS.items() if term.column is not None}
+    for name, text in FACTORS.items():
+        made = eval(re.sub(r"\|(\w)\|", r"abs(\1)", text), known)
+        assert np.allclose(TERMS[name].column(log), made), name
+
+
+def test_the_page_has_the_formula_of_what_was_fitted_with_every_unit(tmp_path):
+    log, fit = fitted(["stiffness", "F_c_by_time"], k_v=1e4)
+    lines = model_lines(fit)
+    assert lines[0] == "force = F + mass a + offset + stiffness y"
+    assert "F_c grows by F_c_by_time t" in lines
+    assert any(line.startswith("F = ") and "F_c" in line for line in lines)
+    (tmp_path / "report.html").write_text(page(fit, log, "stribeck fit", "log.csv"), encoding="utf-8")
+    shown = Page(tmp_path / "report.html")
+    assert lines[0] in shown.text
+    rows = {n: row[-1] for n, row in shown.rows(["parameter", "value", "95 % from", "to", "unit"]).items()}
+    units = {
+        "F_c": "N",
+        "sigma_2": "N s/m",
+        "mass": "kg",
+        "offset": "N",
+        "stiffness": "N/m",
+        "F_c_by_time": "N/s",
+        "k_v": "s/m",
+    }
+    assert {n: rows.get(n) for n in units} == units
+
+
+def test_a_law_with_bristles_has_its_deflection_explained():
+    log, fit = fitted()
+    assert not any("bristles" in line for line in model_lines(fit))
+    lines = model_lines(stribeck.fit(log, "dahl", method="static", constants={"sigma_0": 1e5}))
+    assert any(line.startswith("dz/dt = ") for line in lines)
+    assert "z deflection of the bristles (m)" in lines
+
+
+def test_the_ends_that_the_filter_spoils_are_left_out_of_a_thinned_record_too():
+    """A fit keeps one row in some: its residual's last rows stood in the picture as a spike."""
+    log, _ = fitted()
+    edge = 1.2 / log.bandwidth
+    for every in (1, 5):
+        time = log.time[::every]
+        shown = time[inner_rows(log, time)]
+        assert shown[0] >= log.time[0] + edge - 2 * log.step
+        assert shown[-1] <= log.time[-1] - edge + 2 * log.step
+        assert len(shown) > 0.5 * len(time)
