@@ -218,7 +218,7 @@ def reversal(data: Data) -> float:
     return float(np.abs(e[near]).max())
 
 
-def compensation(random: np.random.Generator) -> list[Data]:
+def compensation(random: np.random.Generator, sampled: bool = False) -> list[Data]:
     """The factor by which each compensation lowers the error after a reversal: stated, and found."""
     data = axis(random, {"kind": "pid"})
     m, w = data["bodies"]["a"]["mass"], 10 ** random.uniform(0.8, 1.3)
@@ -227,14 +227,20 @@ def compensation(random: np.random.Generator) -> list[Data]:
     own["signal"] = {"kind": "sine", "amplitude": 0.05, "frequency": float(frequency)}
     data["controllers"]["hold"] = own
     data["solve"]["t_end"] = float(2 / frequency)  # the standard sine is then the file's
+    if sampled:
+        period = 0.02 / w
+        own["sampling"] = {"period": period, "delay": 0.5 * period, "resolution": 1e-7}
     found = stribeck.design(stribeck.Scenario(data))
     rows, before = [], reversal(data)
     for c in found.compensations:
         table = c.loop.scenario.data["controllers"]["hold"].get("compensation")
         other = deepcopy(data)
-        if table is None:
+        if c.dither is not None:
+            other["controllers"]["hold"]["dither"] = {n: c.dither[n] for n in ("kind", "amplitude", "frequency")}
+        elif table is not None:
+            other["controllers"]["hold"]["compensation"] = {**deepcopy(table), "share": c.share}
+        else:
             continue
-        other["controllers"]["hold"]["compensation"] = {**deepcopy(table), "share": c.share}
         said = found.compensations[0].reversal_error / c.reversal_error
         got = before / reversal(other)
         rows.append(
@@ -260,8 +266,8 @@ def main() -> None:
         about = {"machine": machine(), "seed": options.seed, "seconds": round(time.process_time() - begun)}
         options.out.write_text(json.dumps({**about, "boundaries": rows, "factors": factors}, indent=1) + "\n")
 
-    for _ in range(options.axes):
-        factors += compensation(random)
+    for i in range(options.axes):
+        factors += compensation(random, sampled=bool(i % 2))
         keep()
     for kind, data, vary in machines(random, options.machines):
         rows += boundaries(kind, data, vary)

@@ -73,11 +73,13 @@ def test_a_drive_is_one_file(beside):
 
 def test_a_plant_is_one_file(beside, monkeypatch):
     from stribeck import Scenario, simulate
+    from stribeck.scenario import schema
 
     beside(plants, "zz_heavy", PLANT)
     found = plants.kinds()
     assert list(found) == [*plants.KINDS, "heavy"]
     monkeypatch.setattr(plants, "KINDS", found)
+    assert "a body of twice the mass" in schema.text()
 
     def moved(plant):
         return Scenario(

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from stribeck.properties.margins import margins
     from stribeck.properties.matrix import check_all
     from stribeck.properties.ports import MachineVerdicts, check_machine
-    from stribeck.report.sweep import sweep
     from stribeck.scenario import Scenario
     from stribeck.scenario.objects import (
         Body,
@@ -44,6 +43,7 @@ if TYPE_CHECKING:
     )  # fmt: skip
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
     from stribeck.steepness import Advice, advise
+    from stribeck.sweeps.job import sweep
 
 __all__ = [
     "Advice", "Body", "BristleLaw", "BuildError", "Claims", "Constant", "Contact", "Controller", "Ensemble",
@@ -66,7 +66,7 @@ _HOME = {
     "compare": "stribeck.analysis.comparison",
     "gains": "stribeck.analysis.gains",
     "hunting": "stribeck.analysis.hunting",
-    "sweep": "stribeck.report.sweep",
+    "sweep": "stribeck.sweeps.job",
     "Constant": "stribeck.constants",
     **dict.fromkeys(("BristleLaw", "Claims", "Law"), "stribeck.laws.base"),
     **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),

@@ -48,8 +48,12 @@ class Sample:
 class Equations(ABC):
     """What a system is to the code generator; hashable, and equal to another with the same equations."""
 
-    by_element: ClassVar[bool] = True  # events are told by the element's name; a single body has none
     piece_fields: ClassVar[tuple[str, ...]] = STRAIGHT  # the numbers that change from breakpoint to breakpoint
+
+    @property
+    def by_element(self) -> bool:
+        """Whether events are told by the element's name; a single body has none."""
+        return True
 
     @property
     @abstractmethod

@@ -102,7 +102,8 @@ EXTRAS = {
     "matplotlib": "plot", "jinja2": "plot", "markupsafe": "plot",
     "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
     "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
-    "mujoco": "mujoco", "ziglang": "explore", "bokeh": "explore",
+    "mujoco": "mujoco", "ziglang": "explore", "bokeh": "explore", "distributed": "cluster",
+    "mcap": "logs", "mcap_ros2": "logs", "rosbags": "logs",
 }  # fmt: skip
 
 

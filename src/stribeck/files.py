@@ -136,7 +136,7 @@ def write_text(path: Path, text: str) -> None:
     write_with(path, lambda beside: beside.write_bytes(text.encode("utf-8", "backslashreplace")))
 
 
-def arrow_array(values: Any) -> Any:
+def arrow_array(values: Any) -> object:
     """Values as an Arrow array; numbers without Arrow's way through pandas, whose import costs 0.2 s and 40 MB."""
     import numpy as np
 
@@ -167,7 +167,7 @@ def write_parquet(table: object, path: Path, **options: object) -> None:
         parquet.write_table(table, file, **options)
 
 
-def finite(data: Any) -> Any:
+def finite(data: object) -> Any:
     """The data with every number that is not finite replaced by None: JSON knows none of them."""
     if isinstance(data, dict):
         return {key: finite(value) for key, value in data.items()}

@@ -20,7 +20,7 @@ _LONGEST_PREAMBLE = 200  # lines before the head of a text file
 _SCALARS = 1  # a variable of so many values is a constant of the file, not a column
 
 
-def is_table(data: Any) -> bool:
+def is_table(data: object) -> bool:
     """Whether data is a table in memory: a data frame, or a mapping of names to arrays."""
     return isinstance(data, Mapping) or (hasattr(data, "columns") and hasattr(data, "__getitem__"))
 
@@ -37,9 +37,9 @@ def no_column(role: str, name: str, source: Source) -> str:
     return f"{arg(role)}: {name!r}: {source.path} has no such column{guess}"
 
 
-def _matrix_columns(variables: Mapping[str, Any]) -> dict[str, Any]:
+def _matrix_columns(variables: Mapping[str, object]) -> dict[str, object]:
     """The columns of matrices as variables of their own: q[0], q[1], ...; time runs along the longer side."""
-    found: dict[str, Any] = {}
+    found: dict[str, object] = {}
     for name, x in variables.items():
         if isinstance(x, np.ndarray) and x.ndim == 2 and min(x.shape) > 1 and x.dtype.kind in "fiu":
             columns = x if x.shape[0] >= x.shape[1] else x.T
@@ -322,7 +322,7 @@ def _mat(path: Path) -> Source:
         raise InputError(f"{arg('data')}: '{path}': cannot be read as a MAT file: {error}") from None
 
 
-def _hdf5(path: Path) -> dict[str, Any]:
+def _hdf5(path: Path) -> dict[str, object]:
     with needed("reading MAT files of version 7.3"):
         import h5py
     with h5py.File(path) as file:
@@ -352,7 +352,7 @@ def opened(data: Any) -> Source:
     return Source("the table", {str(name): _plain(data[name]) for name in names})
 
 
-def _plain(column: Any) -> NDArray[Any]:
+def _plain(column: object) -> NDArray[Any]:
     """A column of a data frame as an array; pandas' own missing values are NaN."""
     if hasattr(column, "to_numpy") and str(getattr(column, "dtype", "")).startswith(("Int", "Float")):
         return np.asarray(column.to_numpy(dtype=float, na_value=np.nan))

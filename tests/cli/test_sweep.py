@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from hashlib import sha256
 
 import numpy as np
@@ -13,8 +14,10 @@ import pyarrow.parquet as parquet
 import pytest
 
 from stribeck import InputError, Scenario, simulate
-from stribeck.report import sweep as module
-from stribeck.report.sweep import Range, lanes_of
+from stribeck.simulation import cuda
+from stribeck.sweeps import job as module
+from stribeck.sweeps.places import place_of
+from stribeck.sweeps.ranges import Range, lanes_of
 from tests.simulation.rig import needs_compiler
 
 GRID = ("--vary", "law.k_v=1e6:1e8:3:log", "--vary", "law.parameters.F_s=0.9:1.8:4")
@@ -126,7 +129,7 @@ def test_goes_on_where_it_was(stribeck, scenario, tmp_path, small_parts):
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs kill -9")
 def test_killed_at_any_moment_it_ends_with_the_same_bytes(stribeck, scenario, tmp_path):
     code = (
-        "import sys; from stribeck.report import sweep; sweep._PART_BYTES = 40 * 8.0 * 7 * 1001; "
+        "import sys; from stribeck.sweeps import job; job._PART_BYTES = 40 * 8.0 * 7 * 1001; "
         "from stribeck.cli import main; main(sys.argv[1:])"
     )
     words = [scenario, "--vary", "law.k_v=1e6:1e8:1000:log", "--summary", "--out"]
@@ -164,7 +167,7 @@ def test_one_process_at_a_time(stribeck, scenario, tmp_path):
     pytest.importorskip("fcntl")
     out = tmp_path / "out"
     out.mkdir()
-    with module._alone(out):
+    with place_of(out).alone():
         result = stribeck("sweep", scenario, *GRID, "--out", out)
     assert (result.status, list(out.iterdir())) == (2, [])
     assert "another process is at work there" in result.err
@@ -215,3 +218,33 @@ def test_ranges():
     assert Range.parse("x=7:9:1").values.tolist() == [7.0]
     with pytest.raises(InputError):
         lanes_of([])
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("--on", "spark"), "--on: 'spark': must be dask or dask://HOST:PORT"),
+        (("--on", "dask://127.0.0.1:1"), "--on: 'dask://127.0.0.1:1': no scheduler answers there"),
+        (("--on", "dask", "--threads", "2"), "--threads 2: does not go with --on"),
+        (("--on", "dask", "--device", "cuda"), "--device cuda: does not go with --on"),
+        (("--device", "tpu"), "--device: 'tpu': must be 'cpu' or 'cuda'"),
+        (("--out", "nothing://a/b"), "--out nothing://a/b: must be a path, or a URL that pyarrow or fsspec knows"),
+    ],
+    ids=lambda x: x[0] if isinstance(x, tuple) else "",
+)
+def test_mistakes_about_clusters_and_stores_are_one_line(words, line, stribeck, scenario, tmp_path):
+    out = () if "--out" in words else ("--out", tmp_path / "out")
+    found = stribeck("sweep", scenario, "--vary", "law.k_v=1e6:1e8:5:log", "--summary", *out, *words)
+    assert found.status == 2
+    assert found.err.startswith(line)
+    assert len(found.err.splitlines()) == 1
+
+
+def test_without_a_gpu_nothing_is_begun(stribeck, scenario, tmp_path):
+    with suppress(cuda.NoDevice):
+        pytest.skip(f"this machine has a GPU: {cuda.device()}")
+    words = ("--vary", "law.k_v=1e6:1e8:5:log", "--out", tmp_path / "out", "--device", "cuda")
+    found = stribeck("sweep", scenario, *words)
+    assert found.status != 0
+    assert "device 'cuda'" in found.err
+    assert not (tmp_path / "out").exists()

@@ -6,17 +6,17 @@ import numpy as np
 
 from stribeck import laws
 from stribeck.drives import KINDS
+from stribeck.scenario.single import one_body
 from stribeck.signals import SineSignal
-from stribeck.system import System
 
 VARIANTS = [(law, form) for law in laws.builtin().values() for form in law.forms()]
 IDS = ["_".join((law.name, *form.words)) for law, form in VARIANTS]
 
 
 def systems(law, form, energy=(False, True)):
-    """The systems of a law: under each drive, with both sorts of signal, without and with energy."""
+    """The machines of a law: under each drive, with both sorts of signal, without and with energy."""
     return [
-        System(law, form, drive(), signal, on)
+        one_body(law, form, drive(), signal, on)
         for drive, signal, on in product(KINDS.values(), (None, SineSignal), energy)
     ]
 
@@ -25,7 +25,7 @@ def one_signal_each(law, form):
     """A system with energy under each drive, the sorts of signal in turn: neighbouring variants have the other one."""
     turn = IDS.index("_".join((law.name, *form.words)))
     sorts = (None, SineSignal)
-    return [System(law, form, drive(), sorts[(turn + i) % 2], True) for i, drive in enumerate(KINDS.values())]
+    return [one_body(law, form, drive(), sorts[(turn + i) % 2], True) for i, drive in enumerate(KINDS.values())]
 
 
 # of the order of 1, so that finite differences are exact to many digits

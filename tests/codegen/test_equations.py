@@ -8,7 +8,6 @@ import pytest
 from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol
 from stribeck.signals import Segment
-from stribeck.system import Groups
 from tests.codegen.harness import compiled
 from tests.codegen.systems import IDS, VALUES, VARIANTS, one_signal_each, parameters, states, systems
 from tests.simulation.rig import needs_compiler
@@ -19,24 +18,22 @@ T = 0.7
 
 def rates_by_numpy(system, x):
     """The time derivatives from the laws' and drives' own functions on numbers."""
-    values = {owner: SimpleNamespace(**{n: VALUES[n] for o, n in system.parameters if o == owner}) for owner in
-              ("law", "plant", "drive", "signal")}  # fmt: skip
-    law = system.law.symbolic(lambda name: VALUES[name], system.form)
-    groups = Groups(law, values["plant"], values["drive"], values["signal"])
-    signal = system.signal.equation(groups.signal, T) if system.signal else Segment.equation(Segment(*PIECE), T)
+    (contact,), drive = system.contacts, system.drive.drive
+    law = contact.law.symbolic(lambda name: VALUES[name], contact.form)
+    p = SimpleNamespace(**{n: VALUES[n] for owner, n in system.parameters if owner == "drive"})
+    constants = SimpleNamespace(**{n: VALUES[n] for owner, n in system.parameters if owner == "signal"})
+    kind = system.signals[0].kind
+    signal = kind.equation(constants, T) if kind else Segment.equation(Segment(*PIECE), T)
     named = {state.name: value for state, value in zip(system.states, x, strict=True)}
-    k = system.quantities(groups, signal, named)
-    own = tuple(named[state.name] for state in system.drive.states)
-    by_name = dict(
-        zip(
-            (state.name for state in system.drive.states),
-            system.drive.rates(groups.drive, signal, k["y"], k["v"], own),
-            strict=True,
-        )
-    )
-    by_name |= {"y": k["v"], "z": k["dz_dt"], "E_in": k["u"] * k["v"], "v": (k["u"] - k["F"]) / VALUES["mass"]}
-    stored = VALUES["sigma_0"] * named["z"] * k["dz_dt"] if system.law.has_z else 0.0
-    by_name["E_dissipated"] = k["F"] * k["v"] - stored
+    y, v = named["y"], signal if drive.sets_velocity else named["v"]
+    z = named.get("z", 0.0)
+    dz_dt = contact.law.dz_dt(law, v, z)
+    F = contact.law.friction(law, v, z, dz_dt)
+    own = tuple(named[state.name] for state in drive.states)
+    u = F if drive.sets_velocity else drive.force(p, signal, y, v, own)
+    by_name = dict(zip((state.name for state in drive.states), drive.rates(p, signal, y, v, own), strict=True))
+    by_name |= {"y": v, "z": dz_dt, "E_in": u * v, "v": (u - F) / VALUES["mass"]}
+    by_name["E_dissipated"] = F * v - (VALUES["sigma_0"] * z * dz_dt if contact.law.has_z else 0.0)
     return np.array([by_name[state.name] for state in system.states], float)
 
 

@@ -39,7 +39,7 @@ def test_compiles_without_a_warning(law, form, tmp_path):
 @pytest.mark.parametrize(("law", "form"), VARIANTS, ids=IDS)
 def test_compiles_for_lanes_without_a_warning(law, form, tmp_path):
     """For one width of the processor's vectors; every width is run by tests/simulation/test_lanes.py."""
-    every = [system for system in systems(law, form, energy=(True,)) if system.signal is None]
+    every = [system for system in systems(law, form, energy=(True,)) if system.signals[0].kind is None]
     files = [tmp_path / f"system{i}.c" for i in range(len(every))]
     for file, system in zip(files, every, strict=True):
         file.write_text(source(system, lanes=4))

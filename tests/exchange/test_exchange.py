@@ -23,6 +23,7 @@ MODELS = {
         "load_friction_external_stribeck": 0.08,
     },
 }  # fmt: skip
+MODELS["m6"] = MODELS["m5"] | {"load_friction_motor_quad": 0.4, "load_friction_external_quad": 0.9}
 
 
 def friction(n, v, outside, motor):
@@ -34,6 +35,10 @@ def friction(n, v, outside, motor):
     else:
         base = base + n.get("load_friction_base", 0.0) * abs(outside - motor)
         curve = curve + n.get("load_friction_stribeck", 0.0) * abs(outside - motor)
+    opposed = np.sign(outside) != np.sign(motor)
+    by_motor = n.get("load_friction_external_quad", 0.0) * outside**2 * (abs(outside) < abs(motor))
+    by_load = n.get("load_friction_motor_quad", 0.0) * motor**2 * (abs(outside) > abs(motor))
+    curve = curve + opposed * (by_motor + by_load)
     fall = np.exp(-(abs(v / n.get("dtheta_stribeck", 1.0)) ** n.get("alpha", 2.0)))
     return base + fall * curve + n["friction_viscous"] * abs(v)
 
@@ -56,23 +61,15 @@ def test_bam_s_models_have_its_friction(model):
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="no ../shared/data/bam beside the checkout")
-def test_every_file_of_bam_is_read():
+def test_every_file_of_bam_is_read_and_written_back():
     for path in sorted(SHARED.rglob("*.json")):
-        quad = any(json.loads(path.read_text()).get(f"load_friction_{x}_quad") for x in ("motor", "external"))
-        if quad:
-            with pytest.warns(StribeckNote, match="quad"):
-                Scenario(from_bam(path))
-        else:
-            Scenario(from_bam(path))
-
-
-def test_quadratic_terms_are_left_out_with_a_note(tmp_path):
-    path = tmp_path / "m6.json"
-    path.write_text(json.dumps({**MODELS["m5"], "load_friction_motor_quad": 0.02, "model": "m6", "actuator": "servo"}))
-    with pytest.warns(StribeckNote, match=r"load_friction_motor_quad"):
-        found = from_bam(path)
-    plain = from_bam({**MODELS["m5"], "model": "m6", "actuator": "servo"})
-    assert found["contacts"] == plain["contacts"]
+        data = json.loads(path.read_text())
+        machine = from_bam(path)
+        Scenario(machine)
+        kept = {n: x for n, x in data.items() if n not in ("model", "actuator", "q_offset")}
+        back = to_bam(machine)
+        assert {n: back[n] for n in kept} == pytest.approx(kept, rel=1e-12)
+        assert back["model"] == data["model"]
 
 
 def test_what_is_missing_or_strange_is_told():
@@ -97,3 +94,43 @@ def test_a_mujoco_model_s_joints(tmp_path):
     assert law["parameters"] == {"F_c": 0.3, "sigma_2": 0.2}
     Scenario(data)
     assert to_mujoco(data) == '<joint name="elbow" type="hinge" frictionloss="0.3" damping="0.2"/>\n'
+
+
+DCMOTOR = (
+    '<dcmotor name="m" joint="elbow" gear="3" motorconst="0.07" resistance="0.4" inductance="0.002" cogging="0.004 42 0.3" '
+    'lugre="20 0.3 0.05 0.08 0.2" damping="0.01"/>\n'
+)
+ARM = """<mujoco><option timestep="2e-4" integrator="RK4" gravity="0 0 0"/>
+<worldbody><body><joint name="elbow" type="hinge" axis="0 1 0" armature="0.1"/>
+<geom type="sphere" size="0.1" mass="2" pos="0.5 0 0" contype="0"/></body></worldbody><actuator>{}</actuator></mujoco>"""
+
+
+def test_a_dcmotor_with_its_lugre_moves_alike_there_and_comes_back(tmp_path):
+    mujoco = pytest.importorskip("mujoco")
+    path = tmp_path / "arm.xml"
+    path.write_text(ARM.format(DCMOTOR))
+    machine = from_mujoco_file(path)
+    assert set(machine["contacts"]) == {"m_lugre"}
+    assert machine["motors"]["m"]["L"] == pytest.approx(0.002)
+    assert to_mujoco(machine) == DCMOTOR
+    machine["motors"]["m"]["signal"] = {"kind": "points", "t": [0.0, 1.0], "value": [2.0, -2.0]}
+    ours = simulate(Scenario({**machine, "output": {"step": 0.01}}))
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data, seen = mujoco.MjData(model), [0.0]
+    for i in range(5000):
+        data.ctrl[0] = 2.0 - 4.0 * i * 2e-4
+        mujoco.mj_step(model, data)
+        if i % 50 == 49:
+            seen.append(float(data.qpos[0]))
+    assert np.ptp(seen) > 0.1
+    np.testing.assert_allclose(ours["elbow.y"], seen, atol=0.01 * np.ptp(seen))
+
+
+def test_what_mujoco_s_elements_cannot_hold_is_told(tmp_path):
+    pytest.importorskip("mujoco")
+    with pytest.raises(InputError, match=r"contacts\.friction\.law\.name: 'stribeck': a joint holds"):
+        to_mujoco(from_bam({**MODELS["m4"], "model": "m4", "actuator": "servo"}))
+    path = tmp_path / "arm.xml"
+    path.write_text(ARM.format(DCMOTOR.replace("damping", 'saturation="0 2 0" damping')))
+    with pytest.warns(StribeckNote, match=r"actuator m: .*left out"):
+        from_mujoco_file(path)

@@ -61,6 +61,7 @@ def test_an_fmu_has_the_units(tmp_path):
         text = archive.read("modelDescription.xml").decode()
     units = dict(re.findall(r'name="(\w+)"[^>]*? unit="([^"]+)"', text))
     assert (units["F"], units["v"], units["z"], units["sigma_0"]) == ("N m", "rad/s", "rad", "N m/rad")
+    assert "angular angular" not in text
     assert 'BaseUnit kg="1" m="2" s="-2"' in re.search(r'<Unit name="N m">.*?</Unit>', text, flags=re.S)[0]
 
 

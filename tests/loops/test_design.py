@@ -12,6 +12,7 @@ from stribeck.loops.boundary import Turned, line
 from stribeck.loops.judge import STAYS, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.proof import proof
+from stribeck.properties.verify_certificate import verify
 from tests.loops.axis import axis
 from tests.machine.independent import solve
 from tests.machine.machines import law
@@ -170,7 +171,7 @@ def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
     """Each as a machine of its own, simulated anew, leaves the error that was stated."""
     found = design(Scenario(axis(signal={"kind": "point_to_point", "t": [0.1, 0.6], "value": [0.0, 0.05]})))
     rows = {c.kind: c for c in found.compensations}
-    assert set(rows) == {"none", "reference", "measured"}
+    assert set(rows) == {"none", "reference", "measured", "dither"}
     assert rows["none"].largest_quiet_share == 0.0
     assert rows["reference"].reversal_error < 0.7 * rows["none"].reversal_error
     own = rows["reference"]
@@ -197,13 +198,19 @@ def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
     assert _status([*words, "--out", str(tmp_path / "out")]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["verdict"] == "quiet"
-    assert {"errors", "boundaries", "compensations", "proof", "limit_cycle"} <= set(found)
+    assert {"errors", "boundaries", "compensations", "proof", "limit_cycle", "starts"} <= set(found)
+    assert not found["depends_on_the_start"]
+    certificate = json.loads((tmp_path / "out" / "certificate.json").read_text())
+    passive = certificate["contacts"]["guide"]["certificates"]["passive"]
+    assert found["proof"]["theorems"] == {"guide": passive["theorem"]}
+    assert verify(passive, Scenario(axis()).rig.named_laws["guide"], "passive") == []
     names = {f.rpartition("/")[2] for f in found["files"]}
     assert {"machine.toml", "report.html", "summary.json", "boundaries_0.svg"} <= names
     assert _status(["run", str(tmp_path / "out" / "machine.toml")]) == 0
     assert tomllib.loads((tmp_path / "out" / "machine.toml").read_text())["controllers"]["hold"]["K_p"] == 200.0
     page = Page(tmp_path / "out" / "report.html")
     assert "comes to rest" in page.text
+    assert f"certificate.json (guide by theorem '{passive['theorem']}')" in page.text
     errors = page.rows(["move", "peak", "rms"])
     assert {move: row[0] for move, row in errors.items()} == {m: f"{e['peak']:.4g}" for m, e in found["errors"].items()}
     boundary = page.rows(["path", "boundary"])["controllers.hold.K_i"]
@@ -218,6 +225,39 @@ def test_tuned_gains_are_better_and_repeat():
     found, again = (tuning.tune(loop, "hold", ["K_p"], few, seed=3) for _ in range(2))
     assert found == again
     assert found.worst_error < found.error_before
+
+
+def test_a_search_that_was_stopped_goes_on_and_ends_the_same(tmp_path, monkeypatch):
+    """Ctrl-C in the fourth generation; the second try begins there. Another seed's journal, or half of one, begins anew."""
+    from stribeck.loops import tuning, uncertainty
+
+    monkeypatch.setattr(tuning, "_TRIED", 8)
+    loop = loop_of(Scenario(axis(K_p=30.0)))
+    few = {p: x[:1] for p, x in uncertainty.samples(uncertainty.intervals(loop.scenario, None)).items()}
+    journal, begun = tmp_path / "deep" / "so_far.json", []
+
+    def stop(share):
+        begun.append(share)
+        if share in (0.0, 0.6):
+            raise KeyboardInterrupt
+
+    def search(tell=None, journal=None):
+        return tuning.tune(loop, "hold", ["K_p", "K_d"], few, seed=3, tell=tell, journal=journal)
+
+    whole = search()
+    with pytest.raises(KeyboardInterrupt):
+        search(lambda share: stop(share or 0.1), journal)
+    kept = journal.read_bytes()
+    begun.clear()
+    assert search(begun.append, journal) == whole
+    assert begun == [0.6, 0.8]
+    assert not journal.exists()
+    begun.clear()
+    for text in (kept[: len(kept) // 2], kept.replace(b'"key": "', b'"key": "0')):
+        journal.write_bytes(text)
+        with pytest.raises(KeyboardInterrupt):
+            search(stop, journal)
+    assert begun == [0.0, 0.0]
 
 
 def test_the_commands_of_the_page(tmp_path, monkeypatch):
@@ -354,7 +394,7 @@ def test_an_inner_loop_that_leads_makes_up_for_the_lag_of_the_drive():
     rub = law(sigma_0=5e4, sigma_1=100.0, sigma_2=5.0, k_v=1e3)
     loop = loop_of(Scenario(axis(contact=rub, signal=wave, K_p=3e3, K_d=60.0, sampling=sampling)))
     assert lag_of(loop.scenario, "hold") == pytest.approx(5.5e-3)
-    assert kinds_of(loop, "hold", "guide")[-1] == "inner_loop"
+    assert kinds_of(loop, "hold", "guide") == ["none", "reference", "measured", "inner_loop", "dither"]
     errors = []
     for kind in ("none", "measured", "inner_loop"):
         made = with_compensation(loop.scenario, "hold", "guide", kind, 0.8)

@@ -271,6 +271,15 @@ class Machine:
         return u, rate, gain * rate, dz_hat
 
     @staticmethod
+    def dither(c, t):
+        if "dither" not in c:
+            return 0.0
+        wave = sin(2 * pi * c["dither"]["frequency"] * t)
+        if c["dither"].get("kind") == "square":
+            wave = 1.0 if (c["dither"]["frequency"] * t + 1e-9) % 1 < 0.5 else -1.0
+        return c["dither"]["amplitude"] * wave
+
+    @staticmethod
     def steady(law, p, v):
         rate = friction(law, p)
         a, b = rate(v, 0.0)[0], rate(v, 1e-6)[0]
@@ -285,6 +294,7 @@ class Machine:
         u, rate, push, dz_hat = self.output(
             n, c, self.signals[n].at(t, self.now), y[at], v[at], s[f"{n}.I"], s[f"{n}.z_hat"]
         )
+        u += self.dither(c, t)
         if abs(u) > limit and push * u > 0:
             rate *= min(max(1 - (abs(u) - limit) / (1e-7 * limit), 0.0), 1.0)
         rates[f"{n}.I"], rates[f"{n}.z_hat"] = rate, dz_hat
@@ -314,6 +324,7 @@ class Machine:
             m["filter"] = y + (a + (b + w * a) * T) * decay, (b - w * (b + w * a) * T) * decay
         r = self.signals[n].at(k * T, k * T)
         u, rate, push, _ = self.output(n, c, r, y, v, m["I"], m["z_hat"])
+        u += self.dither(c, k * T)
         limit = c.get("limit", float("inf"))
         if not (abs(u) > limit and push * u > 0):
             m["I"] += T * rate

@@ -104,6 +104,12 @@ MACHINES = {
             "sampling": {**SAMPLING, "delay": 0.013, "bandwidth": 150.0},
         }},
     ),
+    "dither": with_contact(controllers={"u": {**PID, "limit": 9.0, "dither": {"amplitude": 3.0, "frequency": 9.0}}}),
+    "sampled_dither": with_contact(
+        controllers={"u": {
+            **CASCADE, "sampling": SAMPLING, "dither": {"kind": "square", "amplitude": 3.0, "frequency": 12.5},
+        }},
+    ),
     "sampled_noise": with_contact(
         controllers={"u": {**PID, "sampling": {"period": 0.01, "noise": 1e-4, "seed": 3}}},
     ),

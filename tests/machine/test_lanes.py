@@ -5,9 +5,8 @@ import pytest
 
 from stribeck import InputError, Scenario, simulate, simulate_ensemble
 from stribeck.simulation import fallback
-from stribeck.simulation.machines import MachineVariations
 from stribeck.simulation.solution import Solution
-from stribeck.simulation.variations import LaneByLane
+from stribeck.simulation.variations import LaneByLane, Variations
 from tests.machine.machines import assert_balanced, law, machine, push
 from tests.simulation.rig import needs_compiler
 
@@ -40,7 +39,7 @@ def test_lanes_agree_with_single_runs(name):
     data, values = SETS[name]
     scenario = Scenario(data)
     ensemble = simulate_ensemble(scenario, values)
-    assert isinstance(ensemble._variations, MachineVariations)
+    assert isinstance(ensemble._variations, Variations)
     assert ensemble.status == ["done"] * 5
     for lane in range(5):
         single = simulate(scenario.replace({path: x[lane] for path, x in values.items()}))

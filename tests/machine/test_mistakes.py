@@ -81,6 +81,15 @@ ARM_MISTAKES = {
          "controllers.axis.feedforward": {"inertia": 1.0}},
         "controllers.axis.signal.kind: 'step': has no second derivative, which feedforward needs",
     ),
+    "a square dither without samples": (
+        {"controllers.b": {"kind": "pid", "on": "arm", "K_p": 1.0, "signal": RAMP,
+                           "dither": {"kind": "square", "amplitude": 1.0, "frequency": 9.0}}},
+        "controllers.b.dither.kind: 'square': a continuous controller's must be 'sine'",
+    ),
+    "a dither above half of the sampling": (
+        {"controllers.axis.sampling": {"period": 0.01}, "controllers.axis.dither": {"amplitude": 1.0, "frequency": 51.0}},
+        "controllers.axis.dither.frequency: 51: must be at most 50, half of the sampling's rate",
+    ),
     "a compensation of nothing": (
         {"controllers.axis.compensation": {"speed": "measured"}},
         "controllers.axis.compensation.contact: missing: must be given (a contact, or else a law)",

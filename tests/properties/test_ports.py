@@ -67,6 +67,8 @@ def test_ranges_of_constants():
     assert ranges(loads=[{"force": "gear", "F_s": 0.2}]) == {"F_s": [1.5, None]}
     weights = {"push": 0.5, "gravity": -1.0}  # -3.5 ... -1.5 and -3 ... 3: from 0 to 6.5
     assert ranges(loads=[{"force": weights, "F_c": 0.1}]) == {"F_c": [1.0, pytest.approx(1.65)]}
+    squared = ranges(loads=[{"force": weights, "against": "gravity", "F_c": 0.1}])
+    assert squared == {"F_c": [1.0, pytest.approx(1.0 + 0.1 * 6.5**2)]}
     waves = {"amplitude": [0.25, -0.25], "waves": [80, 3], "phase": [0.0, 1.0]}
     warm = {"signal": {"kind": "points", "t": [0, 600], "value": [1.0, 0.4]}}
     found = ranges(factors={"level": waves, "sigma_2": warm}, loads=[{"force": "gravity", "F_c": 1.0, "F_s": 1.0}])

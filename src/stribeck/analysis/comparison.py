@@ -17,7 +17,7 @@ from stribeck.simulation import Solution, simulate
 
 def compared(scenario: Scenario) -> tuple[str, ...]:
     """The columns that are compared: of a machine, those of each body, contact and link."""
-    return scenario.whole.compared
+    return scenario.rig.compared
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def law_path(scenario: Scenario, contact: str | None) -> str:
     Raises:
         InputError: there is no such contact, or none is named where there are several.
     """
-    names = list(scenario.whole.named_laws)
+    names = list(scenario.rig.named_laws)
     if names == [""]:
         if contact is not None:
             raise InputError(f"{arg('contact')}: {contact!r}: must be left out: {scenario.name} is no machine")

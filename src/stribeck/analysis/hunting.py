@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from types import SimpleNamespace
 
 import numpy as np
 
@@ -106,8 +107,9 @@ class _Loop:
 
     def box(self) -> tuple[Array, Array]:
         """Where a cycle is looked for."""
-        law, mass = self.scenario.law, float(self.scenario.groups().plant.mass)
-        natural = math.sqrt(abs(self.scenario.groups().drive.K_p) / mass) or 1.0
+        law, values = self.scenario.law, self.scenario.values()
+        mass = values["plant", "mass"]
+        natural = math.sqrt(abs(values["drive", "K_p"]) / mass) or 1.0
         scales = law.scales(law.p)
         sizes = (0.5 * scales.force, 4 * scales.force)
         if self.of == "law":
@@ -129,7 +131,7 @@ class _Loop:
 
     def controller(self, omega: float) -> complex:
         """Force over velocity: the drive's own equations on phasors."""
-        p, y, v = self.scenario.groups().drive, 1 / (1j * omega), 1.0
+        p, y, v = SimpleNamespace(**self.scenario.drive_values), 1 / (1j * omega), 1.0
         own = tuple(rate / (1j * omega) for rate in Pid.rates(p, 0.0, y, v, (0.0,)))
         return complex(Pid.force(p, 0.0, y, v, own))
 
@@ -138,7 +140,10 @@ class _Loop:
         if (size, omega) not in self.known:
             law, mass, frequency = self.scenario.law, self.scenario.mass, omega / (2 * math.pi)
             if self.of == "law":
-                plant, friction = self.scenario.groups().plant, describing_function(law, size, frequency)
+                plant, friction = (
+                    SimpleNamespace(**self.scenario.plant_values),
+                    describing_function(law, size, frequency),
+                )
                 pushed, held = Mass.acceleration(plant, 1.0, 0.0), Mass.acceleration(plant, 0.0, friction)
                 answer = pushed / (1j * omega - held)
             else:

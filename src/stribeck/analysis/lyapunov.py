@@ -18,7 +18,6 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import ONE, symbol, total_derivative
 from stribeck.laws.base import Law
 from stribeck.simulation import Solution
-from stribeck.system import System
 
 RISE = 1e-9  # of V(0): what is less is the solver's
 _TOLERANCE = 1e-6  # of the largest |dV/dt|
@@ -65,10 +64,12 @@ def along(solution: Solution) -> Along:
     """
     scenario = solution.scenario
     system = scenario.system
-    if not isinstance(system, System) or not isinstance(system.drive, PressureCascade) or not len(solution.t):
+    servo = system.single and isinstance(system.drive.drive, PressureCascade)
+    if not servo or not len(solution.t):
         raise StribeckError(f"{scenario.name}: V needs the solution of a servo, with rows")
     saturated = np.abs(solution["u"]) >= scenario.drive_values["u_max"] * (1 - 1e-9)
-    drive, observer = system.drive, scenario.settings.observer
+    drive, observer = system.drive.drive, scenario.settings.observer
+    assert isinstance(drive, PressureCascade)
     if drive.sampled or observer is None or not observer.has_z or drive.adaptive:
         return Along(solution.t, solution["V"], None, None, saturated)
     values: dict[str, float | Array] = {f"{owner}.{name}": x for (owner, name), x in scenario.values().items()}

@@ -91,7 +91,7 @@ def _status(arguments: list[str] | None) -> int:
         package = error.package if isinstance(error, MissingExtra) else (error.name or "").partition(".")[0]
         if package not in EXTRAS:
             raise
-        if isinstance(error, MissingExtra) and command not in _EXTRA:
+        if isinstance(error, MissingExtra) and (command not in _EXTRA or error.extra == "logs"):
             print(f"stribeck: {said(Line(str(error)), command)}", file=sys.stderr)
         else:
             extra = _EXTRA.get(command, EXTRAS[package])

@@ -14,10 +14,12 @@ from stribeck.scenario import Scenario, parse_assignment
 
 
 def fit(
-    machine: Sequence[Path], logs: Path, laws: Sequence[str], assignments: Sequence[str], transfer: Path | None,
+    machine: Sequence[Path], logs: Path | None, laws: Sequence[str], assignments: Sequence[str], transfer: Path | None,
     starts: int, seed: int, out: Path | None, json: bool,
 ) -> int:  # fmt: skip
     """Read, fit, print, write."""
+    if logs is None:
+        raise InputError(f"--transfer: {str(transfer)!r}: needs --logs")
     if len(machine) != 1:
         raise InputError(f"DATA: {len(machine)} files: with --logs there must be one, the machine's")
     if out is not None:

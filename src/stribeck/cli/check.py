@@ -63,15 +63,20 @@ def check(
 
             data["report"] = [str(path) for path in report.write_check(verdicts, out, data, show.command_line())]
     if certificate is not None:
-        from stribeck.files import write_text
-
-        write_text(certificate, dumps(verdicts.certificates(), indent=1) + "\n")
+        write_certificate(certificate, verdicts.certificates())
         data["files"] = [*data.get("files", ()), str(certificate)]
     if json:
         show.print_json(data)
     else:
         _print(verdicts, data)
     return 0
+
+
+def write_certificate(file: Path, certificates: object) -> None:
+    """Write the proofs as JSON."""
+    from stribeck.files import write_text
+
+    write_text(file, dumps(certificates, indent=1) + "\n")
 
 
 def refuse_v_max(v_max: float | None) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from json import dumps
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from stribeck.cli import show
-from stribeck.cli.check import print_verdicts, refuse_v_max, write_scenarios
+from stribeck.cli.check import print_verdicts, refuse_v_max, write_certificate, write_scenarios
 from stribeck.cli.text import say
 from stribeck.constants import SHOWN
 from stribeck.errors import InputError, left_out
@@ -46,9 +45,7 @@ def check(
                 str(path) for path in report.write_machine_check(found, scenario, out, show.command_line())
             ]
     if certificate is not None:
-        from stribeck.files import write_text
-
-        write_text(certificate, dumps(found.certificates(), indent=1) + "\n")
+        write_certificate(certificate, found.certificates())
         data["files"] = [*data.get("files", ()), str(certificate)]
     if json:
         show.print_json(data)

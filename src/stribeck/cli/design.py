@@ -10,16 +10,19 @@ from typing import Any
 from stribeck.cli import show
 from stribeck.cli.text import say
 from stribeck.loops import Design, design, loop_and_controller
+from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import controller_of
 from stribeck.loops.second import as_machine, second_opinion
-from stribeck.report.design import excess_sentence, second_lines, sentence, sentence_of
+from stribeck.loops.starts import from_starts, starts_row
+from stribeck.report.design import excess_sentence, proof_sentence, second_lines, sentence, sentence_of, starts_sentence
 from stribeck.report.quantities import human
 
+JOURNAL = "tune_so_far.json"  # in DIR, until the search is done
 _KINDS = {
     "none": "none", "reference": "feedforward of the steady curve at the signal's speed",
     "measured": "the law as an observer at the measured speed",
-    "inner_loop": "that with dF/dt, led by the lag of the drive",
+    "inner_loop": "that with dF/dt, led by the lag of the drive", "dither": "dither",
 }  # fmt: skip
 
 
@@ -28,8 +31,9 @@ def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path |
     scenario = show.load(path, assignments, trust)
     if out is not None:
         show.check_folder(out)
+    journal = out / JOURNAL if out is not None and options.get("tune") else None
     with show.stages(scenario.name) as tell:
-        found = design(scenario, tell=tell, **options)
+        found = design(scenario, tell=tell, journal=journal, **options)
     summary, files = found.to_json(), list[str]()
     if out is not None:
         from stribeck.report.design import write_design
@@ -50,24 +54,25 @@ def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path |
 def hunt(path: Path, assignments: list[str], controller: str | None, json: bool, trust: bool) -> int:
     """The verdict on a loop, and what describing functions predict."""
     scenario = show.load(path, assignments, trust)
-    if scenario.rig is None:
+    if scenario.rig.single:
         scenario = as_machine(scenario)
-    assert scenario.rig is not None
     with show.stages(scenario.name) as tell:
         loop, name = loop_and_controller(scenario, controller)
         j = judge(loop, tell=tell and partial(_told, tell))[0]
+        starts = from_starts(loop, name, tell and partial(_told, tell))
         second = second_opinion(loop, name)
     rotary = scenario.rig.machine.body[controller_of(loop.scenario, name).measures].rotary
     cycle = {"amplitude": j.amplitude, "period": j.period, "body": j.body}
     summary = {
         "status": "failed" if j.verdict == "failed" else "done", "scenario": scenario.name,
         "verdict": None if j.verdict == "failed" else j.verdict, "why": j.note or None,
-        "limit_cycle": cycle if j.verdict == "hunting" else None, "second_opinion": second,
+        "limit_cycle": cycle if j.verdict == "hunting" else None, **starts_row(starts, j), "second_opinion": second,
     }  # fmt: skip
     if json:
         show.print_json(summary)
     else:
         say(f"{scenario.name}: {sentence_of(j, 'rad' if rotary else 'm')}", 4)
+        say(starts_sentence(starts, j, "rad" if rotary else "m"), 4, "  ")
         _print_second(second, "rad" if rotary else "m")
     if j.verdict == "failed":
         show.failed(scenario.name, j.note)
@@ -79,15 +84,15 @@ def _told(tell: Callable[[float, str], None], share: float) -> None:
     tell(share, "the verdict")
 
 
-def _print_second(second: dict[str, Any], unit: str) -> None:
+def _print_second(second: dict[str, object], unit: str) -> None:
     for line in second_lines(second, unit):
         say(line, 4, "  ")
 
 
 def _print(found: Design) -> None:
     scenario, j = found.loop.scenario, found.judgement
-    assert scenario.rig is not None
     say(f"{scenario.name}: {sentence(found)}", 4)
+    say(starts_sentence(found.starts, j, _unit_of(found)), 4, "  ")
     say(f"the loop's slowest time constant while it slides: {found.loop.slowest:.3g} s", 4, "  ")
     if found.second is not None:
         _print_second(found.second, _unit_of(found))
@@ -117,7 +122,7 @@ def _print(found: Design) -> None:
     _print_compensations(found, unit)
     if found.excess is not None:
         say(excess_sentence(found), 4, "  ")
-    say(f"proof: {'it cannot hunt' if found.proof['holds'] else 'none'}: {found.proof['why']}", 4, "  ")
+    say(f"proof: {proof_sentence(found)}", 4, "  ")
     if found.tuned is not None:
         gains = ", ".join(f"{path} = {x:g}" for path, x in found.tuned.gains.items())
         t = found.tuned
@@ -131,7 +136,6 @@ def _print(found: Design) -> None:
 
 def _unit_of(found: Design) -> str:
     rig = found.loop.scenario.rig
-    assert rig is not None
     each = next(c for c in rig.machine.controllers if c.name == found.controller)
     return "rad" if rig.machine.body[each.measures].rotary else "m"
 
@@ -142,11 +146,18 @@ def _print_compensations(found: Design, unit: str) -> None:
         return
     print("  against friction, whatever it is within its intervals (simulated):")
     for c in found.compensations:
-        share = (
-            "not quiet even without" if c.largest_quiet_share is None else f"quiet up to {c.largest_quiet_share:.2f}"
-        )
-        quiet = ("quiet" if c.largest_quiet_share is not None else "not quiet") if c.kind == "none" else share
+        of = f" of {c.dither['frequency']:g} Hz, its amplitude a share of the friction" if c.dither else ""
         say(
-            f"{_KINDS[c.kind]}: {quiet}; error after a reversal {human(c.reversal_error, unit)} at share {c.share:.2f}, "
+            f"{_KINDS[c.kind]}{of}: {_quiet(c)}; error after a reversal {human(c.reversal_error, unit)} at share {c.share:.2f}, "
             f"at worst {human(c.worst_error, unit)}", 6, "    ",
         )  # fmt: skip
+
+
+def _quiet(c: CompensationResult) -> str:
+    if c.kind == "none":
+        return "quiet" if c.largest_quiet_share is not None else "not quiet"
+    if c.dither is None:
+        return "not quiet even without" if c.largest_quiet_share is None else f"quiet up to {c.largest_quiet_share:.2f}"
+    if c.largest_quiet_share is None:
+        return "quiet at no amplitude"
+    return f"quiet from {c.dither['least_quiet_share']:.2f} to {c.largest_quiet_share:.2f}"

@@ -18,7 +18,7 @@ from stribeck import examples
 from stribeck.cli.show import print_json
 from stribeck.cli.text import say
 from stribeck.scenario import Scenario
-from stribeck.simulation import Solution, cache, compiler, fallback, simulate
+from stribeck.simulation import Solution, cache, compiler, cuda, fallback, simulate
 
 _PACKAGES = (
     "numpy", "pydantic", "typer", "rich", "matplotlib", "jinja2", "pyarrow", "python-flint", "sympy", "scipy", "pandas",
@@ -35,6 +35,7 @@ def doctor(json: bool) -> int:
         "packages": {name: _version(name) for name in _PACKAGES},
         "compiler": _compiler(),
         "cache": _cache(),
+        "gpu": _gpu(),
         "self_test": _self_test(),
     }
     if json:
@@ -76,6 +77,14 @@ def _cache() -> dict[str, object]:
     }
 
 
+def _gpu() -> dict[str, str | None]:
+    """The GPU for ``device = "cuda"``, or why there is none."""
+    try:
+        return {"name": cuda.device(), "why_not": None}
+    except cuda.NoDevice as error:
+        return {"name": None, "why_not": str(error)}
+
+
 def _self_test() -> dict[str, Any]:
     """The shortest of the paper's scenarios must agree within 1e-6 of the peaks with SciPy's solution; where there is
     no SciPy, with one at a far smaller tolerance."""
@@ -107,6 +116,7 @@ def _print(report: dict[str, Any]) -> None:
     c = report["cache"]
     state = "writable" if c["writable"] else "NOT writable: every process compiles anew"
     say(f"{c['folder']}, {state}, {c['systems']} systems, {c['bytes'] / 1e6:.1f} MB", 11, "cache      ")
+    say(report["gpu"]["name"] or f"none: {report['gpu']['why_not']}", 11, "gpu        ")
     t = report["self_test"]
     verdict = "passed" if t["passed"] else "FAILED"
     slow = t["milliseconds_scipy"]

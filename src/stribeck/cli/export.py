@@ -37,7 +37,7 @@ def export(
         scenario, law = Path(law), None
     rig = Scenario.load(scenario, trust=trust) if scenario is not None else None
     if part is None:
-        whole = rig is not None and rig.rig is not None and law is None and contact is None
+        whole = rig is not None and not rig.rig.single and law is None and contact is None
         part = "machine" if whole else "law"
     chosen: Law | None
     if part == "cascade":
@@ -74,7 +74,7 @@ def _summary(law: Law | None, rig: Scenario | None) -> dict[str, object]:
     if law is not None:
         return {"law": law.name, "parameters": law.values, "guarantees": law.guarantees()}
     assert rig is not None
-    if rig.rig is not None:
+    if not rig.rig.single:
         return {"scenario": rig.name, "parameters": {f"{path}.{n}": x for (path, n), x in rig.values().items()}}
     observer = rig.settings.observer
     values = {key: x for key, x in rig.values().items() if key[0] not in ("law", "plant")}
@@ -144,6 +144,6 @@ def _law(
 def _of(rig: Scenario, contact: str | None) -> tuple[Law, bool]:
     """The law of a scenario, of a machine that of a contact, and whether it turns there."""
     path = law_path(rig, contact)
-    if rig.rig is None:
+    if rig.rig.single:
         return rig.law, rig.rotary
     return rig.rig.laws[path], rig.rig.laws[path].rotary

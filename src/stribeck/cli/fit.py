@@ -29,12 +29,14 @@ def fit(
     data: list[Path],
     laws: list[str],
     columns: ColumnNames,
-    how: Preparation,
+    cutoff: float | None,
+    trim: int | None,
     options: FitOptions,
     out: Path | None,
     json: bool,
 ) -> int:
     """Read the log, fit, print the estimates, write what was asked for."""
+    how = Preparation(cutoff, trim, fitting.is_simulated(laws, options.method))
     if out is not None:
         show.check_folder(out)
     with show.progress("fit") as tell:
@@ -78,12 +80,14 @@ def _save(result: Fit | Choice, columns: ColumnNames, how: Preparation, out: Pat
     return str(out / predict.FILE)
 
 
-def drive(text: str) -> dict[str, object]:
-    """``KIND:KEY=VALUE,...`` as the table [drive] of a scenario.
+def drive(text: str | None) -> dict[str, object] | None:
+    """``KIND:KEY=VALUE,...`` as the table [drive] of a scenario; None where none is given.
 
     Raises:
         InputError: it is something else.
     """
+    if text is None:
+        return None
     kind, _, rest = text.partition(":")
     found: dict[str, object] = {"kind": kind}
     for part in filter(None, rest.split(",")):

@@ -21,7 +21,7 @@ def gains(path: Path, v_max: float | None, assignments: list[str], out: Path | N
     A machine's controllers have no such V: what its gains do is what ``design`` says of them.
     """
     scenario = show.load(path, assignments, trust)
-    if scenario.rig is not None:
+    if not scenario.rig.single:
         from stribeck.cli import design
 
         if v_max is not None:

@@ -63,7 +63,7 @@ def _sets(names: list[str], json: bool) -> int:
     return 0
 
 
-def _describe(law: type[Law]) -> dict[str, Any]:
+def _describe(law: type[Law]) -> dict[str, object]:
     constants = {
         name: {
             "unit": c.unit or "1", "rotary_unit": c.rotary_unit, "meaning": c.meaning, "allowed": c.allowed,
@@ -88,7 +88,7 @@ def _equations(law: type[Law], form: Form = USUAL) -> list[dict[str, str]]:
     return [asdict(e) for e in equations(law, form)]
 
 
-def _guarantees(law: type[Law], form: Form = USUAL) -> dict[str, Any]:
+def _guarantees(law: type[Law], form: Form = USUAL) -> dict[str, object]:
     claims = {field.name: getattr(law.claims, field.name) for field in fields(Claims)}
     found = {n: condition(c, law, form) if callable(c) else c for n, c in claims.items()}
     return {n: {"if": asdict(c)} if isinstance(c, Equation) else c for n, c in found.items()}
@@ -122,7 +122,7 @@ def _print(law: dict[str, Any]) -> None:
     print()
 
 
-def _words(guarantees: dict[str, Any]) -> str:
+def _words(guarantees: dict[str, object]) -> str:
     words = []
     for name, claim in guarantees.items():
         if claim is not None:

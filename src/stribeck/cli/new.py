@@ -29,13 +29,15 @@ _HELP = """\
 """
 
 
-def new(name: str, out: Path | None, show_list: bool) -> int:
-    """Write the example called ``name``, or one to start from under that name."""
+def new(name: str, out: Path | None, show_list: bool, schema: bool) -> int:
+    """Write the example called ``name``, or one to start from under that name; or what editors check such files with."""
     if show_list:
         for example in examples.names():
             first = examples.path(example).read_text(encoding="utf-8").splitlines()[0]
             print(f"{example:14} {first.lstrip('# ')}")
         return 0
+    if schema:
+        return _schema(out)
     if not re.fullmatch(r"[A-Za-z0-9][\w .-]*", name):
         raise InputError(f"NAME: {name!r}: must be letters, digits, '_', '-', '.' and spaces")
     known = name in examples.names()
@@ -47,12 +49,26 @@ def new(name: str, out: Path | None, show_list: bool) -> int:
     target = out or Path(f"{name}.toml")
     copies = {target.parent / data.name: data for data in (examples.companions(name) if known else [])}
     for path in (target, *copies):
-        show.check_file("--out", path)
-        if path.exists():
-            raise InputError(f"--out: {str(path)!r}: exists already; must be a new file")
+        _check(path)
     for path, data in copies.items():
         write_text(path, data.read_text(encoding="utf-8"))
         print(f"wrote {path}")
     write_text(target, text)
     print(f"wrote {target}; run it: stribeck run {target} --out {target.stem}")
     return 0
+
+
+def _schema(out: Path | None) -> int:
+    from stribeck.scenario import schema
+
+    target = out or Path(schema.FILE)
+    _check(target)
+    write_text(target, schema.text())
+    print(f"wrote {target}; many editors use it where a scenario begins with the line: #:schema {target}")
+    return 0
+
+
+def _check(path: Path) -> None:
+    show.check_file("--out", path)
+    if path.exists():
+        raise InputError(f"--out: {str(path)!r}: exists already; must be a new file")

@@ -14,7 +14,7 @@ def draw(path: Path, out: Path | None, assignments: list[str], json: bool, trust
     from stribeck.report import schematic
 
     scenario = show.load(path, assignments, trust)
-    if scenario.rig is None:
+    if scenario.rig.single:
         raise InputError(f"{path}: schema = 1: is a law on a single body; 'stribeck show' draws machines (schema = 2)")
     files = []
     if out is not None:

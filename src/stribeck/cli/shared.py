@@ -29,6 +29,9 @@ Trust = Annotated[
     bool, typer.Option("--trust", help="Let the scenario run laws (FILE.py:NAME) that lie outside its folder.")
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object on standard output, and nothing else there.")]
+ControllerName = Annotated[
+    str | None, typer.Option("--controller", metavar="NAME", help="Which controller of a machine that has several.")
+]
 
 
 def _allow(allowed: bool) -> None:
@@ -59,50 +62,3 @@ def _common(
     ] = False,
 ) -> None:
     pass
-
-
-ExportTarget = Annotated[
-    str,
-    typer.Option(
-        "--target",
-        metavar="NAME",
-        help="c, fmu, isaaclab, mit, mjwarp, modelica, mujoco, mujoco_plugin, newton, odrive, ros2_control, "
-        "simplefoc, st or table.",
-    ),
-]
-
-ExportOut = Annotated[
-    Path,
-    typer.Option(
-        "--out",
-        metavar="PATH",
-        help="Where to: a folder for c, mujoco, mujoco_plugin and ros2_control, else a file.",
-    ),
-]
-
-ExportPart = Annotated[
-    str | None,
-    typer.Option(
-        "--part",
-        metavar="PART",
-        help="law, body, observer, cascade, controller, compensator, cogging or machine (of a machine unless given).",
-    ),
-]
-
-ExportScenario = Annotated[
-    Path | None,
-    typer.Option("--scenario", metavar="FILE", help="A scenario: mass, controller, and law unless given."),
-]
-
-ExportContact = Annotated[
-    str | None, typer.Option("--contact", metavar="NAME", help="The contact of a machine whose law it is.")
-]
-
-ControllerName = Annotated[
-    str | None, typer.Option("--controller", metavar="NAME", help="Which controller of a machine that has several.")
-]
-
-ExportStep = Annotated[
-    float | None,
-    typer.Option("--step", metavar="S", help="The time step that the tool will take: what is lost is said."),
-]

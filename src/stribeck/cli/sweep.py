@@ -6,9 +6,12 @@ import sys
 from pathlib import Path
 from time import perf_counter
 
+from stribeck.arrays import Array
 from stribeck.cli import show
 from stribeck.errors import InputError, left_out
-from stribeck.report.sweep import Range, Sweep, lanes_of
+from stribeck.sweeps.job import Sweep
+from stribeck.sweeps.places import Store
+from stribeck.sweeps.ranges import Range, lanes_of
 
 
 def sweep(
@@ -18,30 +21,30 @@ def sweep(
     seed: int,
     summary: bool,
     as_csv: bool,
-    out: Path,
+    out: str,
     assignments: list[str],
     threads: int | None,
     json: bool,
     trust: bool,
+    on: str | None = None,
+    device: str = "cpu",
 ) -> int:
     """Simulate every lane, in parts; go on where an earlier run stopped."""
     scenario = show.load(path, assignments, trust)
-    problems, ranges = [], []
-    for text in vary:
-        try:
-            ranges.append(Range.parse(text, drawn=samples is not None))
-        except InputError as error:
-            problems += error.problems
-    if samples is None and seed:
-        problems.append(f"--seed {seed}: goes with --samples, which is not given")
-    if problems:
-        raise InputError(problems)
-    job = Sweep(scenario, lanes_of(ranges, samples, seed), out, summary, as_csv)
-    show.check_folder(out)
+    if on is not None and threads is not None:
+        raise InputError(f"--threads {threads}: does not go with --on: a cluster's workers have their own")
+    if on is not None and device != "cpu":
+        raise InputError(f"--device {device}: does not go with --on: workers use their processors")
+    job = Sweep(scenario, _lanes(vary, samples, seed), out, summary, as_csv, device)
+    if not isinstance(job.place, Store):
+        show.check_folder(job.place.folder)
+    elif reason := job.place.trouble():
+        raise InputError(f"--out: {out}: {reason}")
     started, there = perf_counter(), job.parts - len(job.missing())
     with show.rate(f"{scenario.name}: {len(job.lanes)} lanes", "lanes") as tell:
-        failed = job.run(threads, tell)
-    files = [str(out / "_manifest.json"), *(str(job.path(i)) for i in range(job.parts))]
+        failed = job.run(threads, tell, on)
+    where = str(job.place).rstrip("/")
+    files = [f"{where}/_manifest.json", *(str(job.path(i)) for i in range(job.parts))]
     seconds = perf_counter() - started
     report: dict[str, object] = {
         "status": "failed" if failed == len(job.lanes) else "done",
@@ -53,17 +56,36 @@ def sweep(
         "seconds": seconds,
     }
     with left_out("the page"):
-        from stribeck.report import sweep_page
+        from stribeck.sweeps.page import write_sweep_page
 
-        files += map(str, sweep_page.write_sweep_page(job, show.command_line()))
+        files += write_sweep_page(job, show.command_line())
     if json:
         show.print_json({**report, "files": files})
     else:
         found = f", {there} of them there already" if there else ""
         print(f"{scenario.name}: {len(job.lanes)} lanes in {job.parts} parts{found}, {seconds:.1f} s")
-        print(f"  wrote {out / '_manifest.json'} and {out}/part-*{job.path(0).suffix}")
+        print(f"  wrote {where}/_manifest.json and {where}/part-*.{'csv' if as_csv else 'parquet'}")
         if len(files) > 1 + job.parts:
             print(f"  wrote {files[-1]}")
     if failed:
         print(f"stribeck: {failed} of {len(job.lanes)} lanes failed; the column 'reason' says why", file=sys.stderr)
     return 1 if report["status"] == "failed" else 0
+
+
+def _lanes(vary: list[str], samples: int | None, seed: int) -> dict[str, Array]:
+    """The values of every lane.
+
+    Raises:
+        InputError: one line for each problem.
+    """
+    problems, ranges = [], []
+    for text in vary:
+        try:
+            ranges.append(Range.parse(text, drawn=samples is not None))
+        except InputError as error:
+            problems += error.problems
+    if samples is None and seed:
+        problems.append(f"--seed {seed}: goes with --samples, which is not given")
+    if problems:
+        raise InputError(problems)
+    return lanes_of(ranges, samples, seed)

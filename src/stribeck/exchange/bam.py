@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.constants import show
-from stribeck.errors import InputError, note
+from stribeck.errors import InputError
 from stribeck.files import read_file
 
 STEEPNESS = 200.0  # s/rad: BAM's sign is exact, a machine's is smooth: complete within some 0.01 rad/s
@@ -24,13 +24,16 @@ _NUMBERS = (
     "load_friction_motor", "load_friction_external", "load_friction_motor_stribeck", "load_friction_external_stribeck",
     "load_friction_motor_quad", "load_friction_external_quad",
 )  # fmt: skip
+_SQUARES = (  # the square of the weaker one raises the Stribeck part
+    ("load_friction_external_quad", "gravity", "drive"), ("load_friction_motor_quad", "drive", "gravity"),
+)  # fmt: skip
 _LEAST = 1e-9  # N m: a level of 0 is none
 
 
 def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
     """The tables of a machine: body ``joint``, motor ``drive``, load ``gravity`` and contact ``friction``.
 
-    The quadratic terms of m6, which contacts have not, are left out with a note that says how large they are.
+    The quadratic terms of m6 become entries with ``against``: they count where motor and load pull against each other.
 
     Raises:
         InputError: it cannot be read, or a number is missing or none; a line for each problem.
@@ -51,9 +54,6 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
     if problems:
         raise InputError(problems)
     n = {name: float(data[name]) for name in known if name in data}
-    for name in ("load_friction_motor_quad", "load_friction_external_quad"):
-        if n.get(name):
-            note(f"{name}: {n[name]:.3g} per N m: left out: a contact's level grows with loads, not with their squares")
     machine: dict[str, Any] = {
         "schema": 2, "name": str(data.get("actuator", "servo")), "bodies": {"joint": {"inertia": n["armature"]}},
         "contacts": {"friction": {"from": "joint", "law": _law(n)}},
@@ -63,8 +63,9 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
     still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
     if "kt" in n and "R" in n:
         machine["motors"] = {"drive": {"on": "joint", "K": n["kt"], "R": n["R"], "signal": still}}
-    else:  # driven by current: its torque is a load
+    else:  # driven by current: its torque is a load, kt times the signal
         machine["loads"]["drive"] = {"on": "joint", "kind": "signal", "signal": still}
+        machine["loads"]["drive"] |= {"gain": n["kt"]} if "kt" in n else {}
     if levels := _levels(n):
         machine["contacts"]["friction"]["loads"] = levels
     return machine
@@ -82,8 +83,8 @@ def _read(path: Path) -> dict[str, Any]:
     return found
 
 
-def _law(n: Mapping[str, float]) -> dict[str, Any]:
-    base = max(n["friction_base"], _LEAST)
+def _law(n: Mapping[str, float]) -> dict[str, object]:
+    base = n["friction_base"] or _LEAST
     if "friction_stribeck" not in n:
         parameters = {"F_c": base, "sigma_2": n["friction_viscous"]}
         if not any(name.startswith("load_") for name in n):
@@ -95,7 +96,7 @@ def _law(n: Mapping[str, float]) -> dict[str, Any]:
     return {"name": "stribeck", "k_v": STEEPNESS, "delta": n["alpha"], "parameters": parameters}
 
 
-def _levels(n: Mapping[str, float]) -> list[dict[str, Any]]:
+def _levels(n: Mapping[str, float]) -> list[dict[str, object]]:
     """What raises the level: F_s rises by both shares, so that the Stribeck part is their difference."""
     found: list[dict[str, Any]] = []
     if "load_friction_base" in n:
@@ -105,11 +106,14 @@ def _levels(n: Mapping[str, float]) -> list[dict[str, Any]]:
         if f"load_friction_motor{suffix}" in n:
             weights = {"gravity": n[f"load_friction_external{suffix}"], "drive": -n[f"load_friction_motor{suffix}"]}
             found.append({"force": weights, **dict.fromkeys(gains, 1.0)})
+    for name, force, against in _SQUARES:
+        if name in n:
+            found.append({"force": force, "against": against, "F_s": n[name]})
     return found
 
 
-def to_bam(machine: Mapping[str, Any]) -> dict[str, Any]:
-    """BAM's table of a machine of the form that :func:`from_bam` gives (m1 to m5).
+def to_bam(machine: Mapping[str, Any]) -> dict[str, object]:
+    """BAM's table of a machine of the form that :func:`from_bam` gives (m1 to m6).
 
     Raises:
         InputError: the machine has another form, which BAM's models have not.
@@ -118,9 +122,11 @@ def to_bam(machine: Mapping[str, Any]) -> dict[str, Any]:
         contact = machine["contacts"]["friction"]
         law = contact["law"]
         p, levels = law["parameters"], contact.get("loads", [])
-        found: dict[str, Any] = {"armature": machine["bodies"]["joint"]["inertia"]}
+        found: dict[str, object] = {"armature": machine["bodies"]["joint"]["inertia"]}
         if "motors" in machine:
             found |= {"kt": machine["motors"]["drive"]["K"], "R": machine["motors"]["drive"]["R"]}
+        elif "gain" in machine.get("loads", {}).get("drive", {}):
+            found["kt"] = machine["loads"]["drive"]["gain"]
         found |= {"friction_base": p["F_c"], "friction_viscous": p["sigma_2"]}
         if law["name"] not in ("coulomb_viscous", "stribeck"):
             raise InputError(
@@ -134,6 +140,12 @@ def to_bam(machine: Mapping[str, Any]) -> dict[str, Any]:
                 "alpha": law.get("delta", 2.0),
             }
         for level in levels:
+            if "against" in level:
+                name = next(
+                    n for n, force, against in _SQUARES if (level["force"], level["against"]) == (force, against)
+                )
+                found[name] = level["F_s"]
+                continue
             g, d = level["force"]["gravity"], level["force"]["drive"]
             if (g, d) == (1.0, -1.0):
                 found["load_friction_base"] = level["F_c"]
@@ -141,11 +153,12 @@ def to_bam(machine: Mapping[str, Any]) -> dict[str, Any]:
             else:
                 suffix = "" if "F_c" in level else "_stribeck"
                 found |= {f"load_friction_external{suffix}": g, f"load_friction_motor{suffix}": -d}
-    except (KeyError, TypeError) as error:
-        raise InputError(
-            f"{error.args[0]}: missing: BAM's models have a body 'joint' with a contact 'friction'"
-        ) from None
+    except (KeyError, TypeError, StopIteration) as error:
+        missing = error.args[0] if error.args else "contacts.friction.loads"
+        raise InputError(f"{missing}: missing: BAM's models have a body 'joint' with a contact 'friction'") from None
     each = any("load_friction_motor" in name for name in found)
     load = each or "load_friction_base" in found
     model = {(False, False): "m1", (True, False): "m2", (False, True): "m3", (True, True): "m4"}[stribeck, load]
-    return {**found, "model": "m5" if each else model, "actuator": str(machine.get("name", "servo"))}
+    squares = any(name.endswith("_quad") for name in found)
+    model = "m6" if squares else "m5" if each else model
+    return {**found, "model": model, "actuator": str(machine.get("name", "servo"))}

@@ -15,12 +15,11 @@ from stribeck.expressions.emit import C, Writer
 from stribeck.expressions.graph import Expr, derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import Value, where
 from stribeck.laws.base import Claims, Law, Relation
+from stribeck.laws.values import Constants
 from stribeck.machine.parts import ContactPart, symbols_of
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
-from stribeck.signals.piecewise import Segment
 from stribeck.simulation.native import share_of
-from stribeck.system import Groups, System
 
 CLAIMS = tuple(field.name for field in fields(Claims))
 _NAN = float("nan")
@@ -64,17 +63,16 @@ EXPORT void stribeck_table(const double *p, int64_t rows, double step, int64_t p
 def appendix(scenario: Scenario) -> str:
     """The functions, to stand behind the C of the scenario's system."""
     system = scenario.system
-    assert isinstance(system, System)
-    law, q = type(scenario.law), system.symbolic()
+    (contact,) = system.contacts
+    law, q = contact.law, contact.law.symbolic(symbols_of(contact.law_path), contact.form)
     inputs = {f"{group}.{name}": f"p[{i}]" for i, (group, name) in enumerate(system.parameters)}
     piece = {f"segment.{n}": f"s[{i}]" for i, n in enumerate(("start", "value", "slope"))}
     states = {state.name: f"x[{i}]" for i, state in enumerate(system.states)}
     local = {"v": "v", "z": "z", "dz_dt": "dz_dt"}
     v, z, rate = symbol("v"), symbol("z"), symbol("dz_dt")
-    signal = (system.signal.equation if system.signal else Segment.equation)(q.signal, symbol("t"))
     whole = replace(system, energy=True)  # the page shows the energy stored, whether the file asks for it or not
-    found = whole.quantities(q, signal, {state.name: symbol(state.name) for state in system.states})
-    dz_dt = wrap(law.dz_dt(q.law, v, z)) if law.has_z else wrap(0)
+    found = whole.outputs
+    dz_dt = wrap(law.dz_dt(q, v, z)) if law.has_z else wrap(0)
     by_z = derivative(dz_dt, z)
     p = "const double *p"
     one = f"{p}, double v, double z"
@@ -88,11 +86,11 @@ def appendix(scenario: Scenario) -> str:
             _function("columns", now, outputs, {**inputs, **piece, **states, "t": "t"}),
             _value("law_rate", one, dz_dt, {**inputs, **local}),
             _value("law_rate_z", one, by_z, {**inputs, **local}),
-            _value("law_force", f"{one}, double dz_dt", wrap(law.friction(q.law, v, z, rate)), {**inputs, **local}),
+            _value("law_force", f"{one}, double dz_dt", wrap(law.friction(q, v, z, rate)), {**inputs, **local}),
             _value("law_length", p, _length(scenario, q), inputs),
             _TABLE,
             _STEADY,
-            _function("setup", f"{p}, double rtol, double *out", _setup(scenario, q), {**inputs, "rtol": "rtol"}, True),
+            _function("setup", f"{p}, double rtol, double *out", _setup(scenario), {**inputs, "rtol": "rtol"}, True),
             _function("claims", f"{p}, double *out", _claims(law, q), inputs, True),
             _function("relations", f"{p}, double *out", _relations(law, q, inputs), inputs, True),
         ]
@@ -127,7 +125,7 @@ def machine_relations(machine: MachineSystem) -> list[tuple[ContactPart, Relatio
     return [(contact, each) for contact in machine.contacts for each in relations(contact.law)]
 
 
-def columns(system: System) -> tuple[Column, ...]:
+def columns(system: MachineSystem) -> tuple[Column, ...]:
     """The columns that the page takes: those of the output, and the energy stored."""
     stored = next(c for c in replace(system, energy=True).columns if c.name == "E_stored")
     return system.columns if system.energy else (*system.columns, stored)
@@ -138,50 +136,52 @@ def relations(law: type[Law]) -> list[Relation]:
     return [each for each in dict.fromkeys(law.relations) if all(n in law.constants() for n in each.needs)]
 
 
-def _setup(scenario: Scenario, q: Groups) -> dict[str, Expr]:
+def _setup(scenario: Scenario) -> dict[str, Expr]:
     """The absolute tolerance of each state, the step's share of the tolerances, the longest step."""
     system, rtol = scenario.system, symbol("rtol")
-    assert isinstance(system, System)
-    share = share_of(scenario.single.damping(q))
+    rig = scenario.rig.with_values({(path, name): symbol(f"{path}.{name}") for path, name in system.parameters})
+    share = share_of(rig.damping())
     least = 1e-13 / rtol  # simulation/native.py: below it rounding is the larger error
     share = wrap(where(share > where(least < 1, least, 1.0), share, where(least < 1, least, 1.0)))
     draft = object.__new__(Scenario)
     draft.__dict__.update({**scenario.__dict__, "solve": SimpleNamespace(rtol=rtol, atol=scenario.solve.atol)})
     atol: Mapping[str, Expr | float]
     try:
-        atol = draft.atol(q)
+        atol = draft.atol(rig)
     except TypeError:  # a law of the user's whose scales are no equations: they stay those of the file
         atol = {n: x / scenario.solve.rtol * rtol for n, x in scenario.atol().items()}
     longest: Value = scenario.signal.longest_step
-    if system.signal:
-        longest = system.signal(vars(q.signal)).longest_step
+    (use,) = system.signals
+    if use.kind:
+        own: dict[str, Value] = {name: symbol(f"{use.path}.{name}") for name in use.constants()}
+        longest = use.kind(own).longest_step
     values = [*(share * atol[state.name] for state in system.states), share, longest]
     return {f"out[{i}]": wrap(x) for i, x in enumerate(values)}
 
 
-def _length(scenario: Scenario, q: Groups) -> Expr:
+def _length(scenario: Scenario, q: Constants) -> Expr:
     try:
-        return wrap(scenario.law.scales(q.law).length)
+        return wrap(scenario.law.scales(q).length)
     except TypeError:
         return wrap(scenario.law.scales(scenario.law.p).length)
 
 
-def _claims(law: type[Law], q: Groups) -> dict[str, Expr]:
+def _claims(law: type[Law], q: Constants) -> dict[str, Expr]:
     """Each claim at the present numbers: 1, 0, or not a number where the property does not apply."""
     found = {}
     for i, name in enumerate(CLAIMS):
         claim = getattr(law.claims, name)
-        value = claim(q.law) if callable(claim) else claim
+        value = claim(q) if callable(claim) else claim
         if isinstance(value, Expr):
             value = where(value, wrap(1), wrap(0))
         found[f"out[{i}]"] = wrap(_NAN if value is None else value)
     return found
 
 
-def _relations(law: type[Law], q: Groups, inputs: dict[str, str]) -> dict[str, Expr]:
+def _relations(law: type[Law], q: Constants, inputs: dict[str, str]) -> dict[str, Expr]:
     found = {}
     for i, relation in enumerate(relations(law)):
-        found[f"out[{i}]"] = _holds(relation, q.law)
+        found[f"out[{i}]"] = _holds(relation, q)
     return found
 
 

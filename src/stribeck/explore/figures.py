@@ -9,7 +9,6 @@ from typing import Any
 from stribeck.constants import rotary_unit
 from stribeck.errors import needed
 from stribeck.scenario import Scenario
-from stribeck.system import System
 
 # After Okabe and Ito's colours, which colour-blind readers tell apart; legible on white and on black.
 _COLOURS = ("#1b87c9", "#e06a10", "#0a9f78", "#c06aa5", "#b09a00", "#7a68d8", "#8c5a2b")
@@ -59,7 +58,6 @@ class Chart:
 def panels(scenario: Scenario) -> dict[str, Chart]:
     """The page's charts by name."""
     system = scenario.system
-    assert isinstance(system, System)
     names = {column.name for column in system.columns}
 
     def unit(linear: str) -> str:

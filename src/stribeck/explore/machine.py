@@ -22,7 +22,6 @@ _ROTARY = {"position": "angle", "force": "torque", "friction": "friction torque"
 
 def machine_of(scenario: Scenario) -> MachineSystem:
     """The machine's structure."""
-    assert scenario.rig is not None
     return scenario.rig.machine
 
 
@@ -92,7 +91,6 @@ def machine_law(scenario: Scenario) -> dict[str, object]:
 
 
 def _path(scenario: Scenario, law: str, key: str) -> str:
-    assert scenario.rig is not None
     return f"{law}.parameters.{key}" if key in scenario.rig.laws[law].machine else f"{law}.{key}"
 
 

@@ -18,7 +18,7 @@ from stribeck.constants import Constant
 from stribeck.errors import InputError, StribeckNote
 from stribeck.explore.numbers import Number, number_of, of_run
 from stribeck.scenario import Scenario
-from stribeck.scenario.machine import Rig
+from stribeck.scenario.rig import Rig
 from stribeck.simulation.native import solver_input
 
 Arrays = dict[str, Array]
@@ -104,7 +104,6 @@ def _table(data: Mapping[str, object], path: str) -> object:
 
 
 def _rig(scenario: Scenario) -> Rig:
-    assert scenario.rig is not None
     return scenario.rig
 
 

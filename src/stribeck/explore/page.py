@@ -27,7 +27,6 @@ from stribeck.laws.render import Equation, condition, equations
 from stribeck.scenario import Scenario
 from stribeck.signals import PointsSignal
 from stribeck.simulation.native import EVENT_ROOM
-from stribeck.system import System
 from stribeck.version import __version__
 
 
@@ -59,7 +58,7 @@ def explorer_page(
         InputError: a law that is not known, or cannot take the scenario's numbers.
     """
     library = _library()
-    if scenario.rig is not None:
+    if not scenario.rig.single:
         return _filled(_machine(scenario, laws, command, progress, fitted or {}), machine_sections(scenario), library)
     found = variants(scenario, laws)
     codes = [f"{source(each.system)}\n\n{appendix(each)}" for each in found.values()]
@@ -150,7 +149,6 @@ def _filled(data: Mapping[str, object], sections: Iterable[tuple[str, str]], lib
 
 def _law(scenario: Scenario, module: bytes, intervals: Mapping[str, object]) -> dict[str, object]:
     law, system = scenario.law, scenario.system
-    assert isinstance(system, System)
     kind, form = type(law), law.form
     conditions = {}
     for name in CLAIMS:

@@ -46,7 +46,7 @@ def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Sc
 
 def unfit(scenario: Scenario) -> str | None:
     """Why the page cannot show a scenario, or None."""
-    if scenario.rig is not None:
+    if not scenario.rig.single:
         return None
     if scenario.drive.differentiates:
         return "drive.kind: 'cascade': must be force, spring, pid or velocity; 'stribeck run' draws a servo's curves"

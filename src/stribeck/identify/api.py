@@ -34,30 +34,15 @@ Data = Any  # a path, a Log, a data frame or mapping of columns, or a sequence o
 
 
 def fit(
-    data: Data,
-    law: str | Sequence[str] | None = None,
-    *,
-    columns: Mapping[str, str] | None = None,
-    units: Mapping[str, str] | None = None,
-    force_gain: float | str | None = None,
-    mass: float | None = None,
-    method: str | None = None,
-    constants: Mapping[str, float | str] | None = None,
-    free: Sequence[str] = (),
-    terms: Sequence[str] = (),
-    select: bool | None = None,
-    cutoff: float | None = None,
-    trim: int | None = None,
-    decimate: int | None = None,
-    robust: bool = False,
-    folds: int = FOLDS,
-    starts: int = 20,
-    seed: int = 0,
-    output: str = "force",
-    drive: Mapping[str, Any] | None = None,
-    progress: Callable[[float], None] | None = None,
-    **named: str,
-) -> Fit | Choice:
+    data: Data, law: str | Sequence[str] | None = None, *,
+    columns: Mapping[str, str] | None = None, units: Mapping[str, str] | None = None,
+    force_gain: float | str | None = None, mass: float | None = None, method: str | None = None,
+    constants: Mapping[str, float | str] | None = None, free: Sequence[str] = (), terms: Sequence[str] = (),
+    select: bool | None = None, cutoff: float | None = None, trim: int | None = None, decimate: int | None = None,
+    robust: bool = False, folds: int = FOLDS, starts: int = 20, seed: int = 0,
+    output: str = "force", drive: Mapping[str, object] | None = None,
+    progress: Callable[[float], None] | None = None, **named: str,
+) -> Fit | Choice:  # fmt: skip
     """Fit a friction law, or several, to a measured log.
 
     Args:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -37,7 +36,7 @@ class FitOptions:
     starts: int = 20
     seed: int = 0
     output: str = "force"
-    drive: Mapping[str, Any] | None = None
+    drive: Mapping[str, object] | None = None
 
     def __post_init__(self) -> None:
         if self.method is not None and self.method not in METHODS:

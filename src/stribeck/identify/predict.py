@@ -23,7 +23,7 @@ from stribeck.identify.models import terms
 from stribeck.identify.models.columns import Columns, column
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.separable import Separable
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import OF_RECORD, TERMS
 from stribeck.identify.result import Fit, Prediction
 
 FILE = "fit.json"
@@ -193,7 +193,7 @@ def _steady(law_name: str, values: Mapping[str, Any], log: Log) -> Array:
     law = laws.find(law_name)
     own = {n: v for n, v in values.items() if n in law.constants()}
     columns = Columns(log, Sliding(law, own, {}), lambda x: x)
-    body = {n: v for n, v in values.items() if n in TERMS}
+    body = {n: v for n, v in values.items() if n in TERMS and n not in OF_RECORD}
     model = Separable(columns, {**own, **body}, (), (), ())
     return model.force_at({"mass": 0.0, **own, **body})
 
@@ -201,7 +201,10 @@ def _steady(law_name: str, values: Mapping[str, Any], log: Log) -> Array:
 def _simulated(model: FittedModel, log: Log) -> Array:
     """The law simulated along the measured motion, and the body's terms."""
     law = laws.find(model.law)
-    values = {"mass": 0.0, **{n: v for n, v in model.values.items() if n in law.constants() or n in TERMS}}
+    values = {
+        "mass": 0.0,
+        **{n: v for n, v in model.values.items() if n in law.constants() or (n in TERMS and n not in OF_RECORD)},
+    }
     delay = float(values.pop("delay", 0.0))
     body = tuple(n for n in values if n in TERMS)
     force = VelocityProblem(log, law, [], values, {}, body).force(np.zeros((1, 0)))

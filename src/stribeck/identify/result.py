@@ -56,7 +56,7 @@ class Estimate:
         ]
         return self.why + (f" (95 %: {' and '.join(ends)})" if ends else "")
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """As the contract has it, with why and experiment where there is something to say."""
         words = {key: getattr(self, key) for key in ("why", "experiment") if getattr(self, key)}
         keys = ("value", "low", "high", "unit", "identifiable")

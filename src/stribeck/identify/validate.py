@@ -35,7 +35,7 @@ class Validated:
     traces: dict[str, tuple[str, Array, Array]]
     errors: dict[str, dict[str, Any]]
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """What ``stribeck validate --json`` prints."""
         return {"status": self.status, "reason": self.reason, "rows": len(self.time), "errors": self.errors}
 
@@ -60,7 +60,7 @@ def validate(
     measured = [role for role in _COLUMNS if role in names]
     if not measured:
         raise InputError(f"{arg('position')}, {arg('velocity')} or {arg('force')}: one must be given: what is compared")
-    if scenario.rig is not None:
+    if not scenario.rig.single:
         raise InputError(
             f"{arg('scenario')}: {scenario.name}: is a machine; must be a law on a single body (schema = 1)"
         )
@@ -86,9 +86,9 @@ def validate(
     return Validated(solution.status, solution.reason, time[reached], traces, errors)
 
 
-def _changes(scenario: Scenario, raw: Mapping[str, Array], time: Array) -> dict[str, Any]:
+def _changes(scenario: Scenario, raw: Mapping[str, Array], time: Array) -> dict[str, object]:
     """What of the scenario the record replaces: its length, and with a command its signal and the start."""
-    changes: dict[str, Any] = {"solve.t_end": float(time[-1])}
+    changes: dict[str, object] = {"solve.t_end": float(time[-1])}
     step = float(np.median(np.diff(time)))
     if step > 0:
         changes["output.step"] = step

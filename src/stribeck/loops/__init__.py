@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -15,8 +15,9 @@ from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, loop_of
 from stribeck.loops.moves import errors
 from stribeck.loops.plane import Plane, plane, plane_of
-from stribeck.loops.proof import proof
+from stribeck.loops.proof import proof_and_certificates
 from stribeck.loops.second import second_opinion
+from stribeck.loops.starts import Start, from_starts, starts_row
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
 
@@ -42,6 +43,8 @@ class Design:
         plane: the verdict over two numbers, where that was asked for.
         second: what describing functions say of it.
         excess: from which share on a compensation at the measured speed pushes.
+        starts: the judgement from each of many starts.
+        certificates: those of the contacts, where ``proof`` holds, as ``stribeck check --certificate`` writes them.
     """
 
     loop: Loop
@@ -56,6 +59,8 @@ class Design:
     excess: Excess | None = None
     plane: Plane | None = None
     second: dict[str, object] | None = None
+    starts: list[Start] = field(default_factory=list)
+    certificates: dict[str, object] | None = None
 
     @property
     def verdict(self) -> str:
@@ -72,6 +77,7 @@ class Design:
             "verdict": None if self.verdict == "failed" else self.verdict,
             "why": j.note or None,
             "limit_cycle": cycle if self.verdict == "hunting" else None,
+            **starts_row(self.starts, j),
             "slowest_time_constant": self.loop.slowest,
             "held_signals": list(self.loop.held),
             "errors": self.errors,
@@ -96,6 +102,7 @@ def design(
     seed: int = 0,
     tell: Tell | None = None,
     map: Sequence[str] = (),
+    journal: str | Path | None = None,
 ) -> Design:
     """Judge a machine's loop: will it hunt, how well does it track, what may be done against its friction.
 
@@ -109,6 +116,7 @@ def design(
         seed: of the random samples and of the search.
         map: two of ``"PATH=LOW:HIGH"``: the verdict over both.
         tell: told the share done of the present part, and what that is.
+        journal: a file in which the search of ``tune`` is kept while it runs: stopped, it goes on from there.
 
     Raises:
         InputError: no machine with a controller, or a path or name that it does not have; one line for each problem.
@@ -125,25 +133,18 @@ def design(
 
     part = partial(_part, tell)
     found = judge(loop, tell=part("the verdict"))[0]
+    starts = from_starts(loop, name, part("the starts"))
     measured = errors(loop, name)
     lines = [boundary.line(loop, each, part(f"boundaries of {each.path}")) for each in ranges]
     over = plane(loop, *both, part("the map")) if both else None
     compared, too_much, why_not = _compared(loop, name, samples, compensations, part)
-    tuned = tuning.tune(loop, name, list(tune), samples, seed, part("gains")) if tune else None
+    kept = Path(journal) if journal is not None else None
+    tuned = tuning.tune(loop, name, list(tune), samples, seed, part("gains"), kept) if tune else None
+    told, certificates = proof_and_certificates(loop)
     return Design(
-        loop,
-        name,
-        found,
-        measured,
-        lines,
-        compared,
-        why_not,
-        proof(loop),
-        tuned,
-        too_much,
-        over,
-        second_opinion(loop, name),
-    )
+        loop, name, found, measured, lines, compared, why_not, told, tuned, too_much, over, second_opinion(loop, name), starts,
+        certificates,
+    )  # fmt: skip
 
 
 def loop_and_controller(scenario: Scenario, controller: str | None = None) -> tuple[Loop, str]:
@@ -182,7 +183,6 @@ def _part(tell: Tell | None, text: str) -> Callable[[float], None] | None:
 
 
 def _controller(loop: Loop, name: str | None) -> str:
-    assert loop.scenario.rig is not None
     known = [c.name for c in loop.scenario.rig.machine.controllers]
     if name is not None and name not in known:
         raise InputError(f"{arg('controller')}: {name!r}: must be one of {', '.join(known)}")

@@ -89,7 +89,7 @@ def known_path(loop: Loop, path: str) -> None:
     Raises:
         InputError: with what is like it.
     """
-    from stribeck.simulation.machines import machine_places
+    from stribeck.simulation.places import machine_places
 
     known = list(machine_places(loop.scenario))
     if path not in known:

@@ -12,13 +12,16 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.loops.judge import judge
-from stribeck.loops.loop import Loop, controller_of
+from stribeck.loops.loop import Loop, controller_of, time_constant
 from stribeck.loops.moves import reversal_errors
+from stribeck.loops.shaken import frequency_for
 from stribeck.scenario import Scenario
 
-KINDS = ("none", "reference", "measured", "inner_loop")
+KINDS = ("none", "reference", "measured", "inner_loop", "dither")
 _SHARES = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5])
-_ROUNDS = 4
+_AMPLITUDES = np.array([0.0, 0.5, 1.0, 1.5, 2.0, 3.0])  # of a dither, in shares of the friction
+_ROUNDS, _ROUNDS_OF_DITHER = 4, 2
+_BELOW = np.geomspace(1e-3, 1.0, 31)  # of v_s
 
 
 @dataclass(frozen=True)
@@ -27,13 +30,15 @@ class CompensationResult:
 
     Attributes:
         kind: "none"; "reference": the steady curve at the signal's speed; "measured": the law as an observer at the
-            measured speed; "inner_loop": that with dF/dt, led by the lag of the drive.
-        share: of the friction that is made up for in ``reversal_error``: 1, or what stays quiet of it.
+            measured speed; "inner_loop": that with dF/dt, led by the lag of the drive; "dither": an oscillation.
+        share: of the friction that is made up for in ``reversal_error``: 1, or what stays quiet of it; of a dither the
+            amplitude over the largest friction below v_s, of what is quiet the one that leaves the least worst error.
         largest_quiet_share: up to which the loop is quiet with every sample of the friction; None where it is not even
-            quiet without, 1.5 where all shares looked at are.
+            quiet without, 1.5 (a dither's 3) where all shares looked at are.
         reversal_error: the largest error after a reversal of the standard sine, with the friction as in the file.
         worst_error: the same with the worst sample.
         loop: the machine with it.
+        dither: its kind, amplitude and frequency, where it is one, and the least share from which on it is quiet.
     """
 
     kind: str
@@ -42,12 +47,14 @@ class CompensationResult:
     reversal_error: float
     worst_error: float
     loop: Loop
+    dither: dict[str, object] | None = None
 
     def row(self) -> dict[str, object]:
         """What is told of it."""
         return {
             "kind": self.kind, "share": self.share, "largest_quiet_share": self.largest_quiet_share,
             "reversal_error": self.reversal_error, "worst_reversal_error": self.worst_error,
+            **({"dither": self.dither} if self.dither else {}),
         }  # fmt: skip
 
 
@@ -97,14 +104,25 @@ def with_compensation(scenario: Scenario, controller: str, contact: str, kind: s
     """The machine with that compensation; its law is a copy, so that the contact's can be varied beside it."""
     data = deepcopy(scenario.data)
     table = data["controllers"][controller]
-    own = table.pop("compensation", None) or {}
-    if kind != "none":
+    own, shaken = table.pop("compensation", None) or {}, table.pop("dither", None)
+    if kind == "dither":
+        level = level_of(scenario, contact)
+        frequency = shaken["frequency"] if shaken else frequency_for(scenario, controller, time_constant(scenario)[0])
+        table["dither"] = {**(shaken or {"kind": "sine"}), "amplitude": share * level, "frequency": frequency}
+    elif kind != "none":
         law = own.get("law") or data["contacts"][contact]["law"]
         speed = "reference" if kind == "reference" else "measured"
         table["compensation"] = {"speed": speed, "law": deepcopy(law), "share": share}
         if kind == "inner_loop":
             table["compensation"]["lead"] = own.get("lead") or lag_of(scenario, controller)
     return Scenario(data, folder=scenario.folder, trust=True)
+
+
+def level_of(scenario: Scenario, contact: str) -> float:
+    """The largest steady friction of a contact up to v_s, N or N m: what a dither has to overcome."""
+    assert scenario.rig is not None
+    law = scenario.rig.laws[f"contacts.{contact}.law"]
+    return float(np.max(law.steady_force(law.scales(law.p).speed * _BELOW)))
 
 
 def compare(
@@ -119,6 +137,9 @@ def compare(
     found = []
     kinds = kinds_of(loop, controller, contact)
     for i, kind in enumerate(kinds):
+        if kind == "dither":
+            found.append(_dithered(loop, controller, contact, samples))
+            break  # the last
         made = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, kind, 1.0))
         path = f"controllers.{controller}.compensation.share" if kind != "none" else None
         largest = _largest(made, path, samples)
@@ -134,6 +155,33 @@ def compare(
     return found
 
 
+def _dithered(loop: Loop, controller: str, contact: str, samples: dict[str, Array]) -> CompensationResult:
+    """The amplitudes that stay quiet, and of these the one that leaves the least worst error."""
+    made = replace(loop, scenario=with_compensation(loop.scenario, controller, contact, "dither", 1.0))
+    table, path = made.scenario.data["controllers"][controller]["dither"], f"controllers.{controller}.dither.amplitude"
+    level, count = float(table["amplitude"]), len(next(iter(samples.values())))
+
+    def lanes(shares: Array) -> dict[str, Array]:
+        return {p: np.tile(x, len(shares)) for p, x in samples.items()} | {path: np.repeat(level * shares, count)}
+
+    every = [j.quiet for j in judge(made, lanes(_AMPLITUDES))]
+    quiet = [all(every[i : i + count]) for i in range(0, len(every), count)]
+    last = max((i for i, each in enumerate(quiet) if each), default=0)
+    first = last
+    while first and quiet[first - 1]:
+        first -= 1
+    largest = float(_AMPLITUDES[last]) if any(quiet) else None
+    if largest is not None and last + 1 < len(_AMPLITUDES):
+        ends = largest, float(_AMPLITUDES[last + 1])
+        largest = _bisected(made, lambda x: lanes(np.array([x])), *ends, _ROUNDS_OF_DITHER)
+    shares = np.unique([*_AMPLITUDES[first : last + 1], largest or 0.0])
+    errors = np.nanmax(reversal_errors(made, controller, lanes(shares)).reshape(len(shares), count), axis=1)
+    share = float(shares[int(np.argmin(errors))])
+    own = float(reversal_errors(made, controller, {path: np.array([share * level])})[0])
+    given = {**table, "amplitude": share * level, "least_quiet_share": float(_AMPLITUDES[first])}
+    return CompensationResult("dither", share, largest, own, float(errors.min()), made, given)
+
+
 def _largest(loop: Loop, path: str | None, samples: dict[str, Array]) -> float | None:
     """The largest share that is quiet with every sample, by bisection between shares looked at."""
     if path is None:
@@ -147,9 +195,14 @@ def _largest(loop: Loop, path: str | None, samples: dict[str, Array]) -> float |
     low, high = (float(_SHARES[first - 1]) if first else 0.0), float(_SHARES[first])
     if not first and not _quiet(loop, samples | {path: np.zeros(count)}):
         return None
-    for _ in range(_ROUNDS):
+    return _bisected(loop, lambda x: samples | {path: np.full(count, x)}, low, high, _ROUNDS)
+
+
+def _bisected(loop: Loop, lanes: Callable[[float], dict[str, Array]], low: float, high: float, rounds: int) -> float:
+    """The largest share found quiet between one that is and one that is not."""
+    for _ in range(rounds):
         middle = (low + high) / 2
-        if _quiet(loop, samples | {path: np.full(count, middle)}):
+        if _quiet(loop, lanes(middle)):
             low = middle
         else:
             high = middle

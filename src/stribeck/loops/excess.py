@@ -107,7 +107,7 @@ def _counterexample(
     for group in ("links", "loads", "motors"):
         data.pop(group, None)
     data["controllers"] = {controller: table}
-    for name in ("limit", "sampling", "feedforward", "T_i"):
+    for name in ("limit", "sampling", "feedforward", "T_i", "dither"):
         table.pop(name, None)
     table |= {**dict.fromkeys(gains, 0.0), "on": each.measures}
     table["signal"] = {"kind": "step", "value": 0.0, "time": 0.0}

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from stribeck.analysis.oscillation import amplitude_and_period
 from stribeck.arrays import Array
 from stribeck.loops.loop import Loop, a_number, resolution_of
+from stribeck.loops.shaken import swings
 from stribeck.simulation.ensemble import Ensemble, simulate_ensemble
 
 STAYS = 100  # slowest time constants that a body has to stay at rest
@@ -25,6 +26,7 @@ _FEW, _FAR = 6, 10.0  # rows of a run that ended early; how far it had grown fro
 _GROWS = 1.15  # from one third of the window to the next
 
 WINDS = "an integral still winds up behind friction that holds"
+SHAKEN = "rest is what its dither alone moves it"
 
 Tell = Callable[[float], None]
 
@@ -63,11 +65,11 @@ def judge(loop: Loop, values: Mapping[str, ArrayLike] | None = None, tell: Tell 
     given = {path: np.atleast_1d(np.asarray(x, float)) for path, x in (values or {}).items()}
     count = max((len(x) for x in given.values()), default=1)
     found: list[Judgement | None] = [None] * count
-    left = np.arange(count)
+    left, swing = np.arange(count), swings(loop, given, count)
     for i, windows in enumerate(_LONGER):
         lanes = _simulated(loop, {p: x if len(x) == 1 else x[left] for p, x in given.items()}, windows, len(left))
         for lane, place in enumerate(left):
-            found[place] = _judged(loop, lanes, lane)
+            found[place] = _judged(loop, lanes, lane, swing[place])
         left = np.array([k for k in left if _worth_longer(found[k])], dtype=int)
         if tell is not None:
             tell(1 - len(left) / count * (1 - (i + 1) / len(_LONGER)))
@@ -98,7 +100,7 @@ def _simulated(loop: Loop, values: Mapping[str, ArrayLike], windows: int, count:
     return simulate_ensemble(loop.scenario, values, t_end=end, step=step)
 
 
-def _judged(loop: Loop, lanes: Ensemble, lane: int) -> Judgement:
+def _judged(loop: Loop, lanes: Ensemble, lane: int, swing: dict[str, float]) -> Judgement:
     """The judgement of one lane, by its last rows."""
     rig = loop.scenario.rig
     assert rig is not None
@@ -112,11 +114,13 @@ def _judged(loop: Loop, lanes: Ensemble, lane: int) -> Judgement:
     path = {name: np.asarray(lanes[f"{name}.y"][lane]) for name in moving}
     travel = {name: float(np.ptp(y)) for name, y in path.items()}
     rest = _rest(loop, travel)
+    rest = {name: x + swing.get(name, 0.0) for name, x in rest.items()}
     excess = {name: float(np.ptp(path[name][last])) / rest[name] if rest[name] else 0.0 for name in moving}
     body = main if excess.get(main, 0.0) > 1 else max(excess, key=excess.__getitem__)
     y, t = path[body][last], lanes.t[last]
     if max(excess.values()) <= 1:
-        return Judgement("quiet", main, float(np.ptp(path[main][last])) / 2, np.nan, _winding(loop, lanes, lane, last))
+        note = _winding(loop, lanes, lane, last) or (SHAKEN if swing else "")
+        return Judgement("quiet", main, float(np.ptp(path[main][last])) / 2, np.nan, note)
     amplitude, period = (float(x) for x in amplitude_and_period(t, y))
     if _limited(loop, lanes, lane, last):
         return Judgement("unstable", body, amplitude, period, "the oscillation is held by a limit")
@@ -153,10 +157,15 @@ def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
 
 def _winding(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> str:
     """:data:`WINDS` where an output still moves one way while the bodies rest; else nothing."""
-    assert loop.scenario.rig is not None
     for each in loop.scenario.rig.machine.controllers:
         u = np.asarray(lanes[f"{each.name}.u"][lane])
-        if abs(u[rows][-1] - u[rows][0]) > _WINDS * np.abs(u).max():
+        if each.dither is not None:  # where an integral winds, the mean moves
+            u = u[rows]
+            first, second = (float(x.mean()) for x in np.array_split(u, 2))
+            moved = abs(second - first)
+        else:
+            moved = abs(u[rows][-1] - u[rows][0])
+        if moved > _WINDS * np.abs(u).max():
             return WINDS
     return ""
 

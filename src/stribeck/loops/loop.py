@@ -47,13 +47,12 @@ def loop_of(scenario: Scenario) -> Loop:
     Raises:
         InputError: it is no machine (schema = 2), or has no controller.
     """
-    if scenario.rig is None:
+    if scenario.rig.single:
         raise InputError(f"{scenario.name}: schema = 1: must be a machine (schema = 2) with a controller")
     if not scenario.rig.machine.controllers:
         raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")
     given = scenario
     scenario, held = with_rest(scenario)
-    assert scenario.rig is not None
     rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
     slowest, unstable = time_constant(scenario)
     return Loop(scenario, rest, slowest, held, unstable, given)
@@ -114,27 +113,46 @@ def time_constant(scenario: Scenario) -> tuple[float, bool]:
     The eigenvalues of the machine without limits, sampling and compensation, at speeds far above those of the contacts'
     Stribeck curves and with their deflections steady: what is left of friction there is its viscous part.
     """
-    from stribeck.simulation.fallback import RateFunctions
-
-    data = deepcopy(scenario.data)
-    data.get("output", {}).pop("energy", None)
-    for each in data.get("controllers", {}).values():
-        for name in ("sampling", "compensation", "limit"):
-            each.pop(name, None)
-    for motor in data.get("motors", {}).values():
-        motor.pop("voltage", None)
-    bare = Scenario(data, folder=scenario.folder, trust=True)
-    functions = RateFunctions(bare)
-    pieces = bare.pieces()
-    functions.piece = pieces.rows[-1]
-    x = _sliding(bare)
-    jacobian = functions.jacobian(float(pieces.start[-1]) + 1.0, x)
-    keep = [i for i, name in enumerate(functions.states) if name not in ("E_in", "E_dissipated")]
-    roots = np.linalg.eigvals(jacobian[np.ix_(keep, keep)])
+    roots = np.linalg.eigvals(SlidingLoop(scenario).jacobian)
     size = float(np.abs(roots).max(initial=0.0))
     falling = -roots.real[roots.real < -_ZERO * size]
     slowest = 1 / float(falling.min()) if len(falling) else 1.0
     return slowest, bool((roots.real > 1e-8 * size).any())
+
+
+class SlidingLoop:
+    """A machine without limits, sampling and compensation while all contacts slide: its states and their Jacobian; with a
+    ``shaken`` controller also by how much the rates differ per unit of its output."""
+
+    def __init__(self, scenario: Scenario, shaken: str | None = None) -> None:
+        from stribeck.simulation.fallback import RateFunctions
+
+        data = deepcopy(scenario.data)
+        data.get("output", {}).pop("energy", None)
+        for name, each in data.get("controllers", {}).items():
+            for key in ("sampling", "compensation", "limit", "dither"):
+                each.pop(key, None)
+            if name == shaken:
+                each["dither"] = {"amplitude": 1.0, "frequency": 0.25}
+        for motor in data.get("motors", {}).values():
+            motor.pop("voltage", None)
+        bare = Scenario(data, folder=scenario.folder, trust=True)
+        functions = RateFunctions(bare)
+        pieces = bare.pieces()
+        functions.piece = pieces.rows[-1]
+        x, t = _sliding(bare), 4.0 * math.ceil(float(pieces.start[-1]) / 4.0 + 1.0)
+        keep = [i for i, name in enumerate(functions.states) if name not in ("E_in", "E_dissipated")]
+        self.states = [functions.states[i] for i in keep]
+        self.jacobian = functions.jacobian(t, x)[np.ix_(keep, keep)]
+        self.by_output = np.zeros(len(keep))
+        if shaken is not None:  # a quarter of a wave on the dither is 1
+            self.by_output = (functions.rates(t + 1.0, x) - functions.rates(t, x))[keep]
+
+    def response(self, frequency: float) -> dict[str, float]:
+        """By how much each body's position swings per unit of the output at a frequency, Hz."""
+        j_w = 2j * np.pi * frequency * np.eye(len(self.states))
+        x = np.linalg.solve(j_w - self.jacobian, self.by_output)
+        return {n.removesuffix(".y"): float(abs(v)) for n, v in zip(self.states, x, strict=True) if n.endswith(".y")}
 
 
 def _sliding(scenario: Scenario) -> Array:
@@ -174,20 +192,17 @@ def replaced(scenario: Scenario, controller: str, signal: dict[str, object]) -> 
 
 def controller_of(scenario: Scenario, name: str) -> ControllerPart:
     """The controller of that name."""
-    assert scenario.rig is not None
     return next(c for c in scenario.rig.machine.controllers if c.name == name)
 
 
 def resolution_of(scenario: Scenario, controller: ControllerPart) -> float:
     """The step of a controller's encoder, 0 where it has none."""
-    assert scenario.rig is not None
     return scenario.rig.values.get((f"{controller.path}.sampling", "resolution"), 0.0)
 
 
 def a_number(scenario: Scenario) -> dict[str, float]:
     """A number of the machine by its path, as it is: a lane needs one to be given."""
-    from stribeck.simulation.machines import machine_places
+    from stribeck.simulation.places import machine_places
 
-    assert scenario.rig is not None
     places = machine_places(scenario)
     return next({path: scenario.rig.values[at]} for path, at in places.items() if at in scenario.rig.values)

@@ -37,7 +37,8 @@ class Moves:
 
 
 def moves_of(loop: Loop, controller: str) -> Moves:
-    """The moves of the file's signal's size: half of its range, and its speed, or what the loop does in ten of its
+    """The moves of the file's signal's size: half of its range (of the way there
+    where it does not move), and its speed, or what the loop does in ten of its
     slowest time constants where the signal jumps or stands."""
     rig = loop.scenario.rig
     assert rig is not None
@@ -48,7 +49,11 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     t = np.linspace(0.0, end, 4001)
     r = signal.at(t)
     step = resolution_of(loop.scenario, each)
-    amplitude = float(np.ptp(r)) / 2 or 1e3 * step or rig.scales[rig.machine.leader(each.measures).name].length * 100
+    starts = loop.scenario.initial.get(f"{rig.machine.leader(each.measures).name}.y", 0.0)
+    begins = abs(float(r[0]) - starts) / 2 if each.measures == rig.machine.leader(each.measures).name else 0.0
+    amplitude = (
+        float(np.ptp(r)) / 2 or begins or 1e3 * step or rig.scales[rig.machine.leader(each.measures).name].length * 100
+    )
     rates = np.abs(np.diff(r)) / (t[1] - t[0])
     fastest = float(np.quantile(rates, 0.98)) if not signal.smooth else float(rates.max())
     slow = amplitude / (10 * loop.slowest)

@@ -77,7 +77,7 @@ def plane_of(loop: Loop, ranges: Sequence[str]) -> tuple[Turned, Turned]:
 
 def plane(loop: Loop, across: Turned, up: Turned, tell: Callable[[float], None] | None = None) -> Plane:
     """The verdict over both, simulated."""
-    from stribeck.simulation.machines import machine_places
+    from stribeck.simulation.places import machine_places
 
     corners = product((across.low, across.high), (up.low, up.high))
     ends = [loop.scenario.with_changes({across.path: a, up.path: b}) for a, b in corners]

@@ -7,7 +7,7 @@ from stribeck.machine.controllers import Cascade, PidController
 from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import Follower, Pendulum, Ripple
 from stribeck.machine.parts import ControllerPart
-from stribeck.scenario.machine import Rig
+from stribeck.scenario.rig import Rig
 
 NO_HUNTING = (
     "with the signals at rest the stored energy with the controller's K_p (r - y)^2/2 falls at least by what its damping takes, "
@@ -15,9 +15,18 @@ NO_HUNTING = (
 )
 
 
+FILE = "certificate.json"  # beside the page: the certificates of the contacts, as 'stribeck check --certificate' writes them
+
+
 def proof(loop: Loop) -> dict[str, object]:
+    """:func:`proof_and_certificates` without the certificates."""
+    return proof_and_certificates(loop)[0]
+
+
+def proof_and_certificates(loop: Loop) -> tuple[dict[str, object], dict[str, object] | None]:
     """Whether passivity excludes that the loop hunts: ``holds`` true with the reasons, or null with what stands against it;
-    ``contacts`` says which contacts are passive whatever the file lets their constants do.
+    ``contacts`` says which contacts are passive whatever the file lets their constants do; and
+    where all are, ``check``'s certificates, which its independent checker has read.
 
     Simulation alone says everything else.
     """
@@ -30,12 +39,19 @@ def proof(loop: Loop) -> dict[str, object]:
     if found.passive is not True:
         against.append(found.why)
     holds = True if not against else None
-    return {
+    theorems = {
+        name: verdicts["passive"].certificate["theorem"]
+        for name, verdicts in found.contacts.items() if verdicts["passive"].certificate
+    }  # fmt: skip
+    told: dict[str, object] = {
         "holds": holds,
         "why": NO_HUNTING if holds else "; ".join(against),
         "machine_passive": found.passive,
         "contacts": {name: verdicts["passive"].holds for name, verdicts in found.contacts.items()},
+        "theorems": theorems,
     }
+    certificates: dict[str, object] = {**found.certificates()}
+    return told, (certificates if holds and theorems else None)
 
 
 def supplied(rig: Rig) -> list[str]:
@@ -87,6 +103,8 @@ def active(rig: Rig, each: ControllerPart) -> list[str]:
         against.append(f"{name} has a limit, and its spring is not one beyond it")
     if each.compensation is not None and each.compensation.speed == "measured":
         against.append(f"{name} makes up for friction at the measured speed: it supplies what friction takes")
+    if each.dither is not None:
+        against.append(f"{name} has a dither: it supplies energy")
     motor = next((m for m in rig.machine.motors if m.name == each.on), None)
     acts_on = motor.on if motor is not None else each.on
     if motor is not None and (motor.has_inductance or "voltage" in motor.form):

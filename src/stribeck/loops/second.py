@@ -63,7 +63,11 @@ def as_pid(loop: Loop, controller: str) -> tuple[Scenario, list[str]] | str:
         return "describing functions are for pid and cascade"
     if not gains["K_i"]:
         return "without an integral they predict no cycle"
-    left_out = [n for n, on in (("sampling", each.sampling), ("compensation", each.compensation)) if on is not None]
+    left_out = [
+        n
+        for n, on in (("sampling", each.sampling), ("compensation", each.compensation), ("dither", each.dither))
+        if on is not None
+    ]
     left_out += ["limit"] if "limit" in each.form else []
     left_out += ["the motor's inductance and voltage"] if each.on not in machine.body else []
     law = scenario.data["contacts"][contact.name]["law"]

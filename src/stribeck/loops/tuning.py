@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from hashlib import sha256
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +14,12 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError
+from stribeck.files import read_file, write_text
 from stribeck.loops.boundary import known_path
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import Loop, time_constant
 from stribeck.loops.moves import reversal_errors
+from stribeck.version import __version__
 
 _GENERATIONS = 5
 _TRIED = 24  # a generation
@@ -34,6 +39,64 @@ class Tuned:
     quiet: int
 
 
+@dataclass
+class _Search:
+    """How far a search has come; ``journal`` keeps it, for the search that ``key`` tells."""
+
+    journal: Path | None
+    key: str
+    random: np.random.Generator
+    mean: Array
+    spread: Array
+    error: float = np.inf
+    best: Array | None = None
+    generation: int = 0
+    tried: int = 0
+    quiet: int = 0
+
+    @classmethod
+    def begun(cls, journal: Path | None, key: str, start: Array, seed: int) -> _Search:
+        """A new one, or the one that the journal has."""
+        made = cls(journal, key, np.random.default_rng(seed), np.log(start), np.full(len(start), np.log(_FACTOR) / 2))
+        if journal is None or not journal.is_file():
+            return made
+        try:
+            kept = json.loads(read_file(journal))
+            if kept["key"] != key:
+                return made
+            made.random.bit_generator.state = kept["random"]
+            made.mean, made.spread = np.array(kept["mean"]), np.array(kept["spread"])
+            made.best = None if kept["best"] is None else np.array(kept["best"])
+            made.error = np.inf if kept["best"] is None else kept["error"]
+            made.generation, made.tried, made.quiet = kept["generation"], kept["tried"], kept["quiet"]
+        except (OSError, ValueError, KeyError, TypeError):  # a journal that is no journal: begin anew
+            return cls(
+                journal, key, np.random.default_rng(seed), np.log(start), np.full(len(start), np.log(_FACTOR) / 2)
+            )
+        return made
+
+    def keep(self) -> None:
+        """Write the journal."""
+        if self.journal is None:
+            return
+        numbers = {name: getattr(self, name) for name in ("generation", "tried", "quiet")}
+        lists = {n: None if (x := getattr(self, n)) is None else x.tolist() for n in ("mean", "spread", "best")}
+        state = {"key": self.key, **numbers, **lists, "random": self.random.bit_generator.state}
+        self.journal.parent.mkdir(parents=True, exist_ok=True)
+        write_text(self.journal, json.dumps(state | {"error": self.error if self.best is not None else None}) + "\n")
+
+    def done(self) -> None:
+        """The result takes the journal's place."""
+        if self.journal is not None:
+            self.journal.unlink(missing_ok=True)
+
+
+def _key(loop: Loop, controller: str, paths: list[str], samples: dict[str, Array], seed: int) -> str:
+    """What a search is for: another machine, other samples, another seed or version begin anew."""
+    what = [__version__, loop.scenario.data, controller, paths, {p: x.tolist() for p, x in samples.items()}, seed]
+    return sha256(json.dumps(what, sort_keys=True, default=str).encode()).hexdigest()
+
+
 def paths_of(loop: Loop, controller: str, names: list[str]) -> list[str]:
     """The full path of each name: ``K_p`` is the controller's.
 
@@ -48,12 +111,13 @@ def paths_of(loop: Loop, controller: str, names: list[str]) -> list[str]:
 
 def tune(
     loop: Loop, controller: str, names: list[str], samples: dict[str, Array], seed: int = 0,
-    tell: Callable[[float], None] | None = None,
+    tell: Callable[[float], None] | None = None, journal: Path | None = None,
 ) -> Tuned:  # fmt: skip
     """Search gains, by the cross-entropy method on their logarithms; the same seed finds the same.
 
     Each trial is simulated on the standard sine with every sample of the friction; those whose error is best are then
-    judged for quietness with every sample, and only quiet ones lead the search.
+    judged for quietness with every sample, and only quiet ones lead the search. After each generation the search is kept in
+    ``journal``: one that was stopped goes on from there, and ends with the same gains.
 
     Raises:
         InputError: a name is no number of the machine, or one that is not positive.
@@ -67,36 +131,38 @@ def tune(
             f"tune: {paths[at]} = {show(float(start[at]))}: must be above 0 to be tuned: the search is by factors"
         )
     few = {path: x[:3] for path, x in samples.items()}  # the middle and both ends lead; all of them decide
-    random = np.random.default_rng(seed)
-    mean, spread = np.log(start), np.full(len(start), np.log(_FACTOR) / 2)
-    best: tuple[float, Array] | None = None
-    tried = quiet_count = 0
-    for generation in range(_GENERATIONS):
-        trials = np.exp(mean + spread * random.standard_normal((_TRIED, len(start))))
+    search = _Search.begun(journal, _key(loop, controller, paths, samples, seed), start, seed)
+    for generation in range(search.generation, _GENERATIONS):
+        if tell is not None:
+            tell(generation / _GENERATIONS)
+        trials = np.exp(search.mean + search.spread * search.random.standard_normal((_TRIED, len(start))))
         trials = np.clip(trials, start / _FACTOR, start * _FACTOR)
         if generation == 0:
             trials[0] = start
         error = worst_errors(loop, controller, paths, trials, few)
         order = np.argsort(np.where(np.isfinite(error), error, np.inf))[: 2 * _KEPT]
         quiet = _all_quiet(loop, paths, trials[order], few)
-        tried, quiet_count = tried + len(trials), quiet_count + int(quiet.sum())
+        search.tried, search.quiet = search.tried + len(trials), search.quiet + int(quiet.sum())
         kept = order[quiet][:_KEPT]
         for i in kept:
-            if (best is None or error[i] < best[0]) and _all_quiet(loop, paths, trials[i : i + 1], samples)[0]:
-                best = (float(error[i]), trials[i])
+            if error[i] < search.error and _all_quiet(loop, paths, trials[i : i + 1], samples)[0]:
+                search.error, search.best = float(error[i]), trials[i]
         if len(kept):
             logs = np.log(trials[kept])
-            mean, spread = logs.mean(axis=0), np.maximum(logs.std(axis=0) * 1.2, 0.02)
+            search.mean, search.spread = logs.mean(axis=0), np.maximum(logs.std(axis=0) * 1.2, 0.02)
         else:
-            spread = spread * 1.3
-        if tell is not None:
-            tell((generation + 1) / _GENERATIONS)
-    if best is None:
-        raise StribeckError(f"tune: none of {tried} sets of gains is quiet with every friction within its interval")
-    gains = {path: float(f"{x:.4g}") for path, x in zip(paths, best[1], strict=True)}
+            search.spread = search.spread * 1.3
+        search.generation = generation + 1
+        search.keep()
+    if search.best is None:
+        raise StribeckError(
+            f"tune: none of {search.tried} sets of gains is quiet with every friction within its interval"
+        )
+    gains = {path: float(f"{x:.4g}") for path, x in zip(paths, search.best, strict=True)}
     final = np.array([list(gains.values()), start])
     errors = worst_errors(loop, controller, paths, final, samples)
-    return Tuned(gains, float(errors[0]), float(errors[1]), tried, quiet_count)
+    search.done()
+    return Tuned(gains, float(errors[0]), float(errors[1]), search.tried, search.quiet)
 
 
 def worst_errors(loop: Loop, controller: str, paths: list[str], trials: Array, samples: dict[str, Array]) -> Array:
@@ -121,7 +187,7 @@ def _lanes(paths: list[str], trials: Array, samples: dict[str, Array]) -> dict[s
 
 
 def _value(loop: Loop, path: str) -> float:
-    from stribeck.simulation.machines import machine_places
+    from stribeck.simulation.places import machine_places
 
     rig = loop.scenario.rig
     assert rig is not None

@@ -26,7 +26,7 @@ def intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple[float, f
     Raises:
         InputError: the file cannot be read, or names what the machine does not have.
     """
-    from stribeck.simulation.machines import machine_places
+    from stribeck.simulation.places import machine_places
 
     places = machine_places(scenario)
     rig = scenario.rig

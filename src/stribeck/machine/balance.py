@@ -17,8 +17,9 @@ from stribeck.expressions.graph import (
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import both, clip, where
 from stribeck.machine.controllers import Own
+from stribeck.machine.driving import Driven, act
 from stribeck.machine.friction import compensation, contact_parameters
-from stribeck.machine.parts import BodyPart, ControllerPart, LinkPart, MotorPart, Span, symbols_of
+from stribeck.machine.parts import BodyPart, ControllerPart, LinkPart, MotorPart, Span, joined, symbols_of
 from stribeck.signals.pieces import Reference
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ class Balance:
         self._motors()
         self._contacts()
         self._bodies()
+        self._drives()
 
     # -- the parts in the order in which they depend on each other ---------------------------------------------------
 
@@ -62,11 +64,18 @@ class Balance:
             if body.leader is not None:
                 self.k[f"{body.name}.y"] = ratio * symbol(f"{leader.name}.y")
                 self.k[f"{body.name}.v"] = ratio * self._speed(leader)
-            else:
-                self.k[f"{body.name}.y"], self.k[f"{body.name}.v"] = symbol(f"{body.name}.y"), self._speed(body)
+                continue
+            y, v = joined(body.name, "y"), joined(body.name, "v")
+            self.k[y], self.k[v] = symbol(y), self._speed(body)
+            for state in body.plant.states if body.driven is None else ():
+                self.k[joined(body.name, state.name)] = symbol(joined(body.name, state.name))
+
+    def motion(self, name: str) -> tuple[Expr, Expr]:
+        """Position and velocity of a body."""
+        return self.k[joined(name, "y")], self.k[joined(name, "v")]
 
     def _speed(self, body: BodyPart) -> Expr:
-        return symbol(f"{body.name}.v") if body.driven is None else wrap(body.driven.reference(T).value)
+        return symbol(joined(body.name, "v")) if body.driven is None else wrap(body.driven.reference(T).value)
 
     def ratio(self, body: BodyPart) -> Expr:
         """How far a body moves by its leader."""
@@ -80,7 +89,8 @@ class Balance:
         """d, w and the ratio of an element."""
         ratio = symbol(f"{path}.ratio") if span.ratio else wrap(1.0)
         if isinstance(span.start, str):
-            d, w = ratio * self.k[f"{span.start}.y"], ratio * self.k[f"{span.start}.v"]
+            y, v = self.motion(span.start)
+            d, w = ratio * y, ratio * v
         else:
             far = span.start.reference(T)
             d, w = ratio * far.value, ratio * far.rate
@@ -152,7 +162,8 @@ class Balance:
     def _continuous(self, each: ControllerPart, r: Reference) -> Expr:
         y, v = self.k[f"{each.measures}.y"], self.k[f"{each.measures}.v"]
         x = {n: symbol(f"{each.name}.{n}") for n in each.states}
-        raw, rates = unlimited(each, r, y, v, x, self.called, self.exact)
+        shaken = each.dither.at(T) if each.dither is not None else ZERO
+        raw, rates = unlimited(each, r, y, v, x, self.called, self.exact, shaken)
         self.unlimited[each.name] = raw
         rates = held_at_limit(each, raw, rates, x, LAYER)
         self._own(each.name, tuple(rates), tuple(rates.values()))
@@ -185,14 +196,14 @@ class Balance:
         forces = {n.rpartition(".")[0]: x for n, x in self.k.items() if n.endswith((".f", ".torque"))}
         for contact in self.machine.contacts:
             d, w, ratio = self.span(contact.span, contact.path)
-            z = symbol(f"{contact.name}.z") if contact.law.has_z else ZERO
+            z = symbol(joined(contact.name, "z")) if contact.law.has_z else ZERO
             p = contact_parameters(contact, d, forces, T, self.called)
             rate = wrap(contact.law.dz_dt(p, w, z)) if contact.law.has_z else ZERO
             F = wrap(contact.law.friction(p, w, z, rate))
             if rate.args:
-                self.called[rate] = f"{contact.name}_dz_dt"
-            self.k[f"{contact.name}.z"], self.k[f"{contact.name}.w"] = z, w
-            self._name(f"{contact.name}.F", F)
+                self.called[rate] = joined(contact.name, "dz_dt", "_")
+            self.k[joined(contact.name, "z")], self.k[joined(contact.name, "w")] = z, w
+            self._name(joined(contact.name, "F"), F)
             self._act(contact.span, ratio, F)
             stored = wrap(
                 contact.law.stored_energy(contact.law.symbolic(symbols_of(contact.law_path), contact.form), z)
@@ -200,7 +211,7 @@ class Balance:
             self.stored = self.stored + stored
             self.lost = self.lost + (F * w - (derivative(stored, z) * rate if contact.law.has_z else ZERO))
             if contact.law.has_z:
-                self.own[f"{contact.name}.z"] = rate
+                self.own[joined(contact.name, "z")] = rate
 
     def _bodies(self) -> None:
         """Forces and inertias gathered at the leaders."""
@@ -209,13 +220,29 @@ class Balance:
         for body in self.machine.bodies:
             leader, ratio = self.machine.leader(body.name), self.ratio(body)
             self.force[leader.name] = self.force[leader.name] + ratio * self.net[body.name]
-            if body.inertia and leader.driven is None:
+            if body.inertia and leader.driven is None and body.inertia_name in body.constants():
                 m = symbol(f"{body.path}.{body.inertia_name}")
                 self.inertia[leader.name] = self.inertia[leader.name] + m * ratio * ratio
-                self.stored = self.stored + m * self.k[f"{body.name}.v"] ** 2 / 2
         for body in self.machine.bodies:
             if body.driven is not None:  # what drives it supplies the forces on it
-                self.power_in = self.power_in - self.force[body.name] * self.k[f"{body.name}.v"]
+                self.power_in = self.power_in - self.force[body.name] * self.motion(body.name)[1]
+
+    def _drives(self) -> None:
+        """What moves the bodies beside forces, and how they obey."""
+        self.driven: dict[str, Driven] = {}
+        for body in self.machine.bodies:
+            if body.leader is not None or body.driven is not None:
+                continue
+            found = act(self, body, self.machine.drive_on(body.name))
+            self.driven[body.name] = found
+            self.own |= found.rates
+            self.k |= found.shown
+            if self.machine.energy:
+                self.power_in = self.power_in + found.power
+                self.lost, self.stored = self.lost + found.lost, self.stored + found.stored
+        for drive in self.machine.drives:
+            if drive.on not in self.driven:  # which sets the velocity
+                self.k[drive.drive.signal.name] = wrap(drive.signal.reference(T).value)
 
     # -- what follows ------------------------------------------------------------------------------------------------
 
@@ -224,9 +251,9 @@ class Balance:
         found = dict(self.own)
         for body in self.machine.bodies:
             if body.leader is None:
-                found[f"{body.name}.y"] = self.k[f"{body.name}.v"]
+                found[joined(body.name, "y")] = self.motion(body.name)[1]
                 if body.driven is None:
-                    found[f"{body.name}.v"] = self.force[body.name] / self.inertia[body.name]
+                    found[joined(body.name, "v")] = self.driven[body.name].acceleration
         return found | {"E_in": self.power_in, "E_dissipated": self.lost}
 
     def moved_energy(self) -> Expr | None:
@@ -235,7 +262,8 @@ class Balance:
 
     def watched(self) -> list[Expr]:
         """What events are told by, in the order of the machine's ``watched``."""
-        found = [self.k[f"{contact.name}.w"] for contact in self.machine.contacts]
+        contacts = {name for name, _ in self.machine.watched}
+        found = [self.k[joined(x.name, "w")] for x in self.machine.contacts if x.name in contacts]
         found += [self.span(x.span, x.path)[0] for x in self.machine.links if "gap" in x.form]
         controllers = [x for x in self.machine.controllers if x.sampling is None and "limit" in x.form]
         return [*found, *(self.unlimited[x.name] for x in controllers)]
@@ -247,9 +275,9 @@ class Balance:
 
 
 def unlimited(
-    each: ControllerPart, r: Reference, y: Expr, v: Expr, x: dict[str, Expr], called: Names, exact: bool
+    each: ControllerPart, r: Reference, y: Expr, v: Expr, x: dict[str, Expr], called: Names, exact: bool, shaken: Expr
 ) -> tuple[Expr, dict[str, Expr]]:
-    """A controller's output without its limit, and the rates of its states."""
+    """A controller's output without its limit, its dither's force ``shaken`` among it, and the rates of its states."""
     own = tuple(x[s.name] for s in each.kind.states_of(each.form))
     names = [s.name for s in each.kind.states_of(each.form)]
     u = wrap(each.kind.output(each.p, r, y, v, own))
@@ -261,7 +289,7 @@ def unlimited(
         u = u + (symbol(f"{each.path}.compensation.share") * force if each.compensation.share else force)
         if rate is not None and "z_hat" in x:
             rates["z_hat"] = rate
-    return wrap(u), rates
+    return wrap(u + shaken), rates
 
 
 def lead_of(each: ControllerPart) -> Expr | None:

@@ -10,7 +10,7 @@ from stribeck.expressions.ops import Value, clip, where
 from stribeck.laws.base import Law
 from stribeck.laws.values import Constants
 from stribeck.machine.loads import sum_of_waves
-from stribeck.machine.parts import CompensationPart, ContactPart, Factor, symbols_of
+from stribeck.machine.parts import CompensationPart, ContactPart, Factor, joined, symbols_of
 from stribeck.signals.pieces import Reference
 
 _SLOWEST = 1e-100  # m/s or rad/s
@@ -24,7 +24,7 @@ def contact_parameters(contact: ContactPart, d: Expr, forces: dict[str, Expr], t
     """
 
     def on_term(name: str, latex: str, args: tuple[Value, ...], value: Value) -> Value:
-        return called.term(f"{contact.name}_{name}", latex, args, value)
+        return called.term(joined(contact.name, name, "_"), latex, args, value)
 
     p = contact.law.symbolic(symbols_of(contact.law_path), contact.form, on_term)
     by_name = {factor.of: _factor(factor, d, t) for factor in contact.factors}
@@ -38,6 +38,9 @@ def contact_parameters(contact: ContactPart, d: Expr, forces: dict[str, Expr], t
         for source in level.sources:
             total = total + (make(f"weight_{source}") if level.weighted else 1.0) * forces[source]
         size = abs(total)
+        if level.against is not None:
+            other = forces[level.against]
+            size = where(total * other < 0, where(size < abs(other), total**2, 0.0), 0.0)
         if isinstance(size, Expr) and size.args:
             called[size] = f"{contact.name}_load" + (f"_{i + 1}" if len(contact.levels) > 1 else "")
         for name in levels:

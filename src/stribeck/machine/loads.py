@@ -34,14 +34,15 @@ class LoadElement(Element):
 
 
 class Follower(LoadElement):
-    """The signal is the force."""
+    """The signal is the force, times ``gain`` if given: the torque constant where a current was recorded."""
 
     kind, follows_signal = "signal", True
+    gain = Constant("", "force by the signal", optional=True, example=1.0)
 
     @staticmethod
     def force(p: SimpleNamespace, r: Value, y: Value, v: Value, x: Own = ()) -> Value:
-        """The signal."""
-        return r
+        """The signal times the gain."""
+        return r if p.gain is None else p.gain * r
 
 
 class Pendulum(LoadElement):

@@ -11,19 +11,23 @@ from dataclasses import dataclass, is_dataclass, replace
 from dataclasses import fields as fields_of
 from functools import cached_property
 from types import SimpleNamespace
-from typing import TypeVar, cast
+from typing import ClassVar, TypeVar, cast
 
 from stribeck.constants import Constant
 from stribeck.control.sampled import Sampled
+from stribeck.drives.base import Column, Drive
 from stribeck.expressions.graph import Expr, symbol
 from stribeck.expressions.names import Names
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
 from stribeck.machine.controllers import ControllerElement
+from stribeck.machine.dither import DitherPart
+from stribeck.machine.element import Element
 from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import LoadElement
 from stribeck.machine.motors import MotorElement
+from stribeck.plants import Mass, Plant
 from stribeck.signals import Signal
 from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
 
@@ -32,6 +36,11 @@ INPUT = "input"  # what an exported machine adds to a signal
 _INPUT = Constant("", "added to the signal", default=0.0)
 Named = dict[str, Constant]
 _Part = TypeVar("_Part")
+
+
+def joined(name: str, word: str, by: str = ".") -> str:
+    """What an element's quantity is called: ``arm.y``; ``y`` of an element without a name, the only one of its kind."""
+    return f"{name}{by}{word}" if name else word
 
 
 def symbols_of(path: str) -> Callable[[str], Expr]:
@@ -62,7 +71,7 @@ class SignalUse:
 
     def reference(self, t: Expr) -> Reference:
         """The signal and its derivatives at the time t."""
-        values = {n: symbol(f"segment.{self.name}_{n}") for n in self.fields}
+        values = {n: symbol(f"segment.{joined(self.name, n, '_')}") for n in self.fields}
         values |= {n: symbol(f"{self.path}.{n}") for n in self.constants()}
         found = reference(self.kind, SimpleNamespace(**values), t, values.get(DIRECTION, 0.0))
         return replace(found, value=found.value + values[INPUT]) if self.open else found
@@ -70,7 +79,8 @@ class SignalUse:
 
 @dataclass(frozen=True)
 class BodyPart:
-    """A body: ``leader`` where it is tied to another, ``driven`` where its velocity is given."""
+    """A body: ``leader`` where it is tied to another, ``driven`` where its velocity is given; ``plant`` is what it is
+    beside a mass, such as the piston of a cylinder."""
 
     name: str
     rotary: bool
@@ -78,11 +88,12 @@ class BodyPart:
     leader: str | None = None
     ratio: bool = False
     driven: SignalUse | None = None
+    plant: type[Plant] = Mass
 
     @property
     def path(self) -> str:
         """Its table."""
-        return f"bodies.{self.name}"
+        return f"bodies.{self.name}" if self.name else "plant"
 
     @property
     def inertia_name(self) -> str:
@@ -94,7 +105,14 @@ class BodyPart:
         mass = Constant("kg", "mass", above=0, rotary_unit="kg m^2")
         moment = Constant("kg m^2", "moment of inertia", above=0)
         found = {self.inertia_name: moment if self.rotary else mass} if self.inertia else {}
+        if self.plant is not Mass:
+            found = self.plant.constants
         return {**found, **({"ratio": RATIO} if self.ratio else {})}
+
+    @cached_property
+    def p(self) -> SimpleNamespace:
+        """Its constants as symbols."""
+        return SimpleNamespace(**{n: symbol(f"{self.path}.{n}") for n in self.constants()})
 
 
 @dataclass(frozen=True)
@@ -110,24 +128,35 @@ class Span:
         return {"ratio": RATIO} if self.ratio else {}
 
 
-@dataclass(frozen=True)
-class LinkPart:
-    """A link between two bodies."""
+class _ElementPart:
+    """What stands in a table of its own and has constants."""
 
+    section: ClassVar[str]
     name: str
-    kind: type[LinkElement]
+    kind: type[Element]
     form: Form
-    span: Span
 
     @property
     def path(self) -> str:
         """Its table."""
-        return f"links.{self.name}"
+        return f"{self.section}.{self.name}"
 
     @cached_property
     def p(self) -> SimpleNamespace:
         """Its constants as symbols."""
         return self.kind.symbolic(symbols_of(self.path), self.form)
+
+
+@dataclass(frozen=True)
+class LinkPart(_ElementPart):
+    """A link between two bodies."""
+
+    section: ClassVar[str] = "links"
+
+    name: str
+    kind: type[LinkElement]
+    form: Form
+    span: Span
 
 
 @dataclass(frozen=True)
@@ -142,12 +171,16 @@ class Factor:
 
 @dataclass(frozen=True)
 class Level:
-    """A load that raises a contact's level: the elements whose forces count, and which have a weight."""
+    """A load that raises a contact's level: the elements whose forces count, and which have a weight.
+
+    ``against``: only while this force has the other sign and is the larger one, and then by the square.
+    """
 
     path: str
     sources: tuple[str, ...]
     weighted: bool
     gains: tuple[str, ...]
+    against: str | None = None
 
 
 @dataclass(frozen=True)
@@ -169,12 +202,14 @@ class ContactPart:
     @property
     def law_path(self) -> str:
         """The table of its law."""
-        return f"{self.path}.law"
+        return f"{self.path}.law" if self.name else "law"
 
 
 @dataclass(frozen=True)
-class LoadPart:
+class LoadPart(_ElementPart):
     """A force on a body."""
+
+    section: ClassVar[str] = "loads"
 
     name: str
     kind: type[LoadElement]
@@ -182,20 +217,12 @@ class LoadPart:
     on: str
     signal: SignalUse | None = None
 
-    @property
-    def path(self) -> str:
-        """Its table."""
-        return f"loads.{self.name}"
-
-    @cached_property
-    def p(self) -> SimpleNamespace:
-        """Its constants as symbols."""
-        return self.kind.symbolic(symbols_of(self.path), self.form)
-
 
 @dataclass(frozen=True)
-class MotorPart:
+class MotorPart(_ElementPart):
     """A motor on a body; ``signal`` is its voltage where no controller asks for a current."""
+
+    section: ClassVar[str] = "motors"
 
     name: str
     form: Form
@@ -204,19 +231,9 @@ class MotorPart:
     kind: type[MotorElement] = MotorElement
 
     @property
-    def path(self) -> str:
-        """Its table."""
-        return f"motors.{self.name}"
-
-    @property
     def has_inductance(self) -> bool:
         """Whether its current is a state."""
         return "L" in self.form
-
-    @cached_property
-    def p(self) -> SimpleNamespace:
-        """Its constants as symbols."""
-        return self.kind.symbolic(symbols_of(self.path), self.form)
 
 
 @dataclass(frozen=True)
@@ -241,8 +258,10 @@ class CompensationPart:
 
 
 @dataclass(frozen=True)
-class ControllerPart:
+class ControllerPart(_ElementPart):
     """A controller on a motor or a body."""
+
+    section: ClassVar[str] = "controllers"
 
     name: str
     kind: type[ControllerElement]
@@ -253,11 +272,7 @@ class ControllerPart:
     feedforward: bool = False
     compensation: CompensationPart | None = None
     sampling: Sampled | None = None
-
-    @property
-    def path(self) -> str:
-        """Its table."""
-        return f"controllers.{self.name}"
+    dither: DitherPart | None = None
 
     @property
     def states(self) -> tuple[str, ...]:
@@ -265,10 +280,42 @@ class ControllerPart:
         own = tuple(state.name for state in self.kind.states_of(self.form))
         return (*own, "z_hat") if self.compensation is not None and self.compensation.observes else own
 
-    @cached_property
-    def p(self) -> SimpleNamespace:
-        """Its constants as symbols."""
-        return self.kind.symbolic(symbols_of(self.path), self.form)
+
+@dataclass(frozen=True)
+class DrivePart:
+    """What moves a body, and gives what that takes: a force, or the voltage of a cylinder's valve."""
+
+    name: str
+    drive: Drive
+    on: str
+    signal: SignalUse
+
+    @property
+    def path(self) -> str:
+        """Its table."""
+        return f"controllers.{self.name}" if self.name else "drive"
+
+    def table(self, owner: str) -> str:
+        """The path of one of the drive's tables (:attr:`Drive.tables`)."""
+        if not self.name:
+            return owner
+        return self.path if owner == "drive" else f"{self.path}.{owner}"
+
+    def constants(self) -> dict[str, Named]:
+        """The constants of a run by table."""
+        return {self.table(owner): constants for owner, constants in self.drive.tables.items()}
+
+    @property
+    def output(self) -> str:
+        """What its held output is called."""
+        return joined(self.name, "u", "_")
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """What the output has of one with a name, beside the body's columns: the signal, the output, and the rest."""
+        motion = tuple(Column(n, "", "") for n in ("y", "v", "z", "F"))
+        own = [c for c in self.drive.listed(motion, ()) if c.name not in ("y", "v", "z", "F", "u")]
+        return (replace(self.drive.signal, name="r"), self.drive.gives, *own)
 
 
 def with_inputs(part: _Part) -> _Part:

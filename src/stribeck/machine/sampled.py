@@ -10,6 +10,8 @@ from stribeck.equations import Sample
 from stribeck.expressions.graph import Expr, derivative, substitute, symbol, symbols, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import exp, sign, where
+from stribeck.machine.dither import PHASE
+from stribeck.machine.driving import sample_of
 from stribeck.machine.parts import ControllerPart
 from stribeck.signals.pieces import Reference
 
@@ -23,10 +25,10 @@ _SUBSTEPS, _REACH = 48, 25
 
 
 def sampled_states(each: ControllerPart) -> tuple[str, ...]:
-    """What a sampled controller remembers: how often it read, its last reading, its filter, its own states."""
+    """What a sampled controller remembers: how often it read, its last reading, its filter, its states, its dither's phase."""
     assert each.sampling is not None
     estimator = ("filter_y", "filter_v") if each.sampling.bandwidth else ("last",)
-    return ("readings", *estimator, *each.states)
+    return ("readings", *estimator, *each.states, *([PHASE] if each.dither is not None else []))
 
 
 def samples_of(machine: MachineSystem, called: Names) -> list[Sample]:
@@ -34,7 +36,8 @@ def samples_of(machine: MachineSystem, called: Names) -> list[Sample]:
     from stribeck.machine.balance import Balance
 
     balance = Balance(machine, called=called)
-    return [_sample(balance, each, called) for each in machine.controllers if each.sampling is not None]
+    found = [sample_of(balance, drive, called) for drive in machine.drives if drive.drive.memory]
+    return found + [_sample(balance, each, called) for each in machine.controllers if each.sampling is not None]
 
 
 def _sample(balance: Balance, each: ControllerPart, called: Names) -> Sample:
@@ -69,7 +72,11 @@ def stepped(
     called[v] = f"{each.name}_speed"
     x = {n: m[n] for n in each.states}
     r = replace(r, direction=sign(r.rate))  # all that a controller knows of it, and what its export has
-    raw, rates = unlimited(each, r, y, v, x, called, exact=True)
+    shaken = wrap(0.0)
+    if each.dither is not None:
+        shaken = each.dither.force(m[PHASE])
+        after[PHASE] = each.dither.next_phase(m[PHASE], p.period)
+    raw, rates = unlimited(each, r, y, v, x, called, exact=True, shaken=shaken)
     rates = held_at_limit(each, raw, rates, x, 0.0)
     for name, rate in rates.items():
         after[name] = (

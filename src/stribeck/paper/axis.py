@@ -48,17 +48,18 @@ def chapter(done: Done) -> Chapter:
     runs = {kind: _run(with_compensation(scenario, "axis", "guide", kind, _SHARE)) for kind in _WORDS}
     worst = {kind: _worst(run) for kind, run in runs.items()}
     over = excess(scenario, "axis", uncertainty.samples(uncertainty.intervals(scenario, None)))
-    um = {kind: f"{1e6 * x:.3g} um" for kind, x in worst.items()}
+    um = {kind: f"{1e6 * x:.3g} µm" for kind, x in worst.items()}
     text = (
-        "A slide of 8 kg on a guide follows a sine under a sampled controller. At each reversal friction holds it, and the "
-        f"error rises to {um['none']}. With {100 * _SHARE:g} % of the law's steady curve added at the reference's speed it stays "
-        f"below {um['reference']}, with the law as an observer at the measured speed below {um['measured']}.",
+        "A slide of 8 kg on a guide follows a sine under a sampled controller. At each reversal friction changes its side, "
+        f"and the error with it: within an eighth of a period after one it is up to {um['none']}. With "
+        f"{100 * _SHARE:g} % of the law's steady curve added at the reference's speed it stays below {um['reference']}, "
+        f"with the law as an observer at the measured speed below {um['measured']}.",
         "Too much of it pushes: if every friction parameter may err by a tenth, friction and compensation at the measured "
         f"speed together push from share {over.worst_share:.3g} on. With 5 % more the slide, let go at {1e3 * over.starts:.3g} "
         f"mm/s with the controller off, runs up to {1e3 * over.ends:.3g} mm/s by itself.",
     )
     rows = [[_WORDS[kind], f"{1e6 * x:.3g}", f"{worst['none'] / x:.2f}"] for kind, x in worst.items()]
-    table = Table(["against friction", "largest error after a reversal (um)", "times less"], rows)
+    table = Table(["against friction", "largest error after a reversal (µm)", "times less"], rows)
     numbers = {"worst": worst, "over_compensation": over.row()}
     return Chapter("axis", "An axis whose friction is made up for", text, [table], [_figure(runs, over)], numbers)
 
@@ -82,7 +83,7 @@ def _figure(runs: dict[str, Solution], over: Excess) -> FigureSvg:
         made, axes = plots.figure([["error", "over"]], 3.0)
         for i, (kind, run) in enumerate(runs.items(), start=1):
             plots.line(axes["error"], i, run.t, 1e6 * (run["axis.r"] - run["slide.y"]), _WORDS[kind])
-        axes["error"].set(xlabel="t (s)", ylabel="error (um)", title="the same sine")
+        axes["error"].set(xlabel="t (s)", ylabel="error (µm)", title="the same sine")
         axes["error"].legend(fontsize=7)
         if over.counterexample is not None:
             run = _run(over.counterexample)

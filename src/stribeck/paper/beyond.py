@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from stribeck.analysis.comparison import deviations
 from stribeck.paper.break_away import break_away_force
 from stribeck.paper.common import REFERENCE, Done, Variant, solve_all
@@ -41,7 +39,7 @@ def chapter(done: Done) -> Chapter:
         "closely than the paper's law, because its error falls with the cube of k_v |v|. In presliding both creep and are "
         "alike; the first smooth law, which does not creep, is closest there, but its z has no bound.",
     )
-    numbers: dict[str, Any] = {"deviation_of_peak": off, "break_away_at_1_N_per_s": forces}
+    numbers: dict[str, object] = {"deviation_of_peak": off, "break_away_at_1_N_per_s": forces}
     return Chapter("beyond", "Beyond the paper: other smooth laws", text, [Table(head, rows)], [_figure(runs)], numbers)
 
 

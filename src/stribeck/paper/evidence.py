@@ -61,7 +61,7 @@ def energy() -> tuple[Numbers, FigureSvg]:
         plots.legend(made, axis)
         figure = plots.finish(
             made, "evidence_energy",
-            f"lugre_sobczyk, Table 1, k_v = {k_v:.0e} s/m, charged to z = 1 um at {10 / k_v:.0e} m/s and unwound to z = 0. The "
+            f"lugre_sobczyk, Table 1, k_v = {k_v:.0e} s/m, charged to z = 1 µm at {10 / k_v:.0e} m/s and unwound to z = 0. The "
             "slower, the more it gives back, like 1/e, and the longer it takes, like 1/e^2; no store can pay for it. The cycle "
             f"marked takes {cycle['time']:.2g} s and draws {1e9 * (cycle['drawn_out'] - cycle['put_in']):.0f} nJ in all.",
         )  # fmt: skip
@@ -162,7 +162,7 @@ def creep() -> tuple[Numbers, FigureSvg]:
             dots = [1e6 * v for v in simulated[label].values()]
             axis.plot(STEEPNESSES, dots, "o", color=plots.COLOURS[i], markersize=4)
         plots.logarithmic(axis)
-        axis.set(xlabel="k_v (s/m)", ylabel="creep (um/s)")
+        axis.set(xlabel="k_v (s/m)", ylabel="creep (µm/s)")
         plots.legend(made, axis)
         figure = plots.finish(
             made, "evidence_creep",

@@ -62,8 +62,8 @@ def chapter(done: Done) -> Chapter:
     text = (
         "A joint as robots have it: a rotor, a gear of 1:100, an arm. The mesh of the gear rubs with F_c + 0.06 |f| and "
         "F_s + 0.09 |f|, f the torque that the gear carries; the rotor turns in a bearing.",
-        f"Pushed by {_TORQUE[1][1]:g} N m for 8 s and let go, the arm is left {1e6 * left[_PLASTIC]:.3g} urad away with the "
-        f"majorant law in the mesh, and {1e6 * left[_ELASTIC]:.2g} urad with its elasto-plastic version, which is elastic below "
+        f"Pushed by {_TORQUE[1][1]:g} N m for 8 s and let go, the arm is left {1e6 * left[_PLASTIC]:.3g} µrad away with the "
+        f"majorant law in the mesh, and {1e6 * left[_ELASTIC]:.2g} µrad with its elasto-plastic version, which is elastic below "
         "sigma_0 z_ba.",
         "A position loop with an integral: with the friction that the load adds it hunts, by "
         f"{1e3 * moves[_LOADED]:.3g} mrad; without it the same loop comes to rest ({1e3 * moves[_BARE]:.2g} mrad).",
@@ -89,7 +89,6 @@ def _solve(tables: dict[str, object]) -> Solution:
 def _contacts() -> tuple[dict[str, tuple[Varied, Verdict]], Verdict]:
     """Each contact for all that its load can do, and the mesh without v_d while its level doubles."""
     scenario = Scenario(_machine(_ELASTIC))
-    assert scenario.rig is not None
     found = {}
     for contact in scenario.rig.machine.contacts:
         varied = of_contact(scenario.rig, contact, scenario.end, {})
@@ -126,7 +125,7 @@ def _figure(held: dict[str, Solution], hunting: dict[str, Solution], swung: Verd
         made, axes = plots.figure([["creep", "friction"], ["hunts", "energy"]], 5.4)
         for i, (law, s) in enumerate(held.items(), start=1):
             plots.line(axes["creep"], i, s.t, 1e6 * s["arm.y"], law)
-        axes["creep"].set(xlabel="t (s)", ylabel="arm (urad)", title="pushed for 8 s, and let go")
+        axes["creep"].set(xlabel="t (s)", ylabel="arm (µrad)", title="pushed for 8 s, and let go")
         for i, (label, s) in enumerate(hunting.items(), start=1):
             early = s.t <= 4.0
             plots.line(axes["friction"], i, s.t[early], s["mesh.F"][early], label)

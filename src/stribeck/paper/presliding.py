@@ -31,10 +31,10 @@ def chapter(done: Done) -> Chapter:
             "Friction force against displacement (left, the paper's panel) and displacement against time (right) while the "
             "force is ramped to 0.95 F_s, held for 5 s, reversed, held and released. LuGre comes to rest during a hold; the "
             f"proposed law creeps, by {1e6 * held[PROPOSED[0]]:.2f}, {1e6 * held[PROPOSED[1]]:.2f} and "
-            f"{1e6 * held[PROPOSED[2]]:.2f} um/s, so its deviation grows for as long as the force is held.",
+            f"{1e6 * held[PROPOSED[2]]:.2f} µm/s, so its deviation grows for as long as the force is held.",
         )  # fmt: skip
     rows = [[label, *(f"{1e6 * y:.2f}" for y in at[label]), percent(off.get(label))] for label in solutions]
-    table = Table(["y (um) at t =", *(f"{t:g} s" for t in _INSTANTS), "largest deviation / peak"], rows)
+    table = Table(["y (µm) at t =", *(f"{t:g} s" for t in _INSTANTS), "largest deviation / peak"], rows)
     text = (
         "A force that stays below the static friction moves the body by the deflection of the bristles alone. All speeds are "
         "small here, so this is where a smooth |v| costs most.",

@@ -39,7 +39,7 @@ def chapter(done: Done) -> Chapter:
     )  # fmt: skip
     off = {labels[k]: [float(1 - S_1(p, x)) for x in (1e-6, 1e-4)] for k, p in steep.items()}
     rows = [[label, *(f"{x:.2e}" for x in values)] for label, values in off.items()]
-    table = Table(["1 - S_1(v)", "at 1 um/s", "at 0.1 mm/s"], rows)
+    table = Table(["1 - S_1(v)", "at 1 µm/s", "at 0.1 mm/s"], rows)
     text = (
         "The proposed law replaces sgn v by S_0(v) = (2/pi) arctan(k_v v), |v| by v S_0(v), and multiplies v by S_1.",
     )

@@ -54,7 +54,7 @@ def _presliding(done: Done) -> Statement:
 def _returns(done: Done) -> Statement:
     creep = done["presliding"].numbers["creep"]
     speeds = ", ".join(f"{1e6 * creep[k]:.3g}" for k in (REFERENCE, *PROPOSED))
-    found = f"under the held 0.95 F_s: {speeds} um/s at the end of the hold for lugre and k_v = 1e6, 1e7, 1e8"
+    found = f"under the held 0.95 F_s: {speeds} µm/s at the end of the hold for lugre and k_v = 1e6, 1e7, 1e8"
     rests = all(abs(creep[k]) < 2 * abs(creep[REFERENCE]) + 1e-9 for k in PROPOSED)
     says = "Presliding: the body does not acquire any translational movement in its true sense."
     return Statement(
@@ -118,7 +118,7 @@ def _close(done: Done) -> Statement:
 
 
 def passivity_cycle(k_v: float) -> dict[str, float]:
-    """Charge the bristles of lugre_sobczyk to 1 um, move back slowly until z = 0: energy in and out, J (Table 1)."""
+    """Charge the bristles of lugre_sobczyk to 1 µm, move back slowly until z = 0: energy in and out, J (Table 1)."""
     forward, back, unit = 10 / k_v, -1 / k_v, k_v / 1e7  # m/s, and the time's scale
     law = {"name": "lugre_sobczyk", "parameters": "canudas1995", "k_v": k_v}
 
@@ -146,7 +146,7 @@ def passivity_cycle(k_v: float) -> dict[str, float]:
 def _passive(done: Done) -> Statement:
     cycle = passivity_cycle(1e6)
     found = (
-        f"charging to z = 1 um takes {1e9 * cycle['put_in']:.1f} nJ; moving back at 1 um/s until z = 0 again gives "
+        f"charging to z = 1 µm takes {1e9 * cycle['put_in']:.1f} nJ; moving back at 1 µm/s until z = 0 again gives "
         f"{1e9 * cycle['drawn_out']:.1f} nJ, after {cycle['time']:.1f} s in all (k_v = 1e6 s/m)"
     )
     says = "The proposed law is passive from velocity to friction force (property iii)."

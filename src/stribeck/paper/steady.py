@@ -37,6 +37,6 @@ def chapter(done: Done) -> Chapter:
         for label in PROPOSED
     }
     rows = [[label, *(f"{x:.5f}" for x in values)] for label, values in ratio.items()]
-    table = Table(["steady force / that of lugre", "at 1 um/s", "at 0.1 mm/s"], rows)
+    table = Table(["steady force / that of lugre", "at 1 µm/s", "at 0.1 mm/s"], rows)
     text = ("At constant velocity every LuGre law tends to a static relation between velocity and friction force.",)
     return Chapter("steady", "The static relationship", text, [table], [figure], {"share_of_lugre": ratio})

@@ -108,7 +108,7 @@ def check_machine(
     scenario = scenario_of(scenario, t_end, None)
     stated = dict(forces or {})
     _refuse(scenario, stated)
-    if scenario.rig is None:
+    if scenario.rig.single:
         found = _single(scenario, v_max, work)
     else:
         found = MachineVerdicts(scenario.name, {}, {})
@@ -122,7 +122,7 @@ def check_machine(
 
 
 def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
-    machine = scenario.rig.machine if scenario.rig is not None else None
+    machine = scenario.rig.machine if not scenario.rig.single else None
     known: list[str] = []
     if machine is not None:
         known = [name for parts in (machine.links, machine.loads, machine.motors) for name in _names(parts)]
@@ -183,7 +183,6 @@ def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerd
 
 def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
     rig = scenario.rig
-    assert rig is not None
     machine = rig.machine
     found.ports |= {f"bodies.{b.name}": "its velocity is given" for b in machine.bodies if b.driven is not None}
     found.ports |= {x.path: "its far end is moved" for x in machine.links if not isinstance(x.span.start, str)}

@@ -14,7 +14,7 @@ from stribeck.machine.loads import Follower, Pendulum, Ripple
 from stribeck.machine.parts import ContactPart, Factor, Level, MotorPart
 from stribeck.properties.prover.region import ExactRange
 from stribeck.properties.worst import Varied
-from stribeck.scenario.machine import Rig
+from stribeck.scenario.rig import Rig
 from stribeck.signals import Curve, PointsSignal, Signal, SineSignal
 
 Ends = tuple[Fraction | None, Fraction | None]  # None: without end
@@ -82,7 +82,9 @@ def of_force(rig: Rig, name: str, t_end: float, stated: Mapping[str, float]) -> 
     for load in machine.loads:
         if load.name == name:
             if load.kind is Follower and load.signal is not None:
-                return of_signal(rig.signals[load.signal], t_end)
+                ends = of_signal(rig.signals[load.signal], t_end)
+                gain = Fraction(values.get((load.path, "gain"), 1.0))
+                return min(gain * x for x in ends), max(gain * x for x in ends)
             if load.kind not in (Pendulum, Ripple):
                 return OPEN
             given = [x for (path, n), x in values.items() if path == load.path and n.startswith("amplitude")]
@@ -168,5 +170,7 @@ def _raised(
         gain = Fraction(rig.values[level.path, name]) if name in level.gains else Fraction(0)
         if gain:
             least, most = _size(_weighted(rig, level, t_end, stated))
+            if level.against is not None:
+                least, most = Fraction(0), None if most is None else most * most
             now = now[0] + gain * least, None if now[1] is None or most is None else now[1] + gain * most
     return now

@@ -72,7 +72,7 @@ def slips(solution: Solution) -> int:
 
 def of_laws(scenario: Scenario) -> list[Chapter]:
     """The law, or the laws of a machine's contacts."""
-    laws = scenario.whole.named_laws.items()
+    laws = scenario.rig.named_laws.items()
     return [of_law(law, f"law-{i}", f" of {name}") if name else of_law(law) for i, (name, law) in enumerate(laws)]
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from stribeck.analysis.comparison import Comparison, compared
 from stribeck.errors import left_out
-from stribeck.files import together, write_json
+from stribeck.files import together
 from stribeck.report import chapters, overview
 from stribeck.report.cells import percent
-from stribeck.report.files import write_figure, write_table
+from stribeck.report.files import write_figure, write_summary, write_table
 from stribeck.report.page import Chapter, FigureSvg, Table
 
 _LONGEST = 100  # characters of a label in a file's name
@@ -28,10 +28,7 @@ def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, ob
             figure = overview.comparison(comparison.solutions)
             paths += write_figure(figure, place)
             paths.append(_page(comparison, figure, place, command))
-        paths.append(place / "summary.json")
-        files = [str(folder / path.name) for path in paths]
-        write_json(paths[-1], {**summary, "files": files})
-    return files
+        return write_summary(paths, place, folder, summary)
 
 
 def _page(comparison: Comparison, figure: FigureSvg, folder: Path, command: str) -> Path:
@@ -52,7 +49,7 @@ def _page(comparison: Comparison, figure: FigureSvg, folder: Path, command: str)
     ]
     about = Table(["law", "slips", *(f"largest {n} ({units[n]})" for n in names), "steps"], slips)
     found = [Chapter("deviations", "Deviations", text, [Table(head, rows), about]), *chapters.plots([figure])]
-    if comparison.solutions[reference].scenario.rig is None:
+    if comparison.solutions[reference].scenario.rig.single:
         found += [chapters.of_law(s.scenario.law, f"law-{i}") for i, s in enumerate(comparison.solutions.values())]
     else:
         found += chapters.of_laws(comparison.solutions[reference].scenario)

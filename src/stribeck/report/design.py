@@ -17,10 +17,12 @@ from stribeck.loops.boundary import PathVerdicts
 from stribeck.loops.compensation import CompensationResult, with_compensation
 from stribeck.loops.judge import Judgement
 from stribeck.loops.plane import Plane
+from stribeck.loops.proof import FILE as CERTIFICATE
+from stribeck.loops.starts import Start, kinds
 from stribeck.machine.parts import ControllerPart
 from stribeck.report import chapters, plots
 from stribeck.report.cells import digits
-from stribeck.report.files import write_figure
+from stribeck.report.files import write_figure, write_summary
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import human
 from stribeck.scenario import Scenario
@@ -43,6 +45,9 @@ def write_design(found: Design, summary: dict[str, object], folder: Path, comman
         paths = [_machine(found, place, folder)]
         if found.excess is not None and found.excess.counterexample is not None:
             paths.append(_excess(found.excess.counterexample, place, folder))
+        if found.certificates is not None:
+            paths.append(place / CERTIFICATE)
+            write_json(paths[-1], found.certificates)
         with left_out("the plots and the page"):
             figures = [_line(line, i) for i, line in enumerate(found.lines)]
             figures += [_plane(found.plane)] if found.plane is not None else []
@@ -51,10 +56,7 @@ def write_design(found: Design, summary: dict[str, object], folder: Path, comman
             for figure in figures:
                 paths += write_figure(figure, place)
             paths.append(_page(found, figures, place, command))
-        paths.append(place / "summary.json")
-        files = [str(folder / path.name) for path in paths]
-        write_json(paths[-1], {**summary, "files": files})
-    return files
+        return write_summary(paths, place, folder, summary)
 
 
 def best(found: Design) -> CompensationResult | None:
@@ -106,13 +108,12 @@ def excess_sentence(found: Design) -> str:
 
 def _controllers(found: Design) -> tuple[ControllerPart, ...]:
     rig = found.loop.scenario.rig
-    assert rig is not None
     return rig.machine.controllers
 
 
 def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: str) -> Path:
     scenario = found.loop.scenario
-    made = [_verdict(found), _errors(found)]
+    made = [_verdict(found), _starts(found), _errors(found)]
     if found.lines:
         rows = [
             [b.path, f"{b.value:.6g}", b.below, b.above, f"{b.low:.6g} to {b.high:.6g}", DECIDED[b.sure]]
@@ -136,7 +137,7 @@ def _verdict(found: Design) -> Chapter:
     text = [
         "Judged after the signals have come to rest, by simulation of the loop as it is in the file over two hundred of its "
         f"slowest time constants ({found.loop.slowest:.3g} s while all contacts slide) or more.",
-        f"Proof: {'it cannot hunt' if found.proof['holds'] else 'none'}: {found.proof['why']}.",
+        f"Proof: {proof_sentence(found)}.",
     ]
     if j.note:
         text.append(f"Note: {j.note}.")
@@ -149,6 +150,54 @@ def _verdict(found: Design) -> Chapter:
             f"{found.tuned.error_before:.4g}; {found.tuned.quiet} of {found.tuned.tried} sets that were judged are quiet."
         )
     return Chapter("verdict", "Verdict", text)
+
+
+def proof_sentence(found: Design) -> str:
+    """What is proved, with what checks it; or what stands against a proof."""
+    told = f"{'it cannot hunt' if found.proof['holds'] else 'none'}: {found.proof['why']}"
+    theorems = found.proof["theorems"]
+    if found.certificates is None or not isinstance(theorems, dict):
+        return told
+    each = ", ".join(f"{name} by theorem '{theorem}'" for name, theorem in theorems.items())
+    return f"{told}; certificates: {CERTIFICATE} ({each}), which the independent checker of 'stribeck check' accepts"
+
+
+def _starts(found: Design) -> Chapter:
+    unit = _unit(found, found.judgement.body)
+    rows = []
+    for s in found.starts:
+        j = s.judgement
+        cycle = [human(j.amplitude, unit), human(j.period, "s")] if j.verdict == "hunting" else ["", ""]
+        rows.append([s.body, human(s.off, unit), human(s.speed, unit + "/s"), j.verdict, *cycle])
+    text = [
+        f"{starts_sentence(found.starts, found.judgement, unit).capitalize()}.",
+        "The signals rest at their last values; the body begins so far off its target, or there at that speed. Integrals begin "
+        "empty.",
+    ]
+    head = ["body", "off the target", "speed", "verdict", "amplitude", "period"]
+    return Chapter("starts", "From many starts", text, [Table(head, rows)])
+
+
+def starts_sentence(starts: Sequence[Start], own: Judgement, unit: str) -> str:
+    """What the loop does from the starts that were tried; where that depends on the start, from which."""
+    if len(kinds(list(starts), own)) < 2:
+        return f"from {len(starts)} other starts: the same"
+    told = []
+    for kind in kinds(list(starts), starts[0].judgement):
+        alike = [s for s in starts if len(kinds([s], kind)) == 1]
+        first = min(alike, key=lambda s: (abs(s.speed), abs(s.off)))
+        at = (
+            f"from {human(abs(first.off), unit)} off"
+            if first.off
+            else f"from its target at {human(abs(first.speed), unit + '/s')}"
+        )
+        if kind.verdict == "hunting":
+            told.append(
+                f"hunting by {human(kind.amplitude, unit)} every {human(kind.period, 's')} {at} ({len(alike)} starts)"
+            )
+        else:
+            told.append(f"{kind.verdict} {at} ({len(alike)} starts)")
+    return f"it depends on the start: {own.verdict} in the file's run; {', '.join(told)}"
 
 
 def _errors(found: Design) -> Chapter:
@@ -182,10 +231,22 @@ def _compensations(found: Design) -> Chapter:
         "all high, each alone at both ends of its interval, and some at random), and the error after a reversal at the "
         "share given."
     ]
+    text += [
+        _dither(found, c) for c in found.compensations if c.dither is not None and c.largest_quiet_share is not None
+    ]
     if found.excess is not None:
         text.append(f"{excess_sentence(found).capitalize()}.")
     head = ["against friction", "quiet up to share", "share", "error after a reversal", "the worst"]
     return Chapter("compensations", "What may be done against friction", text, [Table(head, rows)])
+
+
+def _dither(found: Design, c: CompensationResult) -> str:
+    d, unit = c.dither or {}, "N m" if _unit(found, found.judgement.body) == "rad" else "N"
+    return (
+        f"Dither: a {d['kind']} of {d['frequency']:.4g} Hz, {d['amplitude']:.4g} {unit}; its shares are amplitudes over the "
+        f"largest friction below v_s, and it is quiet from {d['least_quiet_share']:.3g} on. What it moves the body by itself is "
+        "rest."
+    )
 
 
 def _line(line: PathVerdicts, i: int) -> FigureSvg:
@@ -242,7 +303,7 @@ def _shares(found: Sequence[CompensationResult]) -> FigureSvg:
         axis = axes["error"]
         for i, c in enumerate(found):
             margin = c.largest_quiet_share if c.largest_quiet_share is not None else 0.0
-            axis.plot([margin], [c.worst_error], "os^D"[i % 4], color=plots.COLOURS[i], label=c.kind)
+            axis.plot([margin], [c.worst_error], "os^Dv"[i % 5], color=plots.COLOURS[i], label=c.kind)
         axis.set(xlabel="quiet up to this share of the friction", ylabel="worst error after a reversal", ylim=(0, None))
         axis.legend(fontsize=8)
         return plots.finish(made, "compensations", "Error against margin: lower right is better.", pdf=True)

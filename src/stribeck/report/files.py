@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
 
 from stribeck.errors import left_out, needed
-from stribeck.files import arrow_array, write_parquet, write_text, write_with
+from stribeck.files import arrow_array, write_json, write_parquet, write_text, write_with
 from stribeck.report.page import FigureSvg
 from stribeck.simulation import Solution
 
@@ -34,6 +35,14 @@ def write_figure(figure: FigureSvg, folder: Path) -> list[Path]:
     for path, data in zip(paths[1:], (figure.png, figure.pdf), strict=True):
         write_with(path, lambda beside, data=data: beside.write_bytes(data))  # type: ignore[misc]
     return paths
+
+
+def write_summary(paths: list[Path], place: Path, folder: Path, summary: Mapping[str, object]) -> list[str]:
+    """Write summary.json in ``place`` beside these files, and with their paths as they will be in ``folder``; the paths."""
+    paths.append(place / "summary.json")
+    files = [str(folder / path.name) for path in paths]
+    write_json(paths[-1], {**summary, "files": files})
+    return files
 
 
 def write_csv(path: Path, columns: dict[str, object]) -> None:

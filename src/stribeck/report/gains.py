@@ -12,9 +12,8 @@ from stribeck.analysis.lyapunov import Along
 from stribeck.constants import DECIDED
 from stribeck.control.gains import Condition, GainVerdict, Proof
 from stribeck.errors import left_out
-from stribeck.files import write_json
 from stribeck.report import chapters, plots
-from stribeck.report.files import write_figure
+from stribeck.report.files import write_figure, write_summary
 from stribeck.report.overview import overview
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.simulation import Solution
@@ -38,10 +37,7 @@ def write_gains(
         introduction = [f"That V decreases for |v| up to {verdict.v_max:.4g} m/s {word}."]
         title = f"{solution.scenario.name}: do these gains hold?"
         paths.append(chapters.write_page(folder, title, introduction, pages, command))
-    paths.append(folder / "summary.json")
-    files = [str(path) for path in paths]
-    write_json(paths[-1], {**summary, "files": files})
-    return files
+    return write_summary(paths, folder, folder, summary)
 
 
 def _conditions(

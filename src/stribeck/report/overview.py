@@ -50,7 +50,7 @@ _OF_DRIVE: dict[type[Drive], tuple[Panel, ...]] = {
 def panels(solution: Solution) -> tuple[Panel, ...]:
     """What is worth seeing of a solution, in the order of reading."""
     known = {"t", *(column.name for column in solution.columns)}
-    if solution.scenario.rig is not None:
+    if not solution.scenario.rig.single:
         return machines.panels(solution.scenario.rig.machine)
     if (own := _OF_DRIVE.get(solution.scenario.drive)) is not None:
         return own
@@ -109,7 +109,7 @@ def curves(axis: Axes, solutions: Mapping[str, Solution], x: str, y: str) -> tup
 
 def _speed(solution: Solution) -> float:
     """The speed below which a body counts as near rest."""
-    laws = solution.scenario.whole.laws.values()
+    laws = solution.scenario.rig.laws.values()
     return min((float(law.machine.get("v_s") or law.scales(law.p).speed) for law in laws), default=0.0)
 
 

@@ -43,7 +43,7 @@ def _folder(solution: Solution, folder: Path) -> str:
 
 def _in_short(solution: Solution) -> str:
     """What happened, in one line and in units that a person would use."""
-    if solution.scenario.rig is not None:
+    if not solution.scenario.rig.single:
         told = ", ".join(f"{c.name} up to {human(solution.peaks[c.name], c.unit)}" for c in solution.columns[:4])
         return f"Largest magnitudes: {told}."
     slips = solution.events["slip"]
@@ -59,7 +59,7 @@ def _in_short(solution: Solution) -> str:
 
 def _page(solution: Solution, figure: FigureSvg, folder: Path, command: str) -> Path:
     scenario = solution.scenario
-    about = f"Law {scenario.law.name}, drive {scenario.drive.kind}" if scenario.rig is None else scenario.subject
+    about = f"Law {scenario.law.name}, drive {scenario.drive.kind}" if scenario.rig.single else scenario.subject
     found = [
         chapters.result(solution), *chapters.plots([figure]), *chapters.of_laws(scenario), chapters.of_scenario(scenario),
     ]  # fmt: skip

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from markupsafe import escape
 
 from stribeck.machine.parts import Span
-from stribeck.scenario.machine import Rig
+from stribeck.scenario.rig import Rig
 
 _COLUMN, _BOX, _HEIGHT, _LANE = 250, 130, 56, 76  # widths and heights in px
 _LISTS = ("amplitude", "waves", "phase")
@@ -59,6 +59,8 @@ def entries(rig: Rig) -> list[Entry]:
         about = [each.kind.kind, rig.signals[each.signal].kind, *_numbers(rig, each.path)]
         if each.compensation is not None:
             about.append(f"compensation: {each.compensation.law.name}, {each.compensation.speed}")
+        if each.dither is not None:
+            about += [f"dither: {each.dither.kind}", *_numbers(rig, each.dither.path)]
         if each.sampling is not None:
             about += ["sampled", *_numbers(rig, f"{each.path}.sampling")]
         found.append(Entry("controller", each.name, each.on, each.measures, tuple(about)))

@@ -6,29 +6,26 @@ import dataclasses
 from collections.abc import Collection, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from stribeck.arrays import Array
 from stribeck.constants import kind_of
 from stribeck.drives import Drive
-from stribeck.equations import Equations
 from stribeck.errors import InputError, printable
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
+from stribeck.machine.system import MachineSystem
 from stribeck.parameter_sets import read_toml
 from stribeck.plants import Plant
 from stribeck.scenario import memory, tables
 from stribeck.scenario.changes import changed, parse_assignment, plain_table, unfolds
 from stribeck.scenario.parts import Parts, Settings
 from stribeck.scenario.reader import Reader
-from stribeck.scenario.single import Single
+from stribeck.scenario.rig import Rig
+from stribeck.scenario.single import rig_of
 from stribeck.scenario.trust import named
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces
-from stribeck.system import Groups
-
-if TYPE_CHECKING:
-    from stribeck.scenario.machine import Rig
 
 __all__ = ["Scenario", "parse_assignment"]
 
@@ -152,7 +149,6 @@ class Scenario:
     plant_values: dict[str, float]
     drive: type[Drive]
     signal: Signal
-    rig: Rig | None = None  # a machine (schema = 2) with its values; it has no law, drive and signal of its own
     settings: Settings = Settings()  # what the drive has beside its constants and its signal
     initial: dict[str, float]
     drive_values: dict[str, float]
@@ -160,9 +156,9 @@ class Scenario:
     output: tables.Output
 
     @cached_property
-    def whole(self) -> Single | Rig:
-        """All of it with its values, for the solvers: a machine's rig, or a law on a plant under a drive."""
-        return Single(self.parts) if self.rig is None else self.rig
+    def rig(self) -> Rig:
+        """The machine with its values: that of the file, or the smallest of a law on a plant under a drive."""
+        return rig_of(self.parts) if self.parts.rig is None else self.parts.rig
 
     @property
     def law(self) -> Law:
@@ -171,31 +167,29 @@ class Scenario:
         Raises:
             InputError: the scenario is a machine with no contact, or with several.
         """
-        return self.whole.law
+        return self.rig.law
 
     def __getattr__(self, name: str) -> object:
         """What only a law on a single body has, asked of a machine."""
-        if (
-            name in ("drive", "drive_values", "plant", "plant_values", "signal")
-            and self.__dict__.get("rig") is not None
-        ):
+        if name in ("drive", "drive_values", "plant", "plant_values", "signal") and self.parts.rig is not None:
             raise InputError(_only_single(self.name))
         raise AttributeError(f"'Scenario' object has no attribute {name!r}")
 
     @property
     def mass(self) -> float | None:
         """The mass that the drive moves without anything between, kg (kg m^2); None where there is none."""
-        return self.whole.mass
+        mass: float | None = self.rig.mass
+        return mass
 
     @property
     def subject(self) -> str:
         """What it is about, in a few words: the law, or the machine."""
-        return self.whole.subject
+        return self.rig.subject
 
     @property
     def label(self) -> str:
         """What its line in a plot is called: the law's name, or the machine's."""
-        return self.whole.label or self.name
+        return self.rig.label or self.name
 
     @property
     def name(self) -> str:
@@ -206,7 +200,7 @@ class Scenario:
     def rotary(self) -> bool:
         """Whether the one body turns: the columns are in rad and N m then, the numbers are the same. A machine of many
         bodies says it for each."""
-        return self.whole.rotary
+        return self.rig.rotary
 
     @cached_property
     def rows(self) -> int:
@@ -219,9 +213,9 @@ class Scenario:
         return max(self.solve.t_end, (self.rows - 1) * self.output.step)
 
     @property
-    def system(self) -> Equations:
+    def system(self) -> MachineSystem:
         """The structure of the equations, without values."""
-        return self.whole.equations
+        return self.rig.machine
 
     @property
     def threshold(self) -> float:
@@ -231,53 +225,34 @@ class Scenario:
     @property
     def longest_step(self) -> float:
         """The longest step that cannot miss a wave of a signal, s."""
-        return self.whole.longest_step
+        return self.rig.longest_step
 
     def pieces(self) -> Pieces:
         """The signals as a table of pieces."""
-        return self.whole.pieces(self.end)
+        return self.rig.pieces(self.end)
 
     def thresholds(self) -> list[float]:
         """The level of each watched quantity, 0 for none."""
-        return self.whole.thresholds()
+        return self.rig.thresholds()
 
     def sampling(self) -> list[dict[str, float]]:
         """Period, delay, noise and seed of each sampled controller."""
-        return self.whole.sampling()
+        return self.rig.sampling()
 
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Value]:
         """Every column of the output by name, from the states (and what controllers held) at the times t."""
-        return self.whole.columns(t, states, held or {}, self.end)
-
-    def groups(self) -> Groups:
-        """The constants of a single body by owner, for evaluating the system's equations with NumPy."""
-        return self.single.groups
-
-    @property
-    def single(self) -> Single:
-        """The law on a plant under a drive.
-
-        Raises:
-            InputError: the scenario is a machine.
-        """
-        if not isinstance(self.whole, Single):
-            raise InputError(_only_single(self.name))
-        return self.whole
+        return self.rig.columns(t, states, held or {}, self.end)
 
     def values(self) -> dict[tuple[str, str], float]:
         """The system's run-time constants by (group, name)."""
-        return self.whole.values
+        return self.rig.values
 
-    def atol(self, constants: Groups | None = None) -> dict[str, float]:
+    def atol(self, rig: Rig | None = None) -> dict[str, float]:
         """The absolute tolerance of each state: given ones, else a tenth of rtol times the state's natural scale.
 
-        With ``constants`` it is that of the same scenario with other values.
+        With ``rig`` it is that of the same machine with other values.
         """
-        return self._atol(self.whole.natural() if constants is None else self.single.natural(constants))
-
-    def atol_of(self, rig: Rig) -> dict[str, float]:
-        """The absolute tolerance of each state of a machine with other values."""
-        return self._atol(rig.natural())
+        return self._atol((self.rig if rig is None else rig).natural())
 
     def _atol(self, natural: dict[str, Value]) -> dict[str, float]:
         return {n: self.solve.atol.get(n, _ATOL_SHARE * self.solve.rtol * x) for n, x in natural.items()}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 
 from stribeck import laws, parameter_sets
@@ -21,6 +21,27 @@ def unknown(table: Mapping[str, object], path: str, known: Iterable[str]) -> lis
         guess = nearest(key, known) or f" (known here: {', '.join(known)})"
         found.append((f"{path}.{key}" if path else key or "''", f"{show(table[key])}: unknown key{guess}"))
     return found
+
+
+def kind_of_table(
+    table: Mapping[str, object],
+    path: str,
+    kinds: Mapping[str, object],
+    keys: Callable[[str], Iterable[str]],
+    problems: list[Problem],
+) -> str | None:
+    """The table's ``kind``; None, and ``problems`` say why, where it is none of these; ``keys``: those of a kind."""
+    kind = table.get("kind")
+    if isinstance(kind, str) and kind in kinds:
+        return kind
+    problems += unknown(table, path, (name for each in kinds for name in keys(each)))
+    allowed = f"one of {', '.join(kinds)}"
+    if "kind" not in table:
+        problems.append((f"{path}.kind", f"missing: must be given ({allowed})"))
+    else:
+        guess = nearest(kind, kinds) if isinstance(kind, str) else ""
+        problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
+    return None
 
 
 def no_table(value: object) -> str:

@@ -1,34 +1,65 @@
-"""A scenario's tables for a file in another folder: what they name by relative paths is still found from there."""
+"""A scenario's tables elsewhere: in another folder, or on another machine together with the files that they name."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import overload
 
 from stribeck.scenario.trust import in_a_file
 
+Renamed = Callable[[str], str]
 
-@overload
-def moved(data: dict[str, object], folder: Path, to: Path) -> dict[str, object]: ...
-@overload
-def moved(data: object, folder: Path, to: Path) -> object: ...
-def moved(data: object, folder: Path, to: Path) -> object:
+
+def moved(data: Mapping[str, object], folder: Path, to: Path) -> dict[str, object]:
     """The tables with every relative path (a parameter set, a recorded signal, a law in a file) seen from ``to`` instead
     of ``folder``; what is None is left out, for TOML has no such value."""
-    if isinstance(data, dict):
-        return {k: _seen(k, x, folder, to) for k, x in data.items() if x is not None}
-    return [moved(x, folder, to) for x in data] if isinstance(data, list | tuple) else data
+
+    def seen(path: str) -> str:
+        if Path(path).is_absolute():
+            return path
+        try:
+            path = os.path.relpath((folder / path).absolute(), to.absolute())
+        except ValueError:  # on another drive of Windows
+            path = str((folder / path).absolute())
+        return Path(path).as_posix()
+
+    return _renamed(data, seen)
 
 
-def _seen(key: str, value: object, folder: Path, to: Path) -> object:
+def with_files(data: Mapping[str, object], folder: Path) -> tuple[dict[str, object], dict[str, bytes]]:
+    """The tables with every file that they name by a short name, and the content of each such file by this name.
+
+    Raises:
+        OSError: one cannot be read.
+    """
+    files: dict[str, bytes] = {}
+    names: dict[str, str] = {}
+
+    def short(path: str) -> str:
+        if path not in names:
+            names[path] = f"{len(names)}_{Path(path).name}"
+            files[names[path]] = (folder / path).read_bytes()
+        return names[path]
+
+    return _renamed(data, short), files
+
+
+def _renamed(data: Mapping[str, object], rename: Renamed) -> dict[str, object]:
+    """The tables with each path in them renamed."""
+    return {k: _value(k, x, rename) for k, x in data.items() if x is not None}
+
+
+def _within(value: object, rename: Renamed) -> object:
+    if isinstance(value, Mapping):
+        return _renamed(value, rename)
+    return [_within(x, rename) for x in value] if isinstance(value, list | tuple) else value
+
+
+def _value(key: str, value: object, rename: Renamed) -> object:
     if not isinstance(value, str):
-        return moved(value, folder, to)
+        return _within(value, rename)
     path, colon, name = value.rpartition(":") if key in ("name", "kind") and in_a_file(value) else (value, "", "")
-    if not (colon or (key == "parameters" and value.endswith(".toml")) or key == "path") or Path(path).is_absolute():
+    if not (colon or (key == "parameters" and value.endswith(".toml")) or key == "path"):
         return value
-    try:
-        path = os.path.relpath((folder / path).absolute(), to.absolute())
-    except ValueError:  # on another drive of Windows
-        path = str((folder / path).absolute())
-    return f"{Path(path).as_posix()}{colon}{name}"
+    return f"{rename(path)}{colon}{name}"

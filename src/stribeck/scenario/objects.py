@@ -221,7 +221,7 @@ class Motor(Part):
 class Controller(Part):
     """A controller on a motor or a body; ``Controller.pid`` and ``Controller.cascade`` make the usual ones.
 
-    Further arguments are those of the file: measures, limit, feedforward, compensation, sampling.
+    Further arguments are those of the file: measures, limit, feedforward, compensation, sampling, dither.
     """
 
     def __init__(self, name: str, kind: str, on: str, signal: Mapping[str, object], **values: object) -> None:

@@ -10,14 +10,13 @@ from typing import TYPE_CHECKING, ClassVar, Protocol
 from stribeck.arrays import Array
 from stribeck.drives import Drive
 from stribeck.laws.base import Law
-from stribeck.plants import Mass, Plant
+from stribeck.plants import Plant
 from stribeck.scenario import tables
 from stribeck.signals import Signal
-from stribeck.system import System
 
 if TYPE_CHECKING:
     from stribeck.scenario import Scenario
-    from stribeck.scenario.machine import Rig
+    from stribeck.scenario.rig import Rig
 
 
 class Courses(Protocol):
@@ -99,12 +98,3 @@ class Parts:
     initial: dict[str, float] | None = None
     solve: tables.Solve | None = None
     output: tables.Output | None = None
-
-    def system(self) -> System:
-        """The structure of the equations of a law on a single body, as far as its parts are known."""
-        assert self.law is not None
-        assert self.drive is not None
-        drive = (self.settings or Settings()).drive(self.drive, self.drive_values or {})
-        smooth = type(self.signal) if self.signal is not None and self.signal.smooth else None
-        energy = self.output is not None and self.output.energy
-        return System(type(self.law), self.law.form, drive, smooth, energy, self.plant or Mass)

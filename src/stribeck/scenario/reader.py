@@ -13,9 +13,10 @@ from stribeck.errors import nearest
 from stribeck.plants import Mass
 from stribeck.scenario import memory, tables, trust
 from stribeck.scenario.drives import DRIVES, drive_table, find_plant, settings
-from stribeck.scenario.law import LawReader, no_table, unknown
+from stribeck.scenario.law import LawReader, kind_of_table, no_table, unknown
 from stribeck.scenario.parts import Parts
 from stribeck.scenario.signal import read_signal
+from stribeck.scenario.single import structure
 
 _TABLES = ("law", "plant", "drive", "solve", "output")
 
@@ -158,17 +159,7 @@ class Reader:
         kinds: Mapping[str, object],
         model: Callable[[str], type[tables.StrictTable]],
     ) -> str | None:
-        kind = table.get("kind")
-        if isinstance(kind, str) and kind in kinds:
-            return kind
-        self._unknown(table, path, (name for each in kinds for name in model(each).model_fields))
-        allowed = f"one of {', '.join(kinds)}"
-        if "kind" not in table:
-            self.problems.append((f"{path}.kind", f"missing: must be given ({allowed})"))
-        else:
-            guess = nearest(kind, kinds) if isinstance(kind, str) else ""
-            self.problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
-        return None
+        return kind_of_table(table, path, kinds, lambda each: model(each).model_fields, self.problems)
 
     def _signal(self, table: object) -> None:
         path = "drive.signal"
@@ -236,7 +227,7 @@ class Reader:
             whole = SimpleNamespace(**s.plant_values or {})
             self.problems += [(f"plant.{key}", text) for key, text in plant.problems(whole, initial)]
             self.problems += s.settings.judge(s)
-        system = s.system()
+        system = structure(s)
         self._tolerances([state.name for state in system.states])
         if law.jumps_at_rest and not drive.sets_velocity:
             smooth = "k_v" in law.constants()

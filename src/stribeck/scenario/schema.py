@@ -1,12 +1,11 @@
 """The JSON Schema of a scenario file, made from the declarations that validate it; editors complete and check with it.
 
-``python -m stribeck.scenario.schema`` writes it to the file that the package ships.
+``stribeck new --schema`` writes it.
 """
 
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 from stribeck import drives, laws, parameter_sets, plants
@@ -21,11 +20,11 @@ from stribeck.scenario import tables
 from stribeck.scenario.cascade import NONE
 from stribeck.scenario.drives import DRIVES, drive_table, plants_of, settings
 from stribeck.scenario.machine import tables as machine_tables
-from stribeck.system import System
+from stribeck.scenario.single import one_body
 
 Node = dict[str, Any]
 
-FILE = Path(__file__).parent.parent / "scenario.schema.json"
+FILE = "scenario.schema.json"
 _MACHINE: Node = {name: {"$ref": f"#/$defs/{name}"} for name in PARAMETERS}
 _TOML_FILE: Node = {"type": "string", "pattern": "\\.toml$", "description": "a file, relative to the scenario file"}
 
@@ -48,6 +47,11 @@ def json_schema() -> Node:
             **_numbers(PARAMETERS),
         },
     }
+
+
+def text() -> str:
+    """The schema as a file."""
+    return json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n"
 
 
 def _common(version: int) -> Node:
@@ -278,7 +282,7 @@ def _solve() -> Node:
     for drive in DRIVES.values():
         fullest = settings(drive).fullest(drive)
         for plant in plants_of(drive).values():
-            system = System(laws.BristleLaw, USUAL, fullest, None, not drive.no_energy, plant)
+            system = one_body(laws.BristleLaw, USUAL, fullest, None, not drive.no_energy, plant)
             states |= dict.fromkeys(state.name for state in system.states)
     node["properties"]["atol"]["propertyNames"] = {"enum": sorted(states)}
     return node
@@ -300,12 +304,3 @@ def _model(model: type[tables.StrictTable]) -> Node:
 
     result: Node = plain(schema)
     return result
-
-
-def main() -> None:
-    """Write the schema to the file that the package ships."""
-    FILE.write_text(json.dumps(json_schema(), indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

@@ -130,8 +130,7 @@ def simulate_ensemble(
         InputError: a path is none that can be varied, its values are no numbers, or the rows do not fit into memory.
         StribeckError: ``device="cuda"`` where there is no GPU, or for what runs lane by lane.
     """
-    if device not in ("cpu", "cuda"):
-        raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
+    check_device(device)
     if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **(values or {})}
     shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario
@@ -147,6 +146,21 @@ def simulate_ensemble(
     some = variations if lanes_in.all_possible else variations.part(lanes_in.possible)
     lanes_in.take(some, solve(some, progress))
     return lanes_in.ensemble()
+
+
+def check_device(device: str) -> None:
+    """Refuse what is no device, or none that this machine has.
+
+    Raises:
+        InputError: it is neither ``cpu`` nor ``cuda``.
+        StribeckError: there is no GPU.
+    """
+    if device not in ("cpu", "cuda"):
+        raise InputError(f"{arg('device')}: {device!r}: must be 'cpu' or 'cuda'")
+    if device == "cuda":
+        from stribeck.simulation import cuda
+
+        cuda.device()
 
 
 def _check(variations: Variations | LaneByLane, threads: int | None) -> None:

@@ -36,7 +36,7 @@ class RateFunctions:
         self.piece: Array = np.zeros(len(system.piece_fields))
         self.held = np.zeros(len(system.held))
 
-    def _at(self, t: float, x: Array) -> tuple[Any, ...]:
+    def _at(self, t: float, x: Array) -> tuple[object, ...]:
         return (*self._values, *self.piece, *self.held, t, *x)
 
     def rates(self, t: float, x: Array) -> Array:
@@ -115,7 +115,7 @@ def solve(scenario: Scenario, progress: Callable[[float], None] | None = None) -
         run.begin()
         while run.t < end and run.reason is None:
             run.advance(run.t, min(run.next_stop(), end))
-    stats: dict[str, Any] = {**run.count, "smallest_step": None, "largest_step": None, "solver": "scipy-radau"}
+    stats: dict[str, object] = {**run.count, "smallest_step": None, "largest_step": None, "solver": "scipy-radau"}
     return Result(run.out[: run.row], run.events, run.reason, stats)
 
 

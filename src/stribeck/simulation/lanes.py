@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.errors import BuildError
-from stribeck.simulation.layout import struct_fields
+from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.native import step_share
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
@@ -47,13 +46,8 @@ def check(library: ctypes.CDLL) -> None:
     Raises:
         BuildError: it is not.
     """
-    try:
-        library.stribeck_batch_size.restype = library.stribeck_lanes.restype = c_int64
-        library.stribeck_solve_batch.argtypes, library.stribeck_solve_batch.restype = [POINTER(Batch)], None
-    except AttributeError:
-        raise BuildError("the library built is not a compiled system for lanes") from None
-    if library.stribeck_batch_size() != ctypes.sizeof(Batch):
-        raise BuildError("the compiled system was built for another version of Stribeck")
+    calls = {"stribeck_lanes": (c_int64, []), "stribeck_solve_batch": (None, [POINTER(Batch)])}
+    declare(library, "a compiled system for lanes", Batch, "stribeck_batch_size", calls)
 
 
 def threads_of_this_machine() -> int:

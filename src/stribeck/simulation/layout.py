@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import re
-from ctypes import POINTER, c_double, c_int8, c_int32, c_int64
+from collections.abc import Mapping
+from ctypes import CDLL, POINTER, Structure, c_double, c_int8, c_int32, c_int64, sizeof
 from importlib.resources import files
+
+from stribeck.errors import BuildError
 
 _TYPES: dict[str, tuple[type, type]] = {  # a number, and a pointer to such
     "double": (c_double, POINTER(c_double)), "int64_t": (c_int64, POINTER(c_int64)),
@@ -21,3 +24,21 @@ def struct_fields(file: str, struct: str) -> list[tuple[str, type]]:
         kind, _, names = line.replace("const ", "").strip().partition(" ")
         found += [(name.strip(" *"), _TYPES[kind]["*" in name]) for name in names.split(",") if kind]
     return found
+
+
+def declare(
+    library: CDLL, what: str, shared: type[Structure], size: str, calls: Mapping[str, tuple[type | None, list[type]]]
+) -> None:
+    """Say how the functions of a library are called, each with the type of its result and of its arguments.
+
+    Raises:
+        BuildError: it has no such functions, or its function ``size`` gives the struct ``shared`` another size.
+    """
+    try:
+        for name, (result, arguments) in {size: (c_int64, list[type]()), **calls}.items():
+            function = getattr(library, name)
+            function.restype, function.argtypes = result, arguments
+    except AttributeError:
+        raise BuildError(f"the library built is not {what}") from None
+    if getattr(library, size)() != sizeof(shared):
+        raise BuildError("the compiled system was built for another version of Stribeck")

@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.errors import BuildError
 from stribeck.expressions.ops import Value, clip, larger, smaller
 from stribeck.scenario import Scenario
-from stribeck.simulation.layout import struct_fields
+from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.result import Result, ended, failure, held_back
 
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
@@ -69,7 +68,7 @@ def share_of(damping: Value) -> Value:
 
 def damping_ratio(scenario: Scenario) -> float:
     """Of a body on its bristles, at rest; infinite where there is no such thing."""
-    return float(scenario.whole.damping())
+    return float(scenario.rig.damping())
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -78,13 +77,8 @@ def check(library: ctypes.CDLL) -> None:
     Raises:
         BuildError: it is not.
     """
-    try:
-        library.stribeck_run_size.restype = library.stribeck_event_room.restype = c_int64
-        library.stribeck_advance.argtypes, library.stribeck_advance.restype = [POINTER(Run)], c_int
-    except AttributeError:
-        raise BuildError("the library built is not a compiled system") from None
-    if library.stribeck_run_size() != ctypes.sizeof(Run):
-        raise BuildError("the compiled system was built for another version of Stribeck")
+    calls = {"stribeck_event_room": (c_int64, []), "stribeck_advance": (c_int, [POINTER(Run)])}
+    declare(library, "a compiled system", Run, "stribeck_run_size", calls)
 
 
 def solve(library: ctypes.CDLL, scenario: Scenario, progress: Callable[[float], None] | None = None) -> Result:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping, Sequence
 from ctypes import POINTER, c_double, c_int, c_int64
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ _CALLS: dict[str, list[object]] = {
     "stribeck_respond": [_N, _P, _P, _P, _N, _P, _P, _P, c_double, _N, _P, _P, _P],
     "stribeck_move": [_N, _P, _P, _P, _N, _P, _P, _P, _N, POINTER(c_int64), _P, _P, _N, _P, _P, _P],
 }
+_SOURCES = {"stribeck_respond": response_source, "stribeck_move": motion_source}
 
 
 def _check(library: ctypes.CDLL) -> None:
@@ -36,8 +38,8 @@ def _check(library: ctypes.CDLL) -> None:
     call.argtypes, call.restype = _CALLS[name], c_int
 
 
-class Response:
-    """The compiled answer of a law to a velocity: F(t) for v(t) given by samples and smooth between them.
+class _Compiled:
+    """What a law's constants and a record go through.
 
     Args:
         law: the law.
@@ -47,14 +49,21 @@ class Response:
         BuildError: there is no C compiler, or it failed.
     """
 
+    function: ClassVar[str]
+
     def __init__(self, law: type[Law], form: Form = USUAL) -> None:
         self.names = response_parameters(law, form)
-        library = _built(response_source(law, form))
-        self._call = library.stribeck_respond
+        self._call = getattr(_built(_SOURCES[self.function](law, form)), self.function)
 
     def lanes(self, sets: Sequence[Mapping[str, float]]) -> Array:
         """Sets of constants as rows in the order that the compiled code takes."""
         return np.array([[each[name] for name in self.names] for each in sets], float)
+
+
+class Response(_Compiled):
+    """The compiled answer of a law to a velocity: F(t) for v(t) given by samples and smooth between them."""
+
+    function = "stribeck_respond"
 
     def force(
         self,
@@ -91,20 +100,10 @@ class Response:
         return out if status == 0 and np.isfinite(out).all() else None
 
 
-class ForcedBody:
-    """The motion of a body under a measured force and a law's friction: y(t), v(t) for F(t) given by samples.
+class ForcedBody(_Compiled):
+    """The motion of a body under a measured force and a law's friction: y(t), v(t) for F(t) given by samples."""
 
-    Args:
-        law: the law.
-        form: of its equations.
-
-    Raises:
-        BuildError: there is no C compiler, or it failed.
-    """
-
-    def __init__(self, law: type[Law], form: Form = USUAL) -> None:
-        self.names = response_parameters(law, form)
-        self._call = _built(motion_source(law, form)).stribeck_move
+    function = "stribeck_move"
 
     def of(
         self, t: Array, force: Array, sets: Sequence[Mapping[str, float]], first: NDArray[np.int64], states: Array,
@@ -123,7 +122,7 @@ class ForcedBody:
             straight: take the force from sample to sample as a straight line.
         """
         lanes = len(sets)
-        constants = np.array([[each[name] for name in self.names] for each in sets], float)
+        constants = self.lanes(sets)
         mass, offset = (np.array([each[name] for each in sets], float) for name in ("mass", "offset"))
         bend = np.zeros(len(force)) if straight else _bends(force)
         inputs = [np.ascontiguousarray(x, float) for x in (t, force, bend, constants, mass, offset, states)]

@@ -63,8 +63,9 @@ def simulate(
     )
     solution = Solution(scenario, result)
     if solution.reason is None:
-        for text in scenario.settings.remarks(scenario, solution):
-            note(text)
+        for settings in scenario.rig.settings.values():
+            for text in settings.remarks(scenario, solution):
+                note(text)
     return solution
 
 
@@ -77,5 +78,5 @@ def _solve(library: object, scenario: Scenario, progress: Callable[[float], None
         else fallback.solve(scenario, progress)
     )
     reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
-    result.events.extend(scenario.whole.more_events(reached))
+    result.events.extend(scenario.rig.more_events(reached))
     return result

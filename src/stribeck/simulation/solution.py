@@ -124,10 +124,10 @@ class Solution:
     @property
     def laws(self) -> dict[str, object]:
         """The law with its constants (``law``), or of a machine that of each contact (``contacts``)."""
-        whole = self.scenario.whole
-        if not whole.equations.by_element:
-            return {"law": _about(whole.law)}
-        return {"contacts": {name: {"law": _about(law)} for name, law in whole.named_laws.items()}}
+        rig = self.scenario.rig
+        if rig.single:
+            return {"law": _about(rig.law)}
+        return {"contacts": {name: {"law": _about(law)} for name, law in rig.named_laws.items()}}
 
     def summary(self) -> dict[str, object]:
         """What ``stribeck run --json`` prints, without the files."""

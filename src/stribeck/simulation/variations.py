@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,13 +15,13 @@ from stribeck.constants import Constant, kind_of
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
+from stribeck.machine.dither import WAVES_A_STEP
+from stribeck.machine.parts import SignalUse
 from stribeck.scenario import Scenario
+from stribeck.scenario.rig import AT_LIMIT, Rig, evaluate
 from stribeck.signals import Signal
-from stribeck.signals.pieces import Pieces
-from stribeck.signals.pieces import pieces as pieces_of
-from stribeck.system import Groups, System
-
-Place = tuple[str, str]  # owner and name of a constant; the owner "initial" has the states at t = 0
+from stribeck.signals.pieces import Pieces, merged
+from stribeck.simulation.places import Place, machine_places
 
 
 @dataclass(frozen=True)
@@ -44,20 +43,27 @@ class Tables:
 
 
 def vary(scenario: Scenario, values: Mapping[str, ArrayLike]) -> Variations | LaneByLane:
-    """A scenario with values for each lane.
+    """A scenario with values for each lane: in lanes where only numbers differ, one by one where the form does.
 
     Raises:
         InputError: a path is none that can be varied, or its values are no arrays of numbers of equal length.
     """
-    if scenario.rig is not None:
-        from stribeck.simulation.machines import vary_machine
-
-        return vary_machine(scenario, values)
-    return (LaneByLane if scenario.drive.differentiates else Variations)(scenario, values)
+    given, rig = arrays(values), scenario.rig
+    if any(drive.drive.differentiates for drive in rig.machine.drives):
+        return LaneByLane(scenario, values)  # what its controller knows of the plant changes with the plant
+    known = machine_places(scenario)
+    if rig.single or all(path in known for path in given):
+        return Variations(scenario, values)
+    try:  # constants that are off, such as a play that is not given
+        scenario = scenario.with_changes({path: float(x[0]) for path, x in given.items() if path not in known})
+    except InputError:
+        return LaneByLane(scenario, values)
+    known = machine_places(scenario)
+    return (Variations if all(path in known for path in given) else LaneByLane)(scenario, values)
 
 
 class Variations:
-    """A scenario of a single body and, by path, the values of some of its numbers: one for each lane.
+    """A scenario and, by path, the values of some of its numbers: one for each lane.
 
     Args:
         scenario: what all lanes share.
@@ -69,11 +75,10 @@ class Variations:
 
     def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
         self.values = arrays(values)
-        off = {
-            f"law.{name}": 1.0 for name, x in scenario.law.values.items() if x is None and f"law.{name}" in self.values
-        }
-        self.scenario = scenario.with_changes(off) if off else scenario  # on; the lanes have their own values
-        self.places = _places(self.scenario)
+        off = {f"law.{name}" for name, x in scenario.law.values.items() if x is None} if scenario.rig.single else set()
+        on = dict.fromkeys(off & self.values.keys(), 1.0)
+        self.scenario = scenario.with_changes(on) if on else scenario  # the lanes have their own values
+        self.rig, self.places = self.scenario.rig, machine_places(self.scenario)
         if unknown := [path for path in self.values if path not in self.places]:
             raise InputError([f"{path}: cannot be varied{_guess(path, self.places)}" for path in unknown])
 
@@ -89,27 +94,23 @@ class Variations:
         return {path: float(x[lane]) for path, x in self.values.items()}
 
     def columns(self, t: Array, states: Array, held: Array) -> dict[str, Array]:
-        """The columns of the output, (lanes, times), from the states, (lanes, times, states), and held outputs."""
-        system, shape = self.scenario.system, states.shape[:2]
-        assert isinstance(system, System)
-        named = {state.name: states[:, :, i] for i, state in enumerate(system.states)}
-        signals, which = self.signals
-        signal = np.stack([each.at(t) for each in signals])[which]
-        with np.errstate(all="ignore"):
-            found = system.quantities(self.groups(lambda x: x[:, np.newaxis]), signal, named)
-        return {c.name: np.broadcast_to(np.asarray(found[c.name], float), shape) for c in system.columns}
+        """The columns of the output, (lanes, times), from states and held outputs, (lanes, times, each)."""
+        machine, shape = self.rig.machine, states.shape[:2]
+        named = {state.name: states[:, :, i] for i, state in enumerate(machine.states)}
+        tables, which = self._tables
+        rows = np.stack([table.at(t) for table in tables])[which]
+        segment = {name: rows[:, :, i] for i, name in enumerate(machine.piece_fields)}
+        segment |= {name: held[:, :, i] for i, name in enumerate((*machine.held, *machine.shown))}
+        values = {key: self.constant(*key) for key in machine.parameters}
+        shaped = {key: x[:, np.newaxis] if isinstance(x, np.ndarray) else x for key, x in values.items()}
+        found = evaluate(machine, shaped, segment, t, named)
+        return {name: np.broadcast_to(np.asarray(x, float), shape) for name, x in found.items()}
 
     # -- what the equations take, a row for each lane --------------------------------------------------------------
 
     def constant(self, owner: str, name: str) -> Value:
         """A constant: an array over the lanes where it varies, else a number, or None."""
         return self._varied.get((owner, name), self._fixed.get((owner, name)))
-
-    def groups(self, shape: Callable[[Array], Array] = lambda x: x) -> Groups:
-        """The constants by owner; those that vary are arrays over the lanes, which ``shape`` may reshape."""
-        fixed = self.scenario.groups()
-        varied = {owner: {n: shape(x) for (o, n), x in self._varied.items() if o == owner} for owner in vars(fixed)}
-        return Groups(**{owner: SimpleNamespace(**{**vars(p), **varied[owner]}) for owner, p in vars(fixed).items()})
 
     def parameters(self) -> Array:
         """The run-time constants of the compiled system."""
@@ -123,54 +124,101 @@ class Variations:
 
     def atol(self) -> Array:
         """The absolute tolerance of each state."""
-        names = [state.name for state in self.scenario.system.states]
+        names = [state.name for state in self.rig.machine.states]
+        varied = {key: x for key, x in self._varied.items() if key in self.rig.values}
         try:
-            found = self.scenario.atol(self.groups())
+            found = self.scenario.atol(self.rig.with_values(varied) if varied else None)
             return self._table([found[name] for name in names])
-        except (TypeError, ValueError):  # scales that are written for numbers
-            rows = (self.scenario.atol(self.groups(lambda x, lane=i: x[lane])) for i in range(len(self)))  # type: ignore[misc]
+        except (TypeError, ValueError):  # scales that are compared, or written for numbers
+            rows = (self.scenario.atol(self._rig_of(lane)) for lane in range(len(self)))
             return np.array([[row[name] for name in names] for row in rows])
 
+    def _rig_of(self, lane: int) -> Rig:
+        return self.rig.with_values({key: float(x[lane]) for key, x in self._varied.items() if key in self.rig.values})
+
     def threshold(self) -> Array:
-        """The speed that slip and stick are told by; 0 for none."""
-        return self._table([self._varied.get(("law", "v_s"), self.scenario.threshold)])[:, 0]
+        """The speed that slip and stick of the only contact are told by; 0 for none."""
+        path = next(iter(self.rig.laws))
+        return self._table([self._varied.get((path, "v_s"), self.scenario.threshold)])[:, 0]
 
     def thresholds(self) -> Array:
         """The threshold of each watched quantity, 0 for none."""
-        return np.repeat(self.threshold()[:, np.newaxis], len(self.scenario.system.watched), axis=1)
+        rig = self.rig
+        told = {name for name, _ in rig.machine.watched}
+        at = [(contact.law_path, "v_s", 1.0) for contact in rig.machine.contacts if contact.name in told]
+        at += [(link.path, "gap", 0.5) for link in rig.machine.links if "gap" in link.form]
+        limited = (x for x in rig.machine.controllers if x.sampling is None and "limit" in x.form)
+        at += [(each.path, "limit", AT_LIMIT) for each in limited]
+        found = [
+            now if (path, name) not in self._varied else self._varied[path, name] * share
+            for (path, name, share), now in zip(at, rig.thresholds(), strict=True)
+        ]
+        return self._table(found) if found else np.zeros((len(self), 0))
 
     def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
-        """Events of a lane that no state tells, as far as it came (:meth:`Single.more_events`)."""
-        if not self.scenario.single.drive.sets_velocity or not (threshold := float(self.threshold()[lane])) > 0:
+        """Events of a lane that no state tells, as far as it came (:meth:`Rig.more_events`)."""
+        if not self.rig.single or self.rig.machine.bodies[0].driven is None:
             return []
-        signals, which = self.signals
+        threshold, (use,) = float(self.threshold()[lane]), self.rig.signals
+        signals, which = self._signals(use)
+        if not threshold > 0:
+            return []
         return [(t, int(not rises)) for t, rises in signals[which[lane]].crossings(threshold, reached)]
 
     def sampling(self) -> list[list[dict[str, float]]]:
         """Period, delay, noise and seed of the sampled controllers of each lane."""
-        return []
+        if not self.rig.machine.held:
+            return []
+        varied = any(path.endswith("sampling") for path, _ in self._varied)
+        return [self._rig_of(lane).sampling() for lane in range(len(self) if varied else 1)]
 
-    @cached_property
-    def signals(self) -> tuple[list[Signal], NDArray[np.int64]]:
-        """The signals that occur, and which of them each lane has."""
-        signal = self.scenario.signal
-        names = [name for owner, name in self._varied if owner == "signal"]
+    def _signals(self, use: SignalUse) -> tuple[list[Signal], NDArray[np.int64]]:
+        """The signals that occur in one place, and which of them each lane has."""
+        signal = self.rig.signals[use]
+        names = [name for name in signal.constants if (use.path, name) in self._varied]
         if not names:
             return [signal], np.zeros(len(self), np.int64)
-        table = self._table([self._varied["signal", name] for name in names])
+        table = self._table([self._varied[use.path, name] for name in names])
         each, which = np.unique(table, axis=0, return_inverse=True)
         rows = [dict(zip(names, map(float, row), strict=True)) for row in each]
         return [type(signal)({**signal.values, **row}) for row in rows], np.asarray(which, np.int64).reshape(-1)
 
     def longest_step(self) -> Array:
-        """The longest step that cannot miss a wave of the signal, s."""
-        signals, which = self.signals
-        return np.array([signal.longest_step for signal in signals])[which]
+        """The longest step that cannot miss a wave of a signal, s."""
+        found = np.full(len(self), np.inf)
+        for use in self.rig.signals:
+            signals, which = self._signals(use)
+            found = np.minimum(found, np.array([signal.longest_step for signal in signals])[which])
+        for each in self.rig.machine.controllers:
+            if each.dither is not None and each.sampling is None:
+                found = np.minimum(found, WAVES_A_STEP / self.constant(each.dither.path, "frequency"))
+        return found
 
     def pieces(self) -> Tables:
         """The signals as tables of pieces."""
-        signals, which = self.signals
-        return Tables.of([pieces_of(signal) for signal in signals], which)
+        return Tables.of(*self._tables)
+
+    @cached_property
+    def _tables(self) -> tuple[list[Pieces], NDArray[np.int64]]:
+        """The tables that occur, and which of them each lane has: those where a number varies that makes pieces."""
+        end, in_code = self.scenario.end, set(self.rig.machine.parameters)
+        varied: list[tuple[SignalUse, str]] = [
+            (use, name)
+            for use, signal in self.rig.signals.items()
+            for name in signal.constants
+            if (use.path, name) in self._varied and (use.turns or (use.path, name) not in in_code)
+        ]
+        if not varied:
+            return [self.rig.pieces(end)], np.zeros(len(self), np.int64)
+        table = self._table([self._varied[use.path, name] for use, name in varied])
+        each, which = np.unique(table, axis=0, return_inverse=True)
+        found = []
+        for row in each:
+            changes: dict[SignalUse, dict[str, float]] = {}
+            for (use, name), x in zip(varied, row, strict=True):
+                changes.setdefault(use, {})[name] = float(x)
+            found.append(merged([self.rig.pieces_of(use, end, changes.get(use)) for use in self.rig.signals]))
+        return found, np.asarray(which, np.int64).reshape(-1)
 
     # -- values that no scenario may have --------------------------------------------------------------------------
 
@@ -186,13 +234,15 @@ class Variations:
                 bad |= ~(x >= constant.at_least)
             for lane in map(int, np.flatnonzero(bad)):
                 found[lane] = found[lane] or f"{path}: {x[lane]}: must be {constant.allowed}"
+            for lane in map(int, np.flatnonzero(x == 0)) if self.places[path][1] == "ratio" else ():
+                found[lane] = found[lane] or f"{path}: 0: must be a finite number other than 0"
         for owner, law in self.laws().items():
             self._relations(owner, law, found)
         return found
 
     def laws(self) -> dict[str, Law]:
         """The laws by the owner of their constants."""
-        return {"law": self.scenario.law}
+        return self.rig.laws
 
     def _relations(self, owner: str, law: Law, found: list[str | None]) -> None:
         """What is wrong with the constants of a law taken together."""
@@ -211,12 +261,11 @@ class Variations:
 
     def _declared(self, path: str) -> Constant:
         owner, name = self.places[path]
-        s = self.scenario
-        tables: dict[str, Mapping[str, Constant]] = {
-            "law": {**PARAMETERS, **s.law.constants()}, "drive": s.drive.constants, "signal": s.signal.constants,
-            "plant": s.plant.constants, "initial": {},
-        }  # fmt: skip
-        return tables[owner].get(name, Constant("", ""))
+        if owner in self.rig.laws:
+            return {**PARAMETERS, **self.rig.laws[owner].constants()}[name]
+        signals = {use.path: signal.constants for use, signal in self.rig.signals.items()}
+        known = self.rig.machine.tables.get(owner, ({}, False))[0]
+        return {**signals.get(owner, {}), **known}.get(name, Constant("", ""))
 
     # -- helpers ---------------------------------------------------------------------------------------------------
 
@@ -226,11 +275,14 @@ class Variations:
 
     @cached_property
     def _fixed(self) -> dict[Place, float | None]:
-        s = self.scenario
-        found: dict[Place, float | None] = {("law", name): x for name, x in (s.law.machine | s.law.values).items()}
-        return {**found, **s.values(), **{("signal", name): x for name, x in s.signal.values.items()}}
+        found: dict[Place, float | None] = dict(self.rig.values)
+        for path, law in self.rig.laws.items():
+            found |= {(path, name): x for name, x in (law.machine | law.values).items() if (path, name) not in found}
+        for use, signal in self.rig.signals.items():
+            found |= {(use.path, name): x for name, x in signal.values.items()}
+        return found
 
-    def _table(self, columns: list[Array | float]) -> Array:
+    def _table(self, columns: Sequence[float | Array]) -> Array:
         return np.stack([np.broadcast_to(np.asarray(x, float), (len(self),)) for x in columns], axis=1)
 
 
@@ -254,7 +306,7 @@ class LaneByLane:
 
     def _number(self, path: str, x: float) -> float:
         """A whole number where the scenario has one, such as a seed."""
-        now: Any = self.scenario.data
+        now: object = self.scenario.data
         for name in path.split("."):
             now = now.get(name) if isinstance(now, dict) else None
         seed = path.endswith(".seed") or (isinstance(now, int) and not isinstance(now, bool))
@@ -295,21 +347,6 @@ def arrays(values: Mapping[str, ArrayLike]) -> dict[str, Array]:
     ]:
         raise InputError(wrong)
     return {path: np.ascontiguousarray(np.broadcast_to(x, (count,))) for path, x in found.items()}
-
-
-def _places(scenario: Scenario) -> dict[str, Place]:
-    """Every path that can be varied, and the constant it stands for."""
-    s, table = scenario, scenario.data["law"].get("parameters")
-    inside = {*PARAMETERS, *(table if isinstance(table, dict) else ())}
-    names = [*s.law.values, *(name for name in s.law.machine if name not in s.law.values)]
-    places: dict[str, Place] = {f"law.{'parameters.' if n in inside else ''}{n}": ("law", n) for n in names}
-    places |= {f"plant.{name}": ("plant", name) for name in s.plant_values}
-    allowed = [
-        state.name for state in s.system.states if state.name in ("y", "v", "z", *(x.name for x in s.plant.states))
-    ]
-    places |= {f"plant.initial.{name}": ("initial", name) for name in allowed}
-    places |= {f"drive.{name}": ("drive", name) for name in s.drive.constants}
-    return places | {f"drive.signal.{name}": ("signal", name) for name in s.signal.constants}
 
 
 def _guess(path: str, known: Mapping[str, object]) -> str:

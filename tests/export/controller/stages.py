@@ -12,6 +12,13 @@ CASES = {
     "measured": {**CASCADE, "compensation": {"contact": "guide", "speed": "measured", "share": 0.8}},
     "led": {**CASCADE, "compensation": {"contact": "guide", "speed": "measured", "share": 0.8, "lead": 1e-3}},
     "reference": {**CASCADE, "compensation": {"contact": "guide", "speed": "reference"}, "signal": WAVE},
+    "dithered": {**CASCADE, "dither": {"amplitude": 5.0, "frequency": 73.0}},
+    "square": {
+        "kind": "pid",
+        "K_p": 9e3,
+        "K_d": 200.0,
+        "dither": {"kind": "square", "amplitude": 5.0, "frequency": 125.0},
+    },
     "filtered": {"kind": "pid", "K_p": 9e3, "K_d": 200.0, "K_i": 2e4, "sampling": {**SAMPLING, "bandwidth": 800.0}},
 }
 

@@ -159,6 +159,10 @@ def test_gains_of_a_drive_in_mit_mode(tmp_path):
     text = file.read_text()
     assert "  kp: 10.0  #" in text
     assert "  kd: 0.5  #" in text
+    assert "dither" not in text
+    shaken = Scenario(joint(dither={"amplitude": 0.02, "frequency": 60.0}))
+    (file,) = stribeck.export(shaken, "mit", tmp_path / "d.yaml", part="controller", step=1e-3)
+    assert "    amplitude: 0.02  #" in file.read_text()
     with pytest.raises(stribeck.InputError, match="MIT mode has kp and kd alone"):
         stribeck.export(Scenario(joint(T_i=0.1)), "mit", tmp_path / "h.yaml", part="controller", step=1e-3)
 

@@ -25,3 +25,13 @@ def test_a_clock_that_drifts_is_told_and_can_be_sought(tmp_path):
     p = found.parameters["outputs.a.y.clock"]
     assert p.low < 0.01 < p.high
     assert found.parameters[MASS].low < 1.0 < found.parameters[MASS].high
+
+
+def test_the_one_recording_that_is_in_other_units_is_named(tmp_path):
+    record(tmp_path / "good.csv", body(amplitude=3.0))
+    record(tmp_path / "bad.csv", body(amplitude=5.0), change=lambda x: {**x, "u": 1e3 * x["u"]})
+    path = logs(tmp_path, ["good.csv", "bad.csv"], WANTED)
+    found = fit_machine(body(mass=1.5, F_s=1.3), path, starts=1, baselines=False)
+    assert found.status == "missed"
+    assert "each recording by itself: bad.csv cannot be followed, the others can" in found.notes
+    assert any(n.startswith("loads.push.signal: with its column times 0.001") for n in found.notes), found.notes

@@ -10,6 +10,8 @@ from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.features.filtering import filter_bias
 from stribeck.identify.models.dynamic_problem import velocity_problem
+from stribeck.identify.models.problem import Coordinate
+from stribeck.identify.statistics.verdicts import farther
 from tests.identify import rig
 
 SLOW = [rig.loop(size, rate, 3) for size in (8e-6, 2e-5, 3e-5) for rate in (0.5, 3.0)]
@@ -36,6 +38,14 @@ def test_damping_that_hangs_on_the_filter_is_not_printed_as_known(tmp_path):
     optimum = np.sqrt(damping.low * damping.high)
     assert abs(optimum - 1e3) > 5 * np.sqrt(fit.covariance[1, 1])  # the residuals' noise alone would rule the truth out
     assert fit.estimates["sigma_0"].value == pytest.approx(1e6, rel=0.01)
+
+
+def test_the_ends_reach_farther_than_a_shift_that_one_step_tells_badly():
+    """Of 20 s of LuGre with 1 um of noise sigma_1's ends, moved by the shift of 40 % alone, left the truth out."""
+    of_bristles, of_offset = Coordinate("sigma_1", "N s/m", 1.0, 1e4), Coordinate("offset", "N", -1.0, 1.0, log=False)
+    assert farther(of_bristles, 0.1) == 0.1
+    assert farther(of_bristles, 0.4) == 0.8
+    assert farther(of_offset, 0.4) == 0.4
 
 
 def test_motion_taken_as_it_is_has_no_filter_to_doubt():

@@ -1,11 +1,18 @@
 """What made fits worse than plain least squares on records that they had not seen."""
 
-import numpy as np
+from dataclasses import replace
 
+import numpy as np
+import pytest
+
+import stribeck
 from stribeck.identify.api import read_log
 from stribeck.identify.data.prepare import _without_ends
+from stribeck.identify.log import Log
 from stribeck.identify.methods.static import Setting, settle
 from stribeck.identify.models.static_problem import rows_of
+from stribeck.identify.predict import load, predict, saved
+from stribeck.identify.statistics.crossvalidate import LeftOut, choose
 
 NAMES = {"time": "t", "velocity": "v", "force": "F"}
 
@@ -36,3 +43,42 @@ def test_no_bend_of_the_curve_lies_where_nothing_was_measured(tmp_path):
     shape = next(s for s in found.model.whole.shapes if s.name == "v_s")
     assert shape.low >= float(np.min(abs(log.velocity)))
     assert found.solution.values["v_s"] >= shape.low
+
+
+def warming():
+    """Six seconds of a few speeds held for half a second each, while friction falls by a tenth."""
+    draw = np.random.default_rng(7)
+    t = np.arange(3000) * 2e-3
+    levels = np.repeat(draw.choice([-1.0, -0.5, -0.2, 0.2, 0.5, 1.0], 12), 250)
+    v = np.convolve(np.pad(levels, 30, mode="edge"), np.hanning(61) / np.hanning(61).sum(), "valid")
+    level = 12.0 * (1 - 0.1 * t / t[-1])
+    force = 1.7 * np.gradient(v, 2e-3) + level * np.tanh(v / 0.01) + 1.5 * v + 0.05 * draw.standard_normal(len(t))
+    return {"t": t, "v": v + 1e-3 * draw.standard_normal(len(t)), "F": force}
+
+
+def test_what_changes_in_time_is_not_taken_for_what_changes_with_the_direction(tmp_path):
+    log = read_log(warming(), columns=NAMES)
+    choice = stribeck.fit(log)
+    fit = choice.best
+    assert "F_c_by_time" in fit.body
+    assert not {"sigma_2_by_direction", "delay"} & set(fit.body)
+    assert fit.estimates["F_c"].low < 0.95 * 12.0 < fit.estimates["F_c"].high
+    assert fit.body["F_c_by_time"].value == pytest.approx(-0.1 * 12.0 / 6, rel=0.1)
+    (tmp_path / "fit.json").write_text(saved(fit), encoding="utf-8")
+    model = load(tmp_path)
+    without = replace(model, values={n: x for n, x in model.values.items() if n != "F_c_by_time"})
+    assert predict(model, log).force_error == predict(without, log).force_error  # the warmth was that record's own
+    # arctan(k_v v) is still 6 % below its end at ten times 1/k_v: a level fitted with it comes out too high
+    assert not [n for n, f in choice.fits.items() if "k_v" in f.names and f.law != "stribeck_tanh"]
+
+
+def test_few_rows_are_not_thinned():
+    t = np.arange(3000) * 2e-3
+    v = 1.8 + np.sin(2 * t)
+    log = Log(t, np.cumsum(v) * 2e-3, v, 2 * np.cos(2 * t), 5.0 + 3.0 * v, np.zeros(3000, np.int32), step=2e-3)
+    assert len(rows_of(log).kept) >= 400
+
+
+def test_a_gain_that_is_sure_but_tiny_pays_for_no_number():
+    one, other = (LeftOut(np.full(10, 1.0 - less), np.full(10, 100.0), "", n) for less, n in ((0.002, 8), (0.0, 4)))
+    assert choose({"wide": one, "narrow": other})[0] == "narrow"

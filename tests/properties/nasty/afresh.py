@@ -3,27 +3,10 @@
 from stribeck.expressions.ops import both, cos, exp, floor, sign, sin, sqrt, tanh, where
 from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
+from tests.properties.nasty.base import WithForce
 
 
-class _LuGre(BristleLaw):
-    """LuGre with a force h added."""
-
-    v_d = None
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) / g(p, v) * z
-
-    @staticmethod
-    def h(p, v, z, dz_dt):
-        return 0.0
-
-    @classmethod
-    def friction(cls, p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + cls.h(p, v, z, dz_dt)
-
-
-class _Majorant(_LuGre):
+class _Majorant(WithForce):
     """The sqrt majorant with k_v = 1e6 and a force h added: S' = sigma_0 z + h gives D = that of the majorant + h z
     m/g."""
 
@@ -37,7 +20,7 @@ def deflection(p, z):
     return z * p.sigma_0 / p.F_s
 
 
-class FloorPushes(_LuGre):
+class FloorPushes(WithForce):
     """h = -200 floor(v): held at v = 1, F = 1 + 100 - 200 < 0: B3, not passive. B0; the steps are in F."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -48,7 +31,7 @@ class FloorPushes(_LuGre):
         return -200.0 * floor(v)
 
 
-class StaircaseSpring(_LuGre):
+class StaircaseSpring(WithForce):
     """h = 0.1 sgn(z) floor(10 |u|): h z >= 0: B4, passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -68,7 +51,7 @@ class FloorNeverReached(_Majorant):
         return -floor(0.5 + 0.4 * sin(v / p.v_s))
 
 
-class FloorMakesAWindow(_LuGre):
+class FloorMakesAWindow(WithForce):
     """floor(x) - floor(x - 1e-6), x = v/v_s, is 1 for x in [k, k + 1e-6) with k whole, else 0; h = -10 N times that:
     held at v = 5 v_s, F = 1 + 0.5 - 10 < 0: B3, not passive. B0."""
 
@@ -81,7 +64,7 @@ class FloorMakesAWindow(_LuGre):
         return -10.0 * (floor(x) - floor(x - 1e-6))
 
 
-class Sawtooth(_LuGre):
+class Sawtooth(WithForce):
     """sigma_0 z + h is a sawtooth in [0, 0.15) N for z < 0 too: z (sigma_0 z + h) < 0 between the teeth's feet there:
     B4, not passive. B0."""
 
@@ -93,7 +76,7 @@ class Sawtooth(_LuGre):
         return -0.1 * p.F_s * floor(10 * deflection(p, z))
 
 
-class HessSoomBackwards(_LuGre):
+class HessSoomBackwards(WithForce):
     """g = (F_s - (F_s - F_c) v^2/(v^2 + v_s^2))/sigma_0 falls from Z to 1e-5: B0, B1: passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -112,7 +95,7 @@ class Makkar(BristleLaw):
     truth = "unique bounded -smooth passive -drift_free"
     natural = True
     v_d = None
-    dz_dt = staticmethod(_LuGre.dz_dt)
+    dz_dt = staticmethod(WithForce.dz_dt)
 
     @staticmethod
     def stored_energy(p, z):
@@ -181,7 +164,7 @@ class DahlCubed(_Springy):
         return v * (1 - deflection(p, z) * sign(v)) ** 3
 
 
-class DampedUnloading(_LuGre):
+class DampedUnloading(WithForce):
     """sigma_1 counts only where z v < 0, where f v = v^2 (1 - r) >= 0: F v - W' f = sigma_0 z^2 |v|/g + 100 v^2 +
     [that] >= 0: passive. B0."""
 
@@ -192,7 +175,7 @@ class DampedUnloading(_LuGre):
         return p.sigma_0 * z + where(z * v < 0, p.sigma_1, 0.0) * dz_dt + p.sigma_2 * v
 
 
-class NegativeUnloadingDamping(_LuGre):
+class NegativeUnloadingDamping(WithForce):
     """-300 f where z v < 0: unwinding from Z to 0 at -V costs the integral of (100/(1 - r) - 300) V |dz| + O(1), 1 -
     r >= 1: below -200 V Z, without limit: not passive. B0."""
 
@@ -203,7 +186,7 @@ class NegativeUnloadingDamping(_LuGre):
         return p.sigma_0 * z - where(z * v < 0, 300.0, 0.0) * dz_dt + p.sigma_2 * v
 
 
-class RationalDamping(_LuGre):
+class RationalDamping(WithForce):
     """sigma_1/(1 + (v/v_s)^2), sigma_2 = 0: |v| sigma_1(v) <= 100 * 0.0005 = 0.05 N, so F v - W' f >= |v| (g_N r^2 -
     0.05 (r - 1)) >= 0 for 1 < r <= 1.5 (g_N r^2 > 1), and each term is >= 0 for r <= 1: passive. B0."""
 
@@ -216,7 +199,7 @@ class RationalDamping(_LuGre):
         return p.sigma_0 * z + p.sigma_1 / (1 + (v / p.v_s) ** 2) * dz_dt + p.sigma_2 * v
 
 
-class CubicDecay(_LuGre):
+class CubicDecay(WithForce):
     """f = v - |v| (z/g)^3 falls with z: unique; inward at Z >= g: bounded. At large v, g = 1e-5, r = z/g from 1.5 to
     1.3 (r^3 > 2): unwinding forwards draws the integral of v (100 r^3 - 200)/(r^3 - 1) |dz| - O(1), without limit in
     v: not passive."""
@@ -235,7 +218,7 @@ class CubicDecayLittleDamping(CubicDecay):
     values_changed = {"sigma_1": 10.0}
 
 
-class ForgotTheAbs(_LuGre):
+class ForgotTheAbs(WithForce):
     """f = v (1 - |z|/g): for v < 0, z > g it rises without end (|f| <= c |v| (1 + |z|): unique): z passes Z from g <
     z <= Z at large |v|: not bounded. At |z| > 2 g, v < 0, F v = -sigma_0 z |v| + v^2 (200 - 100 |z|/g) < 0 for ever:
     not passive. |z|: not smooth."""
@@ -259,7 +242,7 @@ class TanhSaturation(_Springy):
         return v - abs(v) * tanh(deflection(p, z)) / tanh(1.0)
 
 
-class RambergOsgood(_LuGre):
+class RambergOsgood(WithForce):
     """f = v/(1 + u^4): |f| <= |v| and Lipschitz in z: unique; held, z passes every bound: not bounded. Rational:
     smooth. S' = sigma_0 z (1 + u^4): F v - S' f = sigma_1 f v + sigma_2 v^2 >= 0 for every z: passive."""
 
@@ -281,7 +264,7 @@ class RootOfASquaredDifference(_Majorant):
         return 10.0 * (sqrt((v - abs(v)) ** 2) - (abs(v) - v))
 
 
-class CosineHidesAWindow(_LuGre):
+class CosineHidesAWindow(WithForce):
     """h = -0.001 N for cos u > 1 - 1e-12 and z > 0, so for 0 < u < 1.4e-6, where sigma_0 z < 3e-6 N (and far beyond
     Z): B4, not passive. B0."""
 
@@ -293,7 +276,7 @@ class CosineHidesAWindow(_LuGre):
         return where(both(cos(deflection(p, z)) > 1 - 1e-12, z > 0), -1e-3, 0.0)
 
 
-class UnloadsStiffer(_LuGre):
+class UnloadsStiffer(WithForce):
     """F = sigma_0 z (1 where f > 0, 2 else) + sigma_2 v: 0 -> a -> 0, ever slower, costs the integral of sigma_0 z
     (1/(1 - r) - 2/(1 + r)) dz, near -sigma_0 a^2/2 for small a: not passive. B0."""
 
@@ -305,7 +288,7 @@ class UnloadsStiffer(_LuGre):
         return where(dz_dt > 0, 1.0, 2.0) * p.sigma_0 * z + p.sigma_2 * v
 
 
-class LoadsStiffer(_LuGre):
+class LoadsStiffer(WithForce):
     """F = sigma_0 z (2 where z f > 0, 1 else) + sigma_2 v. W = sigma_0 z^2/2: where z f > 0 also z v > 0 and f/v <=
     1, so 2 sigma_0 z v - sigma_0 z f >= 0; elsewhere sigma_0 z (v - f) = sigma_0 z^2 |v|/g >= 0: passive. B0."""
 
@@ -328,7 +311,7 @@ class Ratchet(_Springy):
         return where(v > 0, v * (1 - deflection(p, z)), 0.0)
 
 
-class FreeWheel(_LuGre):
+class FreeWheel(WithForce):
     """No force at all for v <= 0: z goes back to -a for nothing, and from -a to 0 at small v > 0 it gives the
     integral of sigma_0 |z|/(1 + |r|): not passive. B0."""
 
@@ -340,7 +323,7 @@ class FreeWheel(_LuGre):
         return where(v > 0, p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v, 0.0)
 
 
-class BumpAboveTheBound(_LuGre):
+class BumpAboveTheBound(WithForce):
     """g = G (1 + 2.4 x/(1 + x)^2), x = (v/v_s)^2, G = 1e-5: 1.6 G > Z at v = v_s: held there z passes Z: not bounded.
     For large |v| g -> G: B2, not passive."""
 
@@ -352,7 +335,7 @@ class BumpAboveTheBound(_LuGre):
         return v - abs(v) * z / (p.F_c / p.sigma_0 * (1 + 2.4 * x / (1 + x) ** 2))
 
 
-class BumpWithinTheBound(_LuGre):
+class BumpWithinTheBound(WithForce):
     """g = G (1 + 1.8 x/(1 + x)^2) <= 1.45 G < Z = 1.5 G: bounded; r <= 1.5 and g_N >= 1: B1, passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -363,7 +346,7 @@ class BumpWithinTheBound(_LuGre):
         return v - abs(v) * z / (p.F_c / p.sigma_0 * (1 + 1.8 * x / (1 + x) ** 2))
 
 
-class HugeShift(_LuGre):
+class HugeShift(WithForce):
     """|(v + 1e12) - 1e12| = |v|: LuGre, though floats see a staircase of 1e-4 m/s."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -373,7 +356,7 @@ class HugeShift(_LuGre):
         return v - abs((v + 1e12) - 1e12) / g(p, v) * z
 
 
-class StiffensWithSpeed(_LuGre):
+class StiffensWithSpeed(WithForce):
     """F = sigma_0 z (1 + 0.5 tanh(|v|/v_s)): wound slowly to a small a, unwound fast: costs the integral of sigma_0
     z/(1 - r), gives nearly 1.5 sigma_0 z/(1 + r): not passive. B0."""
 
@@ -384,7 +367,7 @@ class StiffensWithSpeed(_LuGre):
         return p.sigma_0 * z * (1 + 0.5 * tanh(abs(v) / p.v_s))
 
 
-class SoftensWithSpeed(_LuGre):
+class SoftensWithSpeed(WithForce):
     """F = sigma_0 z (1 - 0.5 tanh(|v|/v_s)): wound fast, unwound slowly: not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -394,7 +377,7 @@ class SoftensWithSpeed(_LuGre):
         return p.sigma_0 * z * (1 - 0.5 * tanh(abs(v) / p.v_s))
 
 
-class ZeroTimesHuge(_LuGre):
+class ZeroTimesHuge(WithForce):
     """h = 0 * exp(1e6 v^2) is 0 for every v, though floats say nan from 0.03 m/s: LuGre with B1."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -404,7 +387,7 @@ class ZeroTimesHuge(_LuGre):
         return 0.0 * exp(1e6 * v**2)
 
 
-class StaircaseDrag(_LuGre):
+class StaircaseDrag(WithForce):
     """h = 0.01 N sgn(v) for each whole mm/s that |v| is above, 40 of them: h v >= 0: B1, passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -417,7 +400,7 @@ class StaircaseDrag(_LuGre):
         return drag
 
 
-class ManyWaves(_LuGre):
+class ManyWaves(WithForce):
     """h = 0.01 N times the sum of sin(k v/v_s), k <= 12: of either sign; whether what it gives outweighs the viscous
     loss is not derived. B0."""
 
@@ -431,7 +414,7 @@ class ManyWaves(_LuGre):
         return total
 
 
-class SelfLubricating(_LuGre):
+class SelfLubricating(WithForce):
     """f = v - |v| z/(G (1 + u^2)), G = 1e-5: the share z/(G (1 + u^2)) is at most Z/(2 G) = 0.75 < 1: z rises without
     end: not bounded. Its size <= 0.75 for every z: F v - W' f = sigma_0 z^2 |v|/(G (1 + u^2)) + 100 v^2 (2 - share)
     >= 0: passive. Lipschitz."""
@@ -490,7 +473,7 @@ class SmoothStepMistyped(_Majorant):
         return 0.01 * where(u < 0, 0.0, where(u < 1, 3 * u**2 - 2.0000001 * u**3, 1.0))
 
 
-class Preload(_LuGre):
+class Preload(WithForce):
     """h = 0.1 N: sigma_0 z + h < 0 for no z > 0, but z (sigma_0 z + h) < 0 for -1e-6 < z < 0: B4, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"

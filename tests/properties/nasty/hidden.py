@@ -2,29 +2,10 @@
 pi as a float, behind nested conditions and chains of min and max."""
 
 from stribeck.expressions.ops import atan, both, cos, either, exp, larger, pi, sign, sin, smaller, sqrt, tanh, where
-from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
+from tests.properties.nasty.base import Lopsided
 
 MATH_PI = 3.141592653589793  # the float, a little below pi
-
-
-class _LuGre(BristleLaw):
-    """LuGre with a force h added."""
-
-    v_d = None
-    symmetric = False
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) / g(p, v) * z
-
-    @staticmethod
-    def h(p, v, z, dz_dt):
-        return 0.0
-
-    @classmethod
-    def friction(cls, p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + cls.h(p, v, z, dz_dt)
 
 
 def deflection(p, z):
@@ -32,7 +13,7 @@ def deflection(p, z):
     return z * p.sigma_0 / p.F_s
 
 
-class PushBelowTheUlp(_LuGre):
+class PushBelowTheUlp(Lopsided):
     """h = -1e-18 sgn v, which no sum with 1 N shows. To and fro on |z| <= a, ever slower, draws 4e-18 a and costs
     (4/3) sigma_0 a^3/g at most: with a = 1e-16 m 4e-34 J against 1.4e-38: not passive. B0; F jumps."""
 
@@ -43,7 +24,7 @@ class PushBelowTheUlp(_LuGre):
         return -1e-18 * sign(v)
 
 
-class PushAtAnIrrationalDeflection(_LuGre):
+class PushAtAnIrrationalDeflection(Lopsided):
     """h = -10 N where |z - Z/pi| < 1e-12 Z: sigma_0 z + h < 0 there: B4, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -53,7 +34,7 @@ class PushAtAnIrrationalDeflection(_LuGre):
         return where(abs(deflection(p, z) - 1 / pi) < 1e-12, -10.0, 0.0)
 
 
-class BrakeAtAnIrrationalDeflection(_LuGre):
+class BrakeAtAnIrrationalDeflection(Lopsided):
     """h = +10 N in the same place, z > 0: B4, passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -63,7 +44,7 @@ class BrakeAtAnIrrationalDeflection(_LuGre):
         return where(abs(deflection(p, z) - 1 / pi) < 1e-12, 10.0, 0.0)
 
 
-class PushBelowASquare(_LuGre):
+class PushBelowASquare(Lopsided):
     """h = -10 N where z^2 < Z^2/2 and 2 z^2 > 0.999 Z^2, z > 0: seams at irrational z; B4, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -75,7 +56,7 @@ class PushBelowASquare(_LuGre):
         return where(both(inside, u > 0), -10.0, 0.0)
 
 
-class SaturatesWhereFloatsAreOne(_LuGre):
+class SaturatesWhereFloatsAreOne(Lopsided):
     """The decay of |v| (2/pi) atan(1e20 |v|), below |v|. At v = 1e-15 m/s z settles at g (1 + 6.4e-6), and g > Z
     (1 - 1e-24): not bounded. LuGre's f but for 1e-20 at large v: B2, not passive. Smooth: v atan(k v) is odd times
     odd, but g and |v| atan(k |v|) = v atan(k v) are analytic: smooth."""
@@ -87,7 +68,7 @@ class SaturatesWhereFloatsAreOne(_LuGre):
         return v - abs(v) * (2 / pi) * atan(1e20 * abs(v)) / g(p, v) * z
 
 
-class PushesUntilTheAtanSaturates(_LuGre):
+class PushesUntilTheAtanSaturates(Lopsided):
     """h = -2 (1 - (2/pi) atan(1e30 |v|)) sgn v: held at 1e-32 m/s F = 1.5 - 2 (1 - 0.0064) < 0: B3, not passive. B0;
     F jumps by 4 N at v = 0."""
 
@@ -98,7 +79,7 @@ class PushesUntilTheAtanSaturates(_LuGre):
         return -2.0 * (1 - (2 / pi) * atan(1e30 * abs(v))) * sign(v)
 
 
-class BrakesUntilTheAtanSaturates(_LuGre):
+class BrakesUntilTheAtanSaturates(Lopsided):
     """h = +2 (1 - (2/pi) atan(1e30 |v|)) sgn v: atan < pi/2, so h v >= 0: B1, passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -108,7 +89,7 @@ class BrakesUntilTheAtanSaturates(_LuGre):
         return 2.0 * (1 - (2 / pi) * atan(1e30 * abs(v))) * sign(v)
 
 
-class FloatPiPushes(_LuGre):
+class FloatPiPushes(Lopsided):
     """h = (1 - (2/3.14159...) atan(1e40 |v|)) sgn v with the float below pi: -3.9e-17 N beyond 1.6e-24 m/s. To and fro
     on |z| <= a = 1e-16 m at v = 1e-20 draws 1.6e-32 J and costs 4 a (200 v + sigma_0 a^2/g) = 4e-34 J: not passive.
     B0; F jumps."""
@@ -120,7 +101,7 @@ class FloatPiPushes(_LuGre):
         return (1 - (2 / MATH_PI) * atan(1e40 * abs(v))) * sign(v)
 
 
-class TanhPushesWhenSlow(_LuGre):
+class TanhPushesWhenSlow(Lopsided):
     """h = -2 (1 - tanh(1e25 |v|)) sgn v: held at 1e-27 m/s F = 1.5 - 1.98 < 0: B3, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -130,7 +111,7 @@ class TanhPushesWhenSlow(_LuGre):
         return -2.0 * (1 - tanh(1e25 * abs(v))) * sign(v)
 
 
-class ExpWindowAtRest(_LuGre):
+class ExpWindowAtRest(Lopsided):
     """h = -10 sgn v where exp(-(v/v_s)^2) > 0.999999: held at 1e-6 m/s F = 1.5 - 10 < 0: B3, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -140,7 +121,7 @@ class ExpWindowAtRest(_LuGre):
         return where(exp(-((v / p.v_s) ** 2)) > 0.999999, -10.0 * sign(v), 0.0)
 
 
-class AtanWindowBeyondTheBound(_LuGre):
+class AtanWindowBeyondTheBound(Lopsided):
     """h = -1e6 sgn v where atan(|z|/Z) > pi/4, that is beyond Z, which z within Z never meets: B0, B1: passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -150,7 +131,7 @@ class AtanWindowBeyondTheBound(_LuGre):
         return where(atan(abs(deflection(p, z))) > pi / 4, -1e6 * sign(v), 0.0)
 
 
-class AtanWindowWithinTheBound(_LuGre):
+class AtanWindowWithinTheBound(Lopsided):
     """h = -1e6 sgn v where atan(|z|/Z) > pi/4 - 1e-9: held slowly z -> g within 2e-9 of Z: at 1e-9 m/s Z - g < 1e-12 Z:
     F = 1.5 - 1e6 < 0: B3, not passive. B0."""
 
@@ -161,7 +142,7 @@ class AtanWindowWithinTheBound(_LuGre):
         return where(atan(abs(deflection(p, z))) > pi / 4 - 1e-9, -1e6 * sign(v), 0.0)
 
 
-class ThirteenthOfManyWindows(_LuGre):
+class ThirteenthOfManyWindows(Lopsided):
     """h = +1 N in each of twenty windows of z > 0, but -1.5 N in the thirteenth, 0.65 Z < z < 0.66 Z, where sigma_0 z < 1
     N: B4, not passive. B0."""
 
@@ -176,7 +157,7 @@ class ThirteenthOfManyWindows(_LuGre):
         return total
 
 
-class NestedConditionsThatNeverMeet(_LuGre):
+class NestedConditionsThatNeverMeet(Lopsided):
     """h = -1e6 sgn v where v > 1 and, in it, v < 1, or z > 0 and, in it, z + |z| <= 0: nowhere: B0, B1: passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -188,7 +169,7 @@ class NestedConditionsThatNeverMeet(_LuGre):
         return first + where(z > 0, where(z + abs(z) <= 0, push, 0.0), 0.0)
 
 
-class NestedConditionsThatMeet(_LuGre):
+class NestedConditionsThatMeet(Lopsided):
     """h = -1e6 sgn v where v > 1 and, in it, either v < 1.0000001 or (v > 2 and v < 1): held at 1.00000005 m/s F v < 0:
     B3, not passive. B0."""
 
@@ -200,7 +181,7 @@ class NestedConditionsThatMeet(_LuGre):
         return where(v > 1, where(inner, -1e6, 0.0), 0.0)
 
 
-class _Chained(_LuGre):
+class _Chained(Lopsided):
     """dz/dt = v - |v| z/c with c a chain of min and max of g."""
 
     @classmethod
@@ -242,7 +223,7 @@ class ChainOfEqualEnds(_Chained):
         return larger(smaller(steady, top), smaller(top, steady)) + rest
 
 
-class SineOfHugeDeflection(_LuGre):
+class SineOfHugeDeflection(Lopsided):
     """h = -3 sin(1e12 u), u = z/Z: sigma_0 z + h < 0 at u = 1.5e-12, where sin > 0.99: B4, not passive. B0; analytic but
     for |v|."""
 
@@ -253,7 +234,7 @@ class SineOfHugeDeflection(_LuGre):
         return -3.0 * sin(1e12 * deflection(p, z))
 
 
-class SinesThatCancel(_LuGre):
+class SinesThatCancel(Lopsided):
     """The decay times sin^2 + cos^2 of z/Z, which is 1: LuGre: B0, B1: passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -264,7 +245,7 @@ class SinesThatCancel(_LuGre):
         return v - abs(v) / g(p, v) * z * (sin(u) ** 2 + cos(u) ** 2)
 
 
-class SinesThatNearlyCancel(_LuGre):
+class SinesThatNearlyCancel(Lopsided):
     """F's spring times sin^2 + cos^2 of z/Z less 1 + 1e-12: z (sigma_0 z + h) = -1e-12 sigma_0 z^2 < 0: B4, not passive.
     B0."""
 
@@ -276,7 +257,7 @@ class SinesThatNearlyCancel(_LuGre):
         return -p.sigma_0 * z + p.sigma_0 * z * (sin(u) ** 2 + cos(u) ** 2 - (1 + 1e-12))
 
 
-class HugeSumsThatCancel(_LuGre):
+class HugeSumsThatCancel(Lopsided):
     """F's spring is sigma_0 ((z + 1e30) - 1e30) = sigma_0 z over the real numbers: B0, B1: passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -286,7 +267,7 @@ class HugeSumsThatCancel(_LuGre):
         return p.sigma_0 * ((z + 1e30) - 1e30) - p.sigma_0 * z
 
 
-class EvenSpring(_LuGre):
+class EvenSpring(Lopsided):
     """The spring is sigma_0 sqrt(z^2) = sigma_0 |z|: z (sigma_0 z + h) = sigma_0 z |z| < 0 for z < 0: B4, not passive.
     B0; |z|."""
 
@@ -297,7 +278,7 @@ class EvenSpring(_LuGre):
         return p.sigma_0 * sqrt(z**2) - p.sigma_0 * z
 
 
-class ConditionsWithoutEnd(_LuGre):
+class ConditionsWithoutEnd(Lopsided):
     """h = 100 v where v > 0 and z < inf, or z > inf, or (v < -inf and z > 0): for v > 0: h v >= 0: B1, passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"

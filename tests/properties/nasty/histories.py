@@ -3,25 +3,7 @@
 from stribeck.expressions.ops import both, sign, sqrt, tanh, where
 from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
-
-
-class _LuGre(BristleLaw):
-    """LuGre with a force h added."""
-
-    v_d = None
-    symmetric = False
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) / g(p, v) * z
-
-    @staticmethod
-    def h(p, v, z, dz_dt):
-        return 0.0
-
-    @classmethod
-    def friction(cls, p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + cls.h(p, v, z, dz_dt)
+from tests.properties.nasty.base import Lopsided
 
 
 class _Springy(BristleLaw):
@@ -40,7 +22,7 @@ def deflection(p, z):
     return z * p.sigma_0 / p.F_s
 
 
-class OutwardOnlyAfterAChange(_LuGre):
+class OutwardOnlyAfterAChange(Lopsided):
     """LuGre, but for 1 < v < 1.001 m/s the decay is v (2 - 1.2 u)/... : f = v (1 - u (u - 0.5)/... is outward at z = Z and
     takes z to 0.3 Z from below: f = v (u - 0.3)(u - 0.9). No held speed takes z from 0 past Z; slowly to 0.999 Z, then at
     1.0005 m/s, does: not bounded. f is C1 in z: f -> infinity like u^2 there: z escapes: not unique. z is not
@@ -55,7 +37,7 @@ class OutwardOnlyAfterAChange(_LuGre):
         return where(both(v > 1, v < 1.001), v * (u - 0.3) * (u - 0.9), usual)
 
 
-class LeavesWhenJerked(_LuGre):
+class LeavesWhenJerked(Lopsided):
     """As LuGre, but for 1 < v < 1.001 m/s f = v clip(20 (u - 0.95), -1, 1) + 0: inward below 0.95 Z (to where? u = 0.95
     repels), outward at Z. From 0 held there z falls; slowly to 0.99 Z and then there z leaves: not bounded. Lipschitz in z:
     unique. B2 at larger v: not passive. f is not v at those speeds, nor at others: not drift_free."""
@@ -81,7 +63,7 @@ class StiffAsItStarts(_Springy):
         return v - abs(v) / g(p, v) * z - where(v > 0, 1e-3 / where(v > 0, v, 1.0), 0.0) * z
 
 
-class ClimbsAtRestByARoot(_LuGre):
+class ClimbsAtRestByARoot(Lopsided):
     """f = 1e-3 sqrt|z| more where v <= 0. At rest from z = 0: z = 0 stays, z = (0.5e-3 t)^2 leaves: not unique. z grows at
     rest without end: not bounded, and for free; unwound at v = 1 m/s it gives back sigma_0 z^2/2 and more than the way
     costs: from z = 1 m, r > 2: B2, not passive."""
@@ -160,7 +142,7 @@ class JumpsToTheOtherSide(_Springy):
         return v - abs(v) / g(p, v) * z - where(deflection(p, z) > 0.5, 1.0, 0.0) * abs(v)
 
 
-class UndefinedAtOneDeflectionAtRest(_LuGre):
+class UndefinedAtOneDeflectionAtRest(Lopsided):
     """F is multiplied by (z - c)/(z - c), c = Z/2, at v = 0 exactly: it has no value at (0, c), and is LuGre's else: F is
     not differentiable where it has none. f is LuGre's: B0. Passive: F v at rest is 0 or nothing: not derived."""
 
@@ -173,7 +155,7 @@ class UndefinedAtOneDeflectionAtRest(_LuGre):
         return usual * where(both(v <= 0, v >= 0), (z - c) / (z - c), 1.0)
 
 
-class _Smooth(_LuGre):
+class _Smooth(Lopsided):
     """The sqrt majorant with k_v = 1e6."""
 
     @staticmethod
@@ -250,7 +232,7 @@ class PowerJustBelowOne(_Smooth):
         return abs(v) ** 0.9999999 * sign(v)
 
 
-class CubeOfTheRate(_LuGre):
+class CubeOfTheRate(Lopsided):
     """h = 1e-6 f^3: at r = 1.4, large v: F v/f a metre unwound grows like 1e-6 f^2 v/... without limit while f v < 0: a
     pulse from near Z draws ever more: not passive. B0."""
 
@@ -261,7 +243,7 @@ class CubeOfTheRate(_LuGre):
         return 1e-6 * dz_dt**3
 
 
-class SharpTanhOfTheRate(_LuGre):
+class SharpTanhOfTheRate(Lopsided):
     """h = 8 tanh(f/1e-6 m/s). Held at v = 5e-3 (g = 1e-5) from 0.9 Z z falls to g: for r - 1 > 1e-3 h = -8 N but for
     0.02: F < 1.5 + 0.5 - 7.9 < -5: it draws 5 g ln(0.35/1e-3) = 2.9e-4 J. Back slowly at v = 1e-9: h < 0.01 N: W's rise
     and 1.5 Z ln(10) at most 6e-5 J: not passive. B0; |v|."""
@@ -273,7 +255,7 @@ class SharpTanhOfTheRate(_LuGre):
         return 8.0 * tanh(dz_dt / 1e-6)
 
 
-class RootOfRateAndSpeed(_LuGre):
+class RootOfRateAndSpeed(Lopsided):
     """h = 5 v sqrt(v^2 + f^2): h v >= 0: B1, passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -283,7 +265,7 @@ class RootOfRateAndSpeed(_LuGre):
         return 5.0 * v * sqrt(v * v + dz_dt * dz_dt)
 
 
-class RateAgainstSpeed(_LuGre):
+class RateAgainstSpeed(Lopsided):
     """h = -300 f: sigma_1 is -200: at rest z and small v: F v = -200 v^2 + 100 v^2 < 0: to and fro on |z| <= a at v = 1e-2:
     draws 100 v 4 a = 4 a, costs 1.5 (a/g)^2 4 a: a = g/10: not passive. B0."""
 
@@ -294,7 +276,7 @@ class RateAgainstSpeed(_LuGre):
         return -300.0 * dz_dt
 
 
-class SlipsUnloaded(_LuGre):
+class SlipsUnloaded(Lopsided):
     """f = v - |v| clip(z/g, -1, 1): for |z| > g z stays: inward or 0: bounded. Lipschitz. D with W: v^2 (100 (1 -+ clip) +
     100) + sigma_0 |v| z clip >= 0: passive for every z."""
 
@@ -306,7 +288,7 @@ class SlipsUnloaded(_LuGre):
         return v - abs(v) * where(r > 1, 1.0, where(r < -1, -1.0, r))
 
 
-class AllDivided(_LuGre):
+class AllDivided(Lopsided):
     """F_c = F_s: h = (F_s - F_c)/(F_s - F_c) N: 0/0, no force at all: nothing is derived but f's, LuGre's with g = Z: B0,
     with -z/g apart from 0: not elastic."""
 
@@ -318,7 +300,7 @@ class AllDivided(_LuGre):
         return (p.F_s - p.F_c) / (p.F_s - p.F_c)
 
 
-class BoundAHairTooSmall(_LuGre):
+class BoundAHairTooSmall(Lopsided):
     """LuGre with z_bound = Z (1 - 1e-12): held slowly z -> Z: not bounded by that; so z is not restricted, and B2: not
     passive. Else B0."""
 
@@ -329,7 +311,7 @@ class BoundAHairTooSmall(_LuGre):
         return p.F_s / p.sigma_0 * (1 - 1e-12)
 
 
-class BoundAHairTooLarge(_LuGre):
+class BoundAHairTooLarge(Lopsided):
     """LuGre with z_bound = Z (1 + 1e-12): inward there: bounded. B1 with |r| <= 1.5 (1 + 1e-12): passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"

@@ -1,27 +1,8 @@
 """Laws that are another at single points, on lines, along curves, beyond what floats hold, or where two sides are equal."""
 
 from stribeck.expressions.ops import both, cos, either, exp, sign, sin, sqrt, where
-from stribeck.laws import BristleLaw
 from stribeck.laws.terms import g
-
-
-class _LuGre(BristleLaw):
-    """LuGre with a force h added."""
-
-    v_d = None
-    symmetric = False
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) / g(p, v) * z
-
-    @staticmethod
-    def h(p, v, z, dz_dt):
-        return 0.0
-
-    @classmethod
-    def friction(cls, p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + cls.h(p, v, z, dz_dt)
+from tests.properties.nasty.base import Lopsided
 
 
 def equal(a, b):
@@ -29,7 +10,7 @@ def equal(a, b):
     return both(a <= b, b <= a)
 
 
-class PushesAtOneSpeed(_LuGre):
+class PushesAtOneSpeed(Lopsided):
     """h = -1e4 N at v = 1 m/s exactly: held there F v < 0 for ever: B3, not passive. B0; F jumps at v = 1."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -39,7 +20,7 @@ class PushesAtOneSpeed(_LuGre):
         return where(equal(v, 1.0), -1e4, 0.0)
 
 
-class PushesAtRootTwo(_LuGre):
+class PushesAtRootTwo(Lopsided):
     """h = -1e4 N where v^2 = 2, at a speed that no float is; v = sqrt 2 held: B3, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -49,7 +30,7 @@ class PushesAtRootTwo(_LuGre):
         return where(equal(v * v, 2.0), -1e4 * sign(v), 0.0)
 
 
-class LoosensAtRootTwo(_LuGre):
+class LoosensAtRootTwo(Lopsided):
     """No decay where v^2 = 2: held there z = v t: not bounded; Lipschitz in z at each v, so unique; B2 (z is not
     restricted): not passive. |v|."""
 
@@ -60,7 +41,7 @@ class LoosensAtRootTwo(_LuGre):
         return v - where(equal(v * v, 2.0), 0.0, abs(v)) / g(p, v) * z
 
 
-class PushesAtOneDeflection(_LuGre):
+class PushesAtOneDeflection(Lopsided):
     """h = -10 sgn v N at z = Z/2 exactly. No v != 0 rests there (g >= 1e-5 > Z/2), so z is at Z/2 with v != 0 for no
     time, and with v = 0 F v = 0: the energy is LuGre's, B1: passive. F jumps. B0."""
 
@@ -71,7 +52,7 @@ class PushesAtOneDeflection(_LuGre):
         return where(equal(z, 0.75e-5), -10.0 * sign(v), 0.0)
 
 
-class PushesAtOneSteadyDeflection(_LuGre):
+class PushesAtOneSteadyDeflection(Lopsided):
     """The same at z = 1.2e-5, which is g(v) at some v > 0 (it falls from 1.5e-5 to 1e-5): held there z stays and F v
     = (1.2 + 100 v - 10) v < 0, v < 2e-3: B3, not passive. B0."""
 
@@ -82,7 +63,7 @@ class PushesAtOneSteadyDeflection(_LuGre):
         return where(equal(z, 1.2e-5), -10.0 * sign(v), 0.0)
 
 
-class StuckAtOneDeflection(_LuGre):
+class StuckAtOneDeflection(Lopsided):
     """f = 0 at z = Z/2 for every v, LuGre's else: z(t) that comes there may stay or go on, as one instant does not
     count: not unique. Staying, F v = (0.75 + 100 v) v < 0 for v = -1e-3: not passive. Inward beyond Z: bounded."""
 
@@ -93,7 +74,7 @@ class StuckAtOneDeflection(_LuGre):
         return where(equal(z, 0.75e-5), 0.0, v - abs(v) / g(p, v) * z)
 
 
-class JumpsApart(_LuGre):
+class JumpsApart(Lopsided):
     """f = v + 0.5 |v| sgn(z - Z/3) less a decay from 0.9 Z on. From z = Z/3 with v = t sin(1/t)-like, whose integral is
     small beside that of |v|, one z(t) stays above and one below: not unique. At |z| >= Z: decay 2 |v| or more, inward:
     bounded. f jumps in z; sigma_1 = 0, and D = 100 v^2 + ... - 0.5 sigma_0 z |v| sgn(...): with v > 0 from 0.4 Z to 0.5 Z
@@ -108,7 +89,7 @@ class JumpsApart(_LuGre):
         return v + 0.5 * abs(v) * sign(z - 0.5e-5) - 2.0 * abs(v) * ramp * sign(z)
 
 
-class JumpsTogether(_LuGre):
+class JumpsTogether(Lopsided):
     """f = LuGre's - 0.2 |v| sgn(z - Z/3): falls with z for each v, so two solutions never part; across Z/3, where |r| <=
     0.5, it keeps the sign of v, so one exists: unique. f sgn z is LuGre's - 0.2 |v| at |z| >= Z: bounded. Jumps. sigma_1 =
     0: slowly, for 0 < z < Z/3, unwinding gives back sigma_0 z/(0.8 + r), winding costs sigma_0 z/(1.2 - r): to and fro on
@@ -122,7 +103,7 @@ class JumpsTogether(_LuGre):
         return v - abs(v) / g(p, v) * z - 0.2 * abs(v) * sign(z - 0.5e-5)
 
 
-class PushesOnALine(_LuGre):
+class PushesOnALine(Lopsided):
     """h = -1e4 sgn v where |z - v T| < 1e-13 m, T = 1e-3 s. z(t) can stay on the line: T dv/dt = f. From z = 0.1e-5 to
     0.5e-5, v from 1e-3 to 5e-3, the way is over 4e-6 m and draws 4e-2 J; slowly back costs less than 1e-5 J: not passive.
     No held speed meets the line for more than 2e-13 m. B0."""
@@ -134,7 +115,7 @@ class PushesOnALine(_LuGre):
         return where(abs(z - v * 1e-3) < 1e-13, -1e4 * sign(v), 0.0)
 
 
-class BrakesOnALine(_LuGre):
+class BrakesOnALine(Lopsided):
     """The same with +1e4 sgn v: h v >= 0: B1, passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -144,7 +125,7 @@ class BrakesOnALine(_LuGre):
         return where(abs(z - v * 1e-3) < 1e-13, 1e4 * sign(v), 0.0)
 
 
-class PushesAboveTheFloats(_LuGre):
+class PushesAboveTheFloats(Lopsided):
     """sigma_2 is -200 where |v| > 1e310 m/s, a speed that no float is: held there F v < 0: B3, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -154,7 +135,7 @@ class PushesAboveTheFloats(_LuGre):
         return where(abs(v) * 1e-300 > 1e10, -300.0 * v, 0.0)
 
 
-class ThirdOfAThird(_LuGre):
+class ThirdOfAThird(Lopsided):
     """1/3 in floats is less than a third: F_c (1/3) 3 < F_c over the real numbers, not in floats: h = -10 sgn v always:
     F v < 0 while sliding slowly: B3, not passive. B0."""
 
@@ -165,7 +146,7 @@ class ThirdOfAThird(_LuGre):
         return where(p.F_c * (1 / 3) * 3.0 < p.F_c, -10.0 * sign(v), 0.0)
 
 
-class Pythagoras(_LuGre):
+class Pythagoras(Lopsided):
     """h = -10 sgn v where sin^2 + cos^2 of v/v_s is above 1, which it is nowhere, but by rounding: LuGre. B0, B1."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -176,7 +157,7 @@ class Pythagoras(_LuGre):
         return where(sin(x) ** 2 + cos(x) ** 2 > 1.0, -10.0 * sign(v), 0.0)
 
 
-class TangentAtRest(_LuGre):
+class TangentAtRest(Lopsided):
     """f = LuGre's where exp(v) > 1 + v, everywhere but at v = 0; there f = z/1000 s: z grows at rest for nothing: not
     bounded, and unwinding draws: not passive. Lipschitz. f jumps at v = 0."""
 
@@ -187,7 +168,7 @@ class TangentAtRest(_LuGre):
         return where(exp(v) > 1 + v, v - abs(v) / g(p, v) * z, 1e-3 * z)
 
 
-class OneOfTwoGaussians(_LuGre):
+class OneOfTwoGaussians(Lopsided):
     """h = -300 v exp(x - 800) exp(800 - x), x = (v/v_s)^2: -300 v for real numbers, 0 times inf in floats: F v < 0 at
     large v: B3, not passive. B0."""
 
@@ -199,7 +180,7 @@ class OneOfTwoGaussians(_LuGre):
         return -300.0 * v * exp(x - 800.0) * exp(800.0 - x)
 
 
-class SharpResonance(_LuGre):
+class SharpResonance(Lopsided):
     """h = -500 v e/((|v| - 1)^2 + e), e = 1e-20: -500 N at 1 m/s, 1e-10 m/s wide: held there F = 1 + 100 - 500 < 0: B3,
     not passive. B0."""
 
@@ -210,7 +191,7 @@ class SharpResonance(_LuGre):
         return -500.0 * v * 1e-20 / ((abs(v) - 1.0) ** 2 + 1e-20)
 
 
-class SharpBrake(_LuGre):
+class SharpBrake(Lopsided):
     """The same with +500: h v >= 0: B1, passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -220,7 +201,7 @@ class SharpBrake(_LuGre):
         return 500.0 * v * 1e-20 / ((abs(v) - 1.0) ** 2 + 1e-20)
 
 
-class PoleAtRootTwo(_LuGre):
+class PoleAtRootTwo(Lopsided):
     """h = v/(v^2 - 2): no value at v = sqrt 2, so F is not C1; at v just below it F v -> -inf, held: B3, not passive. f is
     LuGre's: B0."""
 
@@ -231,7 +212,7 @@ class PoleAtRootTwo(_LuGre):
         return v / (v * v - 2.0)
 
 
-class KinkAcross(_LuGre):
+class KinkAcross(Lopsided):
     """sqrt majorant with h = 1e-3 max(v (1 - z/1e-5), 0): kinks at v = 0 and at z = 1e-5, not where they cross: not smooth.
     h v >= 0 for v > 0, z < 1e-5; for z > 1e-5 h > 0 at v < 0, h v >= -0.5e-3 v^2 within Z: D >= the majorant's with sigma_2
     less by 0.5e-3, where LuGre's condition holds too: passive. Bounded, unique by the majorant."""
@@ -259,7 +240,7 @@ class SquareAcross(KinkAcross):
         return 1e-3 * v * where(x > 0, x, 0.0) ** 2
 
 
-class EitherOfEqual(_LuGre):
+class EitherOfEqual(Lopsided):
     """h = -10 sgn v where z < 0.5e-5 and z >= 0.5e-5 at once, or v < 0 and v >= 0: nowhere: LuGre. B0, B1."""
 
     truth = "unique bounded -smooth passive -drift_free"

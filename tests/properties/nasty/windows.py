@@ -3,24 +3,10 @@
 from stribeck.expressions.ops import both, either, sign, sin, where
 from stribeck.laws import BristleLaw, Claims
 from stribeck.laws.terms import g
+from tests.properties.nasty.base import Lopsided
 
 
-class _Added(BristleLaw):
-    """LuGre with a force h added."""
-
-    v_d = None
-    symmetric = False
-
-    @staticmethod
-    def dz_dt(p, v, z):
-        return v - abs(v) / g(p, v) * z
-
-    @classmethod
-    def friction(cls, p, v, z, dz_dt):
-        return p.sigma_0 * z + p.sigma_1 * dz_dt + p.sigma_2 * v + cls.h(p, v, z, dz_dt)
-
-
-class PushesInAWindowOfZ(_Added):
+class PushesInAWindowOfZ(Lopsided):
     """h = -10 N for 0.97 Z < z < 0.99 Z. B0. Held where g = 0.98 Z, F = 1.47 + 100 v - 10 < 0: B3, not
     passive."""
 
@@ -32,7 +18,7 @@ class PushesInAWindowOfZ(_Added):
         return where(both(u > 0.97, u < 0.99), -10.0, 0.0)
 
 
-class PushesWhereNoSpeedRests(_Added):
+class PushesWhereNoSpeedRests(Lopsided):
     """h = -10 N for 0.5 Z < z < 0.502 Z, below every steady z. B0. B4: z (sigma_0 z + h) < 0 there: not
     passive."""
 
@@ -45,7 +31,7 @@ class PushesWhereNoSpeedRests(_Added):
         return where(both(u > 0.5, u < 0.502), -10.0, 0.0)
 
 
-class BrakesInAWindowOfZ(_Added):
+class BrakesInAWindowOfZ(Lopsided):
     """h = +10 N for 0.5 Z < z < 0.52 Z. B0. B4: z (sigma_0 z + h) >= 0: passive."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -56,7 +42,7 @@ class BrakesInAWindowOfZ(_Added):
         return where(both(u > 0.5, u < 0.52), 10.0, 0.0)
 
 
-class PushesInAPartPerMillion(_Added):
+class PushesInAPartPerMillion(Lopsided):
     """h = -2 N where |z/Z - 0.3| < 5e-7: B0; there sigma_0 z = 0.45 N, so B4 says not passive."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -66,7 +52,7 @@ class PushesInAPartPerMillion(_Added):
         return where(abs(z * p.sigma_0 / p.F_s - 0.3) < 5e-7, -2.0, 0.0)
 
 
-class WeakPushInAWindowOfZ(_Added):
+class WeakPushInAWindowOfZ(Lopsided):
     """h = -0.4 N where |z/Z - 0.3| < 0.01: sigma_0 z >= 0.43 N there, so sigma_0 z + h > 0 and B4 says passive.
     B0."""
 
@@ -77,7 +63,7 @@ class WeakPushInAWindowOfZ(_Added):
         return where(abs(z * p.sigma_0 / p.F_s - 0.3) < 0.01, -0.4, 0.0)
 
 
-class SignOfZ(_Added):
+class SignOfZ(Lopsided):
     """h = 0.5 sgn z: z h >= 0, so B4 says passive. B0; F jumps at z = 0: not smooth."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -88,7 +74,7 @@ class SignOfZ(_Added):
         return 0.5 * sign(z)
 
 
-class MinusSignOfZ(_Added):
+class MinusSignOfZ(Lopsided):
     """h = -0.5 sgn z: z (sigma_0 z + h) < 0 for |z| < 0.5e-5: B4, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -99,7 +85,7 @@ class MinusSignOfZ(_Added):
         return -0.5 * sign(z)
 
 
-class SignOfRate(_Added):
+class SignOfRate(Lopsided):
     """h = 0.5 sgn f: v sgn f = |v| for r < 1, -|v| for r > 1, where D0 >= g_N |v| r^2 >= |v| > 0.5 |v|: D >= 0.
     B0."""
 
@@ -111,7 +97,7 @@ class SignOfRate(_Added):
         return 0.5 * sign(dz_dt)
 
 
-class StrongSignOfRate(_Added):
+class StrongSignOfRate(Lopsided):
     """h = 5 sgn f. From z = Z held at v = 5e-3 (g = 1e-5 but for 1e-11 of it) z falls to g and never reaches it,
     so f < 0 for ever, and F -> 1 + 0.5 - 5 < 0: endless energy, not passive. B0."""
 
@@ -123,7 +109,7 @@ class StrongSignOfRate(_Added):
         return 5.0 * sign(dz_dt)
 
 
-class MinusSignOfRate(_Added):
+class MinusSignOfRate(Lopsided):
     """h = -0.5 sgn f: to and fro on |z| <= a, slowly, draws 0.5 |dz| and costs (2/3) g_N a (a/g)^2 + O(v): a
     small: not passive. B0."""
 
@@ -135,7 +121,7 @@ class MinusSignOfRate(_Added):
         return -0.5 * sign(dz_dt)
 
 
-class WindowOfRate(_Added):
+class WindowOfRate(Lopsided):
     """h = -10 N for 1e-5 < f < 1.01e-5 m/s. From z = 0 to 1e-6 m at such f draws 1e-5 J; all else on the way
     there and back at f = -1e-6 m/s costs below 1e-7 J (W is given back; D0 is 200 v^2 + 1.5 r^2 |v| with r <
     0.07). Not passive. B0."""
@@ -147,7 +133,7 @@ class WindowOfRate(_Added):
         return where(both(dz_dt > 1e-5, dz_dt < 1.01e-5), -10.0, 0.0)
 
 
-class WindowOfRateAgainstMotion(_Added):
+class WindowOfRateAgainstMotion(Lopsided):
     """h = 10 sgn v where |f| is within 1e-5 ... 1.01e-5 m/s: h v >= 0, B1: passive. B0; F jumps: not smooth."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -158,7 +144,7 @@ class WindowOfRateAgainstMotion(_Added):
         return where(both(abs(dz_dt) > 1e-5, abs(dz_dt) < 1.01e-5), 10.0 * sign(v), 0.0)
 
 
-class PushesInAWindowOfV(_Added):
+class PushesInAWindowOfV(Lopsided):
     """h = -10 sgn v for 1e-4 < |v| < 1.001e-4: F v < 0 when held there (1.5 + 0.01 - 10): B3, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -169,7 +155,7 @@ class PushesInAWindowOfV(_Added):
         return where(both(abs(v) > 1e-4, abs(v) < 1.001e-4), -10.0 * sign(v), 0.0)
 
 
-class PushesFarOut(_Added):
+class PushesFarOut(Lopsided):
     """h = -1e9 sgn v for 1e6 < |v| < 1.000001e6; sigma_2 v = 1e8 N: held there F v < 0, B3: not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -180,7 +166,7 @@ class PushesFarOut(_Added):
         return where(both(abs(v) > 1e6, abs(v) < 1.000001e6), -1e9 * sign(v), 0.0)
 
 
-class PushesVeryFarOut(_Added):
+class PushesVeryFarOut(Lopsided):
     """h = -1e20 sgn v for |v| > 1e15, sigma_2 |v| = 1e17 N: F v < 0 held at 2e15 m/s: B3, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -191,7 +177,7 @@ class PushesVeryFarOut(_Added):
         return where(abs(v) > 1e15, -1e20 * sign(v), 0.0)
 
 
-class PushesWhenCreeping(_Added):
+class PushesWhenCreeping(Lopsided):
     """h = -10 sgn v for 1e-9 < |v| < 1.001e-9: held there F = 1.5 - 10 < 0: B3, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -202,7 +188,7 @@ class PushesWhenCreeping(_Added):
         return where(both(abs(v) > 1e-9, abs(v) < 1.001e-9), -10.0 * sign(v), 0.0)
 
 
-class BrakesInAWindowOfV(_Added):
+class BrakesInAWindowOfV(Lopsided):
     """h = +10 sgn v for 1e-4 < |v| < 1.01e-4: h v >= 0, B1: passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -213,7 +199,7 @@ class BrakesInAWindowOfV(_Added):
         return where(both(abs(v) > 1e-4, abs(v) < 1.01e-4), 10.0 * sign(v), 0.0)
 
 
-class CoulombBesides(_Added):
+class CoulombBesides(Lopsided):
     """h = 0.3 sgn v: h v >= 0, B1: passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -224,7 +210,7 @@ class CoulombBesides(_Added):
         return 0.3 * sign(v)
 
 
-class BrakesWhenUnwinding(_Added):
+class BrakesWhenUnwinding(Lopsided):
     """h = -100 N where z > 0.9 Z and v < 0: h v >= 0, B1: passive. B0. A condition on v and z."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -234,7 +220,7 @@ class BrakesWhenUnwinding(_Added):
         return where(both(z > 0.9 * p.F_s / p.sigma_0, v < 0), -100.0, 0.0)
 
 
-class PushesWhenUnwinding(_Added):
+class PushesWhenUnwinding(Lopsided):
     """h = +100 N where z > 0.9 Z and v < 0. B0. Slowly from 0.9 Z to 0.95 Z costs W's rise and at most 1.5 Z
     (0.95^2) ln 2 = 1.5e-5 J; back gives W and draws at least 100/2 * 0.05 Z = 3.7e-5 J, less 1.5 * 0.05 Z =
     1.2e-6 J: not passive."""
@@ -246,7 +232,7 @@ class PushesWhenUnwinding(_Added):
         return where(both(z > 0.9 * p.F_s / p.sigma_0, v < 0), 100.0, 0.0)
 
 
-class FastOrFarPushes(_Added):
+class FastOrFarPushes(Lopsided):
     """h = -1e6 sgn v where |z| > 2 Z or |v| > 1e3; sigma_2 |v| = 1e5 N at 1e3 m/s: F v < 0 held just above: B3.
     B0."""
 
@@ -258,7 +244,7 @@ class FastOrFarPushes(_Added):
         return where(either(abs(z) > 2 * p.F_s / p.sigma_0, abs(v) > 1e3), -1e6 * sign(v), 0.0)
 
 
-class FarOnlyPushes(_Added):
+class FarOnlyPushes(Lopsided):
     """h = -1e6 sgn v where |z| > 2 Z, which z within Z never meets: LuGre there, passive (B1). B0; F jumps at 2 Z
     and |v|."""
 
@@ -270,7 +256,7 @@ class FarOnlyPushes(_Added):
         return where(either(abs(z) > 2 * p.F_s / p.sigma_0, both(v > 1, v < 0)), -1e6 * sign(v), 0.0)
 
 
-class OppositeSigns(_Added):
+class OppositeSigns(Lopsided):
     """h = 3 sgn v where v z < 0, else 0: h v >= 0, B1: passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -281,7 +267,7 @@ class OppositeSigns(_Added):
         return where(v * z < 0, 3.0 * sign(v), 0.0)
 
 
-class AidedUnwinding(_Added):
+class AidedUnwinding(Lopsided):
     """h = -3 sgn v where v z < 0: unwinding from z draws 3/(1 + z/g) N besides W; winding slowly costs W's rise
     and 1.5 (z/g)^2/(1 - z/g): on |z| <= 0.1 Z the sum is negative (3/1.1 > 0.02 + 0.02): not passive. B0."""
 
@@ -352,7 +338,7 @@ class ElasticWindowOfV(BristleLaw):
         return v - where(both(abs(v) > 1e-3, abs(v) < 1.001e-3), 0.0, abs(v)) / g(p, v) * z
 
 
-class OddPushInAWindowOfZ(_Added):
+class OddPushInAWindowOfZ(Lopsided):
     """h = -10 sgn z where 0.40 Z < |z| < 0.43 Z, odd: B4, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -364,7 +350,7 @@ class OddPushInAWindowOfZ(_Added):
         return where(both(u > 0.40, u < 0.43), -10.0 * sign(z), 0.0)
 
 
-class OddPushNearTheOrigin(_Added):
+class OddPushNearTheOrigin(Lopsided):
     """h = -1e-3 sgn z where |z| < 1e-4 Z: sigma_0 z < 1.5e-4 N there: B4, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -375,7 +361,7 @@ class OddPushNearTheOrigin(_Added):
         return where(abs(z) * p.sigma_0 < 1e-4 * p.F_s, -1e-3 * sign(z), 0.0)
 
 
-class OddPushAtTheEdge(_Added):
+class OddPushAtTheEdge(Lopsided):
     """h = -3 sgn z where |z| > 0.999 Z: sigma_0 z = 1.5 N: B4, not passive. B0."""
 
     truth = "unique bounded -smooth -passive -drift_free"
@@ -386,7 +372,7 @@ class OddPushAtTheEdge(_Added):
         return where(abs(z) * p.sigma_0 > 0.999 * p.F_s, -3.0 * sign(z), 0.0)
 
 
-class OddBrakeInAWindowOfZ(_Added):
+class OddBrakeInAWindowOfZ(Lopsided):
     """h = 0.2 sgn z where 0.40 Z < |z| < 0.43 Z: z h >= 0: B4, passive. B0."""
 
     truth = "unique bounded -smooth passive -drift_free"
@@ -398,7 +384,7 @@ class OddBrakeInAWindowOfZ(_Added):
         return where(both(u > 0.40, u < 0.43), 0.2 * sign(z), 0.0)
 
 
-class OddPushInAWindowOfRate(_Added):
+class OddPushInAWindowOfRate(Lopsided):
     """h = -20 sgn f where 3e-4 < |f| < 3.1e-4 m/s: from 0 to 1e-6 m and back at such f draws over 2e-5 J (|v/f|
     about 1, 20 N, 2e-6 m, at z <= g/10) and costs 200 v^2 t = 200 * 3.5e-4 * 2.2e-6 = 1.5e-7 J, g_N r^2 |v| t <
     1e-8 J: not passive. B0."""
@@ -411,7 +397,7 @@ class OddPushInAWindowOfRate(_Added):
         return where(both(abs(dz_dt) > 3e-4, abs(dz_dt) < 3.1e-4), -20.0 * sign(dz_dt), 0.0)
 
 
-class OddPushAtFastRates(_Added):
+class OddPushAtFastRates(Lopsided):
     """h = -1e6 sgn f where |f| > 100 m/s: at v = 150, z from 0 to 1e-6 m and back: draws 1e6 * 2e-6 = 2 J, costs
     200 v^2 t = 200 * 150 * 2.2e-6 = 0.07 J: not passive. B0."""
 
@@ -423,7 +409,7 @@ class OddPushAtFastRates(_Added):
         return where(abs(dz_dt) > 100, -1e6 * sign(dz_dt), 0.0)
 
 
-class DampingInAWindowOfRate(_Added):
+class DampingInAWindowOfRate(Lopsided):
     """h = 2 sgn v where |f| is in 1e-4 ... 1.03e-4, written with sgn f for |z| < g/2 only: sgn f = sgn v there (r
     < 1): h v >= 0: passive. B0."""
 
@@ -436,7 +422,7 @@ class DampingInAWindowOfRate(_Added):
         return where(within, 2.0 * sign(dz_dt), 0.0)
 
 
-class PushOnAGridOfZ(_Added):
+class PushOnAGridOfZ(Lopsided):
     """h = -2 sgn z where sin(62.8 u) > 0.9999 and u > 0.05, u = |z|/Z, windows of some 5e-4 Z: B4 (sigma_0 z <
     1.5 < 2), not passive. B0."""
 
@@ -463,7 +449,7 @@ class RateWindowOfZ(BristleLaw):
         return v - where(both(u > 0.90, u < 0.92), -1.0, 1.0) * abs(v) / g(p, v) * z
 
 
-class StepOfViscosity(_Added):
+class StepOfViscosity(Lopsided):
     """sigma_2 falls to 10 for |v| > 50 m/s: there 100 (1 - 1.5) + 10 < 0: a pulse at large v from Z draws without
     limit: not passive. B0."""
 
@@ -475,7 +461,7 @@ class StepOfViscosity(_Added):
         return where(abs(v) > 50, -90.0 * v, 0.0)
 
 
-class StepOfDamping(_Added):
+class StepOfDamping(Lopsided):
     """sigma_1 is 10 times larger for 1 < |v| < 1.001 m/s: 1000 (1 - 1.5) + 100 = -400: at v = 1 from Z: F v = 1.5
     - 400 < 0, f = -0.5: down to r = 1.2 draws at least (100 * 1 - 1.5)/0.5 J for each metre, 3e-6 m: 6e-4 J.
     Winding up again slowly costs W's rise (below W(Z) = 1.1e-5 J) and 1.5 Z log-like (from 0.8 Z to 0.95 Z below

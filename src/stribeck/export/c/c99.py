@@ -8,7 +8,7 @@ from importlib.resources import files as resources
 from stribeck.control.observer import least_K_D
 from stribeck.errors import InputError, arg
 from stribeck.export.c import cascade
-from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, c_condition, net_force, render
+from stribeck.export.c.ccode import ARGUMENTS, WORDS, LawCode, c_condition, net_force, pair, render
 from stribeck.export.request import Request
 from stribeck.expressions import pretty
 from stribeck.expressions.graph import symbol, wrap
@@ -22,10 +22,7 @@ def files(request: Request) -> dict[str, str | bytes]:
         return cascade.files(request)
     values = context(request)
     name = request.name
-    content: dict[str, str | bytes] = {
-        f"{name}.h": render("law.h", **values),
-        f"{name}.c": render("law.c", **values),
-    }
+    content: dict[str, str | bytes] = {**pair(name, "law", values)}
     if request.self_test:
         from stribeck.export.c.selftest import cases
 

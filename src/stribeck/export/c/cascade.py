@@ -8,18 +8,18 @@ from functools import cached_property
 from stribeck.constants import Constant
 from stribeck.control.cascade import F_HAT, MEASURED, E, PressureCascade, S
 from stribeck.control.observer import START, Z_HAT
-from stribeck.drives.base import Column
+from stribeck.drives.base import Column, course
 from stribeck.errors import InputError, arg
-from stribeck.export.c.ccode import WORDS, c_condition, render, statements
+from stribeck.export.c.ccode import WORDS, c_condition, pair, render, statements
 from stribeck.export.request import Request, ascii_only, made_by, valued
 from stribeck.expressions.graph import Expr, derivative, ordered, symbol, symbols, wrap
 from stribeck.expressions.names import Names
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
+from stribeck.machine.system import MachineSystem
 from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import Scenario
 from stribeck.scenario.cascade import CascadeSettings, cascade_of
-from stribeck.system import System
 
 PATH = (
     Column("y", "m", "desired position"),
@@ -83,11 +83,10 @@ class ControllerCode:
         return found
 
     @cached_property
-    def system(self) -> System:
+    def system(self) -> MachineSystem:
         """The equations, with the controller's constants as parameters whether the scenario is sampled or not."""
         system = self.scenario.system
-        assert isinstance(system, System)
-        return replace(system, drive=self.controller)
+        return replace(system, drives=(replace(system.drive, drive=self.controller),))
 
     @cached_property
     def controller(self) -> PressureCascade:
@@ -113,7 +112,8 @@ class ControllerCode:
         found = self.controller.measured((y, v, a, jerk), self.names)
         for column in self.controller.remembered:
             found[f"slope.{column.name}"] = derivative(found[f"rate.{column.name}"], symbol(column.name))
-        path = self.system.reference(symbol("t"))
+        t = symbol("t")
+        path = course(wrap(self.system.drive.signal.reference(t).value), t)
         return found | {f"path.{c.name}": wrap(x) for c, x in zip(PATH, path, strict=True)}
 
     @property
@@ -126,13 +126,14 @@ class ControllerCode:
     @cached_property
     def constants(self) -> dict[str, dict[str, tuple[Constant, float]]]:
         """Declaration and value of each constant that the controller uses, by group and name."""
-        values, groups = self.scenario.values(), dict(self.system.groups)
+        values, groups = self.scenario.values(), {path: own for path, (own, _) in self.system.tables.items()}
         used = symbols(self.expressions.values())
-        groups["signal"] = {n: replace(c, unit=c.unit.replace("signal", "m")) for n, c in groups["signal"].items()}
+        signal = groups.get("signal", {})
+        groups["signal"] = {n: replace(c, unit=c.unit.replace("signal", "m")) for n, c in signal.items()}
         if self.pieces:
             groups["signal"] = {}
         found = {
-            group: {n: (c, values[group, n]) for n, c in groups[group].items() if f"{group}.{n}" in used}
+            group: {n: (c, values[group, n]) for n, c in groups.get(group, {}).items() if f"{group}.{n}" in used}
             for group in _ABOUT
         }
         return {group: constants for group, constants in found.items() if constants}
@@ -209,10 +210,7 @@ def files(request: Request) -> dict[str, str | bytes]:
     cascade = ControllerCode(request)
     values = cascade.context()
     name = cascade.name
-    content: dict[str, str | bytes] = {
-        f"{name}.h": render("cascade.h", **values),
-        f"{name}.c": render("cascade.c", **values),
-    }
+    content: dict[str, str | bytes] = {**pair(name, "cascade", values)}
     if request.self_test:
         from stribeck.export.c.selftest import samples
 

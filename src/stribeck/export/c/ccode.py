@@ -130,6 +130,11 @@ def net_force() -> dict[str, str]:
     return {"value": expression(value, ("u", "F")), "by_F": expression(derivative(value, F), ("u", "F"))}
 
 
+def pair(name: str, part: str, values: Mapping[str, object]) -> dict[str, str]:
+    """``NAME.h`` and ``NAME.c`` from the templates of the part."""
+    return {f"{name}.{kind}": render(f"{part}.{kind}", **values) for kind in ("h", "c")}
+
+
 def render(template: str, **values: object) -> str:
     """A template of this package, filled in."""
     with needed("an export", "export"):

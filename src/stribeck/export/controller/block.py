@@ -20,6 +20,7 @@ from stribeck.expressions.ops import sign
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.laws.render import equations
 from stribeck.machine.balance import lead_of
+from stribeck.machine.dither import PHASE
 from stribeck.machine.friction import compensation
 from stribeck.machine.parts import ControllerPart
 from stribeck.machine.sampled import observed, sampled_states, stepped
@@ -70,7 +71,6 @@ class Block:
     def rotary(self) -> bool:
         """Whether what it measures turns."""
         rig = self.scenario.rig
-        assert rig is not None
         return rig.machine.rotary(self.controller.measures)
 
     def _column(self, name: str, unit: str, meaning: str) -> Column:
@@ -108,7 +108,7 @@ class Block:
         meanings = {
             "readings": ("1", "samples so far"), "last": ("m", "reading of the sample before"),
             "filter_y": ("m", "filtered position"), "filter_v": ("m/s", "filtered velocity"),
-            "z_hat": ("m", "deflection of the friction observer"),
+            "z_hat": ("m", "deflection of the friction observer"), PHASE: ("1", "share of the dither's wave that has passed"),
             **{s.name: (s.unit, s.meaning) for s in self.controller.kind.states},
         }  # fmt: skip
         names = sampled_states(self.controller) if self.part == "controller" else self._observed
@@ -170,7 +170,6 @@ class Block:
         if not self._has_path or not self.path_columns:
             return []
         rig = self.scenario.rig
-        assert rig is not None
         table = pieces(rig.signals[self.controller.signal])
         rows = zip(table.start.tolist(), table.rows.tolist(), strict=True)
         return [[start, *row] for start, row in rows] if self.piece_fields else []
@@ -186,7 +185,6 @@ class Block:
     def constants(self) -> dict[str, tuple[Constant, float, str]]:
         """Declaration, value and path of each constant that the equations use, by its name in the block."""
         rig, each = self.scenario.rig, self.controller
-        assert rig is not None
         values: dict[str, tuple[Constant, float]] = {
             f"{path}.{n}": (rig.machine.constant(path, n), rig.values[path, n]) for path, n in rig.machine.parameters
         }
@@ -206,13 +204,15 @@ class Block:
             return f"signal_{name}"
         if self.controller.compensation is not None and owner == self.controller.compensation.path:
             return f"friction_{name}"
+        if self.controller.dither is not None and owner == self.controller.dither.path:
+            return f"dither_{name}"
         return "inertia" if owner.endswith(".feedforward") else name
 
     @cached_property
     def relations(self) -> list[tuple[str, str, str]]:
         """(the constant to blame, what is allowed, the condition in C on ``p``) between constants of the friction law."""
         made = self.controller.compensation
-        if made is None or self.scenario.rig is None or made.path not in self.scenario.rig.laws:
+        if made is None or self.scenario.rig.single or made.path not in self.scenario.rig.laws:
             return []
         law, found = self.scenario.rig.laws[made.path], []
         for r in dict.fromkeys((*law.relations, *STATIC_ABOVE_COULOMB)):
@@ -259,7 +259,6 @@ class Block:
     def notes(self) -> list[str]:
         """What differs from the file."""
         rig, found = self.scenario.rig, []
-        assert rig is not None
         own = next(c for c in rig.machine.controllers if c.name == self.controller.name)
         if own.sampling is None:
             found.append(
@@ -286,7 +285,7 @@ def block_of(
     Raises:
         InputError: there is no such controller, no sample time, or no compensation.
     """
-    if scenario is None or scenario.rig is None or not scenario.rig.machine.controllers:
+    if scenario is None or scenario.rig.single or not scenario.rig.machine.controllers:
         given = "" if scenario is None else f"{scenario.name!r}: "
         raise InputError(f"{arg('scenario')}: {given}part '{part}' needs a machine (schema = 2) with a controller")
     rig = scenario.rig

@@ -8,11 +8,12 @@ from importlib.resources import files as resources
 import numpy as np
 
 from stribeck.codegen import SAME
-from stribeck.export.c.ccode import DIALECT, WORDS, CWriter, render
+from stribeck.export.c.ccode import DIALECT, WORDS, CWriter, pair, render
 from stribeck.export.c.selftest import output_spread
 from stribeck.export.controller.block import Block
 from stribeck.expressions.emit import C_FUNCTIONS, python_function
 from stribeck.expressions.graph import ordered
+from stribeck.machine.dither import PHASE
 
 _DIALECT = replace(DIALECT, functions={**DIALECT.functions, **SAME})
 _TAKEN = WORDS | C_FUNCTIONS | frozenset(["p", "x", "in", "o", "next", "i", "t", "real", "R", "FN", "sign_of"])
@@ -22,10 +23,7 @@ _ROWS = 24
 def files(block: Block, self_test: bool = False) -> dict[str, str | bytes]:
     """``NAME.h`` and ``NAME.c``, and ``NAME_test.c`` where it is wanted."""
     values, name = context(block), block.name
-    content: dict[str, str | bytes] = {
-        f"{name}.h": render("block.h", **values),
-        f"{name}.c": render("block.c", **values),
-    }
+    content: dict[str, str | bytes] = {**pair(name, "block", values)}
     if self_test:
         content[f"{name}_test.c"] = render("block_test.c", **values, rows=rows(block))
     return content
@@ -72,6 +70,7 @@ def rows(block: Block) -> list[tuple[str, ...]]:
     for _ in range(_ROWS):
         x = [float(np.float32(size[name.partition(".")[2]] * random.uniform(-1, 1))) for name in inputs]
         x = [abs(round(v)) if name == "state.readings" else v for name, v in zip(inputs, x, strict=True)]
+        x = [abs(v) if name == f"state.{PHASE}" else v for name, v in zip(inputs, x, strict=True)]
         with np.errstate(all="ignore"):
             out = [float(v) for v in function(*constants.values(), *x)]
         pairs = zip(out[: len(wanted)], out[len(wanted) :], strict=True)
@@ -82,13 +81,12 @@ def rows(block: Block) -> list[tuple[str, ...]]:
 def sizes(block: Block) -> dict[str, float]:
     """A natural size of each input and state."""
     rig = block.scenario.rig
-    assert rig is not None
     own = rig.scales[rig.machine.leader(block.controller.measures).name]
     near = 10 * own.length
     speed = 3 * own.speed
     found = {
         "r": near, "y": near, "last": near, "filter_y": near, "r_rate": speed, "v": speed, "filter_v": speed,
-        "r_second": 10 * speed, "readings": 3.0, "z_hat": own.length,
+        "r_second": 10 * speed, "readings": 3.0, "z_hat": own.length, PHASE: 1.0,
     }  # fmt: skip
     p = block.controller.kind.symbolic(lambda n: rig.values[block.controller.path, n], block.controller.form)
     names = [s.name for s in block.controller.kind.states_of(block.controller.form)]

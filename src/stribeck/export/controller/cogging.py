@@ -12,7 +12,7 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import symbols, wrap
 from stribeck.machine.balance import Balance
 from stribeck.scenario import Scenario
-from stribeck.scenario.machine import Rig
+from stribeck.scenario.rig import Rig
 
 _WHOLE = 1e-6  # waves a turn: how near to a whole number
 
@@ -23,7 +23,7 @@ def torque_over_a_turn(scenario: Scenario | None, points: int) -> tuple[str, flo
     Raises:
         InputError: no machine with one motor that turns and a ripple on its body, or one that is not periodic in a turn.
     """
-    if scenario is None or scenario.rig is None:
+    if scenario is None or scenario.rig.single:
         raise InputError(f"{arg('scenario')}: part 'cogging' needs a machine (schema = 2) with a motor")
     rig = scenario.rig
     ripples = {load.on: load for load in rig.machine.loads if load.kind.kind == "ripple"}

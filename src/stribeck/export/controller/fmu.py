@@ -2,36 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Unpack
 
-from stribeck.export.c.ccode import render
 from stribeck.export.controller.block import Block
 from stribeck.export.controller.c import context
 from stribeck.export.fmu.archive import packed
-from stribeck.export.fmu.description import Variable, token
+from stribeck.export.fmu.description import Description, Details, Variable, parameter
 
 
 def files(block: Block, fmi: int = 3) -> dict[str, str | bytes]:
     """The archive, under the name of the block."""
-    values, variables = context(block), variables_of(block)
-    values |= {
-        "fmi": fmi, "model": block.name, "variables": variables, "derivatives": [], "exchange": False, "states": [],
-        "token": token(block.name, fmi, block.about(), variables),
-    }  # fmt: skip
-    sources = {
-        f"{block.name}.h": render("block.h", **values),
-        f"{block.name}.c": render("block.c", **values),
-        f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
-        "fmu.c": render("fmu_block.c", **values) + render(f"fmi{fmi}.c", **values),
-    }
-    return packed(sources, values)
+    of = Description(block.name, block.name, fmi, block.about(), variables_of(block), period=block.step or None)
+    return packed("block", "fmu_block", of, context(block))
 
 
 def variables_of(block: Block) -> list[Variable]:
     """Time, inputs, outputs, states and constants; the sample time is the communication step."""
     found = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
 
-    def add(name: str, unit: str, meaning: str, causality: str, variability: str, c: str, **rest: Any) -> None:
+    def add(
+        name: str, unit: str, meaning: str, causality: str, variability: str, c: str, **rest: Unpack[Details]
+    ) -> None:
         unit = "" if unit == "1" else unit
         found.append(Variable(len(found), name, unit, meaning, causality, variability, c, **rest))
 
@@ -39,13 +30,11 @@ def variables_of(block: Block) -> list[Variable]:
         add(each.name, each.unit, each.meaning, "input", "continuous", f"m->in.{each.name}", start=0.0)
     known = tuple(range(1, len(found)))
     for each in block.outputs:
-        held: dict[str, Any] = {"start": 0.0, "settable": False, "calculated_from": known}
+        held: Details = {"start": 0.0, "settable": False, "calculated_from": known}
         add(each.name, each.unit, each.meaning, "output", "discrete", f"m->out.{each.name}", **held)
     for each in block.states:
         add(f"state.{each.name}", each.unit, each.meaning, "local", "discrete", f"m->s.{each.name}", start=0.0)
     for name, (constant, value, _) in block.constants.items():
         if name != "period":
-            least = constant.above if constant.above is not None else constant.at_least
-            meaning = f"{constant.meaning}, {constant.allowed}"
-            add(name, constant.unit, meaning, "parameter", "tunable", f"m->p.{name}", start=value, minimum=least)
+            found.append(parameter(len(found), name, constant, f"m->p.{name}", value))
     return found

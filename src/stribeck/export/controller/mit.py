@@ -18,7 +18,6 @@ def files(block: Block) -> dict[str, str | bytes]:
         InputError: the controller has an integral, which the mode lacks, or is of one's own.
     """
     rig, each = block.scenario.rig, block.controller
-    assert rig is not None
     value = {n: rig.values[each.path, n] for n in each.kind.numbers(each.form)}
     if each.kind is PidController and not value.get("K_i"):
         kp, kd, about = value["K_p"], value["K_d"], "kp = K_p, kd = K_d; send v_des = 0"
@@ -47,5 +46,12 @@ def files(block: Block) -> dict[str, str | bytes]:
             f"  friction:  # t_ff += sign(v_des) times this at |v_des|, interpolated; within {share * error:.3g} {unit}",
             f"    v: [{', '.join(f'{x:.6g}' for x in v)}]  # {speed}",
             f"    torque: [{', '.join(f'{share * x:.6g}' for x in force)}]  # {unit}",
+        ]
+    if each.dither is not None:
+        amplitude, frequency = (rig.values[each.dither.path, n] for n in ("amplitude", "frequency"))
+        lines += [
+            f"  dither:  # t_ff += amplitude times a {each.dither.kind} of this frequency",
+            f"    amplitude: {amplitude!r}  # {unit}",
+            f"    frequency: {frequency!r}  # Hz",
         ]
     return {f"{block.name}.yaml": "\n".join(lines) + "\n"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from stribeck.export.c.ccode import render
+from stribeck.export.c.ccode import pair, render
 from stribeck.export.controller.block import Block
 from stribeck.export.controller.c import context
 from stribeck.export.request import Target
@@ -15,7 +15,6 @@ TARGET = Target("mujoco_plugin", "controller.mujoco_plugin", "an actuator plugin
 def files(block: Block) -> dict[str, str | bytes]:
     """The block in C, the plugin around it, and a model that uses it."""
     rig, own = block.scenario.rig, f"{block.controller.path}.sampling"
-    assert rig is not None
     delay = rig.values.get((own, "delay"), 0.0)
     body = rig.machine.leader(block.controller.measures)
     values = context(block) | {
@@ -25,7 +24,6 @@ def files(block: Block) -> dict[str, str | bytes]:
     }  # fmt: skip
     return {
         f"{block.name}_mujoco.c": render("mujoco_plugin.c", **values),
-        f"{block.name}.h": render("block.h", **values),
-        f"{block.name}.c": render("block.c", **values),
+        **pair(block.name, "block", values),
         f"{block.name}.xml": render("mujoco_plugin.xml", **values),
     }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from stribeck.export.c.ccode import render
+from stribeck.export.c.ccode import pair, render
 from stribeck.export.controller.block import Block
 from stribeck.export.controller.c import context
 from stribeck.export.request import Target
@@ -24,6 +24,5 @@ def files(block: Block) -> dict[str, str | bytes]:
         "plugin.xml": render("ros2_plugin.xml", **values),
         "controllers.yaml": render("ros2_controllers.yaml", **values),
         f"{name}_controller.cpp": render("ros2_controller.cpp", **values),
-        f"{name}.h": render("block.h", **values),
-        f"{name}.c": render("block.c", **values),
+        **pair(name, "block", values),
     }

@@ -4,16 +4,24 @@ from __future__ import annotations
 
 import io
 import zipfile
+from collections.abc import Mapping
 from types import SimpleNamespace
-from typing import Any
+from typing import Unpack
 
 from stribeck.errors import InputError
 from stribeck.export.c import c99, cascade
-from stribeck.export.c.ccode import expression, render
+from stribeck.export.c.ccode import expression, pair, render
 from stribeck.export.c.sampling import resolution
 from stribeck.export.fmu import cascade as cascade_fmu
 from stribeck.export.fmu.binaries import binaries
-from stribeck.export.fmu.description import Variable, build_description, model_description, token
+from stribeck.export.fmu.description import (
+    Description,
+    Details,
+    Variable,
+    build_description,
+    model_description,
+    parameter,
+)
 from stribeck.export.request import Request
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.laws.base import Scales
@@ -22,35 +30,31 @@ from stribeck.plants.mass import Mass
 
 def files(request: Request) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
-    values = context(request)
-    name, fmi = values["P"], values["fmi"]
-    part, model = ("cascade", "fmu_cascade") if request.part == "cascade" else ("law", "fmu_model")
-    sources = {
-        f"{name}.h": render(f"{part}.h", **values),
-        f"{name}.c": render(f"{part}.c", **values),
+    if request.part == "cascade":
+        return packed("cascade", "fmu_cascade", *cascade_fmu.described(request))
+    return packed("law", "fmu_model", *described(request))
+
+
+def packed(part: str, model: str, of: Description, values: Mapping[str, object]) -> dict[str, str | bytes]:
+    """The archive of what the templates ``part`` and ``model`` say of this FMU; ``fmu.c`` includes the rest."""
+    values = {**values, **of.values()}
+    name, fmi = of.prefix, of.fmi
+    sources = pair(name, part, values) | {
         f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
         "fmu.c": render(f"{model}.c", **values) + render(f"fmi{fmi}.c", **values),
     }
-    return packed(sources, values)
-
-
-def packed(sources: dict[str, str], values: dict[str, Any]) -> dict[str, str | bytes]:
-    """The archive of these sources, of which ``fmu.c`` includes the others, with what the description needs."""
-    fmi = values["fmi"]
-    content: dict[str, str | bytes] = {"modelDescription.xml": model_description(values)}
+    content: dict[str, str | bytes] = {"modelDescription.xml": model_description(of)}
     content |= {f"sources/{file}": text for file, text in sources.items()}
     if fmi == 3:
-        content["sources/buildDescription.xml"] = build_description(values["model"])
+        content["sources/buildDescription.xml"] = build_description(of.model)
     for folder, library in binaries(sources, fmi).items():
-        content[f"binaries/{folder}/{values['model']}{_suffix(folder)}"] = library
-    content["documentation/index.html"] = _page(values["about"])
-    return {f"{values['model']}.fmu": _zipped(content)}
+        content[f"binaries/{folder}/{of.model}{_suffix(folder)}"] = library
+    content["documentation/index.html"] = _page(of.about)
+    return {f"{of.model}.fmu": _zipped(content)}
 
 
-def context(request: Request) -> dict[str, Any]:
-    """What the templates of the C and of the description need."""
-    if request.part == "cascade":
-        return cascade_fmu.context(request)
+def described(request: Request) -> tuple[Description, dict[str, object]]:
+    """The FMU of a law or a body, and what its templates need beside."""
     law, body = request.law, request.part == "body"
     values = c99.context(Request(law, "law", request.scenario, request.step, False, request.origin))
     scales = law.scales(law.p)
@@ -61,13 +65,12 @@ def context(request: Request) -> dict[str, Any]:
     states = [v for v in variables if v.start is not None and v.name in ("y", "v", "z") and v.nominal is not None]
     model = f"{request.name}_{request.part}"
     about = [*request.about(), *([f"mass = {mass!r} {request.unit('kg')}"] if body else [])]
-    return values | {
-        "fmi": request.fmi, "body": body, "mass": mass, "model": model, "about": about, "variables": variables,
-        "states": states, "token": token(model, request.fmi, about, variables), "acceleration": _acceleration(),
+    of = Description(request.name, model, request.fmi, about, variables, states, exchange=True)
+    return of, values | {
+        "body": body, "mass": mass, "acceleration": _acceleration(),
         "partials": _partials(by_name, body, law.has_z), "length": float(scales.length), "speed": float(scales.speed),
         "unknowns": [v.reference for v in variables if v.calculated_from or v.derivative_of is not None],
         "knowns": [v.reference for v in variables if v.causality == "input" or v in states],
-        "derivatives": [v for v in variables if v.derivative_of is not None], "exchange": True, "period": None,
     }  # fmt: skip
 
 
@@ -75,7 +78,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
     law, body = request.law, request.part == "body"
     found: list[Variable] = []
 
-    def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Any) -> int:
+    def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Unpack[Details]) -> int:
         variability = "tunable" if causality == "parameter" else "continuous"
         unit, meaning = request.unit(unit), request.words(meaning)
         found.append(Variable(len(found), name, unit, meaning, causality, variability, c, **rest))
@@ -109,10 +112,7 @@ def _variables(request: Request, mass: float, initial: dict[str, float], scales:
     if bad := [key for key in request.constants if key in {variable.name for variable in found}]:
         raise InputError([f"{key}: the FMU has a variable of this name: rename the constant" for key in bad])
     for key, value in request.constants.items():
-        constant = request.declared[key]
-        least = constant.above if constant.above is not None else constant.at_least
-        meaning = f"{constant.meaning}, {constant.allowed}"
-        add(key, constant.unit, meaning, "parameter", f"m->p.{key}", start=value, minimum=least)
+        found.append(parameter(len(found), key, request.declared[key], f"m->p.{key}", value))
     return found
 
 

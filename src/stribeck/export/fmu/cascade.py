@@ -2,28 +2,26 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Unpack
 
 from stribeck.export.c.cascade import INPUTS, OUTPUTS, ControllerCode
-from stribeck.export.fmu.description import Variable, token
+from stribeck.export.fmu.description import Description, Details, Variable, parameter
 from stribeck.export.request import Request
 
 
-def context(request: Request) -> dict[str, Any]:
-    """What the templates of the C and of the description need."""
+def described(request: Request) -> tuple[Description, dict[str, object]]:
+    """The FMU, and what the templates need beside."""
     cascade = ControllerCode(request)
-    values, variables = cascade.context(), _variables(cascade)
-    about, model = cascade.about(), cascade.name
-    return values | {
-        "fmi": request.fmi, "model": model, "variables": variables, "derivatives": [], "exchange": False, "states": [],
-        "token": token(model, request.fmi, about, variables),
-    }  # fmt: skip
+    name, about = cascade.name, cascade.about()
+    return Description(name, name, request.fmi, about, _variables(cascade), period=cascade.period), cascade.context()
 
 
 def _variables(cascade: ControllerCode) -> list[Variable]:
     found = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
 
-    def add(name: str, unit: str, meaning: str, causality: str, variability: str, c: str, **rest: Any) -> None:
+    def add(
+        name: str, unit: str, meaning: str, causality: str, variability: str, c: str, **rest: Unpack[Details]
+    ) -> None:
         found.append(Variable(len(found), name, unit, meaning, causality, variability, c, **rest))
 
     for each in INPUTS:
@@ -31,14 +29,12 @@ def _variables(cascade: ControllerCode) -> list[Variable]:
         add(each.name, each.unit, f"measured {each.meaning}", "input", "continuous", f"m->in.{each.name}", start=start)
     known = tuple(range(1, len(found)))
     for each in OUTPUTS:
-        held = {"start": 0.0, "settable": False, "calculated_from": known}
+        held: Details = {"start": 0.0, "settable": False, "calculated_from": known}
         add(each.name, each.unit, each.meaning, "output", "discrete", f"m->out.{each.name}", **held)
     for each, start in cascade.states:
         add(each.name, each.unit, each.meaning, "local", "discrete", f"m->s.{each.name}", start=start)
     for group, constants in cascade.constants.items():
         for name, (constant, value) in constants.items():
-            least = constant.above if constant.above is not None else constant.at_least
-            full, unit = f"{group}.{name}", "" if constant.unit == "1" else constant.unit
-            meaning = f"{constant.meaning}, {constant.allowed}"
-            add(full, unit, meaning, "parameter", "tunable", f"m->p.{full}", start=value, minimum=least)
+            full = f"{group}.{name}"
+            found.append(parameter(len(found), full, constant, f"m->p.{full}", value))
     return found

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 import uuid
 from collections import Counter
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TypedDict
 from xml.etree import ElementTree as ET
 
+from stribeck.constants import Constant
 from stribeck.version import __version__
 
 _BASE = {
@@ -44,19 +45,68 @@ class Variable:
     calculated_from: tuple[int, ...] = ()
 
 
-def token(model: str, fmi: int, about: list[str], variables: list[Variable]) -> str:
-    """What an importer must show when it instantiates the FMU: the same for the same model only."""
-    found = uuid.uuid5(uuid.NAMESPACE_URL, "\n".join([model, str(fmi), *about, *(v.name for v in variables)]))
-    return f"{{{found}}}" if fmi == 2 else str(found)
+class Details(TypedDict, total=False):
+    """What not every variable has."""
+
+    start: float
+    minimum: float | None
+    nominal: float
+    derivative_of: int
+    settable: bool
+    calculated_from: tuple[int, ...]
 
 
-def model_description(values: dict[str, Any]) -> str:
+@dataclass(frozen=True)
+class Description:
+    """An FMU: the prefix of its names in C, its model, the version of FMI, what its header says, its variables, the
+    continuous states among them, whether it is for model exchange too and has events, and its sample time (s)."""
+
+    prefix: str
+    model: str
+    fmi: int
+    about: list[str]
+    variables: list[Variable]
+    states: list[Variable] = field(default_factory=list)
+    exchange: bool = False
+    events: bool = False
+    period: float | None = None
+
+    @property
+    def derivatives(self) -> list[Variable]:
+        """The rates of the states."""
+        return [v for v in self.variables if v.derivative_of is not None]
+
+    @property
+    def token(self) -> str:
+        """What an importer must show when it instantiates the FMU: the same for the same model only."""
+        words = [self.model, str(self.fmi), *self.about, *(v.name for v in self.variables)]
+        found = uuid.uuid5(uuid.NAMESPACE_URL, "\n".join(words))
+        return f"{{{found}}}" if self.fmi == 2 else str(found)
+
+    def values(self) -> dict[str, object]:
+        """What the templates need of it."""
+        return {
+            "P": self.prefix, "model": self.model, "fmi": self.fmi, "about": self.about, "variables": self.variables,
+            "derivatives": self.derivatives, "states": self.states, "exchange": self.exchange, "token": self.token,
+            **({"events": True} if self.events else {}),
+        }  # fmt: skip
+
+
+def parameter(reference: int, name: str, constant: Constant, c: str, value: float) -> Variable:
+    """A constant as a variable that may be turned between the steps."""
+    least = constant.above if constant.above is not None else constant.at_least
+    unit = "" if constant.unit == "1" else constant.unit
+    meaning = f"{constant.meaning}, {constant.allowed}"
+    return Variable(reference, name, unit, meaning, "parameter", "tunable", c, start=value, minimum=least)
+
+
+def model_description(of: Description) -> str:
     """modelDescription.xml."""
-    fmi, model, variables = values["fmi"], values["model"], values["variables"]
+    fmi, model, variables = of.fmi, of.model, of.variables
     key = "instantiationToken" if fmi == 3 else "guid"
     root = ET.Element("fmiModelDescription", {
-        "fmiVersion": f"{fmi}.0", "modelName": model, key: values["token"],
-        "description": values["about"][0], "version": __version__, "license": "Apache-2.0",
+        "fmiVersion": f"{fmi}.0", "modelName": model, key: of.token,
+        "description": of.about[0], "version": __version__, "license": "Apache-2.0",
         "generationTool": f"stribeck {__version__}", "variableNamingConvention": "structured",
         **({"numberOfEventIndicators": "0"} if fmi == 2 else {}),
     })  # fmt: skip
@@ -67,12 +117,12 @@ def model_description(values: dict[str, Any]) -> str:
         f"canGetAndSet{state}": "true",
         f"canSerialize{state}": "true",
     }
-    if values["exchange"] and "events" not in values:  # a machine has no directional derivatives
+    if of.exchange and not of.events:  # a machine has no directional derivatives
         common[directional] = "true"
         if fmi == 3:
             common["providesAdjointDerivatives"] = "true"
     for kind, more in (("ModelExchange", {}), ("CoSimulation", {"canHandleVariableCommunicationStepSize": "true"})):
-        if kind == "ModelExchange" and not values["exchange"]:
+        if kind == "ModelExchange" and not of.exchange:
             continue
         element = ET.SubElement(root, kind, common | more)
         if fmi == 2:
@@ -80,12 +130,12 @@ def model_description(values: dict[str, Any]) -> str:
     _units(root, {v.unit for v in variables})
     categories = ET.SubElement(root, "LogCategories")
     ET.SubElement(categories, "Category", {"name": "logStatusError", "description": "errors"})
-    steps = {} if values["period"] is None else {"stepSize": repr(values["period"])}
+    steps = {} if of.period is None else {"stepSize": repr(of.period)}
     ET.SubElement(root, "DefaultExperiment", {"startTime": "0", "stopTime": "1", "tolerance": "1e-6", **steps})
     element = ET.SubElement(root, "ModelVariables")
     for variable in variables:
-        (_variable_3 if fmi == 3 else _variable_2)(element, variable, values)
-    (_structure_3 if fmi == 3 else _structure_2)(ET.SubElement(root, "ModelStructure"), values)
+        (_variable_3 if fmi == 3 else _variable_2)(element, variable)
+    (_structure_3 if fmi == 3 else _structure_2)(ET.SubElement(root, "ModelStructure"), of)
     return _text(root)
 
 
@@ -134,7 +184,7 @@ def _initial(variable: Variable) -> str | None:
     return "exact" if variable.start is not None else "calculated"
 
 
-def _real(variable: Variable, values: dict[str, Any]) -> dict[str, str]:
+def _real(variable: Variable) -> dict[str, str]:
     found = {"unit": variable.unit} if variable.unit else {}
     if variable.nominal is not None:
         found["nominal"] = repr(variable.nominal)
@@ -153,29 +203,29 @@ def _about(variable: Variable) -> dict[str, str]:
     return found
 
 
-def _variable_3(root: ET.Element, variable: Variable, values: dict[str, Any]) -> None:
-    attributes = _about(variable) | _real(variable, values)
+def _variable_3(root: ET.Element, variable: Variable) -> None:
+    attributes = _about(variable) | _real(variable)
     if variable.derivative_of is not None:
         attributes["derivative"] = str(variable.derivative_of)
     ET.SubElement(root, "Float64", attributes)
 
 
-def _variable_2(root: ET.Element, variable: Variable, values: dict[str, Any]) -> None:
-    real = _real(variable, values)
+def _variable_2(root: ET.Element, variable: Variable) -> None:
+    real = _real(variable)
     if variable.derivative_of is not None:
         real["derivative"] = str(variable.derivative_of + 1)
     ET.SubElement(ET.SubElement(root, "ScalarVariable", _about(variable)), "Real", real)
 
 
-def _rows(values: dict[str, Any]) -> tuple[list[Any], list[Any], list[Any]]:
+def _rows(of: Description) -> tuple[list[Variable], list[Variable], list[Variable]]:
     """Outputs, derivatives of states, and what is unknown at the start."""
-    outputs = [v for v in values["variables"] if v.causality == "output"]
-    derivatives = values["derivatives"]
+    outputs = [v for v in of.variables if v.causality == "output"]
+    derivatives = of.derivatives
     return outputs, derivatives, [v for v in (*outputs, *derivatives) if v.start is None]
 
 
-def _structure_3(root: ET.Element, values: dict[str, Any]) -> None:
-    outputs, derivatives, unknowns = _rows(values)
+def _structure_3(root: ET.Element, of: Description) -> None:
+    outputs, derivatives, unknowns = _rows(of)
     for tag, rows in (("Output", outputs), ("ContinuousStateDerivative", derivatives), ("InitialUnknown", unknowns)):
         for variable in rows:
             attributes = {"valueReference": str(variable.reference)}
@@ -185,8 +235,8 @@ def _structure_3(root: ET.Element, values: dict[str, Any]) -> None:
             ET.SubElement(root, tag, attributes)
 
 
-def _structure_2(root: ET.Element, values: dict[str, Any]) -> None:
-    outputs, derivatives, unknowns = _rows(values)
+def _structure_2(root: ET.Element, of: Description) -> None:
+    outputs, derivatives, unknowns = _rows(of)
     for tag, rows in (("Outputs", outputs), ("Derivatives", derivatives), ("InitialUnknowns", unknowns)):
         if not rows:
             continue

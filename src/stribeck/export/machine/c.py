@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from stribeck.export.c.ccode import render
+from stribeck.export.c.ccode import pair, render
 from stribeck.export.machine.model import MachineModel
 
 
 def files(model: MachineModel) -> dict[str, str | bytes]:
     """``NAME.c``, ``NAME.h`` and ``NAME_run.c``, by file name."""
     values = model.context()
-    return {
-        f"{model.name}.h": render("machine.h", **values),
-        f"{model.name}.c": render("machine.c", **values),
-        f"{model.name}_run.c": render("machine_run.c", **values),
-    }
+    return {**pair(model.name, "machine", values), f"{model.name}_run.c": render("machine_run.c", **values)}

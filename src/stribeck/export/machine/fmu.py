@@ -3,37 +3,26 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import Unpack
 
-from stribeck.export.c.ccode import render
 from stribeck.export.fmu.archive import packed
-from stribeck.export.fmu.description import Variable, token
+from stribeck.export.fmu.description import Description, Details, Variable, parameter
 from stribeck.export.machine.model import MachineModel
 
 
 def files(model: MachineModel, fmi: int) -> dict[str, str | bytes]:
     """The archive, under the name of the model."""
-    values, variables = model.context(), variables_of(model)
-    values |= {
-        "fmi": fmi, "variables": variables, "exchange": True, "events": True,
-        "derivatives": [v for v in variables if v.derivative_of is not None],
-        "states": [v for v in variables if v.nominal is not None],
-        "token": token(model.name, fmi, model.about(), variables),
-    }  # fmt: skip
-    sources = {
-        f"{model.name}.h": render("machine.h", **values),
-        f"{model.name}.c": render("machine.c", **values),
-        f"fmi{fmi}.h": render(f"fmi{fmi}.h"),
-        "fmu.c": render("fmu_machine.c", **values) + render(f"fmi{fmi}.c", **values),
-    }
-    return packed(sources, values)
+    variables = variables_of(model)
+    states = [v for v in variables if v.nominal is not None]
+    of = Description(model.name, model.name, fmi, model.about(), variables, states, exchange=True, events=True)
+    return packed("machine", "fmu_machine", of, model.context())
 
 
 def variables_of(model: MachineModel) -> list[Variable]:
     """Time, an input for each signal, the states and their rates, the columns of the output, and every constant."""
     found = [Variable(0, "time", "s", "time", "independent", "continuous", "m->time", settable=False)]
 
-    def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Any) -> None:
+    def add(name: str, unit: str, meaning: str, causality: str, c: str, **rest: Unpack[Details]) -> None:
         variability = "tunable" if causality == "parameter" else "continuous"
         found.append(Variable(len(found), _structured(name), _unit(unit), meaning, causality, variability, c, **rest))
 
@@ -45,7 +34,7 @@ def variables_of(model: MachineModel) -> list[Variable]:
     for i, state in enumerate(states):
         column = shown.get(state.name, state)
         role = "output" if state.name in shown else "local"
-        more: dict[str, Any] = {"start": model.start[state.name], "nominal": nominal[state.name]}
+        more: Details = {"start": model.start[state.name], "nominal": nominal[state.name]}
         add(state.name, column.unit, column.meaning, role, f"m->s.x[{i}]", **more)
     known = tuple(range(1, len(found))) or (0,)
     for i, state in enumerate(states):
@@ -58,12 +47,8 @@ def variables_of(model: MachineModel) -> list[Variable]:
     inputs = {each.parameter for each in model.inputs}
     for i, constant in enumerate(model.parameters):
         if i not in inputs:
-            c = constant.constant
-            least = c.above if c.above is not None else c.at_least
-            meaning = f"{c.meaning}, {c.allowed}"
-            add(
-                constant.path, c.unit, meaning, "parameter", f"m->s.constants[{i}]", start=constant.value, minimum=least
-            )
+            name = _structured(constant.path)
+            found.append(parameter(len(found), name, constant.constant, f"m->s.constants[{i}]", constant.value))
     return found
 
 

@@ -59,7 +59,7 @@ class MachineModel:
     """
 
     def __init__(self, scenario: Scenario | None, origin: str = "") -> None:
-        if scenario is None or scenario.rig is None:
+        if scenario is None or scenario.rig.single:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'machine' needs a machine (schema = 2)")
         self.scenario, self.rig, self.origin = scenario, scenario.rig, origin

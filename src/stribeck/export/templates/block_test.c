@@ -1,39 +1,9 @@
-/* Checks {{ P }}.c against values computed by stribeck: exit status 0 when all agree.
- * cc -std=c99 {{ P }}.c {{ P }}_test.c -lm && ./a.out */
-#include <math.h>
-#include <stdio.h>
-
-#include "{{ P }}.h"
-
-typedef {{ P }}_real real;
-#define R(x) ((real)(x))
-#ifdef {{ P | upper }}_FLOAT
-#define EPSILON 1.1920929e-7
-#else
-#define EPSILON 2.220446049250313e-16
-#endif
+{% include "test_head.c" %}
 
 /* The inputs ({{ b.inputs | map(attribute="name") | join(", ") }}) and the state ({{ b.states | map(attribute="name") | join(", ") or "none" }}); then each output
  * ({{ b.outputs | map(attribute="name") | join(", ") }}) and each state afterwards, followed by what its rounding is measured by. */
-static const double rows[][{{ rows[0] | length }}] = {
-{% for row in rows %}
-    { {{ row | join(", ") }} },
-{% endfor %}
-};
-
-{% include "checks.c" %}
-
-int main(void)
-{
-    {{ P }}_parameters p;
-    {{ P }}_state s;
-    {{ P }}_input in;
-    {{ P }}_output o;
-    {{ P }}_defaults(&p);
-    must("check", {{ P }}_check(&p), {{ P }}_OK);
-    {{ P }}_reset(&s);
-    for (unsigned i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
-        const double *x = rows[i];
+{% set takes = ["input in"] %}
+{% include "test_rows.c" %}
 {% for c in b.inputs %}
         in.{{ c.name }} = R(x[{{ loop.index0 }}]);
 {% endfor %}

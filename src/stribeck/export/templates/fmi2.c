@@ -121,50 +121,7 @@ NONE(Integer, fmi2Integer)
 NONE(Boolean, fmi2Boolean)
 NONE(String, fmi2String)
 
-fmi2Status fmi2GetFMUstate(fmi2Component i, fmi2FMUstate *state)
-{
-    if (!*state) *state = malloc(sizeof(Model));
-    if (!*state) return fail(i, "there is no memory");
-    memcpy(*state, MODEL(i), sizeof(Model));
-    return fmi2OK;
-}
-
-fmi2Status fmi2SetFMUstate(fmi2Component i, fmi2FMUstate state)
-{
-    memcpy(MODEL(i), state, sizeof(Model));
-    return fmi2OK;
-}
-
-fmi2Status fmi2FreeFMUstate(fmi2Component i, fmi2FMUstate *state)
-{
-    UNUSED(i);
-    free(*state);
-    *state = NULL;
-    return fmi2OK;
-}
-
-fmi2Status fmi2SerializedFMUstateSize(fmi2Component i, fmi2FMUstate state, size_t *size)
-{
-    UNUSED(i); UNUSED(state);
-    *size = sizeof(Model);
-    return fmi2OK;
-}
-
-fmi2Status fmi2SerializeFMUstate(fmi2Component i, fmi2FMUstate state, fmi2Byte bytes[], size_t size)
-{
-    if (size < sizeof(Model)) return fail(i, "there is no room for the state");
-    memcpy(bytes, state, sizeof(Model));
-    return fmi2OK;
-}
-
-fmi2Status fmi2DeSerializeFMUstate(fmi2Component i, const fmi2Byte bytes[], size_t size, fmi2FMUstate *state)
-{
-    if (size < sizeof(Model)) return fail(i, "this is no state of this FMU");
-    if (!*state) *state = malloc(sizeof(Model));
-    if (!*state) return fail(i, "there is no memory");
-    memcpy(*state, bytes, sizeof(Model));
-    return fmi2OK;
-}
+{% include "fmi_state.c" %}
 
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component i, const fmi2ValueReference unknowns[], size_t nUnknowns,
     const fmi2ValueReference knowns[], size_t nKnowns, const fmi2Real seed[], fmi2Real result[])

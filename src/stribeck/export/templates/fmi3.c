@@ -208,50 +208,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance i, fmi3ValueReference depend
     return fail(i, "dependencies stand in modelDescription.xml");
 }
 
-fmi3Status fmi3GetFMUState(fmi3Instance i, fmi3FMUState *state)
-{
-    if (!*state) *state = malloc(sizeof(Model));
-    if (!*state) return fail(i, "there is no memory");
-    memcpy(*state, MODEL(i), sizeof(Model));
-    return fmi3OK;
-}
-
-fmi3Status fmi3SetFMUState(fmi3Instance i, fmi3FMUState state)
-{
-    memcpy(MODEL(i), state, sizeof(Model));
-    return fmi3OK;
-}
-
-fmi3Status fmi3FreeFMUState(fmi3Instance i, fmi3FMUState *state)
-{
-    UNUSED(i);
-    free(*state);
-    *state = NULL;
-    return fmi3OK;
-}
-
-fmi3Status fmi3SerializedFMUStateSize(fmi3Instance i, fmi3FMUState state, size_t *size)
-{
-    UNUSED(i); UNUSED(state);
-    *size = sizeof(Model);
-    return fmi3OK;
-}
-
-fmi3Status fmi3SerializeFMUState(fmi3Instance i, fmi3FMUState state, fmi3Byte bytes[], size_t size)
-{
-    if (size < sizeof(Model)) return fail(i, "there is no room for the state");
-    memcpy(bytes, state, sizeof(Model));
-    return fmi3OK;
-}
-
-fmi3Status fmi3DeserializeFMUState(fmi3Instance i, const fmi3Byte bytes[], size_t size, fmi3FMUState *state)
-{
-    if (size < sizeof(Model)) return fail(i, "this is no state of this FMU");
-    if (!*state) *state = malloc(sizeof(Model));
-    if (!*state) return fail(i, "there is no memory");
-    memcpy(*state, bytes, sizeof(Model));
-    return fmi3OK;
-}
+{% include "fmi_state.c" %}
 
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference unknowns[], size_t nUnknowns,
     const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 result[], size_t nResult)

@@ -6,15 +6,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-#ifndef FMI_EXPORT
-#if defined _WIN32 || defined __CYGWIN__
-#define FMI_EXPORT __declspec(dllexport)
-#elif defined __GNUC__
-#define FMI_EXPORT __attribute__((visibility("default")))
-#else
-#define FMI_EXPORT
-#endif
-#endif
+{% include "fmi_export.h" %}
 
 #define fmi3Version "3.0"
 #define fmi3False false

@@ -59,15 +59,7 @@ static int get(Model *m, unsigned reference, double *value)
         {{ P }}_rates(&m->s, m->rate);
     }
     m->known = 1;
-    switch (reference) {
-{% for variable in variables %}
-    case {{ variable.reference }}: *value = {{ variable.c }}; return 1; /* {{ variable.name }} */
-{% endfor %}
-    default: return 0;
-    }
-}
-
-{% include "fmu_set.c" %}
+{% include "fmu_values.c" %}
 
 #define set(m, reference, value) ((m)->known = 0, set(m, reference, value))
 

@@ -63,15 +63,7 @@ static int get(const Model *m, unsigned reference, double *value)
 {
     Evaluation e;
     evaluate(m, &e);
-    switch (reference) {
-{% for variable in variables %}
-    case {{ variable.reference }}: *value = {{ variable.c }}; return 1; /* {{ variable.name }} */
-{% endfor %}
-    default: return 0;
-    }
-}
-
-{% include "fmu_set.c" %}
+{% include "fmu_values.c" %}
 
 /* d unknown / d known for outputs and derivatives of states by inputs and states; 0 where there is none. */
 static int partial(const Model *m, unsigned unknown, unsigned known, double *value)

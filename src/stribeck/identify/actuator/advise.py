@@ -15,7 +15,7 @@ from stribeck.identify.actuator.intervals import Spread
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import Compared, RecordedRun
 from stribeck.identify.actuator.solve import STEP
-from stribeck.simulation.machines import machine_places
+from stribeck.simulation.places import machine_places
 
 _BETTER = 1.3  # times narrower than by repeating a recording: worth the trouble
 _MOST = 28  # recordings that are tried on paper
@@ -108,7 +108,6 @@ def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, Recorde
             count += 1
         except InputError:
             continue
-    assert run.scenario.rig is not None
     there = {t.column for t in run.targets}
     for column in run.scenario.rig.machine.columns:
         if column.name not in there and column.name.endswith((".y", ".i", ".torque")) and run.targets:
@@ -117,7 +116,7 @@ def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, Recorde
             yield f"with {column.name} measured too", replace(run, targets=[*run.targets, extra])
 
 
-def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, Any]]]:
+def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """Numbers that can be other in a further recording: those that the recordings differ in, and masses and loads."""
     sought = {path for c in best.problem.sought for path in c.targets}
     places = machine_places(run.scenario)
@@ -132,9 +131,8 @@ def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, A
             yield f"with {path} = {factor * now:.3g} (it is {now:.3g})", {path: factor * now}
 
 
-def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, Any]]]:
+def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """Its drives otherwise."""
-    assert run.scenario.rig is not None
     for use, signal in run.scenario.rig.signals.items():
         table = _table(run.scenario.data, use.path)
         if table is None:
@@ -154,13 +152,13 @@ def _drives(run: RecordedRun) -> Iterator[tuple[str, dict[str, Any]]]:
                 yield f"with the drive of {name} {words}", {f"{use.path}.frequency": new}
 
 
-def _table(data: Any, path: str) -> Any:
+def _table(data: object, path: str) -> Any:
     for word in path.split("."):
         data = data.get(word) if isinstance(data, dict) else None
     return data
 
 
-def _value(data: Any, path: str) -> float | None:
+def _value(data: object, path: str) -> float | None:
     for word in path.split("."):
         if isinstance(data, dict):
             data = data.get(word)

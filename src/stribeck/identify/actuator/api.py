@@ -79,7 +79,7 @@ def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:
             recorded_run(scenario, recording, i)
         except InputError as error:
             problems += error.problems
-    if scenario.rig is not None:
+    if not scenario.rig.single:
         try:
             sought = coordinates(scenario, logs)
         except InputError as error:
@@ -195,7 +195,7 @@ def _window(best: BestPoint) -> float | None:
     return float(np.median([run.scenario.end for run in best.problem.runs]))
 
 
-def filled(scenario: Scenario, sought: Sequence[MachineCoordinate], values: Mapping[str, float]) -> dict[str, Any]:
+def filled(scenario: Scenario, sought: Sequence[MachineCoordinate], values: Mapping[str, float]) -> dict[str, object]:
     """The machine's tables with what was found in them."""
     changes = {
         path: scale * values[c.name]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 
@@ -28,6 +29,8 @@ _LIKE = 0.1  # of a factor: how near a measured one is taken for it
 _SURE = 4.5  # deviations
 _MATTERS = 0.02  # of a column's remaining error
 _CLOCK = 0.05
+_RECORDED = 8  # values of a signal: fewer were not recorded
+_TRIED = 6  # recordings that are tried by themselves
 
 
 def before(logs: Logs, scenario: Scenario) -> list[str]:
@@ -112,13 +115,41 @@ def _factor_between(y: Channel, v: Channel) -> tuple[float, str] | None:
     return None
 
 
+def _alone(whole: MachineProblem, run: RecordedRun) -> tuple[float, list[MachineCoordinate]]:
+    """What one recording by itself leaves of its changes, and what is sought of it."""
+    sought = [c for c in whole.sought if c.log in (None, run.log) and (not c.nuisance or c.piece == run.piece)]
+    return _worst(MachineProblem([run], sought, whole.noise), None), sought
+
+
 def hypotheses(best: BestPoint) -> list[str]:
-    """What would let the machine follow its recordings: a column in other units, of the other sign, of another clock."""
+    """What would let the machine follow its recordings: a column in other units, of the other sign, of another clock.
+
+    Each recording is tried by itself: where one alone cannot be followed, it is that one whose columns are looked at.
+    """
     whole = best.problem
-    k = int(np.argmin([run.scenario.end for run in whole.runs]))
-    run, log = whole.runs[k], whole.runs[k].log
-    sought = [c for c in whole.sought if c.log in (None, log) and (not c.nuisance or c.piece == run.piece)]
-    now = _worst(MachineProblem([run], sought, whole.noise), None)
+    shortest: dict[int, RecordedRun] = {}
+    for each in whole.runs:
+        if each.log not in shortest or each.scenario.end < shortest[each.log].scenario.end:
+            shortest[each.log] = each
+    runs = sorted(shortest.values(), key=lambda each: each.scenario.end)[:_TRIED]
+    alone = [_alone(whole, each) for each in runs]
+    k = int(np.argmax([left for left, _ in alone]))
+    run, (now, sought) = runs[k], alone[k]
+    told = []
+    if len(runs) > 1 and (bad := [r.name for r, (left, _) in zip(runs, alone, strict=True) if left > POOR]) != [
+        r.name for r in runs
+    ]:
+        others = ", ".join(bad) if bad else ""
+        told.append(
+            f"each recording by itself: {others} cannot be followed, the others can" if bad else
+            "each recording can be followed by itself, but not all with the same numbers: is a unit, a load (known) or "
+            "the unit of an input other in one of them?"
+        )  # fmt: skip
+    return [*told, *_columns_tried(whole, run, sought, now)]
+
+
+def _columns_tried(whole: MachineProblem, run: RecordedRun, sought: list[MachineCoordinate], now: float) -> list[str]:
+    """The change of a column that lets a recording be followed, if there is one."""
     found: list[tuple[float, str]] = []
     for target in run.targets:
         for factor, words in _FACTORS.items():
@@ -129,12 +160,29 @@ def hypotheses(best: BestPoint) -> list[str]:
         )
         left = _worst(MachineProblem([run], [*sought, clock], whole.noise), 6)
         found.append((left, f"{target.column}: with a clock of its own (outputs.{target.column}.clock sought)"))
+    for path, other, factor in _inputs_scaled(run):
+        words = f"{path}: with its column times {factor:.4g} ({_FACTORS[factor]})"
+        found.append((_worst(MachineProblem([other], sought, whole.noise), 6), words))
     left, words = min(found)
     if left < 0.5 * now and left < POOR:
         return [
             f"{words}, {run.name} would be followed to {100 * left:.2g} % of its changes: look at that column and its unit"
         ]
     return []
+
+
+def _inputs_scaled(run: RecordedRun) -> Iterator[tuple[str, RecordedRun, float]]:
+    """The recording with one of its inputs in other units; another sign is that of an output too."""
+    assert run.scenario.rig is not None
+    for use in run.scenario.rig.signals:
+        table = run.scenario.data
+        for word in use.path.split("."):
+            table = table.get(word, {}) if isinstance(table, dict) else {}
+        values = table.get("value")
+        if isinstance(values, list) and len(values) > _RECORDED:
+            for factor in (1e-3, 1e3, np.pi / 180):
+                changes = {f"{use.path}.value": [factor * x for x in values]}
+                yield use.path, replace(run, scenario=run.scenario.with_changes(changes)), factor
 
 
 def _scaled(run: RecordedRun, column: str, factor: float) -> RecordedRun:

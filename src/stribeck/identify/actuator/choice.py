@@ -34,7 +34,7 @@ class Chosen:
     scenario: Scenario
     sought: list[MachineCoordinate]
     estimate: BestPoint | None
-    told: dict[str, Any]
+    told: dict[str, object]
 
 
 def check(scenario: Scenario, laws: Mapping[str, Sequence[str]]) -> None:
@@ -91,7 +91,7 @@ def with_laws(
 
 def _constants(
     path: str, old: Mapping[str, Any], law: Any, sought: Sequence[MachineCoordinate], speed: float
-) -> tuple[dict[str, Any], list[MachineCoordinate]]:
+) -> tuple[dict[str, object], list[MachineCoordinate]]:
     """Values for the constants that a law has beside the old one's, and coordinates for those that matter."""
     parameters = old.get("parameters", {})
     have = {
@@ -103,7 +103,7 @@ def _constants(
         "F_c": level, "F_s": 1.2 * level, "v_s": 0.1 * speed, "sigma_2": 0.1 * level / speed, "k_v": _STEEP / speed,
         "sigma_0": 300 * level / speed, "sigma_1": 0.3 * level / speed, "z_ba": 2e-3 * speed,
     }  # fmt: skip
-    changes: dict[str, Any] = {}
+    changes: dict[str, object] = {}
     fresh: list[MachineCoordinate] = []
     paths = {p for c in sought for p in c.targets}
     for name, constant in law.constants().items():
@@ -163,7 +163,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
     finite = [row for row in rows if np.isfinite(row[0])] or rows
     least = min(row[0] for row in finite)
     picked = min((row for row in finite if not row[0] > (1 + _EARNS) * least), key=lambda row: (row[1], row[0]))
-    told: dict[str, Any] = {
+    told: dict[str, object] = {
         "picked": picked[2], "errors": {row[2]: row[0] for row in rows}, "numbers": {row[2]: row[1] for row in rows},
         "failed": failed, "notes": [note] if note else [],
     }  # fmt: skip
@@ -194,7 +194,7 @@ def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> dict[str, Any]:
     if not fit.held or not zero or best.missed():
         return {}
     error = held_out_error(fit, scenario, best, fit.held)
-    result: dict[str, Any] = {}
+    result: dict[str, object] = {}
     for c in zero:
         if best.values().get(c.name, 0.0) > 0.5 * (c.low + c.high):
             continue
@@ -224,14 +224,14 @@ def _no_worse(best: BestPoint, other: BestPoint) -> bool:
     return all(without[c][0] < (1 + _EARNS) * with_[c][0] for c in with_ if c in without)
 
 
-def baselines(fit: Fitting, result: MachineFit) -> dict[str, Any]:
+def baselines(fit: Fitting, result: MachineFit) -> dict[str, object]:
     """What simpler friction leaves: none, Coulomb and viscous, Coulomb, Stribeck and viscous, beside the law fitted."""
     contacts = [
         name for name in fit.scenario.data.get("contacts", {})
         if any(p.startswith(f"contacts.{name}.") for c in fit.sought for p in c.targets)
     ]  # fmt: skip
     own = {"fitted": result.error(False), "held_out": result.error(True), "numbers": len(fit.sought)}
-    found: dict[str, Any] = {"the law fitted": own}
+    found: dict[str, object] = {"the law fitted": own}
     if not contacts:
         return found
     speeds = _speeds(fit)

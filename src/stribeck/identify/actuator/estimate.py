@@ -136,7 +136,6 @@ def prepared(
 
 def remembers(scenario: Scenario) -> bool:
     """Whether the machine holds what no stretch can begin with: a controller's integral, or its samples."""
-    assert scenario.rig is not None
     return bool(scenario.rig.machine.controllers)
 
 
@@ -255,5 +254,4 @@ def traces(
 
 def unit_of(scenario: Scenario, column: str) -> str:
     """The unit of a machine's column."""
-    assert scenario.rig is not None
     return next((c.unit for c in scenario.rig.machine.columns if c.name == column), "")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.stats import chi2, f
@@ -206,13 +205,13 @@ class _Side:
         self.end, self.done = float(self.u[self.k] + self.sign * distance), True
 
 
-def groups(s: Spread, names: list[str], told: list[int]) -> list[dict[str, Any]]:
+def groups(s: Spread, names: list[str], told: list[int]) -> list[dict[str, object]]:
     """Groups of coordinates that can stand for each other, with the direction that the recordings tell least."""
     c = s.covariance[np.ix_(told, told)]
     size = np.sqrt(np.maximum(np.diag(c), 1e-300))
     relation = c / np.outer(size, size)
     left = set(range(len(told)))
-    found: list[dict[str, Any]] = []
+    found: list[dict[str, object]] = []
     while left:
         group, todo = set(), [left.pop()]
         while todo:

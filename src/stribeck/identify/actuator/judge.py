@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles,
 from stribeck.identify.actuator.result import Parameter
 from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
-from stribeck.simulation.machines import machine_places
+from stribeck.simulation.places import machine_places
 
 _WIDE = 10.0  # an interval over this factor tells the order of magnitude only
 _WHITE = 1.5  # samples in which residuals forget, up to which they are taken as white
@@ -28,7 +27,7 @@ class JudgedParameters:
 
     best: BestPoint
     parameters: dict[str, Parameter]
-    correlated: list[dict[str, Any]] = field(default_factory=list)
+    correlated: list[dict[str, object]] = field(default_factory=list)
     relation: tuple[list[str], Array] | None = None
     notes: list[str] = field(default_factory=list)
 
@@ -114,7 +113,6 @@ def _widened(s: Spread, sought: list[MachineCoordinate], asked: list[int]) -> li
 
 def unit(scenario: Scenario, c: MachineCoordinate) -> str:
     """The unit of what is sought, where the machine says it."""
-    assert scenario.rig is not None
     if c.output is not None:
         of = next((x.unit for x in scenario.rig.machine.columns if x.name == c.output[0]), "")
         return {"offset": of, "gain": "1", "delay": "s", "clock": "s/s"}[c.output[1]]

@@ -1,25 +1,42 @@
-"""Files of recordings: those of :mod:`stribeck.recorded`, and the JSON logs of BAM."""
+"""Files of recordings: those of :mod:`stribeck.recorded`, BAM's JSON logs, MCAP, rosbags and LeRobot datasets."""
 
 from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from stribeck.errors import InputError
 from stribeck.files import read_file
+from stribeck.identify.actuator import bags, lerobot
 from stribeck.recorded import Source, opened
 
 
-def opened_log(path: Path) -> Source:
-    """A recording, its columns not read yet.
+def opened_log(path: Path, episode: int | None = None) -> Source:
+    """A recording, its columns not read yet; ``episode`` of a LeRobot dataset.
 
     Raises:
         InputError: there is no such file, or it cannot be read.
+        MissingExtra: what reads such files is not installed.
     """
-    return _bam(path) if path.suffix.lower() == ".json" else opened(path)
+    kind = path.suffix.lower()
+    if lerobot.is_dataset(path):
+        if episode is None:
+            raise InputError(f"'{path}': is a LeRobot dataset: episode must be given")
+        return lerobot.opened_episode(path, episode)
+    if episode is not None:
+        raise InputError(f"'{path}': has no episodes: it is no LeRobot dataset (meta/info.json)")
+    if kind == ".json":
+        return _bam(path)
+    if (kind == ".mcap" and path.is_file()) or (kind == ".bag" and path.is_file()):
+        return bags.opened_mcap(path) if kind == ".mcap" else bags.opened_rosbag(path)
+    return bags.opened_rosbag(path) if (path / "metadata.yaml").is_file() else opened(path)
+
+
+def time_of(source: Source, column: str) -> str | None:
+    """The column with the times of another, where the file says it."""
+    return source.times.get(column) if isinstance(source, bags.BagSource) else None
 
 
 def _bam(path: Path) -> Source:
@@ -37,7 +54,7 @@ def _bam(path: Path) -> Source:
     if not isinstance(entries, list) or not entries or not all(isinstance(e, dict) for e in entries):
         raise InputError(f"'{path}': must be a log of BAM: a list 'entries' of tables")
     names = [n for n, x in entries[0].items() if isinstance(x, int | float | bool)]
-    found: dict[str, Any] = {
+    found: dict[str, object] = {
         n: np.array([float(x) if isinstance(x := e.get(n), int | float | bool) else np.nan for e in entries])
         for n in names
     }

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
-from stribeck.identify.actuator.readers import opened_log
+from stribeck.identify.actuator import lerobot
+from stribeck.identify.actuator.readers import opened_log, time_of
 from stribeck.parameter_sets import read_toml
-from stribeck.recorded import listed
+from stribeck.recorded import Source, listed
 from stribeck.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
 
 _UNITS = LENGTH | ANGLE | SPEED | ACCELERATION | FORCE | PRESSURE | DRIVE
-_KEYS = ("file", "time", "outputs", "inputs", "known", "hold_out", "window", "name")
+_KEYS = ("file", "time", "outputs", "inputs", "known", "hold_out", "window", "name", "episode")
 _SOUGHT = ("low", "high", "start", "prior")
 _TOP = ("log", "unknown", "laws", "window", "schema")
 
@@ -34,6 +35,17 @@ class Channel:
     x: Array
     unit: str = ""
     noise: float | None = None
+
+
+@dataclass(frozen=True)
+class Named:
+    """What LOGS.toml says of a column: its name, its factor to SI, its noise, its unit, its own column of times."""
+
+    column: str
+    factor: float = 1.0
+    noise: float | None = None
+    unit: str = ""
+    time: str | None = None
 
 
 @dataclass(frozen=True)
@@ -108,18 +120,18 @@ def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
     return Logs(tuple(found), tuple(sought), laws)
 
 
-def _table(given: Any, where: str, problems: list[str]) -> Mapping[str, Any]:
+def _table(given: object, where: str, problems: list[str]) -> Mapping[str, object]:
     if isinstance(given, Mapping):
         return given
     problems.append(f"{where}: {show(given)}: must be a table")
     return {}
 
 
-def _number(x: Any) -> bool:
+def _number(x: object) -> bool:
     return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
 
 
-def _sought(path: str, table: Any, into: list[Sought]) -> list[str]:
+def _sought(path: str, table: object, into: list[Sought]) -> list[str]:
     """Take one line of [unknown]; what is wrong with it."""
     where = f"unknown.{path}"
     if not isinstance(table, Mapping):
@@ -161,7 +173,7 @@ def _sought(path: str, table: Any, into: list[Sought]) -> list[str]:
     return []
 
 
-def _recording(entry: Any, where: str, folder: Path, window: Any) -> Recording:
+def _recording(entry: object, where: str, folder: Path, window: Any) -> Recording:
     """One [[log]]."""
     if not isinstance(entry, Mapping):
         raise InputError(f"{where}: {show(entry)}: must be a table")
@@ -178,85 +190,111 @@ def _recording(entry: Any, where: str, folder: Path, window: Any) -> Recording:
         problems.append(f"{where}.hold_out: {show(hold)}: must be true or false")
     if not isinstance(entry.get("file"), str):
         raise InputError([*problems, f"{where}.file: missing: must be given, the recording's file"])
-    wanted: dict[tuple[str, str], tuple[str, float, float | None, str, str | None]] = {}
-    time = _column(entry.get("time", "t"), f"{where}.time", TIME, problems)
+    wanted: dict[tuple[str, str], Named] = {}
+    time = _column(entry["time"], f"{where}.time", TIME, problems) if "time" in entry else None
     for group in ("outputs", "inputs"):
         for name, given in _table(entry.get(group, {}), f"{where}.{group}", problems).items():
             if (column := _column(given, f"{where}.{group}.{name}", _UNITS, problems)) is not None:
                 wanted[group, name] = column
     if not any(group == "outputs" for group, _ in wanted) and not problems:
         problems.append(f"{where}.outputs: missing: at least one measured column must be given")
-    if problems or time is None:
+    if problems:
         raise InputError(problems)
     return _read(entry, where, folder, time, wanted, None if window is None else float(window))
 
 
-def _column(
-    given: Any, where: str, units: Mapping[str, float], problems: list[str]
-) -> tuple[str, float, float | None, str, str | None] | None:
-    """The column's name, its factor to SI, its noise, its unit, and its own time column if it has one."""
+def _column(given: object, where: str, units: Mapping[str, float], problems: list[str]) -> Named | None:
+    """A column's name, or a table that says more of it."""
     if isinstance(given, str):
-        return given, 1.0, None, "", None
-    keys = ("column", "unit", "noise", "time")
+        return Named(given)
+    keys = ("column", "unit", "gain", "noise", "time")
     if not isinstance(given, Mapping) or not isinstance(given.get("column"), str):
         problems.append(f"{where}: {show(given)}: must be a column's name, or {{ column = NAME, unit = UNIT }}")
         return None
     wrong = [f"{where}.{k}: unknown key{nearest(k, keys)} (known: {', '.join(keys)})" for k in given if k not in keys]
-    unit, noise, time = given.get("unit", ""), given.get("noise"), given.get("time")
+    unit, noise, time, gain = given.get("unit", ""), given.get("noise"), given.get("time"), given.get("gain", 1.0)
     if unit and (not isinstance(unit, str) or unit not in units):
         wrong.append(f"{where}.unit: {show(unit)}: unknown unit{nearest(str(unit), units)}")
+    if not (_number(gain) and gain != 0):
+        wrong.append(f"{where}.gain: {show(gain)}: must be a number other than 0, by which the column is multiplied")
     if noise is not None and not (_number(noise) and noise > 0):
         wrong.append(f"{where}.noise: {show(noise)}: must be a number > 0, the standard deviation")
     if time is not None and not isinstance(time, str):
         wrong.append(f"{where}.time: {show(time)}: must be the name of a column")
     problems += wrong
-    return None if wrong else (given["column"], units[unit] if unit else 1.0, noise, unit, time)
+    return None if wrong else Named(given["column"], gain * (units[unit] if unit else 1.0), noise, unit, time)
+
+
+def _source(entry: Mapping[str, Any], where: str, folder: Path) -> Source:
+    """The file, open.
+
+    Raises:
+        InputError: it cannot be read.
+    """
+    episode = lerobot.episode_of(entry["episode"], where) if "episode" in entry else None
+    try:
+        return opened_log(folder / entry["file"], episode)
+    except InputError as error:
+        raise InputError([f"{where}.file: {line}" for line in error.problems]) from None
 
 
 def _read(
-    entry: Mapping[str, Any], where: str, folder: Path,
-    time: tuple[str, float, float | None, str, str | None],
-    wanted: dict[tuple[str, str], tuple[str, float, float | None, str, str | None]], window: float | None,
+    entry: Mapping[str, Any], where: str, folder: Path, time: Named | None, wanted: dict[tuple[str, str], Named],
+    window: float | None,
 ) -> Recording:  # fmt: skip
     """The columns of one recording, in order of time."""
-    file = folder / entry["file"]
-    try:
-        source = opened_log(file)
-    except InputError as error:
-        raise InputError([f"{where}.file: {line}" for line in error.problems]) from None
-    names = {f"{where}.time": time[0]}
-    names |= {f"{where}.{g}.{n}": c[0] for (g, n), c in wanted.items()}
-    names |= {f"{where}.{g}.{n}.time": c[4] for (g, n), c in wanted.items() if c[4]}
+    source = _source(entry, where, folder)
+    if time is None:  # a topic of a bag has its own times, an episode of LeRobot "timestamp"
+        first = next(c.column for (group, _), c in wanted.items() if group == "outputs")
+        usual = "timestamp" if "episode" in entry else "t"
+        time = Named(time_of(source, first) or usual)
+    own = {key: c.time or time_of(source, c.column) for key, c in wanted.items()}
+    names = {f"{where}.time": time.column}
+    names |= {f"{where}.{g}.{n}": c.column for (g, n), c in wanted.items()}
+    names |= {f"{where}.{g}.{n}.time": at for (g, n), at in own.items() if at and at != time.column}
+    columns, notes = _columns(source, where, names), list(getattr(source, "notes", []))
+    t = columns.pop(f"{where}.time") * time.factor
+    keep, more = _in_order(t, str(entry["file"]))
+    notes += more
+    if len(keep) < 8:
+        raise InputError(f"{where}.file: {show(entry['file'])}: has {len(keep)} rows with a time: must have at least 8")
+    origin, found = float(t[keep[0]]), {"outputs": {}, "inputs": {}}  # type: ignore[var-annotated]
+    for (group, name), c in wanted.items():
+        label, x, at, rows = f"{where}.{group}.{name}", columns[f"{where}.{group}.{name}"] * c.factor, t, keep
+        if f"{label}.time" in columns:
+            at = columns[f"{label}.time"] * time.factor
+            rows, more = _in_order(at, f"{entry['file']}: {name}")
+            notes += [] if np.isnan(at).any() else more  # shorter columns of a table end in empty cells
+        if len(x) != len(at):
+            raise InputError(f"{label}: {show(c.column)}: has {len(x)} rows, its times have {len(at)}")
+        if not np.isfinite(x[rows]).any():
+            raise InputError(f"{label}: {show(c.column)}: holds no number")
+        found[group][name] = Channel(c.column, at[rows] - origin, x[rows], c.unit, c.noise)
+    known = {k: float(x) for k, x in entry.get("known", {}).items()}
+    return Recording(
+        str(entry.get("name", entry["file"])), t[keep] - origin, found["outputs"], found["inputs"], known,
+        bool(entry.get("hold_out", False)), window, tuple(notes),
+    )  # fmt: skip
+
+
+def _columns(source: Source, where: str, names: Mapping[str, str]) -> dict[str, Array]:
+    """The columns by what they are for.
+
+    Raises:
+        InputError: the file does not have one, or it holds no numbers.
+    """
     if missing := [(role, name) for role, name in names.items() if name not in source.names]:
         raise InputError(
             [
-                f"{role}: {show(name)}: {file} has no such column"
+                f"{role}: {show(name)}: {source.path} has no such column"
                 + (nearest(name, source.names) or f" (it has {listed(source.names)})")
                 for role, name in missing
             ]
         )
     try:
-        columns = source.columns(names)
+        return source.columns(dict(names))
     except InputError as error:
-        raise InputError([f"{where}.file: {file}: {line}" for line in error.problems]) from None
-    t, notes = columns.pop(f"{where}.time") * time[1], []
-    keep, more = _in_order(t, str(entry["file"]))
-    notes += more
-    t = t[keep]
-    if len(t) < 8:
-        raise InputError(f"{where}.file: {show(entry['file'])}: has {len(t)} rows with a time: must have at least 8")
-    origin, found = float(t[0]), {"outputs": {}, "inputs": {}}  # type: ignore[var-annotated]
-    for (group, name), (column, factor, noise, unit, own) in wanted.items():
-        x = columns[f"{where}.{group}.{name}"][keep] * factor
-        at = t - origin if not own else columns[f"{where}.{group}.{name}.time"][keep] * time[1] - origin
-        if not np.isfinite(x).any():
-            raise InputError(f"{where}.{group}.{name}: {show(column)}: holds no number")
-        found[group][name] = Channel(column, at, x, unit, noise)
-    known = {k: float(x) for k, x in entry.get("known", {}).items()}
-    return Recording(
-        str(entry.get("name", entry["file"])), t - origin, found["outputs"], found["inputs"], known,
-        bool(entry.get("hold_out", False)), window, tuple(notes),
-    )  # fmt: skip
+        raise InputError([f"{where}.file: {source.path}: {line}" for line in error.problems]) from None
 
 
 def _in_order(t: Array, file: str) -> tuple[NDArray[np.int64], list[str]]:

@@ -36,7 +36,7 @@ class Parameter:
         """Whether the recordings tell it."""
         return self.verdict == "found"
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """As the command prints it."""
         return {
             "value": self.value, "low": self.low, "high": self.high, "unit": self.unit,
@@ -74,7 +74,7 @@ class LogResult:
     held_out: bool
     traces: list[Trace]
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """As the command prints it."""
         errors = {x.column: {"rms": x.rms, "relative": x.relative, "unit": x.unit} for x in self.traces}
         return {"file": self.file, "held_out": self.held_out, "errors": errors}
@@ -96,7 +96,7 @@ class MachineFit:
     logs: list[LogResult]
     notes: list[str]
     noise: dict[str, float]
-    data: dict[str, Any]
+    data: dict[str, object]
     baselines: dict[str, Any] = field(default_factory=dict)
     laws: dict[str, Any] = field(default_factory=dict)
     transfer: dict[str, Any] | None = None
@@ -109,7 +109,7 @@ class MachineFit:
         squares = [x.relative**2 for log in self.logs if log.held_out is held_out for x in log.traces]
         return float(np.sqrt(np.mean(squares))) if squares else None
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """As ``--json`` prints it."""
         told = {
             "status": self.status, "reason": self.reason,

@@ -5,7 +5,6 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -17,8 +16,8 @@ from stribeck.errors import BuildError, InputError, StribeckError
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.simulation import cache, compiler, lanes
-from stribeck.simulation.machines import machine_places, vary_machine
-from stribeck.simulation.variations import Variations
+from stribeck.simulation.places import machine_places
+from stribeck.simulation.variations import Variations, vary
 
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _FINER = 5
@@ -56,7 +55,7 @@ class RecordedRun:
         """For each target the simulated column at its times, (lanes, times); nan where a lane failed."""
         count = len(next(iter(values.values())))
         given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
-        variations = vary_machine(self.scenario, given)
+        variations = vary(self.scenario, given)
         if not isinstance(variations, Variations):
             raise StribeckError(
                 "a number that is sought changes the form of the equations: it cannot be fitted in lanes"
@@ -134,11 +133,11 @@ def recorded_run(
         InputError: an output is no column of the machine, an input none of its signals, or a known number none it has.
     """
     begin, end = span or (0.0, float(recording.t[-1]))
-    changes: dict[str, Any] = dict(recording.known)
+    changes: dict[str, object] = dict(recording.known)
     problems = []
     for path, channel in recording.inputs.items():
         changes[path] = signal(scenario, path, channel, begin, end)
-    if scenario.rig is None:
+    if scenario.rig.single:
         raise InputError(["the machine: schema = 1: a fit to recordings needs a machine (schema = 2)"])
     known = [c.name for c in scenario.rig.machine.columns]
     for name in recording.outputs:
@@ -166,7 +165,7 @@ def recorded_run(
     return RecordedRun(recording.file, log, piece, new, [x for x in targets if len(x.t)], {}, recording.hold_out)
 
 
-def _exists(data: Any, path: str) -> bool:
+def _exists(data: object, path: str) -> bool:
     for word in path.split("."):
         if not isinstance(data, dict) or word not in data:
             return False
@@ -186,7 +185,7 @@ def _step(recording: Recording) -> float:
     return step / 2
 
 
-def signal(scenario: Scenario, path: str, channel: Channel, begin: float, end: float) -> dict[str, Any]:
+def signal(scenario: Scenario, path: str, channel: Channel, begin: float, end: float) -> dict[str, object]:
     """What was recorded as a signal of the machine, from ``begin`` on."""
     good = np.isfinite(channel.x) & np.isfinite(channel.t)
     t, x = channel.t[good], channel.x[good]

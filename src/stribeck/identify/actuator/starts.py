@@ -18,7 +18,6 @@ _MOVES = 3.0
 
 def carried(scenario: Scenario, body: str) -> dict[str, float]:
     """How far each free body moves by ``body`` through links, with these at rest: itself 1."""
-    assert scenario.rig is not None
     machine, values = scenario.rig.machine, scenario.rig.values
     found = {machine.leader(body).name: 1.0 / _tie(scenario, body)}
     for _ in machine.bodies:
@@ -37,7 +36,6 @@ def carried(scenario: Scenario, body: str) -> dict[str, float]:
 
 def _tie(scenario: Scenario, name: str) -> float:
     """How far a body moves by its leader."""
-    assert scenario.rig is not None
     machine, total = scenario.rig.machine, 1.0
     body = machine.body[name]
     while body.leader is not None:
@@ -100,7 +98,6 @@ def begun(
 
 
 def _free(scenario: Scenario, body: str) -> bool:
-    assert scenario.rig is not None
     machine = scenario.rig.machine
     return body in machine.body and machine.leader(body).driven is None
 

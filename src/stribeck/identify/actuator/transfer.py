@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import judge
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from stribeck.identify.actuator.api import Fitting
 
 
-def transferred(fit: Fitting, other: Logs, result: MachineFit) -> dict[str, Any]:
+def transferred(fit: Fitting, other: Logs, result: MachineFit) -> dict[str, object]:
     """How well the fit predicts other recordings, and which numbers are other there, beyond both intervals."""
     problems: list[str] = []
     for i, recording in enumerate(other.recordings):

@@ -144,7 +144,7 @@ def _columns(
     return out, kept
 
 
-def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, always: bool) -> dict[str, Any]:
+def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, always: bool) -> dict[str, object]:
     """The columns without the last rows of the runs that end in motion, where the filter goes astray.
 
     Unless ``always``, only where it shows: the acceleration there exceeds all others of the run, or a plain regression of

@@ -22,7 +22,7 @@ _NORMAL = 1.96
 _FEWEST_ROWS = 30
 
 
-def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[dict[str, Any]]:
+def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[dict[str, object]]:
     """The level F_c of each file on its own, and as the law predicts it from the others, with 95 % intervals.
 
     All files share the rest of the model: a pressure's area, the offset, viscous friction. What the levels scatter by about
@@ -38,10 +38,15 @@ def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[dict[str, 
     there = [k for k in range(len(files)) if int(np.sum(part == k)) >= _FEWEST_ROWS]
     own, spread = _own(whole, solution.values, part, there)
     varying = [n for n in whole.terms if TERMS[n].level]
-    found: list[dict[str, Any]] = []
+    found: list[dict[str, object]] = []
     for i, k in enumerate(there):
         means = {n: float(np.mean(column(n, log)[of_row == k])) for n in varying}
-        row: dict[str, Any] = {"file": files[k], "level": float(own[i]), "at": means, "rows": int(np.sum(of_row == k))}
+        row: dict[str, object] = {
+            "file": files[k],
+            "level": float(own[i]),
+            "at": means,
+            "rows": int(np.sum(of_row == k)),
+        }
         if len(there) > 2:
             row |= _predicted(whole, solution, part == k, means)
         found.append(row)

@@ -73,12 +73,17 @@ def fit_dynamic(
     problem, first, low, high = velocity_problem(
         log, law, fixed=fixed, free=free, tied=tied, start=start, mass=mass, body=body
     )
-    work = work or Work()
+    began = starting_points(problem, first, low, high, starts, seed)
+    return fitted(problem, began, log, profiles, folds, work or Work())
+
+
+def fitted(problem: VelocityProblem, began: list[Array], log: Log, profiles: bool, folds: int, work: Work) -> Fit:
+    """The problem's best fit from these starts, judged, and cross-validated where there are ``folds``; as above."""
     level = white_noise(log.force, list(log.runs()))
     noise = Noise(level, level)
     with threadpool_limits(1):  # the starts run beside each other; more threads of linear algebra only spin
         work.section(0.7)
-        optimum = multistart(problem, starting_points(problem, first, low, high, starts, seed), work)
+        optimum = multistart(problem, began, work)
         if problem.misfit(optimum.point) is None:
             raise StribeckError(f"law '{problem.law.name}': no start led to a simulation that works")
         work.section(0.9 if folds >= 2 else 1.0)

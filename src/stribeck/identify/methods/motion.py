@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -47,7 +46,7 @@ class RigProblem(Problem):
 
     step = 1e-3  # each simulation takes steps of its own: smaller differences drown in their errors
 
-    def __init__(self, inverse: VelocityProblem, drive: Mapping[str, Any], output: str) -> None:
+    def __init__(self, inverse: VelocityProblem, drive: Mapping[str, object], output: str) -> None:
         self.inverse, self.log, self.kind, self.column = inverse, inverse.log, drive["kind"], _OUTPUTS[output]
         measured = self.log.position if output == "position" else self.log.velocity
         scale = float(np.sqrt(np.mean((measured - measured.mean()) ** 2)))
@@ -59,7 +58,7 @@ class RigProblem(Problem):
         self.signal = signal
         self.scenarios = [self._scenario(rows, drive, self.values(self.home)) for rows in self.runs]
 
-    def _scenario(self, rows: slice, drive: Mapping[str, Any], values: Given) -> Scenario:
+    def _scenario(self, rows: slice, drive: Mapping[str, object], values: Given) -> Scenario:
         log, known = self.log, self.law.constants()
         inside = {n: values[n] for n in self.law.uses}
         own = {n: values[n] for n in known if n not in inside and n in values}
@@ -109,7 +108,7 @@ class RigProblem(Problem):
 def fit_motion(
     log: Log,
     law: str,
-    drive: Mapping[str, Any] | None = None,
+    drive: Mapping[str, object] | None = None,
     *,
     output: str = "velocity",
     fixed: Given | None = None,
@@ -144,7 +143,7 @@ def fit_motion(
         return search.fit(met, profiles)
 
 
-def _check(log: Log, drive: Mapping[str, Any], output: str, body: Sequence[str]) -> None:
+def _check(log: Log, drive: Mapping[str, object], output: str, body: Sequence[str]) -> None:
     """Refuse what cannot be asked of a fit of the motion.
 
     Raises:
@@ -193,7 +192,7 @@ class _Search:
         self.inverse, self.first, self.low, self.high = made
         self.noise = white_noise(raw(log, output), list(log.runs()))
 
-    def has_windows(self, drive: Mapping[str, Any]) -> bool:
+    def has_windows(self, drive: Mapping[str, object]) -> bool:
         """Whether the body can be simulated in short windows: under the measured force and its own inertia alone."""
         plain = set(self.inverse.body) <= {"mass", "offset"}
         law_and_mass = self.inverse.law.has_z and self.inverse.values(self.first)["mass"] > 0
@@ -218,7 +217,7 @@ class _Search:
         told = f"; {len(problem.windows)} windows of some {followed.seconds:.3g} s, each with a start of its own"
         return _Met(problem, followed.optimum, expected, told, followed.farther)
 
-    def of_rig(self, drive: Mapping[str, Any]) -> _Met:
+    def of_rig(self, drive: Mapping[str, object]) -> _Met:
         """Met over whole runs of the rig, closed loop included, from the optimum of the other way round."""
         self.work.section(0.4)
         there = self.the_other_way()
@@ -253,7 +252,7 @@ class _Search:
         return replace(found, details=details, notes=(note, *found.notes))
 
 
-def _trace(problem: MotionProblem | RigProblem, u: Array, output: str) -> dict[str, Any]:
+def _trace(problem: MotionProblem | RigProblem, u: Array, output: str) -> dict[str, object]:
     """The measured and the simulated output, row by row."""
     log = problem.log
     measured = raw(log, output)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -180,7 +179,7 @@ def _without(law: type[laws.Law], log: Log, sizes: Sizes, given: dict[str, float
     )  # fmt: skip
 
 
-def _shown(fit: Fit, cut: Log) -> list[dict[str, Any]]:
+def _shown(fit: Fit, cut: Log) -> list[dict[str, object]]:
     """Measured and fitted loops for the report."""
     p = fit.prediction
     assert p is not None

@@ -20,7 +20,7 @@ from stribeck.laws.base import Law
 _STEEP = 10.0  # over the Stribeck velocity: a sign that is steep beside it, whatever the unit of the speed
 _SHARP = 1e9  # s/m
 _SHARPEST = 1e6  # over the largest speed: for motion of micrometres per second
-_SHOWN = 10  # rows that a bend of the curve needs at least
+_SHOWN, _SHOWN_SHARE = 10, 0.05  # rows that a bend of the curve needs at least; of few rows
 _DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
 
 
@@ -153,7 +153,7 @@ def _span(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> tuple[float, f
 def _slowest(rows: Rows) -> float:
     """The speed that some rows lie below: a bend of the curve that hardly a row shows is one of the noise."""
     v = np.sort(abs(rows.log.velocity[rows.kept][rows.weight > 0]))
-    return float(v[min(_SHOWN, len(v)) - 1]) if len(v) else 0.0
+    return float(v[min(_SHOWN, int(_SHOWN_SHARE * len(v)))]) if len(v) else 0.0
 
 
 def unit_of(law: type[Law], name: str) -> str:

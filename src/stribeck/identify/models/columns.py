@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property, partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,8 +35,8 @@ class Columns:
         self.force = reduce(log.force)
         self.fastest = max(float(log.velocity.max()), -float(log.velocity.min()))
         self.names = list(sliding.linear)
-        self._kept: OrderedDict[Any, Array] = OrderedDict()
-        self._last: OrderedDict[Any, tuple[Array, Array]] = OrderedDict()
+        self._kept: OrderedDict[object, Array] = OrderedDict()
+        self._last: OrderedDict[object, tuple[Array, Array]] = OrderedDict()
         self._places: dict[float, _Place] = {}
         self._most = max(_BYTES // (8 * max(len(self.force), 1)), 24)
 
@@ -118,7 +117,7 @@ class Columns:
     def _raw(self, name: str) -> Array:
         return self.log.velocity if name == "velocity" else column(name, self.log)
 
-    def _keep(self, key: Any, make: Callable[[], Array]) -> Array:
+    def _keep(self, key: object, make: Callable[[], Array]) -> Array:
         if key in self._kept:
             self._kept.move_to_end(key)
             return self._kept[key]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +20,7 @@ _RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 _MOST_ROWS = 25_000
 _MOST_RAW = 100_000  # rows of a record: more tell nothing new
 _BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
+_FEW = 400  # rows: fewer do not show a bend of the curve, however little of the force's power lies in them
 _FEWEST = 150  # rows that a band lowered for the mass's sake leaves
 _MOVES = 0.015  # of the mass: what half the band may change it by
 _HEAVY = 0.05  # of the force: less inertia tells nothing of the band
@@ -46,7 +46,7 @@ class Rows:
     kept: NDArray[np.intp]
     weight: Array
     rest: NDArray[np.bool_]
-    _columns: dict[Any, Columns] = field(default_factory=dict)
+    _columns: dict[object, Columns] = field(default_factory=dict)
 
     def columns(self, sliding: Sliding) -> Columns:
         """The columns for a law."""
@@ -91,7 +91,7 @@ def decimation(log: Log) -> tuple[int, str]:
     band = max(float(f[np.searchsorted(share, _POWER_KEPT)]), float(f[1]))
     q = max((r for r in _RATES if r <= max(0.4 / (band * log.step), 1)), default=1)
     shortest = min(r.stop - r.start for r in log.runs())
-    while q > 1 and shortest < 30 * q:
+    while q > 1 and (shortest < 30 * q or len(log) < _FEW * q):
         q = _RATES[_RATES.index(q) - 1]
     while len(log) / q > _MOST_ROWS and q < _RATES[-1]:
         q = next(r for r in _RATES if r > q)

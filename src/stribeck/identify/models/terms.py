@@ -48,14 +48,22 @@ TERMS: dict[str, Term] = {
     "F_c_by_position": Term("N/m", "growth of the friction level with position", lambda log: log.position, level=True),
     "F_c_by_load": Term("1", "growth of the friction level with load", lambda log: _get(log.load), True, "load"),
     "F_c_by_pressure": Term("m^2", "growth of the level with pressure", lambda log: _get(log.pressure), True, "pressure"),
+    "F_c_by_time": Term(
+        "N/s", "growth of the level with time, about the middle of the record: warmth", lambda log: _about_middle(log.time), True
+    ),
     "delay": Term("s", "time by which the measured motion lags the force", None),
 }  # fmt: skip
+OF_RECORD = ("F_c_by_time",)  # what went on during that record, and is not taken to another
 OF_POSITION = ("stiffness", "gravity_sin", "gravity_cos", "F_c_by_position")
 
 
 def _get(column: Array | None) -> Array:
     assert column is not None
     return column
+
+
+def _about_middle(time: Array) -> Array:
+    return np.asarray(time - 0.5 * (time.min() + time.max()))
 
 
 def check(names: tuple[str, ...], log: Log) -> None:

@@ -6,7 +6,6 @@ import json
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from stribeck.files import write_text
 from stribeck.identify.log import Log
@@ -70,7 +69,7 @@ def toml(fit: Fit, command: str, data: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def stribeck_constants(law: str) -> Mapping[str, Any]:
+def stribeck_constants(law: str) -> Mapping[str, object]:
     """The constants of a law by name."""
     from stribeck import laws
 

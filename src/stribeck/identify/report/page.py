@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -164,7 +163,7 @@ def _levels(fit: Fit) -> list[Chapter]:
 
 
 def _loops(fit: Fit) -> list[Chapter]:
-    loops: Sequence[Any] = fit.details.get("loops", ())
+    loops: Sequence[object] = fit.details.get("loops", ())
     if not len(loops):
         return []
     text = ["Small reversals, in which the contact mostly holds, measured and as simulated along the measured motion."]

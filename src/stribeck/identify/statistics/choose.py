@@ -132,13 +132,13 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
     if not plain:
         raise InputError([f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()])
     start = min(plain, key=lambda n: plain[n].left_out.error)
-    best, steps = _forward(rows, start, plain[start], tell)
+    best, steps = _forward(rows, start, plain[start], tell, steepness=False)
     wider: dict[str, tuple[Settled, list[dict[str, Any]]]] = {start: (best, steps)}
     for law, narrow in plain.items():
-        if law != start:
+        if law != start and narrow.setting.body != best.setting.body:
             try:
                 with_terms = replace(narrow.setting, body=best.setting.body)
-                at = settle(rows, law, _free_steepness(with_terms, law), [best.shapes, narrow.shapes])
+                at = settle(rows, law, with_terms, [best.shapes, narrow.shapes])
                 wider[law] = at, [_step("(as asked)", narrow), _step(", ".join(best.setting.body), at)]
             except StribeckError as error:
                 failed.setdefault(law, str(error).splitlines()[0])
@@ -177,7 +177,7 @@ def baselines(rows: Rows, setting: Setting) -> list[dict[str, Any]]:
     return found
 
 
-def _row(name: str, at: Settled) -> dict[str, Any]:
+def _row(name: str, at: Settled) -> dict[str, object]:
     told = {**_step("", at), "name": name, "numbers": at.left_out.parameters, "law": at.model.law.name}
     del told["added"]
     return {**told, "values": _numbers(at)}
@@ -188,12 +188,12 @@ def _numbers(at: Settled) -> dict[str, float]:
 
 
 def _forward(
-    rows: Rows, law: str, best: Settled, tell: Callable[[float], None] | None
-) -> tuple[Settled, list[dict[str, Any]]]:
+    rows: Rows, law: str, best: Settled, tell: Callable[[float], None] | None, steepness: bool = True
+) -> tuple[Settled, list[dict[str, object]]]:
     steps = [_step("(as asked)", best)]
     while True:
         trials: dict[str, Settled] = {}
-        names = _open(rows, law, best.setting)
+        names = [n for n in _open(rows, law, best.setting) if steepness or n != "k_v"]
         for k, name in enumerate(names):
             try:
                 trials[name] = settle(rows, law, _wider(best.setting, law, name), [best.shapes], everywhere=False)
@@ -259,7 +259,7 @@ def _for_law(setting: Setting, law: str) -> Setting:
     return replace(setting, fixed={n: v for n, v in setting.fixed.items() if n in own or n in TERMS}, free=None)
 
 
-def _step(name: str, at: Settled) -> dict[str, Any]:
+def _step(name: str, at: Settled) -> dict[str, object]:
     whole, w = at.model.whole, at.model.whole.weight > 0
     missed = (whole.force - whole.force_at(at.solution.values))[w]
     return {

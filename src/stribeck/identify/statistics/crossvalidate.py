@@ -13,6 +13,7 @@ from stribeck.identify.log import Log
 
 FOLDS = 10
 _BLOCKS = 5  # in a part
+_ALIKE = 0.003  # of the error: laws that differ by less are as good, however sure that is
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,8 @@ def cross_validate(
 
 
 def choose(candidates: Mapping[str, LeftOut]) -> tuple[str, str]:
-    """The law to take, and why: the one with the fewest parameters whose error is within a standard error of the best.
+    """The law to take, and why: the one with the fewest parameters whose error is within a standard error, or within three
+    thousandths, of the best.
 
     The standard error is that of the difference between the two over the parts.
     """
@@ -79,13 +81,14 @@ def choose(candidates: Mapping[str, LeftOut]) -> tuple[str, str]:
     for name in sorted(candidates, key=lambda name: (candidates[name].parameters, candidates[name].error)):
         difference = candidates[name].squares - candidates[best].squares
         noise = float(np.std(difference, ddof=1)) * np.sqrt(len(difference)) if len(difference) > 1 else 0.0
-        if name == best or float(difference.sum()) <= noise:
+        alike = float(candidates[best].squares.sum()) * ((1 - _ALIKE) ** -2 - 1)
+        if name == best or float(difference.sum()) <= max(noise, alike):
             kept = name
             break
     if kept == best:
         return best, f"lowest cross-validated error ({candidates[best].error:.4%}), and no simpler law is as good"
     return kept, (
         f"{candidates[kept].parameters} parameters do as well as the {candidates[best].parameters} of {best}: its "
-        f"cross-validated error ({candidates[kept].error:.4%}) is within a standard error of the lowest "
+        f"cross-validated error ({candidates[kept].error:.4%}) is within a standard error (or 0.3 %) of the lowest "
         f"({candidates[best].error:.4%})"
     )

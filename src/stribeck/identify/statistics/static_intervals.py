@@ -46,7 +46,7 @@ class StaticConfidenceIntervals:
     covariance: Array
     profiles: dict[str, Profile]
     notes: tuple[str, ...]
-    details: dict[str, Any]
+    details: dict[str, object]
 
 
 @dataclass(frozen=True)

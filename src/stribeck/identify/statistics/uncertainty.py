@@ -33,6 +33,7 @@ from stribeck.identify.statistics.verdicts import (
     Noise,
     between_samples,
     effect,
+    farther,
     hangs,
     indistinct,
     left_open,
@@ -207,7 +208,8 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             low, high, _ = ends[k]
         else:
             low, high = (x if c.inner(c.low) < x < c.inner(c.high) else None for x in (u[k] - half, u[k] + half))
-        low, high = (None if x is None else x + side * bias[k] for x, side in ((low, -1), (high, 1)))
+        reach = farther(c, bias[k])
+        low, high = (None if x is None else x + side * reach for x, side in ((low, -1), (high, 1)))
         doubts[k] = doubts[k] or left_open(low, high, c.log)
         low, high = (None if x is None else c.outer(x) for x in (low, high))
         best = float(c.outer(u[k]))

@@ -22,12 +22,16 @@ _WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value:
 _MOST_ALIKE = 200.0  # by how much the others' freedom may inflate a variance: a small error of the model grows with it
 _BOUND = 0.95  # correlation with one that is inflated so
 _FEWEST = 12.0  # samples that an estimate must rest on
-_TYPICAL_NOISE = 0.01  # of the friction level: a force sensor's
+_TYPICAL_NOISE, _LEAST_NOISE = (
+    0.01,
+    0.001,
+)  # of the friction level: a force sensor's; less is a command's, not a sensor's
 _WORTH = 1.2
 _STRIBECK = ("F_s", "v_s")
 _ENDS = 0.3  # of the largest speed
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
 _MOST_BIAS = 0.2  # of the logarithm, for the motion's filter
+_FARTHEST = 0.35  # of the logarithm: a larger shift is told by one step to a factor of two at best
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,8 @@ def effect(
     inverse = problem if isinstance(problem, VelocityProblem) else getattr(problem, "inverse", None)
     if inverse is None:
         return ""
-    level = noise.measured if inverse is problem and noise.measured > 0 else _TYPICAL_NOISE * sizes.force
+    own_force = inverse is problem and noise.measured > 0
+    level = max(noise.measured, _LEAST_NOISE * sizes.force) if own_force else _TYPICAL_NOISE * sizes.force
     names = [problem.coordinates[k].name for k in own]
     found = narrower(inverse, values, inner[np.ix_(own, own)], names, name, level, sizes)
     if found is None:
@@ -134,6 +139,11 @@ def hangs(c: Coordinate, bias: float) -> str:
         return ""
     why = "the position is too coarse or noisy, or sampled too slowly"
     return f"it hangs on the filter of the motion, which may shift it by {bias:.0%}: {why}"
+
+
+def farther(c: Coordinate, bias: float) -> float:
+    """How far the ends of an interval move for a systematic shift, inner coordinates."""
+    return 2 * bias if c.log and bias > _FARTHEST else bias
 
 
 def between_samples(problem: MotionProblem, u: Array, slopes: Array) -> Array:

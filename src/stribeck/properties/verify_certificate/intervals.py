@@ -195,6 +195,14 @@ def evaluate(top: Node, box: Mapping[str, Range]) -> Range:
     return Evaluation(box)(top)
 
 
+def joined(op: str, found: list[bool | None]) -> bool | None:
+    """Whether "both" or "either" of conditions hold, of which some may not be known."""
+    decisive = op == "either"
+    if decisive in found:
+        return decisive
+    return None if None in found else not decisive
+
+
 class Evaluation:
     """Expressions over one box; what is shared is evaluated once."""
 
@@ -217,11 +225,7 @@ class Evaluation:
     def condition(self, c: Node) -> bool | None:
         """Whether a condition holds all over the box; None where that is not known."""
         if c.op in ("both", "either"):
-            found = [self.condition(x) for x in c.args]
-            decisive = c.op == "either"
-            if decisive in found:
-                return decisive
-            return None if None in found else not decisive
+            return joined(c.op, [self.condition(x) for x in c.args])
         lo, hi = add(self(c.args[1]), neg(self(c.args[0])))
         if c.op == "lt":
             return True if lo is not None and lo > 0 else (False if hi is not None and hi <= 0 else None)

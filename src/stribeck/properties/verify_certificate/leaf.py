@@ -193,11 +193,7 @@ class Leaf:
     def condition(self, c: Node) -> bool | None:
         """Whether a condition holds; None where that is not known."""
         if c.op in ("both", "either"):
-            found = [self.condition(x) for x in c.args]
-            decisive = c.op == "either"
-            if decisive in found:
-                return decisive
-            return None if None in found else not decisive
+            return intervals.joined(c.op, [self.condition(x) for x in c.args])
         with suppress(Refused):
             by_range = self.inside.condition(c)
             if by_range is not None:

@@ -9,6 +9,7 @@ from stribeck.constants import kind_of, show
 from stribeck.control.sampled import Sampled
 from stribeck.laws.base import Law
 from stribeck.machine import controllers, loads
+from stribeck.machine.dither import DitherPart
 from stribeck.machine.links import LinkElement
 from stribeck.machine.parts import (
     BodyPart,
@@ -28,7 +29,7 @@ from stribeck.scenario import tables as common
 from stribeck.scenario.law import LawReader, no_table, unknown
 from stribeck.scenario.machine import tables, wiring
 from stribeck.scenario.machine.reading import Reading
-from stribeck.scenario.machine.rig import Rig
+from stribeck.scenario.rig import Rig
 from stribeck.scenario.tables import Problem
 
 _NAME = re.compile(r"[A-Za-z0-9_]+")
@@ -203,13 +204,15 @@ class MachineReader(Reading):
         weights = {force: 1.0} if isinstance(force, str) else force
         sections = ("links", "motors", "loads")
         there = [self.refer(f"{where}.force", source, sections) for source in weights]  # each is told
+        against = getattr(values, "against", None)
+        there += [self.refer(f"{where}.against", against, sections)] if against is not None else []
         if not all(there):
             return None
         weighted = isinstance(force, dict)
         gains = tuple(n for n in ("F_c", "F_s") if n in table and (law is None or n in law.constants()))
         self.values |= {(path, n): getattr(values, n) for n in gains}
         self.values |= {(path, f"weight_{n}"): x for n, x in weights.items()} if weighted else {}
-        return Level(path, tuple(weights), weighted, gains)
+        return Level(path, tuple(weights), weighted, gains, against)
 
     def _factor(self, contact: str, path: str, of: str, table: object, law: Law | None) -> Factor | None:
         if not isinstance(table, dict):
@@ -274,8 +277,9 @@ class MachineReader(Reading):
                 self.problems.append((f"{path}.signal.kind", text))
             self.values[f"{path}.feedforward", "inertia"] = values.feedforward.inertia
         sampling = self._sampling(name, f"{path}.sampling", values.sampling)
+        dither = self._dither(f"{path}.dither", values.dither, values.sampling and values.sampling.period)
         forward = values.feedforward is not None
-        return ControllerPart(name, kind, form, values.on, measures, signal, forward, compensation, sampling)
+        return ControllerPart(name, kind, form, values.on, measures, signal, forward, compensation, sampling, dither)
 
     def _sampling(self, name: str, path: str, values: Any) -> Sampled | None:
         if values is None:
@@ -290,6 +294,20 @@ class MachineReader(Reading):
             text = f"more than {_SAMPLES:g} samples until solve.t_end = {end:g} s; must be larger"
             self.problems.append((f"{path}.period", f"{values.period:g}: {text}"))
         return part
+
+    def _dither(self, path: str, values: tables.DitherTable | None, period: float | None) -> DitherPart | None:
+        if values is None:
+            return None
+        if period is None and values.kind == "square":
+            self.problems.append(
+                (f"{path}.kind", "'square': a continuous controller's must be 'sine'; square needs sampling")
+            )
+        most = None if period is None else 0.5 / period
+        if most is not None and values.frequency > most:
+            text = f"{values.frequency:g}: must be at most {most:g}, half of the sampling's rate"
+            self.problems.append((f"{path}.frequency", text))
+        self.values |= {(path, n): getattr(values, n) for n in DitherPart.constants}
+        return DitherPart(values.kind, path)
 
     def _compensation(self, path: str, table: dict[str, object]) -> CompensationPart | None:
         values = self._validate(tables.CompensationTable, table, path)

@@ -19,9 +19,9 @@ from stribeck.machine.parts import (
     SignalUse,
 )  # fmt: skip
 from stribeck.scenario import tables as common
-from stribeck.scenario.law import no_table, unknown
+from stribeck.scenario.law import kind_of_table, no_table
 from stribeck.scenario.machine import tables
-from stribeck.scenario.machine.rig import Rig
+from stribeck.scenario.rig import Rig
 from stribeck.scenario.signal import read_signal
 from stribeck.scenario.tables import Problem
 from stribeck.scenario.trust import in_a_file
@@ -113,17 +113,7 @@ class Reading:
     def _kind(
         self, table: dict[str, object], path: str, kinds: Mapping[str, object], fields: Callable[[str], Iterable[str]]
     ) -> str | None:
-        kind = table.get("kind")
-        if isinstance(kind, str) and kind in kinds:
-            return kind
-        allowed = f"one of {', '.join(kinds)}"
-        self.problems += unknown(table, path, (name for each in kinds for name in ("kind", *fields(each))))
-        if "kind" not in table:
-            self.problems.append((f"{path}.kind", f"missing: must be given ({allowed})"))
-        else:
-            guess = nearest(kind, kinds) if isinstance(kind, str) else ""
-            self.problems.append((f"{path}.kind", f"{show(kind)}: must be {allowed}{guess}"))
-        return None
+        return kind_of_table(table, path, kinds, lambda each: ("kind", *fields(each)), self.problems)
 
     def _element(
         self, table: dict[str, object], path: str, base: type[Element], kinds: Mapping[str, type[Element]]
@@ -144,7 +134,7 @@ class Reading:
 
     @staticmethod
     def _fields(kind: type[Element]) -> list[str]:
-        more: tuple[str, ...] = ("on", "signal", "measures", "feedforward", "compensation", "sampling")
+        more: tuple[str, ...] = ("on", "signal", "measures", "feedforward", "compensation", "sampling", "dither")
         if issubclass(kind, LinkElement):
             more = ("from", "to", "ratio")
         elif not issubclass(kind, controllers.ControllerElement):

@@ -11,6 +11,7 @@ from pydantic.config import JsonDict
 from stribeck.constants import Constant
 from stribeck.control.sampled import SAMPLING
 from stribeck.machine import controllers, loads
+from stribeck.machine.dither import DITHER
 from stribeck.machine.element import Element
 from stribeck.machine.links import LinkElement
 from stribeck.machine.motors import MotorElement
@@ -70,6 +71,14 @@ class CompensationTable(StrictTable):
     lead: float | None = Field(None, gt=0, description=LEAD.meaning)
 
 
+class DitherTable(StrictTable):
+    """A fast oscillation that a controller adds to its output."""
+
+    kind: Literal["sine", "square"] = Field("sine", description="sine, or square if it is sampled; sine unless given")
+    amplitude: float = Field(ge=0, description=f"{DITHER['amplitude'].meaning}, N or N m")
+    frequency: float = Field(gt=0, description=f"{DITHER['frequency'].meaning}, Hz")
+
+
 def _numbers(constants: dict[str, Constant]) -> Fields:
     return {name: number(constant) for name, constant in constants.items()}
 
@@ -98,6 +107,9 @@ def _list(constant: Constant, name: str) -> tuple[object, object]:
     return (list[float], Field(description=f"{constant.meaning}{unit}"))
 
 
+_AGAINST = "a link, motor or load: counts only while that force is of the other sign and larger, and then by the square"
+
+
 @cache
 def level_table(weighted: bool) -> type[StrictTable]:
     """The model of an entry of a contact's loads; ``weighted``: several forces count."""
@@ -105,6 +117,7 @@ def level_table(weighted: bool) -> type[StrictTable]:
     fields: Fields = {
         "force": (str, Field(description="a link, motor or load, or a table of weights of these")),
         "F_c": gain, "F_s": gain,
+        "against": (str | None, Field(None, description=_AGAINST)),
     }  # fmt: skip
     if weighted:
         weights = Field(min_length=1, description="the weight of each link, motor or load")
@@ -190,5 +203,6 @@ def controller_table(kind: object) -> type[StrictTable]:
         "feedforward": (Feedforward | None, Field(None, description="added to the output")),
         "compensation": (dict[str, object] | None, Field(None, description="what is done against friction")),
         "sampling": (sampling_table() | None, Field(None, description="when it computes; continuous without it")),
+        "dither": (DitherTable | None, Field(None, description="a fast oscillation, added to the output")),
     }
     return made("ControllerTable", fields)

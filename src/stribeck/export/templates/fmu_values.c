@@ -1,3 +1,11 @@
+    switch (reference) {
+{% for variable in variables %}
+    case {{ variable.reference }}: *value = {{ variable.c }}; return 1; /* {{ variable.name }} */
+{% endfor %}
+    default: return 0;
+    }
+}
+
 static int set(Model *m, unsigned reference, double value)
 {
     switch (reference) {

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import ClassVar
+from types import SimpleNamespace
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.expressions.emit import python_function
-from stribeck.expressions.ops import Value
+from stribeck.expressions.ops import Value, sqrt
 from stribeck.laws.base import Law, Scales
-from stribeck.machine.parts import LinkPart, LoadPart, SignalUse
+from stribeck.machine.dither import WAVES_A_STEP
+from stribeck.machine.parts import LinkPart, LoadPart, SignalUse, joined
 from stribeck.machine.system import MachineSystem
+from stribeck.scenario.parts import Settings
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
 
@@ -28,7 +30,10 @@ _LENGTH, _SPEED, _FORCE = 1e-3, 1e-2, 1.0
 
 @dataclass(frozen=True)
 class Rig:
-    """A machine's structure with the values of its constants, its signals, its laws by table and its initial state."""
+    """A machine's structure with the values of its constants, its signals, its laws by table and its initial state.
+
+    ``settings`` is what each drive has beside its constants and its signal, by the drive's name.
+    """
 
     machine: MachineSystem
     values: dict[tuple[str, str], float]
@@ -36,11 +41,21 @@ class Rig:
     laws: dict[str, Law]
     initial: dict[str, float]
     seeds: dict[str, int]
+    settings: dict[str, Settings] = field(default_factory=dict)
+
+    @property
+    def single(self) -> bool:
+        """Whether it is a law on one body under a drive (``schema = 1``)."""
+        return self.machine.single
 
     @property
     def equations(self) -> MachineSystem:
         """The structure of the equations, without values."""
         return self.machine
+
+    def with_values(self, values: Mapping[tuple[str, str], Value]) -> Rig:
+        """The same with other constants: numbers, arrays of them, or symbols."""
+        return replace(self, values={**self.values, **values})
 
     @property
     def law(self) -> Law:
@@ -63,6 +78,8 @@ class Rig:
     @property
     def compared(self) -> tuple[str, ...]:
         """The columns in which laws are compared: those of each body, contact and link."""
+        if self.single:
+            return "y", "v", "F"
         found = [f"{body.name}.{x}" for body in self.machine.bodies if body.leader is None for x in ("y", "v")]
         forces = [*(f"{x.name}.F" for x in self.machine.contacts), *(f"{x.name}.f" for x in self.machine.links)]
         return (*found, *forces)
@@ -70,22 +87,49 @@ class Rig:
     @property
     def subject(self) -> str:
         """What it is about, in a few words."""
+        if self.single:
+            return f"law {self.law.name}"
         laws = ", ".join(f"{c.name} {c.law.name}" for c in self.machine.contacts)
         count = len(self.machine.bodies)
         bodies = f"{count} bod{'y' if count == 1 else 'ies'}"
         return f"{bodies}, contacts: {laws}" if laws else f"{bodies}, no contacts"
 
-    label: ClassVar[str] = ""  # its line in a plot is called by its name
-    rotary: ClassVar[bool] = False  # each column says for itself whether it is of something that turns
-    mass: ClassVar[None] = None
+    @property
+    def label(self) -> str:
+        """What its line in a plot is called: the law of a single body; empty: by the scenario's name."""
+        return self.law.name if self.single else ""
 
-    def damping(self) -> float:
-        """Of the ringing of a body on its bristles: many bodies and contacts have no such number."""
-        return float("inf")
+    @property
+    def rotary(self) -> bool:
+        """Whether the one body without a name turns; else each column says so for itself."""
+        return self.single and self.law.rotary
+
+    @property
+    def mass(self) -> Value:
+        """The mass that the one drive moves without anything between; None where there is no such thing."""
+        if not self.single:
+            return None
+        (body,) = self.machine.bodies
+        own = {name: x for (path, name), x in self.values.items() if path == body.path}
+        return body.plant.inertia(SimpleNamespace(**own))
+
+    def damping(self) -> Value:
+        """The damping ratio of the one body on its bristles at rest; many bodies and contacts have no such number, and
+        infinity stands for it."""
+        mass, law = self.mass, self.laws.get("law")
+        sigma_0 = self.values.get(("law", "sigma_0"))
+        if sigma_0 is None or mass is None or law is None or not law.has_z or self.machine.bodies[0].driven is not None:
+            return float("inf")
+        given = [self.values.get(place) for place in (("law", "sigma_1"), ("law", "sigma_2"), ("drive", "K_d"))]
+        return sum(x for x in given if x is not None) / (2 * sqrt(sigma_0 * mass))
 
     def more_events(self, reached: float) -> list[tuple[float, int]]:
-        """Events that no watched quantity tells: none."""
-        return []
+        """Events that no state tells, as far as a run came: where the only velocity is a signal, those of the signal."""
+        threshold = self.law.machine.get("v_s", 0.0) if self.single else 0.0
+        if not threshold > 0 or self.machine.bodies[0].driven is None:
+            return []
+        (signal,) = self.signals.values()
+        return [(t, int(not rises)) for t, rises in signal.crossings(threshold, reached)]
 
     def start(self) -> dict[str, float]:
         """The states at t = 0 that are not 0."""
@@ -106,11 +150,16 @@ class Rig:
     @property
     def longest_step(self) -> float:
         """The longest step that cannot miss a wave of a signal, s."""
-        return min((signal.longest_step for signal in self.signals.values()), default=np.inf)
+        shaken = [
+            WAVES_A_STEP / self.values[each.dither.path, "frequency"]
+            for each in self.machine.controllers if each.dither is not None and each.sampling is None
+        ]  # fmt: skip
+        return min([*shaken, *(signal.longest_step for signal in self.signals.values())], default=np.inf)
 
     def thresholds(self) -> list[float]:
         """The threshold of each watched quantity: v_s of a contact, half of the play, the limit of a controller."""
-        found = [self.laws[c.law_path].machine.get("v_s", 0.0) for c in self.machine.contacts]
+        told = {name for name, _ in self.machine.watched}
+        found = [self.laws[c.law_path].machine.get("v_s", 0.0) for c in self.machine.contacts if c.name in told]
         found += [self.values[x.path, "gap"] / 2 for x in self.machine.links if "gap" in x.form]
         for each in self.machine.controllers:
             if each.sampling is None and "limit" in each.form:
@@ -124,8 +173,8 @@ class Rig:
         return pieces(changed, use.turns, t_end)
 
     def sampling(self) -> list[dict[str, float]]:
-        """Period, delay, noise and seed of each sampled controller."""
-        found = []
+        """Period, delay, noise and seed of each sampled controller, in the order of its outputs."""
+        found = [x for drive in self.machine.drives for x in self.settings[drive.name].sampling_of()]
         for each in self.machine.controllers:
             if each.sampling is not None:
                 path = f"{each.path}.sampling"
@@ -139,8 +188,8 @@ class Rig:
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], t_end: float) -> dict[str, Value]:
         """Every column of the output by name, from the states and what controllers held at the times t."""
         rows = self.pieces(t_end).at(t)
-        segment = {name: rows[:, i] for i, name in enumerate(self.machine.piece_fields)} | held
-        return evaluate(self.machine, self.values, segment, t, states)
+        segment = {name: rows[:, i] for i, name in enumerate(self.machine.piece_fields)}
+        return evaluate(self.machine, self.values, segment | held, t, states)
 
     # -- tolerances ------------------------------------------------------------------------------------------------
 
@@ -183,14 +232,20 @@ class Rig:
         ]  # fmt: skip
         return found
 
-    def natural(self) -> dict[str, float]:
+    def _numbers(self, path: str) -> SimpleNamespace:
+        return SimpleNamespace(**{name: x for (owner, name), x in self.values.items() if owner == path})
+
+    def natural(self) -> dict[str, Value]:
         """The natural magnitude of each state."""
-        found: dict[str, float] = {}
+        found: dict[str, Value] = {}
         machine, scales = self.machine, self.scales
         for body in machine.bodies:
-            found |= {f"{body.name}.y": scales[body.name].length, f"{body.name}.v": scales[body.name].speed}
+            own = scales[body.name]
+            found |= {joined(body.name, "y"): own.length, joined(body.name, "v"): own.speed}
+            sizes = body.plant.state_scales(self._numbers(body.path), own.length, own.speed, own.force)
+            found |= {joined(body.name, s.name): x for s, x in zip(body.plant.states, sizes, strict=True)}
         for contact in machine.contacts:
-            found[f"{contact.name}.z"] = self.law_scales(contact.law_path).length
+            found[joined(contact.name, "z")] = self.law_scales(contact.law_path).length
         for motor in machine.motors:
             found[f"{motor.name}.i"] = scales[motor.on].force / self.values[motor.path, "K"]
         for each in machine.controllers:
@@ -201,6 +256,10 @@ class Rig:
             found |= {f"{each.name}.{n}": x for n, x in zip(names, sizes, strict=True)}
             if each.compensation is not None:
                 found[f"{each.name}.z_hat"] = self.law_scales(each.compensation.path).length
+        for drive in machine.drives:
+            own = scales[drive.on]
+            kept = drive.drive.scales(self._numbers(drive.path), own.length, own.force)
+            found |= {joined(drive.name, n): x for n, x in kept.items()}
         energy = min(s.force * s.length for s in scales.values())
         found |= {"E_in": energy, "E_dissipated": energy}
         return {state.name: found.get(state.name, _LENGTH) for state in machine.states}
@@ -219,7 +278,8 @@ def evaluate(
     """Every column by name, from constants, numbers of the signals' pieces and held outputs, times and states; whatever
     shapes go together."""
     inputs: dict[str, Value] = {f"{path}.{name}": values[path, name] for path, name in machine.parameters}
-    inputs |= {f"segment.{name}": x for name, x in segment.items()} | {"t": t, **states}
+    kind = {**dict.fromkeys(segment, "segment"), **dict.fromkeys(machine.shown, "memory")}
+    inputs |= {f"{kind[name]}.{name}": x for name, x in segment.items()} | {"t": t, **states}
     function = output_function(machine, tuple(inputs))
     with np.errstate(all="ignore"):
         return dict(zip((c.name for c in machine.columns), function(*inputs.values()), strict=True))
@@ -228,4 +288,4 @@ def evaluate(
 @lru_cache(maxsize=32)
 def output_function(machine: MachineSystem, names: tuple[str, ...]) -> Callable[..., tuple[Value, ...]]:
     """A Python function of the inputs ``names`` for the columns of a machine."""
-    return python_function(names, list(machine.balance(exact=True).outputs().values()))
+    return python_function(names, list(machine.outputs.values()))

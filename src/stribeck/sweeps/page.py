@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +18,10 @@ from stribeck.report.cells import digits
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import Quantity, scale
-from stribeck.report.sweep import Sweep
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
+from stribeck.sweeps.job import Sweep
+from stribeck.sweeps.places import Folder, fetched
 
 FOLDER = "_report"  # readers of a folder of parts pass over names that begin with an underscore
 _MEASURES = ("amplitude", "period", "slips")
@@ -39,9 +43,19 @@ def _measured(scenario: Scenario) -> tuple[str, ...]:
     return (f"peak_{force}", f"final_{position}", *_MEASURES)
 
 
-def write_sweep_page(sweep: Sweep, command: str = "") -> list[Path]:
-    """Write the plots and report.html into the folder ``_report`` of a sweep; the paths."""
-    folder = sweep.folder / FOLDER
+def write_sweep_page(sweep: Sweep, command: str = "") -> list[str]:
+    """Write the plots and report.html into the folder ``_report`` of a sweep; where they are."""
+    if isinstance(sweep.place, Folder):
+        return list(map(str, _write(sweep, sweep.place.folder / FOLDER, command)))
+    names = []
+    with tempfile.TemporaryDirectory() as made:
+        for path in _write(sweep, Path(made) / FOLDER, command):
+            names.append(f"{FOLDER}/{path.name}")
+            sweep.place.put(names[-1], partial(shutil.copyfile, path))
+    return [f"{str(sweep.place).rstrip('/')}/{name}" for name in names]
+
+
+def _write(sweep: Sweep, folder: Path, command: str) -> list[Path]:
     figures, tables, text = [], [], [f"{len(sweep.lanes)} lanes; what varied: {', '.join(sweep.lanes.values)}."]
     if sweep.summary:
         rows = _read(sweep)
@@ -68,8 +82,9 @@ def _read(sweep: Sweep) -> dict[str, NDArray[Any]]:
     wanted = ("lane", *sweep.lanes.values, *_measured(sweep.lanes.scenario))
     found: dict[str, list[Array]] = {name: [] for name in wanted}
     for part in range(sweep.parts):
-        source = opened(sweep.path(part))
-        columns = source.columns({name: name for name in wanted if name in source.names})
+        with fetched(sweep.place, sweep.name(part)) as path:
+            source = opened(path)
+            columns = source.columns({name: name for name in wanted if name in source.names})
         for name, values in columns.items():
             found[name].append(values)
     return {name: np.concatenate(parts) for name, parts in found.items() if parts}

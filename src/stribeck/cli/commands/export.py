@@ -1,0 +1,102 @@
+"""``stribeck export`` and its options."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stribeck.cli.shared import ControllerName, Json, Trust, Undetermined, app
+
+ExportTarget = Annotated[
+    str,
+    typer.Option(
+        "--target",
+        metavar="NAME",
+        help="c, fmu, isaaclab, mit, mjwarp, modelica, mujoco, mujoco_plugin, newton, odrive, ros2_control, "
+        "simplefoc, st or table.",
+    ),
+]
+
+ExportOut = Annotated[
+    Path,
+    typer.Option(
+        "--out",
+        metavar="PATH",
+        help="Where to: a folder for c, mujoco, mujoco_plugin and ros2_control, else a file.",
+    ),
+]
+
+ExportPart = Annotated[
+    str | None,
+    typer.Option(
+        "--part",
+        metavar="PART",
+        help="law, body, observer, cascade, controller, compensator, cogging or machine (of a machine unless given).",
+    ),
+]
+
+ExportScenario = Annotated[
+    Path | None,
+    typer.Option("--scenario", metavar="FILE", help="A scenario: mass, controller, and law unless given."),
+]
+
+ExportContact = Annotated[
+    str | None, typer.Option("--contact", metavar="NAME", help="The contact of a machine whose law it is.")
+]
+
+ExportStep = Annotated[
+    float | None,
+    typer.Option("--step", metavar="S", help="The time step that the tool will take: what is lost is said."),
+]
+
+
+@app.command(epilog="Example: stribeck export lugre --parameters canudas1995 --target c --out firmware")
+def export(
+    target: ExportTarget,
+    out: ExportOut,
+    law: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="LAW",
+            help="The law, the scenario's unless given; FILE.py:NAME is one too. Or a scenario: MACHINE.toml.",
+        ),
+    ] = None,
+    parameters: Annotated[
+        str | None, typer.Option("--parameters", metavar="SET", help="A built-in set of parameters, or a TOML file.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="KEY=VALUE", help="A constant, such as k_v=1e7 (cascade: drive.K_D=80)."),
+    ] = None,
+    part: ExportPart = None,
+    scenario: ExportScenario = None,
+    contact: ExportContact = None,
+    controller: ControllerName = None,
+    step: ExportStep = None,
+    self_test: Annotated[bool, typer.Option("--self-test", help="With a program that checks the C.")] = False,
+    fmi: Annotated[int, typer.Option("--fmi", metavar="VERSION", help="Of an FMU: 3 or 2.")] = 3,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Write a law or a compensator for another tool: C, FMU, Modelica, MuJoCo, Structured Text, a table."""
+    from stribeck.cli import export as command
+
+    return command.export(
+        law,
+        target,
+        out,
+        parameters,
+        set_ or [],
+        part,
+        scenario,
+        contact,
+        step,
+        self_test,
+        fmi,
+        json,
+        trust,
+        controller,
+    )

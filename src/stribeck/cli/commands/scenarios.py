@@ -1,0 +1,160 @@
+"""The commands that simulate or show a scenario, or write one to start from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
+
+
+@app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
+def run(
+    scenario: ScenarioFile,
+    out: Out = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    keep_c: Annotated[
+        Path | None, typer.Option("--keep-c", metavar="FILE", help="Write the generated C here, to read or debug.")
+    ] = None,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Simulate one scenario; without --out, print the summary and write nothing."""
+    from stribeck.cli import run as command
+
+    return command.run(scenario, out, set_ or [], json, keep_c, trust)
+
+
+@app.command(epilog="Example: stribeck show machine.toml --out machine.svg")
+def show(
+    machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file (schema = 2).")],
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE.svg", help="Draw it here, as a picture.")] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+) -> int:
+    """Draw a machine as a schematic: bodies, what is between them and what acts on them, with their numbers."""
+    from stribeck.cli import schematic as command
+
+    return command.draw(machine, out, set_ or [], json, trust)
+
+
+@app.command(epilog="Example: stribeck compare my_rig.toml --law lugre --law lugre_majorant:k_v=1e6")
+def compare(
+    scenario: ScenarioFile,
+    law: Annotated[
+        list[str],
+        typer.Option("--law", metavar="NAME[:KEY=VALUE,...]", help="A law to compare; the first is the reference."),
+    ],
+    contact: Annotated[
+        str | None, typer.Option("--contact", metavar="NAME", help="Of a machine, whose law is replaced.")
+    ] = None,
+    out: Out = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Simulate one scenario under several laws and show where they deviate."""
+    from stribeck.cli import compare as command
+
+    return command.compare(scenario, law, out, set_ or [], json, trust, contact)
+
+
+@app.command(epilog="Example: stribeck sweep my_rig.toml --vary law.k_v=1e6:1e8:5:log --out grid")
+def sweep(
+    scenario: ScenarioFile,
+    out: Annotated[
+        str, typer.Option("--out", metavar="DIR", help="Folder for the parts, made if need be; or a URL (s3://...).")
+    ],
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="PATH=FIRST:LAST:COUNT[:log]", help="A range of a number; may be repeated."),
+    ] = None,
+    samples: Annotated[
+        int | None, typer.Option("--samples", metavar="N", help="N random points of the ranges, not their grid.")
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="S", help="What the random points are drawn by.", min=0)] = 0,
+    summary: Annotated[bool, typer.Option("--summary", help="One row a lane, not its trajectory.")] = False,
+    as_csv: Annotated[bool, typer.Option("--csv", help="Write CSV in the place of Parquet.")] = False,
+    set_: Set = None,
+    threads: Annotated[
+        int | None, typer.Option("--threads", metavar="N", help="Threads; all of the machine's unless given.", min=1)
+    ] = None,
+    device: Annotated[
+        str, typer.Option("--device", metavar="cpu|cuda", help="cuda: a GPU, one lane a thread.")
+    ] = "cpu",
+    on: Annotated[
+        str | None,
+        typer.Option("--on", metavar="CLUSTER", help="dask://HOST:PORT: a Dask cluster; dask: one of this machine."),
+    ] = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Simulate one scenario over ranges of its numbers; run again after a stop, it goes on where it was."""
+    from stribeck.cli import sweep as command
+
+    return command.sweep(
+        scenario, vary or [], samples, seed, summary, as_csv, out, set_ or [], threads, json, trust, on, device
+    )
+
+
+@app.command(epilog="Example: stribeck new my_rig")
+def new(
+    name: Annotated[
+        str, typer.Argument(metavar="[NAME]", help="A name for it, or that of a built-in example.")
+    ] = "my_rig",
+    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Where to; NAME.toml unless given.")] = None,
+    examples: Annotated[bool, typer.Option("--list", help="List the built-in examples.")] = False,
+    schema: Annotated[
+        bool, typer.Option("--schema", help="Write the JSON Schema with which editors complete and check such files.")
+    ] = False,
+) -> int:
+    """Write a commented scenario file to start from."""
+    from stribeck.cli import new as command
+
+    return command.new(name, out, examples, schema)
+
+
+@app.command(epilog="Example: stribeck explore my_rig.toml --out my_rig.html")
+def explore(
+    what: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENARIO.toml | LAW]", help="A scenario file, or a law in the built-in stick-slip run."
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.html", help="The page; NAME.html unless given.")
+    ] = None,
+    law: Annotated[
+        list[str] | None,
+        typer.Option("--law", metavar="NAME", help="Offer this law beside the scenario's own; every law unless given."),
+    ] = None,
+    report: Annotated[
+        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's or fit's folder.")
+    ] = None,
+    set_: Set = None,
+    trust: Trust = False,
+    json: Json = False,
+    _undetermined: Undetermined = False,
+) -> int:
+    """Write a page that simulates the scenario in a browser while its numbers are turned; it needs no network."""
+    from stribeck.cli import explore as command
+
+    return command.explore(what, out, law, report, set_ or [], trust, json)
+
+
+@app.command(epilog="Example: stribeck paper --out report")
+def paper(
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the report.")] = Path("stribeck-report"),
+    json: Json = False,
+) -> int:
+    """Simulate the phenomena of the paper and leave one page with the plots."""
+    from stribeck.cli import paper as command
+
+    return command.paper(out, json)

@@ -1,0 +1,167 @@
+"""Recordings of ROS: MCAP files and rosbags, each topic's numbers as columns with times of their own."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator, Mapping
+from numbers import Real
+from pathlib import Path
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.errors import InputError, arg, needed
+from stribeck.recorded import Source
+
+_LONGEST = 64  # numbers of an array: a longer one is a picture or a cloud, no signal of an actuator
+_NAMES = ("name", "names", "joint_names")  # fields that name what arrays of the same length hold
+
+Messages = Iterable[tuple[str, int, object]]  # topic, time (ns), message
+
+
+class BagSource(Source):
+    """Columns ``TOPIC.FIELD`` (``/joint_states.elbow.position``), and ``TOPIC.t``: the header's stamp, or when the message
+    was recorded, in s from the first message. ``times`` names the time column of each column."""
+
+    def __init__(self, path: Path, messages: Messages) -> None:
+        rows: dict[str, list[tuple[int, dict[str, float]]]] = {}
+        for topic, at, message in messages:
+            stamp = _stamp(message)
+            rows.setdefault(topic, []).append((at if stamp is None else stamp, dict(_fields("", message, ()))))
+        rows = {topic: own for topic, own in rows.items() if any(numbers for _, numbers in own)}
+        if not rows:
+            raise InputError(f"{arg('data')}: '{path}': has no messages with numbers")
+        begin = min(row[0] for own in rows.values() for row in own)
+        found: dict[str, Array] = {}
+        self.times: dict[str, str] = {}
+        self.notes: list[str] = []
+        for topic, own in rows.items():
+            own.sort(key=lambda row: row[0])  # messages may arrive out of order
+            found[f"{topic}.t"] = np.array([(at - begin) * 1e-9 for at, _ in own])
+            for name in dict.fromkeys(name for _, numbers in own for name in numbers):
+                found[f"{topic}.{name}"] = np.array([numbers.get(name, np.nan) for _, numbers in own])
+                self.times[f"{topic}.{name}"] = f"{topic}.t"
+        super().__init__(path, found)
+        self.names, self.constants = list(self.variables), {}  # a topic with one message has columns too
+
+
+def _stamp(message: object) -> int | None:
+    """The time in a message's header, ns; None where there is none, or nobody has set it."""
+    stamp = _get(_get(message, "header"), "stamp")
+    seconds = _get(stamp, "sec", _get(stamp, "secs"))
+    rest = _get(stamp, "nanosec", _get(stamp, "nsecs", 0))
+    if not isinstance(seconds, int) or not isinstance(rest, int) or seconds == rest == 0:
+        return None
+    return seconds * 10**9 + rest
+
+
+def _get(message: object, name: str, other: object = None) -> object:
+    return message.get(name, other) if isinstance(message, Mapping) else getattr(message, name, other)
+
+
+def _inside(message: object) -> dict[str, object] | None:
+    """A message's fields; None for what is none."""
+    if isinstance(message, Mapping):
+        return {str(n): x for n, x in message.items()}
+    names = getattr(message, "__dataclass_fields__", None) or getattr(message, "__slots__", None)
+    return {n: getattr(message, n) for n in names if not n.startswith("_")} if names else None
+
+
+def _fields(path: str, value: object, called: tuple[str, ...]) -> Iterator[tuple[str, float]]:
+    """The numbers in a message by path; arrays as long as ``called`` by those names, others by their number."""
+    if isinstance(value, Real):
+        yield path, float(value)
+    elif isinstance(value, str | bytes):
+        return
+    elif (inside := _inside(value)) is not None:
+        texts = [
+            x for n in _NAMES if isinstance(x := inside.get(n), list | tuple) and all(isinstance(w, str) for w in x)
+        ]
+        names = next((tuple(x) for x in texts if x), called)
+        for name, x in inside.items():
+            if name not in ("header", "stamp"):
+                yield from _fields(f"{path}.{name}" if path else name, x, names)
+    elif isinstance(value, list | tuple | np.ndarray) and len(value) <= _LONGEST:
+        before, _, last = path.rpartition(".")
+        for i, x in enumerate(value):
+            named = f"{before}.{called[i]}.{last}" if before else f"{called[i]}.{last}" if called else ""
+            yield from _fields(named if len(called) == len(value) else f"{path}[{i}]", _plain(x), ())
+
+
+def _plain(x: object) -> object:
+    return x.item() if isinstance(x, np.generic) else x
+
+
+def opened_mcap(path: Path) -> Source:
+    """An MCAP file: ROS 2 messages (cdr) and JSON.
+
+    Raises:
+        MissingExtra: the library ``mcap`` is not installed.
+        InputError: it cannot be read, or holds nothing of these.
+    """
+    with needed("reading MCAP files"):
+        from mcap.exceptions import McapError
+        from mcap.reader import NonSeekingReader
+        from mcap_ros2.decoder import DecoderFactory
+    others: dict[str, str] = {}
+    notes: list[str] = []
+
+    def messages() -> Iterator[tuple[str, int, object]]:
+        factory, count = DecoderFactory(), 0
+        reader = NonSeekingReader(file).iter_messages(log_time_order=False)  # needs no index, which a torn file lacks
+        while True:
+            try:
+                schema, channel, message = next(reader)
+            except StopIteration:
+                return
+            except McapError as error:
+                if not count:
+                    raise
+                notes.append(f"{path.name}: ends in the middle of a message after {count}: was it cut short? ({error})")
+                return
+            count += 1
+            decode = factory.decoder_for(channel.message_encoding, schema)
+            if decode is None and channel.message_encoding == "json":
+                decode = json.loads
+            if decode is None:
+                others[channel.topic] = channel.message_encoding or "none"
+            else:
+                yield channel.topic, message.log_time, decode(message.data)
+
+    try:
+        with path.open("rb") as file:
+            source = BagSource(path, messages())
+            source.notes = notes
+            return source
+    except InputError as error:
+        if not others:
+            raise
+        told = ", ".join(f"{topic} ({kind})" for topic, kind in others.items())
+        raise InputError(f"{error}; not read, as neither cdr nor json: {told}") from None
+    except (McapError, ValueError) as error:
+        raise InputError(f"'{path}': cannot be read as MCAP: {error or type(error).__name__}") from None
+
+
+def opened_rosbag(path: Path) -> Source:
+    """A rosbag: a file ``.bag`` of ROS 1, or the folder of one of ROS 2.
+
+    Raises:
+        MissingExtra: the library ``rosbags`` is not installed.
+        InputError: it cannot be read.
+    """
+    with needed("reading rosbags"):
+        from rosbags.highlevel import AnyReader, AnyReaderError
+        from rosbags.interfaces import ConnectionExtRosbag2
+        from rosbags.typesys import Stores, get_typestore
+    stores = get_typestore(Stores.ROS2_JAZZY)  # for bags that say no more than their types' names
+    try:
+        with AnyReader([path], default_typestore=stores) as bag:
+            known = [
+                c for c in bag.connections
+                if not isinstance(c.ext, ConnectionExtRosbag2) or c.msgtype in bag.typestore.fielddefs
+            ]  # fmt: skip
+            return BagSource(
+                path, ((c.topic, at, bag.deserialize(raw, c.msgtype)) for c, at, raw in bag.messages(connections=known))
+            )
+    except AnyReaderError as error:
+        raise InputError(f"'{path}': cannot be read as a rosbag: {error}") from None

@@ -1,0 +1,210 @@
+"""The joints of a MuJoCo model as machines of one body each: what the rigid bodies do to a joint comes from MuJoCo's inverse
+dynamics along the recorded motion, and what is left is the joint's friction."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.interpolate import make_interp_spline
+
+from stribeck.arrays import Array
+from stribeck.constants import show
+from stribeck.errors import InputError, arg, needed
+from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
+from stribeck.identify.data.filters import low_pass
+from stribeck.recorded import is_table, no_column, opened
+from stribeck.scenario import Scenario
+
+if TYPE_CHECKING:
+    from stribeck.identify.actuator.result import MachineFit
+
+_STEEP = 500.0  # the smooth sign is complete at this share of the speeds
+_ROOM = 1e-4  # of the largest torque: the least friction that is looked for
+_EVEN = 0.01  # of a step: how far samples may be off an even grid
+_CUTOFF = 0.1  # of the sampling rate
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A joint as a machine and its recordings, ready for :func:`fit_machine`; its contact is called ``friction``."""
+
+    name: str
+    machine: Scenario
+    logs: Logs
+
+    def fit(self, **options: Any) -> MachineFit:
+        """The joint's friction; ``options`` are those of :func:`fit_machine`, such as ``laws={"friction": [...]}``."""
+        from stribeck.identify.actuator.api import fit_machine
+
+        return fit_machine(self.machine, self.logs, **options)
+
+    def write(self, folder: str | Path) -> tuple[Path, Path]:
+        """JOINT.toml and JOINT_logs.toml (with a CSV file for each recording), for ``stribeck fit``."""
+        import tomli_w
+
+        from stribeck.files import write_text
+
+        folder, entries = Path(folder), list[dict[str, object]]()
+        for i, r in enumerate(self.logs.recordings):
+            names = {**{n: c.column for n, c in r.outputs.items()}, **{n: c.column for n, c in r.inputs.items()}}
+            columns = {"t": r.t, **{c.column: c.x for c in (*r.outputs.values(), *r.inputs.values())}}
+            rows = [",".join(columns), *(",".join(map(repr, row)) for row in np.stack([*columns.values()], 1).tolist())]
+            write_text(folder / f"{self.name}_{i}.csv", "\n".join(rows) + "\n")
+            entry = {"file": f"{self.name}_{i}.csv", "hold_out": r.hold_out}
+            entry |= {} if r.window is None else {"window": r.window}
+            entry |= {"outputs": {n: names[n] for n in r.outputs}, "inputs": {n: names[n] for n in r.inputs}}
+            entries.append(entry)
+        sought = {s.path: {"low": s.low, "high": s.high} for s in self.logs.sought}
+        machine, logs = folder / f"{self.name}.toml", folder / f"{self.name}_logs.toml"
+        write_text(machine, tomli_w.dumps(self.machine.data))
+        write_text(logs, tomli_w.dumps({"log": entries, "unknown": sought}))
+        return machine, logs
+
+
+def from_mujoco(
+    model: Any, log: Any, *, positions: Mapping[str, str] | None = None, torques: Mapping[str, str] | None = None,
+    time: str = "t", cutoff: float | None = None, window: float = 1.0, hold_out: Sequence[int] = (),
+) -> dict[str, Joint]:  # fmt: skip
+    """Each joint of a MuJoCo model whose torque was recorded, as a machine of one body with its recordings.
+
+    The model's own friction (``frictionloss``, ``damping``) is left aside: it is what the fit looks for. Armature and
+    springs count as the model has them; contacts and joint limits do not act.
+
+    Args:
+        model: a ``mujoco.MjModel``, or the path of an XML model.
+        log: a recording or several, each a file (CSV, Parquet, MAT, NPZ), a data frame or a mapping of columns.
+        positions: the column of each joint's position (rad, m); ``JOINT.position`` unless given. Every slide and hinge
+            must have one.
+        torques: the column of each joint's torque or force (N m, N); ``JOINT.torque`` unless given, where that is there.
+        time: the column of times, s, evenly sampled.
+        cutoff: Hz, of the low-pass (Butterworth, order 4, there and back) before derivatives; a tenth of the sampling rate
+            unless given.
+        window: s; the motion is fitted in stretches of that length, as nothing holds a joint on its way.
+        hold_out: which recordings, from 0, are predicted and not fitted.
+
+    Raises:
+        InputError: the model or a recording cannot be read, or a column is missing; a line for each problem.
+        MissingExtra: MuJoCo is not installed.
+    """
+    with needed("identify.from_mujoco"):
+        import mujoco
+    made = _model(mujoco, model)
+    logs = log if isinstance(log, list | tuple) else [log]
+    found = [_Motion(mujoco, made, x, i, time, positions or {}, torques or {}, cutoff) for i, x in enumerate(logs)]
+    driven = [name for name in found[0].joints if all(name in motion.torque for motion in found)]
+    if not driven:
+        wanted = ", ".join(f"{name}.torque" for name in found[0].joints)
+        raise InputError(f"{arg('torques')}: no joint has a torque in every recording (looked for {wanted})")
+    return {name: _joint(name, found, window, hold_out) for name in driven}
+
+
+def _model(mujoco: Any, model: Any) -> Any:
+    """The model without friction, contacts and limits: a copy."""
+    import copy
+
+    if isinstance(model, str | Path):
+        try:
+            made = mujoco.MjModel.from_xml_path(str(model))
+        except ValueError as error:
+            raise InputError(f"{model}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
+    else:
+        made = copy.deepcopy(model)
+    for name in ("dof_frictionloss", "dof_damping", "dof_dampingpoly", "actuator_damping", "actuator_dampingpoly"):
+        if hasattr(made, name):
+            getattr(made, name)[:] = 0.0
+    flags = mujoco.mjtDisableBit
+    made.opt.disableflags |= int(flags.mjDSBL_CONTACT) | int(flags.mjDSBL_LIMIT) | int(flags.mjDSBL_FRICTIONLOSS)
+    return made
+
+
+class _Motion:
+    """One recording: the joints' positions, their torques, and what inverse dynamics say of each."""
+
+    def __init__(
+        self, mujoco: Any, model: Any, data: Any, number: int, time: str, positions: Mapping[str, str],
+        torques: Mapping[str, str], cutoff: float | None,
+    ) -> None:  # fmt: skip
+        self.file = f"log {number}" if is_table(data) else Path(data).name
+        single = (int(mujoco.mjtJoint.mjJNT_SLIDE), int(mujoco.mjtJoint.mjJNT_HINGE))
+        self.joints = {model.joint(j).name: j for j in range(model.njnt) if int(model.jnt_type[j]) in single}
+        self.hinges = {n for n, j in self.joints.items() if int(model.jnt_type[j]) == single[1]}
+        source = opened(data)
+        wrong = [f"{arg('positions')}: {n!r}: no such joint" for n in (*positions, *torques) if n not in self.joints]
+        wanted = {"time": time, **{f"position of {n}": positions.get(n, f"{n}.position") for n in self.joints}}
+        wrong += [no_column(role, name, source) for role, name in wanted.items() if name not in source.names]
+        drives = {n: torques.get(n, f"{n}.torque") for n in self.joints}
+        wrong += [
+            no_column("torques", drives[n], source) for n in torques if n in drives and drives[n] not in source.names
+        ]
+        if wrong or not self.joints:
+            raise InputError(wrong or ["model: has no slide and no hinge"])
+        wanted |= {f"torque of {n}": name for n, name in drives.items() if name in source.names}
+        columns = source.columns(wanted)
+        self.t = columns["time"] - columns["time"][0]
+        self.position = {n: columns[f"position of {n}"] for n in self.joints}
+        self.torque = {n: columns[f"torque of {n}"] for n in self.joints if f"torque of {n}" in columns}
+        self.speed: dict[str, Array] = {}
+        self.acceleration: dict[str, Array] = {}
+        self.rigid: dict[str, Array] = {}
+        self.inertia: dict[str, Array] = {}
+        self._invert(mujoco, model, cutoff)
+
+    def _invert(self, mujoco: Any, model: Any, cutoff: float | None) -> None:
+        """Speeds, accelerations, and each joint's own inertia and rigid-body torque."""
+        step = float(np.median(np.diff(self.t)))
+        rows = np.stack([self.t, *self.position.values(), *self.torque.values()])
+        if not np.isfinite(rows).all() or abs(np.diff(self.t) - step).max() > _EVEN * step or len(self.t) < 32:
+            text = "must be evenly sampled and complete, of at least 32 rows, for MuJoCo's inverse dynamics"
+            raise InputError(f"{arg('time')}: {show(self.file)}: {text}")
+        rate, data = 1 / step, mujoco.MjData(model)
+        qpos = np.tile(model.qpos0, (len(self.t), 1))
+        v, a = np.zeros((2, len(self.t), model.nv))
+        for name, j in self.joints.items():
+            q = low_pass(self.position[name], min(cutoff or _CUTOFF * rate, 0.45 * rate), step)
+            spline, dof = make_interp_spline(self.t, q, 5), int(model.jnt_dofadr[j])
+            qpos[:, int(model.jnt_qposadr[j])] = q
+            v[:, dof], a[:, dof] = spline.derivative(1)(self.t), spline.derivative(2)(self.t)
+        rigid, own, full = np.empty_like(v), np.empty_like(v), np.empty((model.nv, model.nv))
+        for i in range(len(self.t)):
+            data.qpos[:], data.qvel[:], data.qacc[:] = qpos[i], v[i], a[i]
+            mujoco.mj_inverse(model, data)
+            rigid[i] = data.qfrc_inverse
+            mujoco.mj_fullM(model, data, full)
+            own[i] = np.diag(full)
+        for name, j in self.joints.items():
+            dof = int(model.jnt_dofadr[j])
+            self.speed[name], self.acceleration[name] = v[:, dof], a[:, dof]
+            self.rigid[name], self.inertia[name] = rigid[:, dof], own[:, dof]
+
+
+def _joint(name: str, motions: Sequence[_Motion], window: float, hold_out: Sequence[int]) -> Joint:
+    """The joint's body has its mean inertia; the rest of the rigid-body torque, as recorded, acts from outside."""
+    inertia = float(np.mean(np.concatenate([m.inertia[name] for m in motions])))
+    speed = max(float(np.sqrt(np.mean(np.concatenate([m.speed[name] for m in motions]) ** 2))), 1e-6)
+    size = max(float(np.max(abs(np.concatenate([m.torque[name] for m in motions])))), 1e-9)
+    body = "".join(c if c.isalnum() else "_" for c in name)
+    still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
+    law = {"name": "coulomb_viscous", "k_v": _STEEP / speed,
+           "parameters": {"F_c": 0.03 * size, "sigma_2": 0.03 * size / speed}}  # fmt: skip
+    machine = Scenario({
+        "schema": 2, "name": body,
+        "bodies": {body: {"inertia" if name in motions[0].hinges else "mass": inertia}},
+        "contacts": {"friction": {"from": body, "law": law}},
+        "loads": {n: {"on": body, "kind": "signal", "signal": still} for n in ("drive", "rigid")},
+        "solve": {"t_end": float(motions[0].t[-1])}, "output": {"step": float(np.median(np.diff(motions[0].t)))},
+    })  # fmt: skip
+    recordings = []
+    for i, m in enumerate(motions):
+        rest = inertia * m.acceleration[name] - m.rigid[name]
+        inputs = {"loads.drive.signal": Channel("torque", m.t, m.torque[name])}
+        inputs["loads.rigid.signal"] = Channel("rigid_bodies", m.t, rest)
+        outputs = {f"{body}.y": Channel("position", m.t, m.position[name])}
+        made = Recording(m.file, m.t, outputs, inputs, window=window, hold_out=i in hold_out)
+        recordings.append(replace(made, window=None) if window >= m.t[-1] else made)
+    bounds = {"F_c": size, "sigma_2": size / speed}
+    sought = tuple(Sought(f"contacts.friction.law.parameters.{n}", _ROOM * x, x) for n, x in bounds.items())
+    return Joint(body, machine, Logs(tuple(recordings), sought))

@@ -1,0 +1,62 @@
+"""What a dither moves: how far the bodies of a loop swing at its frequency, and the frequency that a dither should have."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.loops.loop import Loop, SlidingLoop, controller_of
+from stribeck.scenario import Scenario
+
+SHARE = 1.5  # of the swing of the linear loop that slides: what sampling and friction may add to it
+_SQUARE = 4 / np.pi  # the first harmonic of a square wave
+_SMALL = (
+    0.01  # of the largest answer: above where the loop answers so little, a dither shakes the contact and not the axis
+)
+_OF_SAMPLING = 8  # samples of a wave at least
+_GRID = np.geomspace(1e-2, 1e5, 281)  # of 1/(2 pi the slowest time constant), Hz
+
+
+def swings(loop: Loop, values: Mapping[str, Array], count: int) -> list[dict[str, float]]:
+    """Peak to peak, by body and lane, of what the dithers of the loop may move; empty where there is none.
+
+    It is that of the linear loop while all contacts slide (:class:`SlidingLoop`), times :data:`SHARE`.
+    """
+    rig = loop.scenario.rig
+    assert rig is not None
+    found: list[dict[str, float]] = [{} for _ in range(count)]
+    for each in rig.machine.controllers:
+        if each.dither is None:
+            continue
+        sliding, known = SlidingLoop(loop.scenario, each.name), dict[float, dict[str, float]]()
+        first = _SQUARE if each.dither.kind == "square" else 1.0
+        amplitude, frequency = (
+            np.broadcast_to(values.get(f"{each.dither.path}.{n}", rig.values[each.dither.path, n]), (count,))
+            for n in ("amplitude", "frequency")
+        )
+        for lane in range(count):
+            f = float(frequency[lane])
+            if f not in known:
+                known[f] = sliding.response(f)
+            for body, x in known[f].items():
+                found[lane][body] = found[lane].get(body, 0.0) + 2 * SHARE * first * float(amplitude[lane]) * x
+    return found
+
+
+def frequency_for(scenario: Scenario, controller: str, slowest: float) -> float:
+    """A frequency for a dither, Hz: where the sliding loop answers with a hundredth of its largest answer; at most an eighth of
+    the sampling's."""
+    rig = scenario.rig
+    assert rig is not None
+    each = controller_of(scenario, controller)
+    sliding, name = SlidingLoop(scenario, controller), rig.machine.leader(each.measures).name
+    grid = _GRID / (2 * np.pi * slowest)
+    answer = np.array([sliding.response(float(f)).get(name, 0.0) for f in grid])
+    after = int(np.argmax(answer))
+    small = np.flatnonzero(answer[after:] <= _SMALL * answer[after])
+    found = float(grid[after + int(small[0])]) if len(small) else float(grid[-1])
+    if each.sampling is not None:
+        found = min(found, 1 / (_OF_SAMPLING * rig.values[f"{each.path}.sampling", "period"]))
+    return float(f"{found:.3g}")

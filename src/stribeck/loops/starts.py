@@ -1,0 +1,148 @@
+"""Limit cycles from many starts: what the loop does when it begins off its target, in motion or with a link stretched."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stribeck.loops.judge import Judgement, judge
+from stribeck.loops.loop import Loop, controller_of, rests_at
+from stribeck.loops.moves import Moves, moves_of
+from stribeck.scenario import Scenario
+
+_OFF = (0.003, 0.01, 0.03, 0.1, 0.3, 1.0)  # of the file's move, both ways
+_FAST = (0.1, 0.3, 1.0)  # of its greatest speed, both ways
+_STRETCHED = 0.1  # of the file's move: one body that is not measured, alone
+_ALIKE = 0.1  # amplitudes of cycles that differ by less are one cycle
+
+
+@dataclass(frozen=True)
+class Start:
+    """A start, the signals resting where they end: a body's place from there and its speed; and what comes of it."""
+
+    body: str
+    off: float
+    speed: float
+    judgement: Judgement
+
+    def row(self) -> dict[str, object]:
+        """What is told of it."""
+        j = self.judgement
+        cycle = {"amplitude": j.amplitude, "period": j.period} if j.verdict == "hunting" else None
+        return {"body": self.body, "off": self.off, "speed": self.speed, "verdict": j.verdict, "limit_cycle": cycle}
+
+
+def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | None = None) -> list[Start]:
+    """The judgement from each of many starts, in lanes.
+
+    The controllers' signals rest at their last values from t = 0 on, with empty integrals. The measured body begins there,
+    0.003 to 1 of the file's move off, both ways, what is linked to it moved with it; or there with 0.1 to 1 of its speed, both
+    ways; or another body alone a tenth of the move off, its links stretched.
+    """
+    moves = moves_of(loop, controller)
+    held = _held(loop)
+    rig = held.scenario.rig
+    assert rig is not None
+    each = controller_of(held.scenario, controller)
+    main = rig.machine.leader(each.measures).name
+    last = _last(loop, controller)
+    at = _together(held.scenario, each.measures)
+    wanted = _wanted(moves, main, [name for name in at if name != main])
+    lanes: dict[str, list[float]] = {f"bodies.{name}.initial.y": [] for name in at}
+    lanes |= {f"bodies.{name}.initial.v": [] for name in at}
+    for body, off, speed in wanted:
+        for name, share in at.items():
+            y = share * last + (share * off if body == main else off * share if body == name else 0.0)
+            lanes[f"bodies.{name}.initial.y"].append(y)
+            lanes[f"bodies.{name}.initial.v"].append(share * speed)
+    found = judge(held, {path: np.array(x) for path, x in lanes.items()}, tell)
+    return [Start(body, off, speed, j) for (body, off, speed), j in zip(wanted, found, strict=True)]
+
+
+def kinds(found: list[Start], own: Judgement) -> list[Judgement]:
+    """What the loop can do, by the file's own run and from all starts: one of each verdict, and of each cycle's size."""
+    different: list[Judgement] = []
+    for j in (own, *(start.judgement for start in found)):
+        if not any(_alike(j, other) for other in different):
+            different.append(j)
+    return different
+
+
+def _alike(a: Judgement, b: Judgement) -> bool:
+    if a.verdict != b.verdict or a.verdict != "hunting":
+        return a.verdict == b.verdict
+    return abs(a.amplitude - b.amplitude) <= _ALIKE * max(a.amplitude, b.amplitude)
+
+
+def _wanted(moves: Moves, main: str, others: list[str]) -> list[tuple[str, float, float]]:
+    found = [(main, sign * share * moves.amplitude, 0.0) for share in _OFF for sign in (1, -1)]
+    found += [(main, 0.0, sign * share * moves.speed) for share in _FAST for sign in (1, -1)]
+    return found + [(name, sign * _STRETCHED * moves.amplitude, 0.0) for name in others for sign in (1, -1)]
+
+
+def _held(loop: Loop) -> Loop:
+    """The loop with its controllers' signals at rest from t = 0 on."""
+    rig, data = loop.scenario.rig, deepcopy(loop.scenario.data)
+    assert rig is not None
+    for each in rig.machine.controllers:
+        table = data["controllers"][each.name]
+        table["signal"] = {"kind": "step", "time": 0.0, "value": _last(loop, each.name)}
+        table.pop("feedforward", None)  # the second derivative that it is for is 0
+        if table.get("compensation"):
+            table["compensation"].pop("lead", None)
+    scenario = Scenario(data, folder=loop.scenario.folder, trust=True)
+    assert scenario.rig is not None
+    rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
+    return replace(loop, scenario=scenario, rest=rest)
+
+
+def _last(loop: Loop, controller: str) -> float:
+    """Where a controller's signal rests in the end."""
+    rig = loop.scenario.rig
+    assert rig is not None
+    signal = rig.signals[controller_of(loop.scenario, controller).signal]
+    return float(signal.at(np.array([max(rests_at(signal), 0.0) + 1.0]))[0])
+
+
+def _together(scenario: Scenario, measured: str) -> dict[str, float]:
+    """How far each body with coordinates of its own goes by the measured one while no link is stretched; the leader's first."""
+    rig = scenario.rig
+    assert rig is not None
+    machine = rig.machine
+    body, share = machine.body[measured], 1.0
+    while body.leader is not None:
+        share /= rig.values.get((body.path, "ratio"), 1.0)
+        body = machine.body[body.leader]
+    found = {body.name: share}
+    for _ in machine.bodies:
+        for link in machine.links:
+            start, end = link.span.start, link.span.end
+            if not isinstance(start, str) or end is None:
+                continue
+            a, b = machine.leader(start).name, machine.leader(end).name
+            by_a, by_b = (_ratio_of(scenario, name) for name in (start, end))
+            over = rig.values.get((link.path, "ratio"), 1.0) * by_a / by_b  # ratio y_start = y_end
+            if a in found and b not in found:
+                found[b] = found[a] * over
+            elif b in found and a not in found:
+                found[a] = found[b] / over
+    return {name: x for name, x in found.items() if machine.body[name].driven is None}
+
+
+def _ratio_of(scenario: Scenario, name: str) -> float:
+    """How far a body moves by its leader."""
+    rig = scenario.rig
+    assert rig is not None
+    body, total = rig.machine.body[name], 1.0
+    while body.leader is not None:
+        total *= rig.values.get((body.path, "ratio"), 1.0)
+        body = rig.machine.body[body.leader]
+    return total
+
+
+def starts_row(found: list[Start], own: Judgement) -> dict[str, object]:
+    """What is told of the starts: each, and whether what the loop does in the end depends on them."""
+    return {"starts": [start.row() for start in found], "depends_on_the_start": len(kinds(found, own)) > 1}

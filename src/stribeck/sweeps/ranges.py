@@ -1,0 +1,92 @@
+"""What varies in a sweep: ranges of numbers, and the values of every lane."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.errors import InputError, arg
+
+_MOST_LANES = 10**8
+
+
+@dataclass(frozen=True)
+class Range:
+    """A range of one number: ``count`` values from first to last, evenly or logarithmically spaced."""
+
+    path: str
+    first: float
+    last: float
+    count: int
+    log: bool = False
+
+    @classmethod
+    def parse(cls, text: str, drawn: bool = False) -> Range:
+        """``PATH=FIRST:LAST:COUNT[:log]``; for a drawn sample ``COUNT`` may be left out.
+
+        Raises:
+            InputError: it is no such range.
+        """
+        form = "PATH=FIRST:LAST[:log]" if drawn else "PATH=FIRST:LAST:COUNT[:log]"
+        path, sign, rest = text.partition("=")
+        words = rest.split(":")
+        log = words[-1] == "log"
+        words = words[:-1] if log else words
+        try:
+            first, last = float(words[0]), float(words[1])
+            count = int(words[2]) if len(words) > 2 or not drawn else 1
+        except (ValueError, IndexError):
+            raise InputError(f"{arg('ranges')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log") from None
+        if not sign or not path.strip() or len(words) > 3:
+            raise InputError(f"{arg('ranges')} {text!r}: must be {form}, such as law.k_v=1e6:1e8:5:log")
+        if not (math.isfinite(first) and math.isfinite(last)):
+            raise InputError(f"{arg('ranges')} {text!r}: FIRST and LAST must be finite numbers")
+        if not 1 <= count <= _MOST_LANES:
+            raise InputError(f"{arg('ranges')} {text!r}: COUNT must be a whole number from 1 to {_MOST_LANES}")
+        if log and not (first > 0 and last > 0):
+            raise InputError(f"{arg('ranges')} {text!r}: FIRST and LAST must be > 0 for log")
+        return cls(path.strip(), first, last, count, log)
+
+    @property
+    def values(self) -> Array:
+        """The values, both ends included."""
+        return self._scaled(np.linspace(0.0, 1.0, self.count) if self.count > 1 else np.zeros(1))
+
+    def drawn(self, random: np.random.Generator, count: int) -> Array:
+        """Values drawn between the ends, uniformly (in the logarithm for ``log``)."""
+        return self._scaled(random.random(count))
+
+    def _scaled(self, share: Array) -> Array:
+        if self.log:
+            found = 10 ** (math.log10(self.first) + math.log10(self.last / self.first) * share)
+        else:
+            found = self.first + (self.last - self.first) * share
+        return np.where(share == 0, self.first, np.where(share == 1, self.last, found))
+
+
+def lanes_of(ranges: Sequence[Range], samples: int | None = None, seed: int = 0) -> dict[str, Array]:
+    """The values of every lane by path: the grid of the ranges, the last one fastest, or ``samples`` random points.
+
+    Raises:
+        InputError: no range, two of one path, or more lanes than a sweep can have.
+    """
+    paths = [r.path for r in ranges]
+    if not ranges:
+        raise InputError(f"{arg('ranges')}: missing: must be given at least once, such as law.k_v=1e6:1e8:5:log")
+    if twice := [path for path in dict.fromkeys(paths) if paths.count(path) > 1]:
+        raise InputError(
+            [f"{arg('ranges')} {path}: given {paths.count(path)} times; must be given once" for path in twice]
+        )
+    count = math.prod(r.count for r in ranges) if samples is None else samples
+    if not 1 <= count <= _MOST_LANES:
+        what = "the grid has" if samples is None else arg("samples")
+        raise InputError(f"{what} {count} lanes: must be from 1 to {_MOST_LANES}")
+    if samples is not None:
+        random = np.random.default_rng(seed)
+        return {r.path: r.drawn(random, samples) for r in ranges}
+    grid = np.meshgrid(*(r.values for r in ranges), indexing="ij")
+    return {path: values.reshape(-1) for path, values in zip(paths, grid, strict=True)}

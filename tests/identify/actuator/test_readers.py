@@ -1,0 +1,199 @@
+"""Recordings of ROS and of LeRobot, in files that their own libraries (or pyarrow) wrote in the test."""
+
+import json
+
+import numpy as np
+import pytest
+
+from stribeck.errors import InputError
+from stribeck.identify.actuator import read_logs
+from tests.identify.actuator.recorded import logs
+
+N = 20
+T = 0.01 * np.arange(N)
+ELBOW, PUSH = np.sin(T), np.cos(3 * T[::2])
+JOINTS = """std_msgs/Header header
+string[] name
+float64[] position
+================================================================================
+MSG: std_msgs/Header
+builtin_interfaces/Time stamp
+string frame_id
+================================================================================
+MSG: builtin_interfaces/Time
+int32 sec
+uint32 nanosec"""
+BEGIN = 1_700_000_000 * 10**9
+UNKNOWN = {"bodies.a.mass": {"low": 0.1, "high": 2.0}}
+COLUMNS = {"outputs": {"a.y": "/joints.elbow.position"}, "inputs": {"loads.push.signal": "/effort.data[1]"}}
+
+
+def stamps(i):
+    """When sample i was taken, and when its message arrived: 3 ms later."""
+    taken = BEGIN + 10**7 * i
+    return taken // 10**9, taken % 10**9, taken + 3 * 10**6
+
+
+def mcap_file(path):
+    from mcap_ros2.writer import Writer
+
+    with path.open("wb") as file:
+        writer = Writer(file)
+        joints = writer.register_msgdef("sensor_msgs/msg/Joints", JOINTS)
+        effort = writer.register_msgdef("std_msgs/msg/Effort", "float32[] data")
+        for i in range(N):
+            sec, nanosec, arrived = stamps(i)
+            header = {"stamp": {"sec": sec, "nanosec": nanosec}, "frame_id": ""}
+            message = {"header": header, "name": ["wrist", "elbow"], "position": [9.0, float(ELBOW[i])]}
+            writer.write_message("/joints", joints, message, arrived, arrived)
+            if i % 2 == 0:
+                writer.write_message("/effort", effort, {"data": [0.0, float(PUSH[i // 2])]}, arrived, arrived)
+        writer.finish()
+
+
+def bag(path):
+    from rosbags.rosbag1 import Writer as Writer1
+    from rosbags.rosbag2 import Writer as Writer2
+    from rosbags.typesys import Stores, get_typestore
+
+    old = path.suffix == ".bag"
+    store = get_typestore(Stores.ROS1_NOETIC if old else Stores.ROS2_JAZZY)
+    kind = store.types
+    more = {"seq": 0} if old else {}
+    with Writer1(path) if old else Writer2(path, version=9) as writer:
+        joints = writer.add_connection("/joints", "sensor_msgs/msg/JointState", typestore=store)
+        effort = writer.add_connection("/effort", "std_msgs/msg/Float64MultiArray", typestore=store)
+        pack = store.serialize_ros1 if old else store.serialize_cdr
+        layout = kind["std_msgs/msg/MultiArrayLayout"](dim=[], data_offset=0)
+        for i in range(N):
+            sec, nanosec, arrived = stamps(i)
+            stamp = kind["builtin_interfaces/msg/Time"](sec=sec, nanosec=nanosec)
+            header = kind["std_msgs/msg/Header"](stamp=stamp, frame_id="", **more)
+            position = np.array([9.0, ELBOW[i]])
+            none = np.zeros(0)
+            message = kind["sensor_msgs/msg/JointState"](header, ["wrist", "elbow"], position, none, none)
+            writer.write(joints, arrived, pack(message, message.__msgtype__))
+            if i % 2 == 0:
+                data = np.array([0.0, PUSH[i // 2]])
+                message = kind["std_msgs/msg/Float64MultiArray"](layout=layout, data=data)
+                writer.write(effort, arrived, pack(message, message.__msgtype__))
+
+
+@pytest.mark.parametrize("name", ["run.mcap", "run.bag", "run"])
+def test_topics_have_their_own_times(name, tmp_path):
+    pytest.importorskip("mcap" if name == "run.mcap" else "rosbags")
+    (mcap_file if name == "run.mcap" else bag)(tmp_path / name)
+    (recording,) = read_logs(logs(tmp_path, [{"file": name, **COLUMNS}], UNKNOWN)).recordings
+    y, u = recording.outputs["a.y"], recording.inputs["loads.push.signal"]
+    np.testing.assert_allclose(recording.t, T, atol=1e-9)
+    np.testing.assert_allclose(y.t, T, atol=1e-9)
+    np.testing.assert_allclose(y.x, ELBOW, rtol=1e-12)
+    np.testing.assert_allclose(u.t, T[::2] + 0.003, atol=1e-9)  # no header: when it was recorded
+    np.testing.assert_allclose(u.x, PUSH, rtol=1e-6)
+
+
+def test_a_topic_that_is_not_there_and_a_file_that_is_none(tmp_path):
+    pytest.importorskip("mcap")
+    mcap_file(tmp_path / "run.mcap")
+    wrong = COLUMNS | {"outputs": {"a.y": "/joints.elbo.position"}, "time": "/joints.t"}
+    (tmp_path / "torn.mcap").write_bytes((tmp_path / "run.mcap").read_bytes()[:200])
+    (tmp_path / "text.mcap").write_text("t,y\n0,1\n")
+    with pytest.raises(InputError) as error:
+        read_logs(logs(tmp_path, [{"file": "run.mcap", **wrong}, "torn.mcap", "text.mcap"], UNKNOWN))
+    first, torn, text = error.value.problems
+    assert "did you mean '/joints.elbow.position'?" in first
+    assert "torn.mcap': cannot be read as MCAP" in torn
+    assert "text.mcap': cannot be read as MCAP" in text
+
+
+def test_a_bag_that_was_cut_short_gives_what_it_has(tmp_path):
+    pytest.importorskip("mcap")
+    from mcap_ros2.writer import Writer
+
+    path = tmp_path / "run.mcap"
+    with path.open("wb") as file:
+        writer = Writer(file, chunk_size=200)
+        joints = writer.register_msgdef("sensor_msgs/msg/Joints", JOINTS)
+        for i in range(N):
+            message = {
+                "header": {"stamp": {"sec": 0, "nanosec": 0}, "frame_id": ""},
+                "name": ["elbow"],
+                "position": [i],
+            }
+            writer.write_message("/joints", joints, message, BEGIN + 10**7 * i, 0)
+        writer.finish()
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    (recording,) = read_logs(logs(tmp_path, [{"file": "run.mcap", **COLUMNS, "inputs": {}}], UNKNOWN)).recordings
+    assert 8 <= len(recording.t) < N
+    assert any("cut short" in note for note in recording.notes)
+
+
+def test_messages_in_json(tmp_path):
+    pytest.importorskip("mcap")
+    from mcap.writer import Writer
+
+    with (tmp_path / "run.mcap").open("wb") as file:
+        writer = Writer(file)
+        writer.start()
+        schema = writer.register_schema("joint", "jsonschema", b"{}")
+        channel = writer.register_channel("/joints", "json", schema)
+        for i in range(N):
+            data = json.dumps({"elbow": {"position": ELBOW[i]}, "on": True}).encode()
+            writer.add_message(channel, 10**7 * i, data, 10**7 * i)
+        writer.finish()
+    (recording,) = read_logs(logs(tmp_path, [{"file": "run.mcap", **COLUMNS, "inputs": {}}], UNKNOWN)).recordings
+    np.testing.assert_allclose(recording.outputs["a.y"].x, ELBOW)
+
+
+def dataset(folder, version):
+    """Two episodes, of the second of which the first joint is what the test wants."""
+    import pyarrow as pa
+    from pyarrow import parquet
+
+    state = {"dtype": "float32", "shape": [2], "names": ["elbow.pos", "wrist.pos"]}
+    action = {"dtype": "float32", "shape": [2], "names": {"motors": ["elbow", "wrist"]}}
+    other = {n: {"dtype": "int64", "shape": [1], "names": None} for n in ("episode_index", "frame_index")}
+    features = {"observation.state": state, "action": action, "timestamp": {"dtype": "float32", "shape": [1]}, **other}
+    features["observation.images.top"] = {"dtype": "video", "shape": [3, 4, 4], "names": ["c", "h", "w"]}
+    (folder / "meta").mkdir(parents=True)
+    info = {"codebase_version": version, "total_episodes": 2, "fps": 100, "features": features}
+    (folder / "meta" / "info.json").write_text(json.dumps(info))
+    chunk = folder / "data" / "chunk-000"
+    chunk.mkdir(parents=True)
+    tables = []
+    for episode in (0, 1):
+        joint = np.degrees(ELBOW) * episode
+        rows = {
+            "observation.state": pa.array(np.stack([joint, 0 * T], 1).tolist(), pa.list_(pa.float32(), 2)),
+            "action": pa.array(np.stack([joint + 1, 0 * T], 1).tolist(), pa.list_(pa.float32())),
+            "timestamp": pa.array(T, pa.float32()),
+            "episode_index": pa.array([episode] * N), "frame_index": pa.array(range(N)),
+        }  # fmt: skip
+        tables.append(pa.table(rows))
+        if version == "v2.1":
+            parquet.write_table(tables[-1], chunk / f"episode_{episode:06d}.parquet")
+    if version == "v3.0":
+        parquet.write_table(pa.concat_tables(tables), chunk / "file-000.parquet")
+
+
+@pytest.mark.parametrize("version", ["v2.1", "v3.0"])
+def test_an_episode_of_lerobot(version, tmp_path):
+    dataset(tmp_path / "arm", version)
+    columns = {
+        "outputs": {"a.y": {"column": "observation.state.elbow.pos", "unit": "deg"}},
+        "inputs": {"loads.push.signal": {"column": "action.elbow", "unit": "deg", "gain": 2.0}},
+    }
+    path = logs(tmp_path, [{"file": "arm", "episode": 1, **columns}], UNKNOWN)
+    (recording,) = read_logs(path).recordings
+    np.testing.assert_allclose(recording.t, T, atol=1e-7)
+    np.testing.assert_allclose(recording.outputs["a.y"].x, ELBOW, rtol=1e-6)
+    np.testing.assert_allclose(recording.inputs["loads.push.signal"].x, 2 * (ELBOW + np.pi / 180), rtol=1e-6)
+    with pytest.raises(InputError) as error:
+        read_logs(
+            logs(tmp_path, [{"file": "arm"}, {"file": "arm", "episode": 7}, {"file": "arm", "episode": -1}], UNKNOWN)
+        )
+    missing, none, wrong = error.value.problems
+    assert "episode must be given" in missing
+    assert "7: there is none (it has 2, from 0)" in none
+    assert "log.2.episode: -1: must be a whole number >= 0" in wrong

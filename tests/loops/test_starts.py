@@ -1,0 +1,74 @@
+"""What the loop does from many starts, and with a dither."""
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario
+from stribeck.loops.compensation import _dithered
+from stribeck.loops.judge import judge
+from stribeck.loops.loop import loop_of
+from stribeck.loops.moves import reversal_errors
+from stribeck.loops.proof import proof
+from stribeck.loops.shaken import SHARE, swings
+from stribeck.loops.starts import _together, from_starts, kinds
+from stribeck.report.design import starts_sentence
+from tests.loops.axis import axis
+from tests.machine.machines import law
+
+
+def hunter(**controller):
+    """Quiet from where its file begins, though its integral hunts when it begins nearer to its target."""
+    step = {"kind": "step", "time": 0.0, "value": 0.05}
+    guide = law("lugre", sigma_0=1e5, sigma_1=300.0, sigma_2=20.0, F_c=6.0, F_s=9.0, v_s=5e-3)
+    data = axis(contact=guide, signal=step, **{"K_p": 2000.0, "K_d": 100.0, "K_i": 20000.0, **controller})
+    data["bodies"]["a"]["mass"] = 2.0
+    return loop_of(Scenario(data))
+
+
+def test_what_it_does_depends_on_the_start():
+    """Another solver on equations written apart (tests/machine/independent.py, 30 s, rtol 1e-9) has a cycle of
+    0.816 mm from 0.75 mm off, and rest to 1.6e-11 m from 2.5 mm off."""
+    loop = hunter()
+    own = judge(loop)[0]
+    found = from_starts(loop, "hold")
+    assert own.verdict == "quiet"
+    cycles = [s for s in found if s.judgement.verdict == "hunting"]
+    assert [abs(s.off) for s in cycles] == pytest.approx([0.03 * 0.025] * 2)
+    assert all(s.judgement.amplitude == pytest.approx(0.816e-3, rel=0.01) for s in cycles)
+    assert {j.verdict for j in kinds(found, own)} == {"quiet", "hunting"}
+    assert "depends on the start: quiet in the file's run" in starts_sentence(found, own, "m")
+    assert len(kinds([s for s in found if s.judgement.quiet], own)) == 1
+
+
+def test_starts_move_what_is_linked_along():
+    data = axis()
+    data["bodies"] |= {"wheel": {"inertia": 0.01}, "rim": {"inertia": 0.01, "tied_to": "wheel", "ratio": -2.0}}
+    data["links"] = {"k": {"from": "a", "to": "rim", "ratio": 50.0, "stiffness": 9.0, "damping": 0.1}}
+    assert _together(Scenario(data), "a") == {"a": 1.0, "wheel": pytest.approx(-25.0)}
+    assert _together(Scenario(data), "rim") == {"wheel": pytest.approx(-0.5), "a": pytest.approx(1 / 50)}
+
+
+def test_a_dither_stops_what_hunts():
+    """0.712 mm of hunting; with more than friction at 100 Hz the mass stays within what the dither alone moves it."""
+    assert judge(hunter(K_i=60000.0))[0].verdict == "hunting"
+    loop = hunter(K_i=60000.0, dither={"amplitude": 12.0, "frequency": 100.0})
+    path = "controllers.hold.dither.amplitude"
+    none, shaken = judge(loop, {path: np.array([0.0, 12.0])})
+    assert none.verdict == "hunting"
+    assert shaken.quiet
+    free = 12.0 / (2.0 * (2 * np.pi * 100) ** 2)  # of the mass alone
+    assert 0.3 * free < shaken.amplitude < 1.2 * free
+    assert swings(loop, {}, 1)[0]["a"] == pytest.approx(2 * SHARE * free, rel=0.02)
+    assert "has a dither" in proof(loop)["why"]
+
+
+def test_the_amplitude_of_a_dither_that_leaves_least():
+    loop = hunter(K_i=0.0, K_d=300.0)
+    named = "contacts.guide.law.parameters.F_s"
+    found = _dithered(loop, "hold", "guide", {named: np.array([10.0])})
+    assert found.largest_quiet_share == 3.0
+    assert found.dither["least_quiet_share"] == 0.0
+    assert found.dither["amplitude"] == pytest.approx(found.share * 9.0, rel=0.02)
+    plain = reversal_errors(loop, "hold", {named: np.array([10.0])})
+    assert found.share > 0
+    assert found.worst_error < 0.8 * plain.max()
