@@ -1,5 +1,9 @@
 """Fixtures for every test."""
 
+import os
+import shutil
+from pathlib import Path
+
 import pytest
 
 # Families of cases of which `make test` runs one in so many (0: none), and `make thorough`, which CI runs too, the rest:
@@ -48,12 +52,44 @@ def pytest_collection_modifyitems(items):
                 item.add_marker("thorough")
 
 
+# The rooms whose subject is what the compiler makes of a system: there it is called as a user's run calls it.
+AS_USERS_COMPILE = {"analysis", "codegen", "control", "machine", "reference", "runtime", "simulation"}
+# Elsewhere systems are compiled in half the time, and run a fifth slower; `make thorough` compiles all as a user's run.
+QUICKLY = "-O1 -fexpensive-optimizations -fno-inline-functions-called-once"
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _cache_folder(tmp_path_factory):
     """Compiled systems go into a folder of the test run's own, shared by its workers."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("STRIBECK_CACHE", str(tmp_path_factory.getbasetemp().parent / "stribeck-cache"))
         yield
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item, nextitem):
+    """Choose the compiler before the first fixture of a test compiles."""
+    room = Path(item.fspath).relative_to(Path(__file__).parent).parts[0]
+    with pytest.MonkeyPatch.context() as patch:
+        if room not in AS_USERS_COMPILE and (quick := _quick_compiler(item.config)):
+            patch.setenv("STRIBECK_CC", quick)
+        return (yield)
+
+
+def _quick_compiler(config):
+    """A script that calls the C compiler with less optimisation; None where there is none, or another was asked for."""
+    path = shutil.which("cc") or shutil.which("gcc")
+    chosen = os.environ.get("STRIBECK_CC") or os.environ.get("CC")
+    if chosen or path is None or os.name != "posix" or config.option.markexpr == "thorough":
+        return None
+    script = config._tmp_path_factory.getbasetemp().parent / "stribeck-cc"
+    if not script.exists():
+        draft = script.with_name(f"stribeck-cc-{os.getpid()}")
+        draft.write_text(f'#!/bin/sh\nexec {path} "$@" {QUICKLY}\n')
+        draft.chmod(0o755)
+        os.utime(draft, (0, 0))  # the same file to every worker, and to the cache's key
+        draft.replace(script)
+    return str(script)
 
 
 BLANK = (

@@ -16,7 +16,6 @@ def blocks(language):
     return re.findall(rf"```{language}\n(.*?)```", README, re.S)
 
 
-@pytest.mark.pictures
 def test_commands(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     commands = [line for line in blocks("sh")[1].splitlines() if line]
@@ -92,7 +91,8 @@ def test_commands_of_the_page_on_sweeps(tmp_path, monkeypatch, capsys):
     assert _status(["new", "my_rig"]) == 0
     exec(re.findall(r"```python\n(.*?)```", text, re.S)[0], {})
     for command in re.findall(r"^stribeck .*$", text, re.M):
-        assert _status(shlex.split(command, comments=True)[1:]) == 0, command
+        if "--on dask" not in command:  # a cluster's address
+            assert _status(shlex.split(command, comments=True)[1:]) == 0, command
     assert "(9, 4001)" in capsys.readouterr().out
 
 

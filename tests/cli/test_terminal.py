@@ -15,8 +15,8 @@ COMMANDS = sorted(command.name or command.callback.__name__ for command in app.r
 SPOKEN = {
     "laws": ("laws",),
     "sets": ("laws", "--sets"),
-    "check": ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7"),
     "check --all": ("check", "--all", "--parameters", "canudas1995"),
+    "check": ("check", "lugre_sobczyk", "--parameters", "canudas1995", "--set", "k_v=1e7"),
     "compare": (
         "compare", examples.path("break_away"), "--law", "lugre",
         "--law", "lugre_majorant:k_v=1e6,smooth_abs=compact,v_d=0.02,sigma_0=1e5,sigma_1=300",

@@ -4,6 +4,7 @@ import importlib.util
 import shutil
 import sys
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -141,6 +142,19 @@ def test_options_stand_behind_the_command(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", f"{compiler.find().command[0]} -O1 -DUSELESS")
     assert compiler.find().command[1:] == ("-O1", "-DUSELESS")
     assert said("rodas5p") == []
+
+
+@needs_compiler
+def test_passes_left_out_for_one_trajectory_change_no_number(monkeypatch, tmp_path):
+    found = [simulate(Scenario(DATA))]
+    monkeypatch.setattr(cache, "_loaded", {})
+    monkeypatch.setenv("STRIBECK_CACHE", str(tmp_path / "other"))
+    with_all = replace(compiler.find(), options=())
+    monkeypatch.setattr(compiler, "find", lambda: with_all)
+    found.append(simulate(Scenario(DATA)))
+    assert [solution.stats["built"] for solution in found] == [True, True]
+    scale = np.abs(found[0].states).max(axis=0)
+    np.testing.assert_allclose(*(solution.states / scale for solution in found), rtol=0, atol=1e-6)
 
 
 def test_which_compiler_is_chosen(use, monkeypatch, tmp_path):

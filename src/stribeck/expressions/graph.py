@@ -337,16 +337,18 @@ def total_derivative(of: Expr, rates: Mapping[Expr, Expr]) -> Expr:
 def ordered(outputs: Iterable[Expr]) -> list[Expr]:
     """Every node that the outputs need, each after its arguments."""
     order: dict[Expr, None] = {}
-    stack: list[tuple[Expr, bool]] = [(node, False) for node in reversed(list(outputs))]
+    stack = list(outputs)[::-1]
     while stack:
-        node, ready = stack.pop()
+        node = stack.pop()
         if node in order:
             continue
-        if ready:
-            order[node] = None
+        for arg in node.args:
+            if arg not in order:  # it and the others first, then the node again
+                stack.append(node)
+                stack.extend(node.args[::-1])
+                break
         else:
-            stack.append((node, True))
-            stack.extend((arg, False) for arg in reversed(node.args))
+            order[node] = None
     return list(order)
 
 

@@ -178,7 +178,7 @@ def prints(made: Figure, pdf: bool) -> tuple[bytes, bytes]:
 
     png, print_ = io.BytesIO(), io.BytesIO()
     FigureCanvasAgg(made)
-    made.savefig(png, format="png", dpi=160, metadata={"Software": None})
+    made.savefig(png, format="png", dpi=160, metadata={"Software": None}, pil_kwargs={"compress_level": 3})
     if pdf:
         from matplotlib.backends.backend_pdf import FigureCanvasPdf
 

@@ -119,16 +119,16 @@ def by_cases(op: str, a: Node) -> Node:
 def ordered(top: Node) -> list[Node]:
     """The node and all below it, arguments first."""
     order: dict[Node, None] = {}
-    stack = [(top, False)]
+    stack = [top]
     while stack:
-        at, ready = stack.pop()
+        at = stack.pop()
         if at in order:
             continue
-        if ready:
+        if all(map(order.__contains__, at.args)):
             order[at] = None
         else:
-            stack.append((at, True))
-            stack.extend((a, False) for a in at.args)
+            stack.append(at)
+            stack.extend(at.args)
     return list(order)
 
 
