@@ -24,7 +24,7 @@ ANY: dict[str, tuple[int, str]] = {
         8,
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
     ),
-    "identify": (48, "data frames and mappings of users; details for JSON"),
+    "identify": (59, "data frames and mappings of users; details for JSON; MuJoCo has no types"),
     "laws": (3, "constants as users give them"),
     "paper": (3, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),

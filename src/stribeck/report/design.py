@@ -11,7 +11,7 @@ import tomli_w
 
 from stribeck.constants import DECIDED
 from stribeck.errors import left_out
-from stribeck.files import together, write_text
+from stribeck.files import together, write_json, write_text
 from stribeck.loops import Design
 from stribeck.loops.boundary import PathVerdicts
 from stribeck.loops.compensation import CompensationResult, with_compensation

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import SimpleNamespace
@@ -282,7 +282,7 @@ class Variations:
             found |= {(use.path, name): x for name, x in signal.values.items()}
         return found
 
-    def _table(self, columns: list[Any]) -> Array:
+    def _table(self, columns: Sequence[float | Array]) -> Array:
         return np.stack([np.broadcast_to(np.asarray(x, float), (len(self),)) for x in columns], axis=1)
 
 
