@@ -1,6 +1,7 @@
 """What the loop does from many starts, and with a dither."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ import pytest
 from stribeck import Scenario
 from stribeck.loops.boundary import _apart
 from stribeck.loops.compensation import _dithered
-from stribeck.loops.judge import Judgement, judge
+from stribeck.loops.judge import Judgement, _rest, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import reversal_errors
 from stribeck.loops.proof import proof
@@ -41,6 +42,15 @@ def test_what_it_does_depends_on_the_start():
     assert {j.verdict for j in kinds(found, own)} == {"quiet", "hunting"}
     assert "depends on the start: quiet in the file's run" in starts_sentence(found, own, "m")
     assert len(kinds([s for s in found if s.judgement.quiet], own)) == 1
+
+
+def test_rest_is_measured_by_the_move_of_the_file():
+    """A start near its target hardly travels, and what its last slip left was more than a millionth of that: called creeping."""
+    loop = loop_of(Scenario(axis(K_i=100.0)))
+    held = replace(loop, travel={"a": 0.1})
+    assert _rest(loop, {"a": 1e-4}) == {"a": pytest.approx(1e-10)}
+    assert _rest(held, {"a": 1e-4}) == {"a": pytest.approx(1e-7)}
+    assert all(s.judgement.quiet for s in from_starts(loop, "hold"))
 
 
 def test_starts_move_what_is_linked_along():
