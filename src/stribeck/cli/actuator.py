@@ -71,8 +71,8 @@ def _print(fit: MachineFit, files: Sequence[str]) -> None:
             used = " (held out)" if log.held_out else ""
             print(f"  {log.file}{used}: {x.column} error {x.rms:.4g} {x.unit}, {100 * x.relative:.3g} % of its changes")
     for name, b in fit.baselines.items():
-        held = "" if b.get("held_out") is None else f", held out {100 * b['held_out']:.3g} %"
-        said = b["why"] if "why" in b else f"fitted {100 * b['fitted']:.3g} %{held}"
+        shares = (("fitted", b.get("fitted")), ("held out", b.get("held_out")))
+        said = b.get("why") or ", ".join(f"{word} {100 * x:.3g} %" for word, x in shares if x is not None)
         print(f"  {name}: {said}")
     if fit.laws:
         say(f"law picked: {fit.laws['picked']}", 6, "  ")

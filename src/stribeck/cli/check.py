@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict, dataclass
 from json import dumps
 from math import inf, nan
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 from stribeck import laws, parameter_sets
 from stribeck.cli import show
@@ -17,8 +18,12 @@ from stribeck.errors import InputError, left_out, note
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.properties import NAMES, Verdict, Verdicts
 from stribeck.properties import check as decide
+from stribeck.properties.plain import Json
 from stribeck.properties.verdicts import ranges_in_words
 from stribeck.scenario import parse_assignment
+
+if TYPE_CHECKING:
+    from stribeck.properties.margins import Margins
 
 _DEFAULT_SET = "canudas1995"
 _BESIDE = 23  # columns, where the words of a verdict begin
@@ -54,29 +59,49 @@ def check(
     if verify:
         verdicts.verify()
     data = verdicts.to_json()
-    if margins and law.has_z:
-        data["margins"] = _margins(verdicts)
+    found = _margins(verdicts) if margins and law.has_z else None
+    if found is not None:
+        data["margins"] = asdict(found)
+    written = FilesWritten()
     if out is not None:
-        data["files"] = write_scenarios(verdicts, out)
+        written.files = write_scenarios(verdicts, out)
         with left_out("the page"):
             from stribeck.report import check as report
 
-            data["report"] = [str(path) for path in report.write_check(verdicts, out, data, show.command_line())]
+            written.pages = report.write_check(verdicts, out, found, show.command_line())
     if certificate is not None:
-        write_certificate(certificate, verdicts.certificates())
-        data["files"] = [*data.get("files", ()), str(certificate)]
+        written.certify(certificate, verdicts.certificates())
     if json:
-        show.print_json(data)
+        show.print_json(data | written.to_json())
     else:
-        _print(verdicts, data)
+        _print(verdicts, found)
+        written.tell()
     return 0
 
 
-def write_certificate(file: Path, certificates: object) -> None:
-    """Write the proofs as JSON."""
-    from stribeck.files import write_text
+@dataclass
+class FilesWritten:
+    """What a check wrote: scenarios and proofs, and the page with its pictures, last the page; None where not asked for."""
 
-    write_text(file, dumps(certificates, indent=1) + "\n")
+    files: list[str] | None = None
+    pages: list[Path] | None = None
+
+    def certify(self, file: Path, certificates: object) -> None:
+        """Write the proofs as JSON."""
+        from stribeck.files import write_text
+
+        write_text(file, dumps(certificates, indent=1) + "\n")
+        self.files = [*(self.files or ()), str(file)]
+
+    def to_json(self) -> dict[str, list[str]]:
+        """The paths."""
+        files = {} if self.files is None else {"files": self.files}
+        return files if self.pages is None else {**files, "report": [str(path) for path in self.pages]}
+
+    def tell(self) -> None:
+        """Print the paths, of the page's its own."""
+        for file in (*(self.files or ()), *(self.pages or ())[-1:]):
+            print(f"  wrote {file}")
 
 
 def refuse_v_max(v_max: float | None) -> None:
@@ -142,12 +167,10 @@ def _all(
     return 0
 
 
-def _margins(verdicts: Verdicts) -> dict[str, Any]:
-    from dataclasses import asdict
-
+def _margins(verdicts: Verdicts) -> Margins:
     from stribeck.properties.margins import margins
 
-    return asdict(margins(verdicts.law, verdicts.v_max, verdicts["bounded"].holds is not False))
+    return margins(verdicts.law, verdicts.v_max, verdicts["bounded"].holds is not False)
 
 
 def write_scenarios(verdicts: Verdicts, out: Path, prefix: str = "") -> list[str]:
@@ -191,21 +214,19 @@ def print_verdicts(verdicts: Verdicts, of: str = "") -> None:
             say(line, _BESIDE + 2, " " * _BESIDE)
 
 
-def _print(verdicts: Verdicts, data: Mapping[str, Any]) -> None:
+def _print(verdicts: Verdicts, margins: Margins | None) -> None:
     print_verdicts(verdicts)
-    for name, margin in data.get("margins", {}).get("constants", {}).items():
-        ends = [
-            f"{word} {margin[end]:.9g}" for word, end in (("from", "low"), ("up to", "high")) if margin[end] is not None
-        ]
-        word = "passive" if data["margins"]["passive"] else "not passive"
-        say(f"{name} = {margin['value']:g}: {word} {' '.join(ends) or 'whatever it is'}", 15, "  margin     ")
-    if largest := data.get("margins", {}).get("largest_v_d"):
-        print(f"  remedy     passive with v_d up to {largest:.6g} m/s (as sampled)")
-    for file in (*data.get("files", ()), *data.get("report", ())[-1:]):
-        print(f"  wrote {file}")
+    if margins is None:
+        return
+    for name, margin in margins.constants.items():
+        ends = [f"{word} {x:.9g}" for word, x in (("from", margin.low), ("up to", margin.high)) if x is not None]
+        word = "passive" if margins.passive else "not passive"
+        say(f"{name} = {margin.value:g}: {word} {' '.join(ends) or 'whatever it is'}", 15, "  margin     ")
+    if margins.largest_v_d:
+        print(f"  remedy     passive with v_d up to {margins.largest_v_d:.6g} m/s (as sampled)")
 
 
-def _lines(evidence: Mapping[str, Any]) -> list[str]:
+def _lines(evidence: Mapping[str, Json]) -> list[str]:
     """The evidence in short: numbers and words; of lists their entries, of long ones their length."""
     lines = []
     plain = {n: x for n, x in evidence.items() if isinstance(x, int | float | str) and n != "reason"}

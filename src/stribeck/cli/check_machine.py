@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isfinite
 from pathlib import Path
-from typing import Any
 
 from stribeck.cli import show
-from stribeck.cli.check import print_verdicts, refuse_v_max, write_certificate, write_scenarios
+from stribeck.cli.check import FilesWritten, print_verdicts, refuse_v_max, write_scenarios
 from stribeck.cli.text import say
 from stribeck.constants import SHOWN
 from stribeck.errors import InputError, left_out
@@ -19,7 +18,7 @@ _BESIDE = 13
 
 def check(
     file: Path, assignments: list[str], v_max: float | None, forces: list[str], json: bool, trust: bool, verify: bool,
-    out: Path | None, certificate: Path | None, alien: Mapping[str, Any],
+    out: Path | None, certificate: Path | None, alien: Mapping[str, object],
 ) -> int:  # fmt: skip
     """Check every contact of a machine and print what follows; 0 whatever the verdicts are."""
     if problems := [f"{name}: must be left out: --scenario says it" for name, x in alien.items() if x]:
@@ -34,23 +33,22 @@ def check(
         found.verify()
     data = found.to_json()
     data["forces"] = stated
+    written = FilesWritten()
     if out is not None:
-        data["files"] = [
+        written.files = [
             path for name, verdicts in found.contacts.items() for path in write_scenarios(verdicts, out, f"{name}_")
         ]
         with left_out("the page"):
             from stribeck.report import check_machine as report
 
-            data["report"] = [
-                str(path) for path in report.write_machine_check(found, scenario, out, show.command_line())
-            ]
+            written.pages = report.write_machine_check(found, scenario, out, show.command_line())
     if certificate is not None:
-        write_certificate(certificate, found.certificates())
-        data["files"] = [*data.get("files", ()), str(certificate)]
+        written.certify(certificate, found.certificates())
     if json:
-        show.print_json(data)
+        show.print_json(data | written.to_json())
     else:
-        _print(found, data)
+        _print(found)
+        written.tell()
     return 0
 
 
@@ -69,11 +67,9 @@ def _forces(texts: list[str]) -> dict[str, float]:
     return found
 
 
-def _print(found: MachineVerdicts, data: Mapping[str, Any]) -> None:
+def _print(found: MachineVerdicts) -> None:
     for name, verdicts in found.contacts.items():
         print_verdicts(verdicts, f"{name}: ")
     say(f"passive at its ports: {SHOWN[found.passive]}: {found.why}", 4, f"{found.name}: ")
     for path, what in found.ports.items():
         say(f"{path}: {what}", _BESIDE, "  port       ")
-    for path in (*data.get("files", ()), *data.get("report", ())[-1:]):
-        print(f"  wrote {path}")

@@ -13,7 +13,7 @@ from stribeck.loops import Design, design, loop_and_controller
 from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import controller_of
-from stribeck.loops.second import as_machine, second_opinion
+from stribeck.loops.second import SecondOpinion, as_machine, second_opinion
 from stribeck.loops.starts import from_starts, starts_row
 from stribeck.report.design import excess_sentence, proof_sentence, second_lines, sentence, sentence_of, starts_sentence
 from stribeck.report.quantities import human
@@ -84,7 +84,7 @@ def _told(tell: Callable[[float, str], None], share: float) -> None:
     tell(share, "the verdict")
 
 
-def _print_second(second: dict[str, object], unit: str) -> None:
+def _print_second(second: SecondOpinion, unit: str) -> None:
     for line in second_lines(second, unit):
         say(line, 4, "  ")
 

@@ -9,7 +9,7 @@ import sys
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from time import perf_counter
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -26,9 +26,56 @@ _PACKAGES = (
 )  # fmt: skip
 
 
+class CompilerFound(TypedDict):
+    """The C compiler, if there is one."""
+
+    command: str | None
+    version: str | None
+
+
+class CacheFound(TypedDict):
+    """Where compiled systems are kept."""
+
+    folder: str
+    writable: bool
+    systems: int
+    bytes: int
+
+
+class GpuFound(TypedDict):
+    """A GPU, or why there is none."""
+
+    name: str | None
+    why_not: str | None
+
+
+class SelfTest(TypedDict):
+    """How a solution agrees with another's."""
+
+    passed: bool
+    solver: str
+    deviation: float
+    milliseconds: float
+    against: str
+    milliseconds_scipy: float | None
+
+
+class Installation(TypedDict):
+    """All that the command tells."""
+
+    stribeck: str
+    python: str
+    machine: str
+    packages: dict[str, str | None]
+    compiler: CompilerFound
+    cache: CacheFound
+    gpu: GpuFound
+    self_test: SelfTest
+
+
 def doctor(json: bool) -> int:
     """Print compiler, cache, versions and a self-test; 1 where the self-test fails."""
-    report: dict[str, Any] = {
+    report: Installation = {
         "stribeck": stribeck.__version__,
         "python": f"{platform.python_version()} ({sys.executable})",
         "machine": f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores",
@@ -52,7 +99,7 @@ def _version(name: str) -> str | None:
         return None
 
 
-def _compiler() -> dict[str, object]:
+def _compiler() -> CompilerFound:
     found = compiler.find()
     if found is None:
         return {"command": None, "version": None}
@@ -64,7 +111,7 @@ def _compiler() -> dict[str, object]:
     return {"command": " ".join(found.command), "version": first}
 
 
-def _cache() -> dict[str, object]:
+def _cache() -> CacheFound:
     folder = cache.folder()
     files = list(folder.glob("*.so")) if folder.is_dir() else []
     existing = next(p for p in (folder, *folder.absolute().parents) if p.exists())
@@ -77,7 +124,7 @@ def _cache() -> dict[str, object]:
     }
 
 
-def _gpu() -> dict[str, str | None]:
+def _gpu() -> GpuFound:
     """The GPU for ``device = "cuda"``, or why there is none."""
     try:
         return {"name": cuda.device(), "why_not": None}
@@ -85,7 +132,7 @@ def _gpu() -> dict[str, str | None]:
         return {"name": None, "why_not": str(error)}
 
 
-def _self_test() -> dict[str, Any]:
+def _self_test() -> SelfTest:
     """The shortest of the paper's scenarios must agree within 1e-6 of the peaks with SciPy's solution; where there is
     no SciPy, with one at a far smaller tolerance."""
     scenario = Scenario.load(examples.path("break_away"))
@@ -104,9 +151,9 @@ def _self_test() -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _print(report: dict[str, Any]) -> None:
-    for key in ("stribeck", "python", "machine"):
-        say(report[key], 11, f"{key:11}")
+def _print(report: Installation) -> None:
+    for key, text in (("stribeck", report["stribeck"]), ("python", report["python"]), ("machine", report["machine"])):
+        say(text, 11, f"{key:11}")
     packages = ", ".join(f"{name} {v or 'not installed'}" for name, v in report["packages"].items())
     say(packages, 11, "packages   ")
     command = report["compiler"]["command"]

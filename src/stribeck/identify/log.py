@@ -72,9 +72,9 @@ class Log:
         """The columns that are there, by name."""
         return {name: getattr(self, name) for name in _COLUMNS if getattr(self, name) is not None}
 
-    def rows(self, which: Any) -> Log:
+    def rows(self, which: slice | NDArray[np.bool_] | NDArray[np.intp]) -> Log:
         """The log with the rows that ``which`` (a slice, mask or index array) picks."""
-        return replace(self, **{name: column[which] for name, column in self.columns().items()})
+        return self.with_columns(**{name: column[which] for name, column in self.columns().items()})
 
     def runs(self) -> Iterator[slice]:
         """The rows of each run, in order."""

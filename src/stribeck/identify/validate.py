@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
@@ -16,6 +16,16 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
 _COLUMNS = {"position": ("y", "m"), "velocity": ("v", "m/s"), "force": ("F", "N")}
+
+
+class Misfit(TypedDict):
+    """What is left between measured and simulated: root mean square and largest in ``unit``, and the former as a share of
+    what was measured."""
+
+    unit: str
+    rms: float
+    largest: float
+    relative: float | None
 
 
 @dataclass(frozen=True)
@@ -33,7 +43,7 @@ class Validated:
     reason: str | None
     time: Array
     traces: dict[str, tuple[str, Array, Array]]
-    errors: dict[str, dict[str, Any]]
+    errors: dict[str, Misfit]
 
     def to_json(self) -> dict[str, object]:
         """What ``stribeck validate --json`` prints."""
@@ -72,7 +82,7 @@ def validate(
         raise InputError(f"{arg('time')}: must rise, over two rows or more")
     solution = simulate(scenario.with_changes(_changes(scenario, raw, time)))
     reached = time <= float(solution.t[-1]) * (1 + 1e-12)
-    traces, errors = {}, {}
+    traces, errors = {}, dict[str, Misfit]()
     for role in measured:
         name, unit = _COLUMNS[role]
         simulated = np.interp(time[reached], solution.t, solution[name])

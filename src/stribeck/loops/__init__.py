@@ -16,7 +16,7 @@ from stribeck.loops.loop import Loop, loop_of
 from stribeck.loops.moves import errors
 from stribeck.loops.plane import Plane, plane, plane_of
 from stribeck.loops.proof import proof_and_certificates
-from stribeck.loops.second import second_opinion
+from stribeck.loops.second import SecondOpinion, second_opinion
 from stribeck.loops.starts import Start, from_starts, starts_row
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, scenario_of
@@ -58,7 +58,7 @@ class Design:
     tuned: tuning.Tuned | None = None
     excess: Excess | None = None
     plane: Plane | None = None
-    second: dict[str, object] | None = None
+    second: SecondOpinion | None = None
     starts: list[Start] = field(default_factory=list)
     certificates: dict[str, object] | None = None
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from copy import deepcopy
+from typing import TypedDict
 
 from stribeck.analysis.hunting import Hunting, hunting
 from stribeck.drives.pid import Pid
@@ -12,26 +13,43 @@ from stribeck.machine.controllers import Cascade, PidController
 from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
 
-WAYS = ("law", "body")
+
+class PredictedCycle(TypedDict, total=False):
+    """A predicted cycle, m or rad and s, None where there is none; or why nothing can be said."""
+
+    amplitude: float | None
+    period: float | None
+    mismatch: float
+    why_not: str
 
 
-def second_opinion(loop: Loop, controller: str) -> dict[str, object]:
+class SecondOpinion(TypedDict, total=False):
+    """What each way says, and what of the loop was left out; or why nothing can be said."""
+
+    left_out: list[str]
+    law: PredictedCycle
+    body: PredictedCycle
+    why_not: str
+
+
+def second_opinion(loop: Loop, controller: str) -> SecondOpinion:
     """By ``law`` and by ``body`` (:func:`stribeck.hunting`): amplitude and period, None where no cycle is predicted;
     ``why_not`` where the machine is none that they are for."""
     found = as_pid(loop, controller)
     if isinstance(found, str):
         return {"why_not": found}
     scenario, left_out = found
-    told: dict[str, object] = {"left_out": left_out}
-    for way in WAYS:
-        try:
-            told[way] = as_row(hunting(scenario, way))
-        except StribeckError as error:
-            told[way] = {"why_not": str(error)}
-    return told
+    return {"left_out": left_out, "law": _cycle(scenario, "law"), "body": _cycle(scenario, "body")}
 
 
-def as_row(found: Hunting) -> dict[str, float | None]:
+def _cycle(scenario: Scenario, way: str) -> PredictedCycle:
+    try:
+        return as_row(hunting(scenario, way))
+    except StribeckError as error:
+        return {"why_not": str(error)}
+
+
+def as_row(found: Hunting) -> PredictedCycle:
     """A predicted cycle as plain data."""
     some = found.amplitude == found.amplitude
     return {

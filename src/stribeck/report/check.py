@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from stribeck.constants import DECIDED
 from stribeck.errors import StribeckError
 from stribeck.laws.base import Law
 from stribeck.properties import Verdict, Verdicts
+from stribeck.properties.margins import Margins
 from stribeck.properties.verdicts import ranges_in_words
 from stribeck.report import chapters, plots
 from stribeck.report.files import write_figure
@@ -30,14 +30,14 @@ _MEANING = {
 }
 
 
-def write_check(verdicts: Verdicts, folder: Path, data: Mapping[str, Any], command: str = "") -> list[Path]:
+def write_check(verdicts: Verdicts, folder: Path, margins: Margins | None = None, command: str = "") -> list[Path]:
     """Write report.html, the friction curve and the replays into the folder; the paths."""
     law = verdicts.law
     curve = _curve(law)
     replays = [
         figure for name, verdict in verdicts.properties.items() if (figure := replay_figure(name, verdict)) is not None
     ]
-    found = [verdicts_chapter(verdicts, note=_level(verdicts)), *_margins(data.get("margins")), evidence(verdicts)]
+    found = [verdicts_chapter(verdicts, note=_level(verdicts)), *_margins(margins), evidence(verdicts)]
     found.append(Chapter("curve", "Friction at held speeds", figures=[curve]))
     if replays:
         text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
@@ -70,13 +70,13 @@ def _level(verdicts: Verdicts) -> str:
     return f"Each verdict holds for every history of {ranges_in_words(verdicts.level)}." if verdicts.level else ""
 
 
-def _margins(margins: Mapping[str, Any] | None) -> list[Chapter]:
-    if not margins:
+def _margins(margins: Margins | None) -> list[Chapter]:
+    if margins is None:
         return []
-    word = "passive" if margins["passive"] else "not passive"
+    word = "passive" if margins.passive else "not passive"
     ends = [
-        [name, f"{m['value']:g}", *("any" if m[end] is None else f"{m[end]:.6g}" for end in ("low", "high"))]
-        for name, m in margins["constants"].items()
+        [name, f"{m.value:g}", *("any" if end is None else f"{end:.6g}" for end in (m.low, m.high))]
+        for name, m in margins.constants.items()
     ]
     text = [f"How far one constant can move, all others held, while the law stays {word}."]
     return [Chapter("margins", "Margins of passivity", text, [Table(["constant", "value", "from", "up to"], ends)])]

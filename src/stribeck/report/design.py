@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import tomli_w
@@ -18,6 +17,7 @@ from stribeck.loops.compensation import CompensationResult, with_compensation
 from stribeck.loops.judge import Judgement
 from stribeck.loops.plane import Plane
 from stribeck.loops.proof import FILE as CERTIFICATE
+from stribeck.loops.second import SecondOpinion
 from stribeck.loops.starts import Start, kinds
 from stribeck.machine.parts import ControllerPart
 from stribeck.report import chapters, plots
@@ -327,20 +327,19 @@ def sentence_of(j: Judgement, unit: str) -> str:
     return text
 
 
-def second_lines(second: dict[str, Any], unit: str) -> list[str]:
+def second_lines(second: SecondOpinion, unit: str) -> list[str]:
     """What describing functions say, a line for each way."""
     if "why_not" in second:
         return [f"second opinion: none: {second['why_not']}"]
     left = second.get("left_out")
     lines = []
-    for way, of in (
-        ("law", "of the law, position and speed taken as sinusoidal"),
-        ("body", "of the body, the force so"),
+    for row, of in (
+        (second["law"], "of the law, position and speed taken as sinusoidal"),
+        (second["body"], "of the body, the force so"),
     ):
-        row = second[way]
         if "why_not" in row:
             told = f"none: {row['why_not']}"
-        elif row["amplitude"] is None:
+        elif row["amplitude"] is None or row["period"] is None:
             told = "no cycle"
         else:
             told = f"a cycle of {human(row['amplitude'], unit)} every {human(row['period'], 's')}"

@@ -262,9 +262,8 @@ def _one_by_one(found: _Lanes, threads: int, progress: Callable[[float], None] |
                     x[lane, : len(solution.t)] = solution[name]
                 found.reason[lane] = solution.reason
                 found.counts["happened"][lane] = solution.counts
-                found.counts["accepted"][lane], found.counts["rejected"][lane] = (
-                    solution.stats[k] for k in ("accepted", "rejected")
-                )
+                found.counts["accepted"][lane] = solution.stats["accepted"]
+                found.counts["rejected"][lane] = solution.stats["rejected"]
                 if progress is not None:
                     progress((done + 1) / len(places))
         except BaseException:

@@ -14,7 +14,7 @@ from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative, symbol, wrap
 from stribeck.scenario import Scenario
 from stribeck.signals.pieces import JUMP, SMOOTH
-from stribeck.simulation.result import Result, ended, held_back
+from stribeck.simulation.result import Result, Stats, ended, held_back
 
 _SAME_TIME = 1e-12  # as in runtime/run.c
 
@@ -115,8 +115,8 @@ def solve(scenario: Scenario, progress: Callable[[float], None] | None = None) -
         run.begin()
         while run.t < end and run.reason is None:
             run.advance(run.t, min(run.next_stop(), end))
-    stats: dict[str, object] = {**run.count, "smallest_step": None, "largest_step": None, "solver": "scipy-radau"}
-    return Result(run.out[: run.row], run.events, run.reason, stats)
+    run.stats.update({"smallest_step": None, "largest_step": None, "solver": "scipy-radau"})
+    return Result(run.out[: run.row], run.events, run.reason, run.stats)
 
 
 class _Run:
@@ -137,7 +137,7 @@ class _Run:
         self.pieces, self.piece, self.t = scenario.pieces(), 0, 0.0
         self.reason: str | None = None
         self.events: list[tuple[float, int]] = []
-        self.count = {"accepted": 0, "rejected": 0, "rates": 0, "jacobians": 0}
+        self.stats: Stats = {"accepted": 0, "rejected": 0, "rates": 0, "jacobians": 0}
 
     def begin(self) -> None:
         """The first row."""
@@ -195,7 +195,7 @@ class _Run:
             if solver.status == "failed":
                 self.reason = f"at t = {solver.t:.9g} s SciPy's Radau failed: {message}"
                 break
-            self.count["accepted"] += 1
+            self.stats["accepted"] += 1
             dense = solver.dense_output()
             last = end * (1 - _SAME_TIME) if solver.t >= end else inf
             stop = min(
@@ -208,7 +208,7 @@ class _Run:
             self.events += self._events(dense)
             if not np.isfinite(solver.y).all():
                 self.reason = f"after t = {solver.t_old:.9g} s the equations are no longer finite"
-            elif self.count["accepted"] >= scenario.solve.max_steps:
+            elif self.stats["accepted"] >= scenario.solve.max_steps:
                 self.reason = (
                     f"gave up at t = {solver.t:.9g} s after solve.max_steps = {scenario.solve.max_steps} steps"
                 )
@@ -216,8 +216,8 @@ class _Run:
                 self.progress(solver.t / scenario.end)
         self.reason = (ended(scenario, solver.t, solver.y) if self.reason else None) or self.reason
         self.x, self.t = solver.y, solver.t
-        self.count["rates"] += solver.nfev
-        self.count["jacobians"] += solver.njev
+        self.stats["rates"] += solver.nfev
+        self.stats["jacobians"] += solver.njev
         if self.reason is None:
             self._pass()
             self._put_rows(self.t * (1 + _SAME_TIME))

@@ -5,12 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.scenario import Scenario
+
+
+class Stats(TypedDict, total=False):
+    """What a run took: steps kept and tried again, evaluations of rates and Jacobians, the sizes of steps (s) where the
+    solver says them, which solver, whether its code was built for it, and the seconds of building and solving."""
+
+    accepted: int
+    rejected: int
+    rates: int
+    jacobians: int
+    smallest_step: float | None
+    largest_step: float | None
+    solver: str
+    built: bool
+    build_seconds: float
+    seconds: float
 
 
 @dataclass(frozen=True)
@@ -20,7 +36,7 @@ class Result:
     states: Array  # then held outputs, and what is shown of the controllers' memory
     events: list[tuple[float, int]]  # time; which watched quantity (times 4), and which of its events
     reason: str | None
-    stats: dict[str, Any]
+    stats: Stats
 
 
 def held_back(end: float, lanes: Sequence[Sequence[Mapping[str, float]]]) -> tuple[int, Array]:

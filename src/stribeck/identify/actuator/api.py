@@ -16,7 +16,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinate
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, estimate, traces
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.recordings import Logs, read_logs
-from stribeck.identify.actuator.result import LogResult, MachineFit
+from stribeck.identify.actuator.result import LogResult, MachineFit, Picked
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
@@ -111,10 +111,11 @@ class Fitting:
     def run(self, laws: Mapping[str, Sequence[str]], other: Logs | None, baselines: bool) -> MachineFit:
         """Everything, in order."""
         self.work.section(0.6)
-        picked: dict[str, Any] = {}
+        picked: Picked | None = None
+        before: list[str] = []
         if laws:
             chosen = choice.among_laws(self, laws)
-            self.scenario, self.sought, picked = chosen.scenario, chosen.sought, chosen.told
+            self.scenario, self.sought, picked, before = chosen.scenario, chosen.sought, chosen.told, chosen.notes
             best: BestPoint | None = chosen.estimate
         else:
             best = None
@@ -125,10 +126,10 @@ class Fitting:
                 self.scenario, self.fitted, self.sought, starts if first is None else max(1, starts // 4), self.seed,
                 self.work, first, keep,
             )  # fmt: skip
-        notes = [*checks.before(self.logs, self.scenario), *picked.pop("notes", [])]
-        left_out = {} if best.stopped else choice.earned(self, best, notes)
-        if left_out:
-            self.scenario, self.sought, best = left_out["scenario"], left_out["sought"], left_out["estimate"]
+        notes = [*checks.before(self.logs, self.scenario), *before]
+        left_out = None if best.stopped else choice.earned(self, best, notes)
+        if left_out is not None:
+            self.scenario, self.sought, best = left_out.scenario, left_out.sought, left_out.estimate
         assert isinstance(best, BestPoint)
         result = self.told(best, notes)
         result.laws = picked

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +14,8 @@ from stribeck.errors import InputError, StribeckError, nearest
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint, estimate, traces
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.result import MachineFit
-from stribeck.laws.base import PARAMETERS
+from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
+from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 
 if TYPE_CHECKING:
@@ -34,7 +34,8 @@ class Chosen:
     scenario: Scenario
     sought: list[MachineCoordinate]
     estimate: BestPoint | None
-    told: dict[str, object]
+    told: Picked | None = None
+    notes: list[str] = field(default_factory=list)
 
 
 def check(scenario: Scenario, laws: Mapping[str, Sequence[str]]) -> None:
@@ -90,7 +91,7 @@ def with_laws(
 
 
 def _constants(
-    path: str, old: Mapping[str, Any], law: Any, sought: Sequence[MachineCoordinate], speed: float
+    path: str, old: Mapping[str, Any], law: type[Law], sought: Sequence[MachineCoordinate], speed: float
 ) -> tuple[dict[str, object], list[MachineCoordinate]]:
     """Values for the constants that a law has beside the old one's, and coordinates for those that matter."""
     parameters = old.get("parameters", {})
@@ -155,7 +156,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
         except StribeckError as error_:
             failed[label] = str(error_).splitlines()[0]
             continue
-        rows.append((error, len(sought), label, Chosen(scenario, sought, best, {})))
+        rows.append((error, len(sought), label, Chosen(scenario, sought, best)))
         if best.stopped:
             break
     if not rows:
@@ -163,15 +164,15 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
     finite = [row for row in rows if np.isfinite(row[0])] or rows
     least = min(row[0] for row in finite)
     picked = min((row for row in finite if not row[0] > (1 + _EARNS) * least), key=lambda row: (row[1], row[0]))
-    told: dict[str, object] = {
+    told: Picked = {
         "picked": picked[2], "errors": {row[2]: row[0] for row in rows}, "numbers": {row[2]: row[1] for row in rows},
-        "failed": failed, "notes": [note] if note else [],
+        "failed": failed,
     }  # fmt: skip
     chosen = picked[3]
     again = chosen.estimate if len(fitted) == len(fit.fitted) else None
     if again is None and chosen.estimate is not None and not chosen.estimate.stopped:
         again = estimate(chosen.scenario, fit.fitted, chosen.sought, 1, fit.seed, fit.work, chosen.estimate.values())
-    return Chosen(chosen.scenario, chosen.sought, again or chosen.estimate, told)
+    return Chosen(chosen.scenario, chosen.sought, again or chosen.estimate, told, [note] if note else [])
 
 
 def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, Recording]], str]:
@@ -187,14 +188,14 @@ def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, R
     return fit.fitted, fit.fitted, "one recording only: laws are compared by the error of the fit itself"
 
 
-def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> dict[str, Any]:
+def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> Chosen | None:
     """Leave out terms that do not lower the held-out error: numbers sought that may be 0."""
     scenario, sought = fit.scenario, fit.sought
     zero = [c for c in sought if c.low == 0.0 and c.log is None and c.targets]
     if not fit.held or not zero or best.missed():
-        return {}
+        return None
     error = held_out_error(fit, scenario, best, fit.held)
-    result: dict[str, object] = {}
+    result: Chosen | None = None
     for c in zero:
         if best.values().get(c.name, 0.0) > 0.5 * (c.low + c.high):
             continue
@@ -212,7 +213,7 @@ def earned(fit: Fitting, best: BestPoint, notes: list[str]) -> dict[str, Any]:
                 f"{c.name}: left out (0): without it the held-out error is {100 * without:.3g} %, with it {100 * error:.3g} %"
             )
             scenario, sought, best, error = fixed, fewer, other, min(error, without)
-            result = {"scenario": scenario, "sought": sought, "estimate": best}
+            result = Chosen(scenario, sought, best)
     return result
 
 
@@ -224,14 +225,14 @@ def _no_worse(best: BestPoint, other: BestPoint) -> bool:
     return all(without[c][0] < (1 + _EARNS) * with_[c][0] for c in with_ if c in without)
 
 
-def baselines(fit: Fitting, result: MachineFit) -> dict[str, object]:
+def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
     """What simpler friction leaves: none, Coulomb and viscous, Coulomb, Stribeck and viscous, beside the law fitted."""
     contacts = [
         name for name in fit.scenario.data.get("contacts", {})
         if any(p.startswith(f"contacts.{name}.") for c in fit.sought for p in c.targets)
     ]  # fmt: skip
-    own = {"fitted": result.error(False), "held_out": result.error(True), "numbers": len(fit.sought)}
-    found: dict[str, object] = {"the law fitted": own}
+    own: Baseline = {"fitted": result.error(False), "held_out": result.error(True), "numbers": len(fit.sought)}
+    found: dict[str, Baseline] = {"the law fitted": own}
     if not contacts:
         return found
     speeds = _speeds(fit)

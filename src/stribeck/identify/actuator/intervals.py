@@ -9,6 +9,7 @@ from scipy.stats import chi2, f
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.result import Group
 from stribeck.identify.actuator.solve import STEP, half_squares, relaxed
 
 THRESHOLD = float(chi2.ppf(0.95, 1))
@@ -205,13 +206,13 @@ class _Side:
         self.end, self.done = float(self.u[self.k] + self.sign * distance), True
 
 
-def groups(s: Spread, names: list[str], told: list[int]) -> list[dict[str, object]]:
+def groups(s: Spread, names: list[str], told: list[int]) -> list[Group]:
     """Groups of coordinates that can stand for each other, with the direction that the recordings tell least."""
     c = s.covariance[np.ix_(told, told)]
     size = np.sqrt(np.maximum(np.diag(c), 1e-300))
     relation = c / np.outer(size, size)
     left = set(range(len(told)))
-    found: list[dict[str, object]] = []
+    found: list[Group] = []
     while left:
         group, todo = set(), [left.pop()]
         while todo:

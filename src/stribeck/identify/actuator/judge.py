@@ -11,7 +11,7 @@ from stribeck.identify.actuator import advise, checks
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles, spread
-from stribeck.identify.actuator.result import Parameter
+from stribeck.identify.actuator.result import Group, Parameter
 from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
 from stribeck.simulation.places import machine_places
@@ -27,7 +27,7 @@ class JudgedParameters:
 
     best: BestPoint
     parameters: dict[str, Parameter]
-    correlated: list[dict[str, object]] = field(default_factory=list)
+    correlated: list[Group] = field(default_factory=list)
     relation: tuple[list[str], Array] | None = None
     notes: list[str] = field(default_factory=list)
 

@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TypedDict
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.files import finite
+
+
+class PrintedParameter(TypedDict):
+    """A parameter as the command prints it."""
+
+    value: float
+    low: float | None
+    high: float | None
+    unit: str
+    identifiable: bool
+    verdict: str
+    why: str
+    experiment: str
 
 
 @dataclass
@@ -36,7 +49,7 @@ class Parameter:
         """Whether the recordings tell it."""
         return self.verdict == "found"
 
-    def to_json(self) -> dict[str, object]:
+    def to_json(self) -> PrintedParameter:
         """As the command prints it."""
         return {
             "value": self.value, "low": self.low, "high": self.high, "unit": self.unit,
@@ -80,6 +93,45 @@ class LogResult:
         return {"file": self.file, "held_out": self.held_out, "errors": errors}
 
 
+class Group(TypedDict):
+    """Numbers that can stand for each other, and how each pair of them goes together."""
+
+    names: list[str]
+    correlation: dict[str, float]
+
+
+class Baseline(TypedDict, total=False):
+    """What other friction leaves of the recordings, as a share of their changes, and how many numbers it has; or why it
+    could not be fitted."""
+
+    fitted: float | None
+    held_out: float | None
+    numbers: int
+    why: str
+
+
+class Picked(TypedDict):
+    """The laws that were tried: which was taken, each one's held-out error and how many numbers, and which failed why."""
+
+    picked: str
+    errors: dict[str, float]
+    numbers: dict[str, int]
+    failed: dict[str, str]
+
+
+Moved = TypedDict("Moved", {"name": str, "from": PrintedParameter, "to": PrintedParameter})
+
+
+class Transfer(TypedDict):
+    """How other recordings are predicted, which numbers are other there, which the same, and which are not told."""
+
+    logs: list[dict[str, object]]
+    moved: list[Moved]
+    same: list[str]
+    not_told: list[str]
+    parameters: dict[str, PrintedParameter]
+
+
 @dataclass
 class MachineFit:
     """The machine's numbers from its recordings.
@@ -92,14 +144,14 @@ class MachineFit:
     status: str
     reason: str
     parameters: dict[str, Parameter]
-    correlated: list[dict[str, Any]]
+    correlated: list[Group]
     logs: list[LogResult]
     notes: list[str]
     noise: dict[str, float]
     data: dict[str, object]
-    baselines: dict[str, Any] = field(default_factory=dict)
-    laws: dict[str, Any] = field(default_factory=dict)
-    transfer: dict[str, Any] | None = None
+    baselines: dict[str, Baseline] = field(default_factory=dict)
+    laws: Picked | None = None
+    transfer: Transfer | None = None
     relation: tuple[list[str], Array] | None = None
     nuisance: dict[str, float] = field(default_factory=dict)
     agreeing: int = 1
@@ -115,7 +167,7 @@ class MachineFit:
             "status": self.status, "reason": self.reason,
             "parameters": {name: p.to_json() for name, p in self.parameters.items()},
             "correlated": self.correlated, "logs": [log.to_json() for log in self.logs],
-            "noise": self.noise, "notes": self.notes, "baselines": self.baselines, "laws": self.laws,
+            "noise": self.noise, "notes": self.notes, "baselines": self.baselines, "laws": self.laws or {},
             "transfer": self.transfer, "error": {"fitted": self.error(False), "held_out": self.error(True)},
         }  # fmt: skip
         return dict(finite(told))

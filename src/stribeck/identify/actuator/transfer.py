@@ -8,14 +8,14 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import judge
 from stribeck.identify.actuator.estimate import beyond_noise, estimate, traces
 from stribeck.identify.actuator.recordings import Logs
-from stribeck.identify.actuator.result import LogResult, MachineFit
+from stribeck.identify.actuator.result import LogResult, MachineFit, Moved, Transfer
 from stribeck.identify.actuator.runs import recorded_run
 
 if TYPE_CHECKING:
     from stribeck.identify.actuator.api import Fitting
 
 
-def transferred(fit: Fitting, other: Logs, result: MachineFit) -> dict[str, object]:
+def transferred(fit: Fitting, other: Logs, result: MachineFit) -> Transfer:
     """How well the fit predicts other recordings, and which numbers are other there, beyond both intervals."""
     problems: list[str] = []
     for i, recording in enumerate(other.recordings):
@@ -33,7 +33,7 @@ def transferred(fit: Fitting, other: Logs, result: MachineFit) -> dict[str, obje
     found = judge.judged(
         own, fit.scenario, not (own.stopped or own.missed() or beyond_noise(own.problem, own.u, own.found.agreeing))
     )
-    moved, same, open_ = [], [], []
+    moved, same, open_ = list[Moved](), list[str](), list[str]()
     for name, there in found.parameters.items():
         here = result.parameters[name]
         if here.verdict != "found" or there.verdict != "found":

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import signal
 
 from stribeck.arrays import Array
@@ -111,7 +112,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if how.trim is None and cutoff > 0:
-        parts_of_log = _without_ends(parts_of_log, lengths, round(_ENDS / (cutoff * step)), how.simulated)
+        rows_kept = _without_ends(columns, lengths, round(_ENDS / (cutoff * step)), how.simulated)
+        parts_of_log = {name: x[rows_kept] for name, x in parts_of_log.items()}
     return Log(
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
         files=tuple(names[i] for i in files) if names else (), spectrum=seen,
@@ -144,8 +146,10 @@ def _columns(
     return out, kept
 
 
-def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, always: bool) -> dict[str, object]:
-    """The columns without the last rows of the runs that end in motion, where the filter goes astray.
+def _without_ends(
+    columns: Mapping[str, Array], lengths: Sequence[int], end: int, always: bool
+) -> slice | NDArray[np.bool_]:
+    """The rows without the last ones of the runs that end in motion, where the filter goes astray.
 
     Unless ``always``, only where it shows: the acceleration there exceeds all others of the run, or a plain regression of
     the rest misses the force there, and the end is not a mere trifle of the run.
@@ -159,13 +163,11 @@ def _without_ends(columns: dict[str, Any], lengths: Sequence[int], end: int, alw
             astray = always or float(a[stop - end : stop].max()) > rest
             keep[stop - end : stop] = not (astray or (end > _TRIFLE * n and _missed(columns, stop - n, stop, end)))
     if keep.all():
-        return columns
-    if len(lengths) == 1:  # a view: nothing is copied
-        return {name: x[:-end] for name, x in columns.items()}
-    return {name: x[keep] for name, x in columns.items()}
+        return slice(None)
+    return slice(None, -end) if len(lengths) == 1 else keep  # a slice copies nothing
 
 
-def _missed(columns: dict[str, Any], start: int, stop: int, end: int) -> bool:
+def _missed(columns: Mapping[str, Array], start: int, stop: int, end: int) -> bool:
     """Whether a plain regression of a run without its end misses the force in the last third of it by more than elsewhere."""
     v = columns["velocity"][start:stop]
     told = [columns["acceleration"][start:stop], v, np.sign(v), columns["position"][start:stop], np.ones(len(v))]

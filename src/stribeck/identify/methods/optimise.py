@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -82,7 +81,7 @@ def multistart(
         KeyboardInterrupt: nothing was found before it.
     """
     work = work or Work()
-    best: dict[str, Any] = {"cost": np.inf, "point": None}
+    best = _Best()
     watched = _Watched(problem, work, best)
     batch, tried = max(threads_of_this_machine(), 2), 0
     done: list[Solved] = []
@@ -115,9 +114,9 @@ def multistart(
     except (KeyboardInterrupt, Stopped):
         work.stop()
     if work.stopped:
-        if best["point"] is None:
+        if best.point is None:
             raise KeyboardInterrupt
-        return Optimum(problem.nearest(best["point"]), best["cost"], tried, len(done), 0, False, STOPPED)
+        return Optimum(problem.nearest(best.point), best.cost, tried, len(done), 0, False, STOPPED)
     final = last if last.cost <= first.cost else first
     agreeing = sum(run.cost <= final.cost * (1 + _SAME) + 1e-12 for run in done)
     return Optimum(
@@ -126,10 +125,18 @@ def multistart(
     )  # fmt: skip
 
 
+@dataclass
+class _Best:
+    """The best point so far."""
+
+    cost: float = np.inf
+    point: Array | None = None
+
+
 class _Watched:
     """A problem whose best point is kept, and which ends when the work is to stop."""
 
-    def __init__(self, problem: Problem, work: Work, best: dict[str, Any]) -> None:
+    def __init__(self, problem: Problem, work: Work, best: _Best) -> None:
         self.problem, self.work, self.best = problem, work, best
         self.coordinates, self.bounds, self.lanes = problem.coordinates, problem.bounds, problem.lanes
         self.jacobian, self.slopes, self.wall = problem.jacobian, problem.slopes, problem.wall
@@ -140,8 +147,8 @@ class _Watched:
         self.work.tick()
         found = self.problem.residual(u)
         cost = 0.5 * float(found @ found)
-        if cost < self.best["cost"]:
-            self.best.update(cost=cost, point=u.copy())
+        if cost < self.best.cost:
+            self.best.cost, self.best.point = cost, u.copy()
         return found
 
 

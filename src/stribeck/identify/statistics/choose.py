@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
 
@@ -24,6 +24,18 @@ _CLEARLY = 2.0  # standard errors
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
 _CANDIDATES = ("coulomb_viscous", "stribeck", "stribeck_tanh")
+
+
+class LawRow(TypedDict):
+    """One law of several, in a table: its errors over data left out and over all, how many numbers it has, and which of
+    these the data do not tell."""
+
+    law: str
+    cross_validated_error: float | None
+    numbers: int
+    relative_force_error: float
+    unidentified: list[str]
+    picked: bool
 
 
 @dataclass(frozen=True)
@@ -46,7 +58,7 @@ class Choice:
         """The fit to use."""
         return self.fits[self.picked]
 
-    def table(self) -> list[dict[str, Any]]:
+    def table(self) -> list[LawRow]:
         """A row for each law."""
         return [
             {
@@ -133,7 +145,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
         raise InputError([f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()])
     start = min(plain, key=lambda n: plain[n].left_out.error)
     best, steps = _forward(rows, start, plain[start], tell, steepness=False)
-    wider: dict[str, tuple[Settled, list[dict[str, Any]]]] = {start: (best, steps)}
+    wider: dict[str, tuple[Settled, list[dict[str, object]]]] = {start: (best, steps)}
     for law, narrow in plain.items():
         if law != start and narrow.setting.body != best.setting.body:
             try:

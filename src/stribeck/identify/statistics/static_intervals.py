@@ -13,7 +13,7 @@ from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.rest import held_force
 from stribeck.identify.features.what_to_measure import experiment_for
-from stribeck.identify.log import thinned
+from stribeck.identify.log import Log, thinned
 from stribeck.identify.methods.static_start import StaticModel, unit_of
 from stribeck.identify.models.columns import Columns, column
 from stribeck.identify.models.problem import linear_step
@@ -250,7 +250,7 @@ def _physical(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> 
     return found
 
 
-def replace_force(rows: Rows, values: dict[str, float]) -> Any:
+def replace_force(rows: Rows, values: dict[str, float]) -> Log:
     """The record with the pressure's push taken off its force."""
     if "area" not in values or rows.log.pressure is None:
         return rows.log
