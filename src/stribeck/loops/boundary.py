@@ -140,17 +140,22 @@ def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:
 
 
 def _apart(changes: list[tuple[float, float]], seen: dict[float, Judgement]) -> list[tuple[float, float]]:
-    """The changes, those together that are nearer than the verdict is sure: between them stands a lane that the last slip
-    left in between, and the boundary is that of the verdicts outside."""
-    found: list[tuple[float, float]] = []
+    """The changes, those together that are nearer than the verdict is sure: between them stand lanes that the last slip left
+    in between, and the boundary is that of the verdicts outside. Where these are one and all that stands between creeps, there
+    is none."""
+    groups: list[list[tuple[float, float]]] = []
     for low, high in changes:
-        if found:
-            first = found[-1][0]
-            near = high - first < _SURE * max(abs(first), abs(high))
-            if near and seen[first].verdict != seen[high].verdict:
-                found[-1] = first, high
-                continue
-        found.append((low, high))
+        if groups and high - groups[-1][0][0] < _SURE * max(abs(groups[-1][0][0]), abs(high)):
+            groups[-1].append((low, high))
+        else:
+            groups.append([(low, high)])
+    found = []
+    for group in groups:
+        low, high = group[0][0], group[-1][1]
+        if seen[low].verdict != seen[high].verdict:
+            found.append((low, high))
+        elif any(seen[end].verdict != "creeping" for _, end in group[:-1] if seen[end].verdict != seen[low].verdict):
+            found += group
     return found
 
 

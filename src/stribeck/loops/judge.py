@@ -145,7 +145,7 @@ def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
     millionth of its travel."""
     rig = loop.scenario.rig
     assert rig is not None
-    rest = {name: TRAVEL * x for name, x in travel.items()}
+    rest = {name: TRAVEL * max(x, loop.travel.get(name, 0.0)) for name, x in travel.items()}
     for each in rig.machine.controllers:
         step = resolution_of(loop.scenario, each)
         name = rig.machine.leader(each.measures).name

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from copy import deepcopy
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -31,6 +32,7 @@ class Loop:
         held: the tables of the signals that had to be held.
         unstable: whether the loop without friction's jumps is unstable.
         given: the machine as it was given, with signals that never rest as they are.
+        travel: how far each body goes at least, where rest is a share of its travel, m or rad.
     """
 
     scenario: Scenario
@@ -39,6 +41,7 @@ class Loop:
     held: tuple[str, ...]
     unstable: bool
     given: Scenario | None = None
+    travel: Mapping[str, float] = field(default_factory=dict)
 
 
 def loop_of(scenario: Scenario) -> Loop:

@@ -50,6 +50,7 @@ def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | Non
     main = rig.machine.leader(each.measures).name
     last = _last(loop, controller)
     at = _together(held.scenario, each.measures)
+    held = replace(held, travel={name: 2 * abs(share) * moves.amplitude for name, share in at.items()})
     wanted = _wanted(moves, main, [name for name in at if name != main])
     lanes: dict[str, list[float]] = {f"bodies.{name}.initial.y": [] for name in at}
     lanes |= {f"bodies.{name}.initial.v": [] for name in at}

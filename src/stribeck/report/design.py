@@ -127,9 +127,12 @@ def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: st
         made.append(_compensations(found))
     made += chapters.plots(figures)
     made.append(chapters.of_scenario(scenario))
-    return chapters.write_page(
-        folder, f"{scenario.name}: will it hunt?", [f"{sentence(found).capitalize()}."], made, command
-    )
+    lead = [f"{sentence(found).capitalize()}."]
+    if len(kinds(found.starts, found.judgement)) > 1:
+        lead.append(
+            f"{starts_sentence(found.starts, found.judgement, _unit(found, found.judgement.body)).capitalize()}."
+        )
+    return chapters.write_page(folder, f"{scenario.name}: will it hunt?", lead, made, command)
 
 
 def _verdict(found: Design) -> Chapter:
