@@ -65,7 +65,6 @@ def contact_of(scenario: Scenario, controller: str) -> str:
         InputError: there is none.
     """
     rig = scenario.rig
-    assert rig is not None
     each = controller_of(scenario, controller)
     for contact in rig.machine.contacts:
         span = contact.span
@@ -80,7 +79,6 @@ def contact_of(scenario: Scenario, controller: str) -> str:
 def kinds_of(loop: Loop, controller: str, contact: str) -> list[str]:
     """The kinds that the machine can have: an inner loop has a lag, a smooth law and a signal with a second derivative."""
     rig = loop.scenario.rig
-    assert rig is not None
     each = controller_of(loop.scenario, controller)
     law = rig.laws[f"contacts.{contact}.law"]
     smooth = law.differentiable and (rig.signals[each.signal].smooth or rig.signals[each.signal].kind == "ramp")
@@ -90,7 +88,6 @@ def kinds_of(loop: Loop, controller: str, contact: str) -> list[str]:
 def lag_of(scenario: Scenario, controller: str) -> float:
     """How far the force lags what is asked for, s: the motor's current, the delay, and half a period that a sample is held."""
     rig = scenario.rig
-    assert rig is not None
     each = controller_of(scenario, controller)
     motor = next((m for m in rig.machine.motors if m.name == each.on), None)
     lag = rig.values[motor.path, "current_time"] if motor is not None and motor.has_inductance else 0.0
@@ -120,7 +117,6 @@ def with_compensation(scenario: Scenario, controller: str, contact: str, kind: s
 
 def level_of(scenario: Scenario, contact: str) -> float:
     """The largest steady friction of a contact up to v_s, N or N m: what a dither has to overcome."""
-    assert scenario.rig is not None
     law = scenario.rig.laws[f"contacts.{contact}.law"]
     return float(np.max(law.steady_force(law.scales(law.p).speed * _BELOW)))
 

@@ -63,7 +63,6 @@ def excess(scenario: Scenario, controller: str, samples: dict[str, Array]) -> Ex
     """
     contact = contact_of(scenario, controller)
     made = with_compensation(scenario, controller, contact, "measured", 1.0)
-    assert made.rig is not None
     each = controller_of(made, controller)
     assert each.compensation is not None
     law = made.rig.laws[f"contacts.{contact}.law"]
@@ -84,7 +83,6 @@ def excess(scenario: Scenario, controller: str, samples: dict[str, Array]) -> Ex
 def _ratios(scenario: Scenario, contact: str, sample: dict[str, float], v: Array, added: Array) -> Array:
     """What the contact takes over what is added, at each speed."""
     changed = scenario.with_changes(sample) if sample else scenario
-    assert changed.rig is not None
     taken = np.asarray(changed.rig.laws[f"contacts.{contact}.law"].steady_force(v))
     return np.asarray(np.where(added > 0, taken / np.where(added > 0, added, 1.0), np.inf))
 
@@ -95,7 +93,7 @@ def _counterexample(
     """The machine let go at a speed, with nothing but its friction and the compensation; its speed at first and at last."""
     each = controller_of(made, controller)
     gains, rig = _OFF.get(each.kind), made.rig
-    if gains is None or rig is None:
+    if gains is None:
         return None, speed, speed
     data = deepcopy(made.with_changes(sample).data)
     body = data["bodies"][each.measures]

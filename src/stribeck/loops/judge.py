@@ -103,7 +103,6 @@ def _simulated(loop: Loop, values: Mapping[str, ArrayLike], windows: int, count:
 def _judged(loop: Loop, lanes: Ensemble, lane: int, swing: dict[str, float]) -> Judgement:
     """The judgement of one lane, by its last rows."""
     rig = loop.scenario.rig
-    assert rig is not None
     machine = rig.machine
     main = machine.leader(machine.controllers[0].measures).name
     if (reason := lanes.reason[lane]) is not None:
@@ -144,7 +143,6 @@ def _rest(loop: Loop, travel: dict[str, float]) -> dict[str, float]:
     """How far each body may move and still be at rest: its encoder's step, what that step makes of the others, or a
     millionth of its travel."""
     rig = loop.scenario.rig
-    assert rig is not None
     rest = {name: TRAVEL * max(x, loop.travel.get(name, 0.0)) for name, x in travel.items()}
     for each in rig.machine.controllers:
         step = resolution_of(loop.scenario, each)
@@ -173,7 +171,6 @@ def _winding(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> str:
 def _limited(loop: Loop, lanes: Ensemble, lane: int, rows: slice) -> bool:
     """Whether an output stands at its limit for part of the time, on both sides."""
     rig = loop.scenario.rig
-    assert rig is not None
     found: list[tuple[Array, float]] = [
         (lanes[f"{each.name}.u"][lane][rows], rig.values[each.path, "limit"])
         for each in rig.machine.controllers if "limit" in each.form

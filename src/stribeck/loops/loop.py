@@ -79,7 +79,6 @@ def rests_at(signal: Signal) -> float:
 def with_rest(scenario: Scenario) -> tuple[Scenario, tuple[str, ...]]:
     """The scenario with the signals that go on for ever held from ``t_end`` on, and which these are."""
     rig = scenario.rig
-    assert rig is not None
     endless = {use.path: signal for use, signal in rig.signals.items() if not rests_at(signal) < math.inf}
     if not endless:
         return scenario, ()
@@ -161,7 +160,6 @@ class SlidingLoop:
 def _sliding(scenario: Scenario) -> Array:
     """A state in which every contact slides fast with its steady deflection, and every play is taken up."""
     rig = scenario.rig
-    assert rig is not None
     machine = rig.machine
     gaps = [rig.values[link.path, "gap"] for link in machine.links if "gap" in link.form]
     state = dict.fromkeys((s.name for s in machine.states), 0.0)

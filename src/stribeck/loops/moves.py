@@ -41,7 +41,6 @@ def moves_of(loop: Loop, controller: str) -> Moves:
     where it does not move), and its speed, or what the loop does in ten of its
     slowest time constants where the signal jumps or stands."""
     rig = loop.scenario.rig
-    assert rig is not None
     each = controller_of(loop.scenario, controller)
     signal = given_signal(loop, each)
     last = rests_at(signal)
@@ -63,7 +62,6 @@ def moves_of(loop: Loop, controller: str) -> Moves:
 def given_signal(loop: Loop, each: ControllerPart) -> Signal:
     """A controller's signal as it was given, not as it is held: the spline that comes to rest also begins at rest."""
     rig = (loop.given or loop.scenario).rig
-    assert rig is not None
     return next(signal for use, signal in rig.signals.items() if use.path == each.signal.path)
 
 

@@ -108,7 +108,6 @@ def plane(loop: Loop, across: Turned, up: Turned, tell: Callable[[float], None] 
         Edge(_middle(across, a[0], b[0]), _middle(up, a[1], b[1]), one, other) for a, b, one, other in pairs
     ]  # fmt: skip
     rig, places = loop.scenario.rig, machine_places(loop.scenario)
-    assert rig is not None
     point = rig.values.get(places[across.path], 0.0), rig.values.get(places[up.path], 0.0)
     return Plane(across, up, x, y, found, edges, point)
 

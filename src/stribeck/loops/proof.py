@@ -33,7 +33,6 @@ def proof_and_certificates(loop: Loop) -> tuple[dict[str, object], dict[str, obj
     from stribeck.properties.ports import check_machine
 
     rig = loop.scenario.rig
-    assert rig is not None
     found = check_machine(loop.scenario)
     against = [text for each in rig.machine.controllers for text in active(rig, each)] + supplied(rig) + undamped(rig)
     if found.passive is not True:

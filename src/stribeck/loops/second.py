@@ -62,7 +62,6 @@ def as_pid(loop: Loop, controller: str) -> tuple[Scenario, list[str]] | str:
     """The loop as a mass, a law and a PID controller (schema = 1), and what of it was left out; or why it is none."""
     scenario = loop.scenario
     rig = scenario.rig
-    assert rig is not None
     machine, each = rig.machine, controller_of(scenario, controller)
     free = [body for body in machine.bodies if body.leader is None]
     if len(free) != 1 or machine.links or machine.loads or len(machine.contacts) != 1:

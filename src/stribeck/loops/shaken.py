@@ -25,7 +25,6 @@ def swings(loop: Loop, values: Mapping[str, Array], count: int) -> list[dict[str
     It is that of the linear loop while all contacts slide (:class:`SlidingLoop`), times :data:`SHARE`.
     """
     rig = loop.scenario.rig
-    assert rig is not None
     found: list[dict[str, float]] = [{} for _ in range(count)]
     for each in rig.machine.controllers:
         if each.dither is None:
@@ -49,7 +48,6 @@ def frequency_for(scenario: Scenario, controller: str, slowest: float) -> float:
     """A frequency for a dither, Hz: where the sliding loop answers with a hundredth of its largest answer; at most an eighth of
     the sampling's."""
     rig = scenario.rig
-    assert rig is not None
     each = controller_of(scenario, controller)
     sliding, name = SlidingLoop(scenario, controller), rig.machine.leader(each.measures).name
     grid = _GRID / (2 * np.pi * slowest)

@@ -45,7 +45,6 @@ def from_starts(loop: Loop, controller: str, tell: Callable[[float], None] | Non
     moves = moves_of(loop, controller)
     held = _held(loop)
     rig = held.scenario.rig
-    assert rig is not None
     each = controller_of(held.scenario, controller)
     main = rig.machine.leader(each.measures).name
     last = _last(loop, controller)
@@ -87,7 +86,6 @@ def _wanted(moves: Moves, main: str, others: list[str]) -> list[tuple[str, float
 def _held(loop: Loop) -> Loop:
     """The loop with its controllers' signals at rest from t = 0 on."""
     rig, data = loop.scenario.rig, deepcopy(loop.scenario.data)
-    assert rig is not None
     for each in rig.machine.controllers:
         table = data["controllers"][each.name]
         table["signal"] = {"kind": "step", "time": 0.0, "value": _last(loop, each.name)}
@@ -95,7 +93,6 @@ def _held(loop: Loop) -> Loop:
         if table.get("compensation"):
             table["compensation"].pop("lead", None)
     scenario = Scenario(data, folder=loop.scenario.folder, trust=True)
-    assert scenario.rig is not None
     rest = max([0.0, *(rests_at(signal) for signal in scenario.rig.signals.values())])
     return replace(loop, scenario=scenario, rest=rest)
 
@@ -103,7 +100,6 @@ def _held(loop: Loop) -> Loop:
 def _last(loop: Loop, controller: str) -> float:
     """Where a controller's signal rests in the end."""
     rig = loop.scenario.rig
-    assert rig is not None
     signal = rig.signals[controller_of(loop.scenario, controller).signal]
     return float(signal.at(np.array([max(rests_at(signal), 0.0) + 1.0]))[0])
 
@@ -111,7 +107,6 @@ def _last(loop: Loop, controller: str) -> float:
 def _together(scenario: Scenario, measured: str) -> dict[str, float]:
     """How far each body with coordinates of its own goes by the measured one while no link is stretched; the leader's first."""
     rig = scenario.rig
-    assert rig is not None
     machine = rig.machine
     body, share = machine.body[measured], 1.0
     while body.leader is not None:
@@ -136,7 +131,6 @@ def _together(scenario: Scenario, measured: str) -> dict[str, float]:
 def _ratio_of(scenario: Scenario, name: str) -> float:
     """How far a body moves by its leader."""
     rig = scenario.rig
-    assert rig is not None
     body, total = rig.machine.body[name], 1.0
     while body.leader is not None:
         total *= rig.values.get((body.path, "ratio"), 1.0)

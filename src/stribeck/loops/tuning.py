@@ -190,6 +190,5 @@ def _value(loop: Loop, path: str) -> float:
     from stribeck.simulation.places import machine_places
 
     rig = loop.scenario.rig
-    assert rig is not None
     at = machine_places(loop.scenario)[path]
     return rig.values.get(at, 0.0)

@@ -30,7 +30,6 @@ def intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple[float, f
 
     places = machine_places(scenario)
     rig = scenario.rig
-    assert rig is not None
     laws = {c.law_path for c in rig.machine.contacts}
     own = {path: rig.values[at] for path, at in places.items() if at[0] in laws and at in rig.values}
     if file is None:

@@ -349,4 +349,4 @@ def second_lines(second: SecondOpinion, unit: str) -> list[str]:
 
 def _unit(found: Design, body: str) -> str:
     rig = found.loop.scenario.rig
-    return "rad" if rig is not None and rig.machine.body[body].rotary else "m"
+    return "rad" if rig.machine.body[body].rotary else "m"

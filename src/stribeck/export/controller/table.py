@@ -15,7 +15,7 @@ def files(block: Block) -> dict[str, str | bytes]:
         InputError: the part is not the compensation, whose law alone has a steady curve.
     """
     rig, made = block.scenario.rig, block.controller.compensation
-    if rig is None or made is None or block.part != "compensator":
+    if made is None or block.part != "compensator":
         raise InputError(f"{arg('part')}: {block.part!r}: target 'table' has the compensator alone")
     v, force, error = fit(rig.laws[made.path])
     share = rig.values[f"{block.controller.path}.compensation", "share"] if made.share else 1.0

@@ -173,7 +173,6 @@ def _columns_tried(whole: MachineProblem, run: RecordedRun, sought: list[Machine
 
 def _inputs_scaled(run: RecordedRun) -> Iterator[tuple[str, RecordedRun, float]]:
     """The recording with one of its inputs in other units; another sign is that of an output too."""
-    assert run.scenario.rig is not None
     for use in run.scenario.rig.signals:
         table = run.scenario.data
         for word in use.path.split("."):
