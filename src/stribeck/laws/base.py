@@ -305,7 +305,13 @@ class BristleLaw(Law):
 
     @staticmethod
     def stored_energy(p: SimpleNamespace, z: Value) -> Value:
-        """The bristles' elastic energy, J."""
+        """The bristles' elastic energy, J.
+
+        Raises:
+            InputError: of a law without sigma_0 that does not say its own.
+        """
+        if not hasattr(p, "sigma_0"):
+            raise InputError("output.energy: true: must be false for a law without sigma_0 and stored_energy(p, z)")
         return p.sigma_0 * z**2 / 2
 
     @staticmethod

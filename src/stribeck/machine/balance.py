@@ -205,11 +205,11 @@ class Balance:
             self.k[joined(contact.name, "z")], self.k[joined(contact.name, "w")] = z, w
             self._name(joined(contact.name, "F"), F)
             self._act(contact.span, ratio, F)
-            stored = wrap(
-                contact.law.stored_energy(contact.law.symbolic(symbols_of(contact.law_path), contact.form), z)
-            )
-            self.stored = self.stored + stored
-            self.lost = self.lost + (F * w - (derivative(stored, z) * rate if contact.law.has_z else ZERO))
+            if self.machine.energy:  # a law of one's own may say nothing of what it stores
+                symbols = contact.law.symbolic(symbols_of(contact.law_path), contact.form)
+                stored = wrap(contact.law.stored_energy(symbols, z))
+                self.stored = self.stored + stored
+                self.lost = self.lost + (F * w - (derivative(stored, z) * rate if contact.law.has_z else ZERO))
             if contact.law.has_z:
                 self.own[joined(contact.name, "z")] = rate
 

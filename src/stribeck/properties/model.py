@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from fractions import Fraction
 from functools import cached_property
 
+from stribeck.errors import InputError
 from stribeck.expressions.graph import (
     ONE,
     ZERO,
@@ -55,7 +56,7 @@ class Model:
         self.power_force = substitute([self.force], {RATE: self.rate})[0]
         try:
             self.stored = finite(wrap(law.stored_energy(p, Z)))
-        except AttributeError:  # that of the base class, which needs sigma_0, in a law without it
+        except InputError:  # that of the base class, which needs sigma_0, in a law without it
             self.stored = ZERO
         self._bound = finite(wrap(law.z_bound(p)))
         self.values = {f"c_{n}": Fraction(x) for n, x in law.p.numbers.items()}
