@@ -122,10 +122,8 @@ def check_machine(
 
 
 def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
-    machine = scenario.rig.machine if not scenario.rig.single else None
-    known: list[str] = []
-    if machine is not None:
-        known = [name for parts in (machine.links, machine.loads, machine.motors) for name in _names(parts)]
+    machine = scenario.rig.machine
+    known = [name for parts in (machine.links, machine.loads, machine.motors) for name in _names(parts)]
     problems = []
     for name, size in stated.items():
         if name not in known:

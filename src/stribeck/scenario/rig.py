@@ -21,10 +21,9 @@ from stribeck.scenario.parts import Settings
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged, pieces
 
+# What counts as at a limit: along it an integral slides, which rounding would else make many events.
+AT_LIMIT = 1 - 1e-6
 # Natural magnitudes where no contact says any: a millimetre (milliradian) and its tenfold in a second.
-AT_LIMIT = (
-    1 - 1e-6
-)  # what counts as at a limit: along it an integral slides, which rounding would else make many events
 _LENGTH, _SPEED, _FORCE = 1e-3, 1e-2, 1.0
 
 
