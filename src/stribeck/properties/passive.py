@@ -30,7 +30,6 @@ _FITTED = (
 )
 _STORED = "the elastic energy, sigma_0 z^2/2 for a linear spring"
 _GIVEN_BACK = "what the bristles give back when they are unwound slowly: S' = F v/(dz/dt) as v -> 0"
-_NEITHER = "no storage function exists as far as sampled, but no run that draws energy was confirmed"
 _CYCLE = "a cycle of held speeds that returns z to its start and draws energy (enclosed by interval arithmetic)"
 
 

@@ -47,11 +47,6 @@ class Rig:
         """Whether it is a law on one body under a drive (``schema = 1``)."""
         return self.machine.single
 
-    @property
-    def equations(self) -> MachineSystem:
-        """The structure of the equations, without values."""
-        return self.machine
-
     def with_values(self, values: Mapping[tuple[str, str], Value]) -> Rig:
         """The same with other constants: numbers, arrays of them, or symbols."""
         return replace(self, values={**self.values, **values})

@@ -94,9 +94,6 @@ def read_claim(data: Json) -> Claim:
     return Claim(str(data["about"]), s, t, u if s != 0 else None, w if t != 0 else None, data)
 
 
-_NUMBERS_NEEDED = {"growth": ("a", "b", "l"), "lipschitz": ("a", "b", "l"), "finite": ("a", "b")}
-
-
 def _limit(claim: Claim) -> Node:
     """a + b u^k, with a, b >= 0 and k >= 1."""
     a, b, k = rational(claim.data["a"]), rational(claim.data["b"]), _whole(claim.data["k"], 1)
