@@ -108,11 +108,7 @@ def _together(scenario: Scenario, measured: str) -> dict[str, float]:
     """How far each body with coordinates of its own goes by the measured one while no link is stretched; the leader's first."""
     rig = scenario.rig
     machine = rig.machine
-    body, share = machine.body[measured], 1.0
-    while body.leader is not None:
-        share /= rig.values.get((body.path, "ratio"), 1.0)
-        body = machine.body[body.leader]
-    found = {body.name: share}
+    found = {machine.leader(measured).name: 1 / _ratio_of(scenario, measured)}
     for _ in machine.bodies:
         for link in machine.links:
             start, end = link.span.start, link.span.end

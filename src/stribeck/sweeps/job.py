@@ -141,11 +141,6 @@ class Sweep:
         found = read_json(self.place, _MANIFEST).get("sha256", {})
         return found if isinstance(found, dict) else {}
 
-    def _done(self, digests: Mapping[str, str]) -> None:
-        """Note that parts are written."""
-        digests = {**self._digests(), **digests}
-        put_json(self.place, _MANIFEST, {**self.manifest, "sha256": dict(sorted(digests.items()))})
-
     def run(self, threads: int | None = None, progress: Progress | None = None, on: str | None = None) -> int:
         """Write the parts that are missing; how many lanes failed in all.
 
