@@ -19,7 +19,7 @@ def blocks(language):
 def test_commands(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     commands = [line for line in blocks("sh")[1].splitlines() if line]
-    assert len(commands) == 16
+    assert len(commands) == 17
     for command in commands:
         words = shlex.split(command, comments=True)
         assert words[0] == "stribeck"

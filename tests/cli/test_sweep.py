@@ -225,8 +225,8 @@ def test_ranges():
     [
         (("--on", "spark"), "--on: 'spark': must be dask or dask://HOST:PORT"),
         (("--on", "dask://127.0.0.1:1"), "--on: 'dask://127.0.0.1:1': no scheduler answers there"),
-        (("--on", "dask", "--threads", "2"), "--threads 2: does not go with --on"),
-        (("--on", "dask", "--device", "cuda"), "--device cuda: does not go with --on"),
+        (("--on", "dask", "--threads", "2"), "--threads: 2: does not go with --on"),
+        (("--on", "dask", "--device", "cuda"), "--device: 'cuda': does not go with --on"),
         (("--device", "tpu"), "--device: 'tpu': must be 'cpu' or 'cuda'"),
         (("--out", "nothing://a/b"), "--out nothing://a/b: must be a path, or a URL that pyarrow or fsspec knows"),
     ],

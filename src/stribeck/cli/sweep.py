@@ -9,7 +9,7 @@ from time import perf_counter
 from stribeck.arrays import Array
 from stribeck.cli import show
 from stribeck.errors import InputError, left_out
-from stribeck.sweeps.job import Sweep
+from stribeck.sweeps.job import Sweep, check_cluster
 from stribeck.sweeps.places import Store
 from stribeck.sweeps.ranges import Range, lanes_of
 
@@ -31,10 +31,7 @@ def sweep(
 ) -> int:
     """Simulate every lane, in parts; go on where an earlier run stopped."""
     scenario = show.load(path, assignments, trust)
-    if on is not None and threads is not None:
-        raise InputError(f"--threads {threads}: does not go with --on: a cluster's workers have their own")
-    if on is not None and device != "cpu":
-        raise InputError(f"--device {device}: does not go with --on: workers use their processors")
+    check_cluster(on, threads, device)
     job = Sweep(scenario, _lanes(vary, samples, seed), out, summary, as_csv, device)
     if not isinstance(job.place, Store):
         show.check_folder(job.place.folder)
@@ -43,7 +40,7 @@ def sweep(
     started, there = perf_counter(), job.parts - len(job.missing())
     with show.rate(f"{scenario.name}: {len(job.lanes)} lanes", "lanes") as tell:
         failed = job.run(threads, tell, on)
-    where = str(job.place).rstrip("/")
+    where = str(job.place)
     files = [f"{where}/_manifest.json", *(str(job.path(i)) for i in range(job.parts))]
     seconds = perf_counter() - started
     report: dict[str, object] = {

@@ -83,19 +83,26 @@ class _Run:
 
     def run(self) -> None:
         """Until every part is written."""
+        try:
+            while self.todo or self.hand:
+                self._send(self._workers())
+                for future in self._finished():
+                    self._take(future)
+        except Exception as error:  # what a client says whose scheduler dies under it depends on the moment
+            if isinstance(error, StribeckError) or self.client.status == "running":
+                raise
+            raise self._gone() from None
+
+    def _finished(self) -> set[Future[worker.Made]]:
+        """The parts of those in hand that came to an end, within a while."""
         import distributed
 
-        while self.todo or self.hand:
-            workers = self._workers()
-            self._send(workers)
-            try:
-                done = distributed.wait(list(self.hand), timeout=_LOOK, return_when="FIRST_COMPLETED").done
-            except (TimeoutError, distributed.TimeoutError):
-                done = set()
-            except distributed.CancelledError:
-                done = {future for future in self.hand if future.status != "pending"}
-            for future in done:
-                self._take(future)
+        try:
+            return set(distributed.wait(list(self.hand), timeout=_LOOK, return_when="FIRST_COMPLETED").done)
+        except (TimeoutError, distributed.TimeoutError):
+            return set()
+        except distributed.CancelledError:
+            return {future for future in self.hand if future.status != "pending"}
 
     def _workers(self) -> dict[str, int]:
         """The threads of each worker that there is now.

@@ -184,6 +184,7 @@ class Sweep:
             self.place.put(self.name(part), write)
             self.written(part, digest(self.place, self.name(part)))
             done += end - first
+            tell(done)
 
     def written(self, part: int, known: str) -> None:
         """Note that a part is written, with the SHA-256 of its file."""
@@ -222,6 +223,19 @@ class Sweep:
             put_json(self.place, _MANIFEST, {**self.manifest, "sha256": {}})
 
 
+def check_cluster(on: str | None, threads: int | None, device: str) -> None:
+    """Refuse what a cluster cannot be told.
+
+    Raises:
+        InputError: threads, or another device than processors.
+    """
+    if on is not None and threads is not None:
+        text = f"does not go with {arg('on')}: a cluster's workers have their own"
+        raise InputError(f"{arg('threads')}: {threads}: {text}")
+    if on is not None and device != "cpu":
+        raise InputError(f"{arg('device')}: {device!r}: does not go with {arg('on')}: workers use their processors")
+
+
 def sweep(
     scenario: Scenario | Machine | VariedMachine | str | Path | Mapping[str, object],
     values: Mapping[str, ArrayLike] | None = None,
@@ -258,8 +272,7 @@ def sweep(
         InputError: a path cannot be varied, or the folder holds another sweep.
         StribeckError: the cluster went away, or none of its workers can do it (what was written stays); or no GPU.
     """
-    if on is not None and device != "cpu":
-        raise InputError(f"{arg('device')}: {device!r}: does not go with {arg('on')}: workers use their processors")
+    check_cluster(on, threads, device)
     if isinstance(scenario, VariedMachine):
         values = {**scenario.values, **(values or {})}
     shared = scenario.machine if isinstance(scenario, VariedMachine) else scenario

@@ -52,7 +52,7 @@ def write_sweep_page(sweep: Sweep, command: str = "") -> list[str]:
         for path in _write(sweep, Path(made) / FOLDER, command):
             names.append(f"{FOLDER}/{path.name}")
             sweep.place.put(names[-1], partial(shutil.copyfile, path))
-    return [f"{str(sweep.place).rstrip('/')}/{name}" for name in names]
+    return [f"{sweep.place}/{name}" for name in names]
 
 
 def _write(sweep: Sweep, folder: Path, command: str) -> list[Path]:

@@ -174,7 +174,7 @@ class Store:
     environment (AWS_ENDPOINT_URL, ...)."""
 
     def __init__(self, url: str) -> None:
-        self.url = url
+        self.url = url = url.rstrip("/")
         with needed(f"{arg('folder')} {url}", "parquet"):
             from pyarrow import ArrowInvalid, fs
         try:
