@@ -285,6 +285,17 @@ def test_a_worker_that_would_make_other_bits_says_so(tmp_path):
         worker._built(json.dumps({**other, "data": {**other["data"], "plant": {"mass": -1}}}), first)
 
 
+def test_paths_in_any_order(tmp_path):
+    """The columns of a part have the order of the paths: a worker's first lane too."""
+    values = {path: np.asarray(LANES[path]) for path in sorted(LANES, reverse=True)}
+    job = Sweep(scenario(), values, tmp_path, True)
+    job.run()
+    text = job.order.to_text(job.order.probe(job.values_of(0)))
+    first = {path: x[:1].tobytes() for path, x in job.values_of(0).items()}
+    numbers = {path: x.tobytes() for path, x in job.values_of(3).items()}
+    assert worker.part(text, first, numbers, 6, job.name(3))["data"] == job.path(3).read_bytes()
+
+
 def test_places_of_paths_and_urls(tmp_path):
     assert isinstance(place_of(tmp_path), places.Folder)
     assert str(place_of(str(tmp_path))) == str(tmp_path)

@@ -105,33 +105,9 @@ def _last(loop: Loop, controller: str) -> float:
 
 
 def _together(scenario: Scenario, measured: str) -> dict[str, float]:
-    """How far each body with coordinates of its own goes by the measured one while no link is stretched; the leader's first."""
-    rig = scenario.rig
-    machine = rig.machine
-    found = {machine.leader(measured).name: 1 / _ratio_of(scenario, measured)}
-    for _ in machine.bodies:
-        for link in machine.links:
-            start, end = link.span.start, link.span.end
-            if not isinstance(start, str) or end is None:
-                continue
-            a, b = machine.leader(start).name, machine.leader(end).name
-            by_a, by_b = (_ratio_of(scenario, name) for name in (start, end))
-            over = rig.values.get((link.path, "ratio"), 1.0) * by_a / by_b  # ratio y_start = y_end
-            if a in found and b not in found:
-                found[b] = found[a] * over
-            elif b in found and a not in found:
-                found[a] = found[b] / over
-    return {name: x for name, x in found.items() if machine.body[name].driven is None}
-
-
-def _ratio_of(scenario: Scenario, name: str) -> float:
-    """How far a body moves by its leader."""
-    rig = scenario.rig
-    body, total = rig.machine.body[name], 1.0
-    while body.leader is not None:
-        total *= rig.values.get((body.path, "ratio"), 1.0)
-        body = rig.machine.body[body.leader]
-    return total
+    """How far each body that obeys forces goes by the measured one while no link is stretched; the leader's first."""
+    bodies = scenario.rig.machine.body
+    return {name: x for name, x in scenario.rig.carried(measured).items() if bodies[name].driven is None}
 
 
 def starts_row(found: list[Start], own: Judgement) -> dict[str, object]:

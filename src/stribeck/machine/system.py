@@ -304,15 +304,15 @@ class MachineSystem(Equations):
     @cached_property
     def watched(self) -> tuple[Watched, ...]:
         """Slip and stick of each contact, the flanks of each play, the limit of each controller."""
-        found = [] if self.single and self._given else [(contact.name, SLIP_AND_STICK) for contact in self.contacts]
+        found = [] if self.given_alone else [(contact.name, SLIP_AND_STICK) for contact in self.contacts]
         found += [(link.name, _FLANKS) for link in self.links if "gap" in link.form]
         found += [(x.name, _LIMIT) for x in self.controllers if x.sampling is None and "limit" in x.form]
         return tuple(found)
 
     @property
-    def _given(self) -> bool:
-        """Whether a body's velocity is given: where it is the only one, the signal itself tells the events."""
-        return any(body.driven is not None for body in self.bodies)
+    def given_alone(self) -> bool:
+        """Whether the only body's velocity is given: then the signal itself tells the events."""
+        return self.single and self.bodies[0].driven is not None
 
     def watches(self, called: Names | None = None) -> list[Watch]:
         """The same with the quantities."""

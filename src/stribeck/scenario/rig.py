@@ -119,8 +119,8 @@ class Rig:
 
     def more_events(self, reached: float) -> list[tuple[float, int]]:
         """Events that no state tells, as far as a run came: where the only velocity is a signal, those of the signal."""
-        threshold = self.law.machine.get("v_s", 0.0) if self.single else 0.0
-        if not threshold > 0 or self.machine.bodies[0].driven is None:
+        threshold = self.law.machine.get("v_s", 0.0) if self.machine.given_alone else 0.0
+        if not threshold > 0:
             return []
         (signal,) = self.signals.values()
         return [(t, int(not rises)) for t, rises in signal.crossings(threshold, reached)]
@@ -225,6 +225,32 @@ class Rig:
             for body in self.machine.bodies if body.leader is not None
         ]  # fmt: skip
         return found
+
+    def carried(self, body: str) -> dict[str, float]:
+        """How far each body with a coordinate of its own goes by ``body`` while no link is stretched; the leader's first."""
+        machine = self.machine
+        found = {machine.leader(body).name: 1.0 / self._tie(body)}
+        for _ in machine.bodies:
+            for link in machine.links:
+                start, end = link.span.start, link.span.end
+                if not isinstance(start, str) or end is None:
+                    continue
+                a, b = machine.leader(start).name, machine.leader(end).name
+                # ratio y_start = y_end
+                ratio = self.values.get((link.path, "ratio"), 1.0) * self._tie(start) / self._tie(end)
+                if a in found and b not in found:
+                    found[b] = found[a] * ratio
+                elif b in found and a not in found:
+                    found[a] = found[b] / ratio
+        return found
+
+    def _tie(self, name: str) -> float:
+        """How far a body moves by its leader."""
+        body, total = self.machine.body[name], 1.0
+        while body.leader is not None:
+            total *= self.values.get((body.path, "ratio"), 1.0)
+            body = self.machine.body[body.leader]
+        return total
 
     def _numbers(self, path: str) -> SimpleNamespace:
         return SimpleNamespace(**{name: x for (owner, name), x in self.values.items() if owner == path})

@@ -157,7 +157,7 @@ class Variations:
 
     def more_events(self, lane: int, reached: float) -> list[tuple[float, int]]:
         """Events of a lane that no state tells, as far as it came (:meth:`Rig.more_events`)."""
-        if not self.rig.single or self.rig.machine.bodies[0].driven is None:
+        if not self.rig.machine.given_alone:
             return []
         threshold, (use,) = float(self.threshold()[lane]), self.rig.signals
         signals, which = self._signals(use)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from stribeck.sweeps.job import Sweep
 
 _LOOK = 2.0  # s: how often workers that came or went are looked for
-_DEATHS = 5  # of workers over one part: more, and it is the part that kills them
+_DEATHS = 5  # times that the scheduler gives up a part whose workers died: then it is the part that kills them
 _AHEAD = 2  # parts in hand for each thread of the cluster
 
 
@@ -120,6 +120,7 @@ class _Run:
         return StribeckError(f"{arg('on')} {self.on}: {text}")
 
     def _send(self, workers: dict[str, int]) -> None:
+        """Hand out parts, to workers that have not refused."""
         may = {address: n for address, n in workers.items() if address not in self.refused}
         if not workers and not self.waiting:
             note(
@@ -134,10 +135,10 @@ class _Run:
                 self.hand.pop(future)
                 future.cancel(force=True)
                 self.todo.appendleft(part)
+        if self.refused and not may:
+            return
         room = _AHEAD * max(sum(may.values()), 1) - len(self.hand)
         only = frozenset(may) if self.refused else None
-        if only is not None and not only:
-            return
         while self.todo and room > 0:
             part = self.todo.popleft()
             numbers = {path: x.tobytes() for path, x in self.job.values_of(part).items()}

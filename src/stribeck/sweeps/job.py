@@ -22,7 +22,7 @@ from stribeck.simulation.ensemble import check_device
 from stribeck.simulation.native import step_share
 from stribeck.simulation.variations import arrays, vary
 from stribeck.sweeps import tables
-from stribeck.sweeps.places import Folder, Store, digest, fetched, place_of, put_json, read_json
+from stribeck.sweeps.places import Folder, Store, digest, place_of, put_json, read_json
 from stribeck.sweeps.worker import Order
 from stribeck.version import __version__
 
@@ -181,8 +181,7 @@ class Sweep:
                 tell(done + x * size)
 
             write = partial(self.order.write, values=self.values_of(part), first=first, threads=threads, progress=share)
-            self.place.put(self.name(part), write)
-            self.written(part, digest(self.place, self.name(part)))
+            self.written(part, self.place.put(self.name(part), write))
             done += end - first
             tell(done)
 
@@ -206,8 +205,8 @@ class Sweep:
         return {path: x[first:end] for path, x in self.lanes.values.items()}
 
     def _failed(self, part: int) -> int:
-        with fetched(self.place, self.name(part)) as path:
-            return tables.failed_lanes(path)
+        with self.place.open(self.name(part)) as file:
+            return tables.failed_lanes(file, self.as_csv)
 
     def _claim(self) -> None:
         """Make the folder this sweep's: write its manifest, or find the same one there."""

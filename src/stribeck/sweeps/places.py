@@ -11,12 +11,12 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from hashlib import file_digest
+from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Protocol
 
 from stribeck.errors import InputError, arg, needed
-from stribeck.files import write_with
+from stribeck.files import sha256_of, write_with
 
 if TYPE_CHECKING:
     from pyarrow import fs
@@ -32,8 +32,8 @@ _LEFT = (".[0-9]*-????????.tmp", ".part-*.tmp", "._manifest*.tmp")
 class Place(Protocol):
     """A folder of files, each of which is there whole or not at all."""
 
-    def put(self, name: str, write: Write) -> None:
-        """Have ``write`` make the file, then put it in place under ``name``."""
+    def put(self, name: str, write: Write) -> str:
+        """Have ``write`` make the file, then put it in place under ``name``; its SHA-256."""
 
     def open(self, name: str) -> IO[bytes]:
         """A file to read.
@@ -126,9 +126,10 @@ class Folder:
     def __str__(self) -> str:
         return str(self.folder)
 
-    def put(self, name: str, write: Write) -> None:
+    def put(self, name: str, write: Write) -> str:
         """See :class:`Place`."""
         write_with(self.folder / name, write)
+        return sha256_of(self.folder / name)
 
     def open(self, name: str) -> IO[bytes]:
         """See :class:`Place`."""
@@ -202,14 +203,16 @@ class Store:
     def _at(self, name: str) -> str:
         return f"{self._path.rstrip('/')}/{name}"
 
-    def put(self, name: str, write: Write) -> None:
+    def put(self, name: str, write: Write) -> str:
         """See :class:`Place`."""
         with tempfile.TemporaryDirectory() as folder:
             beside = Path(folder) / Path(name).name
             write(beside)
-            with beside.open("rb") as file, self._files.open_output_stream(self._at(name)) as stream:
-                while some := file.read(_CHUNK):
-                    stream.write(some)
+            content = beside.read_bytes()
+        # in one piece: what interrupts it comes before or after, for leaving the block puts in place what was sent
+        with self._files.open_output_stream(self._at(name)) as stream:
+            stream.write(content)
+        return sha256(content).hexdigest()
 
     def open(self, name: str) -> IO[bytes]:
         """See :class:`Place`."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
+from io import TextIOWrapper
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,12 +81,12 @@ def write_table(path: Path, columns: Sequence[Column], as_csv: bool) -> None:
     write_parquet(table, path, compression="zstd")
 
 
-def failed_lanes(path: Path) -> int:
-    """How many lanes of a part failed."""
-    if path.suffix == ".csv":
-        with path.open(encoding="utf-8", newline="") as file:
-            return len({row["lane"] for row in csv.DictReader(file) if row["status"] == "failed"})
+def failed_lanes(file: IO[bytes], as_csv: bool) -> int:
+    """How many lanes of a part failed; of a Parquet file only two columns are read."""
+    if as_csv:
+        rows = csv.DictReader(TextIOWrapper(file, encoding="utf-8", newline=""))
+        return len({row["lane"] for row in rows if row["status"] == "failed"})
     from pyarrow import parquet
 
-    table = parquet.read_table(path, columns=["lane"], filters=[("status", "=", "failed")])
+    table = parquet.read_table(file, columns=["lane"], filters=[("status", "=", "failed")])
     return len(table.column("lane").unique())

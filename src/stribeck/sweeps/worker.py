@@ -8,12 +8,11 @@ from __future__ import annotations
 
 import base64
 import json
-import shutil
 import tempfile
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TypedDict
 
@@ -31,6 +30,18 @@ from stribeck.version import __version__
 
 _building = threading.Lock()
 _folders: list[tempfile.TemporaryDirectory[str]] = []  # of files that scenarios name: read again, gone with the process
+
+
+class _Told(TypedDict):
+    """The keys of an order's text (:meth:`Order.to_text`)."""
+
+    stribeck: str
+    data: dict[str, object]
+    files: dict[str, str]
+    summary: bool
+    as_csv: bool
+    url: str | None
+    probe: str
 
 
 class Refused(Exception):
@@ -99,26 +110,25 @@ def part(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes], fir
 
     Args:
         text: of :meth:`Order.to_text`.
-        first_lane: the values of the sweep's first lane by path, float64.
+        first_lane: the values of the sweep's first lane by path, float64, in the order of the columns.
         numbers: those of this part's lanes.
         first: the number of its first lane.
         name: of its file.
     """
     try:
         with _building:
-            order = _built(text, tuple(sorted(first_lane.items())))
+            order = _built(text, tuple(first_lane.items()))
     except Refused as why:
         from distributed import get_worker
 
         return {"refused": str(why), "worker": str(get_worker().address)}
+    write = partial(order.write, values=_values(numbers), first=first, threads=1)
+    if order.url is not None:
+        return {"sha256": Store(order.url).put(name, write), "data": None}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / name
-        order.write(path, _values(numbers), first, threads=1)
-        digest = sha256_of(path)
-        if order.url is None:
-            return {"sha256": digest, "data": path.read_bytes()}
-        Store(order.url).put(name, lambda beside: shutil.copyfile(path, beside))
-        return {"sha256": digest, "data": None}
+        write(path)
+        return {"sha256": sha256_of(path), "data": path.read_bytes()}
 
 
 def _values(numbers: Mapping[str, bytes]) -> dict[str, Array]:
@@ -132,20 +142,29 @@ def _built(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
     Raises:
         Refused: this worker's numbers would not be the same.
     """
-    given = json.loads(text)
+    given: _Told = json.loads(text)
     if given["stribeck"] != __version__:
         raise Refused(f"has Stribeck {__version__}, not {given['stribeck']}")
     if compiler.find() is None:
         raise Refused("has no C compiler")
     kept = tempfile.TemporaryDirectory(prefix="stribeck-")
+    try:
+        order = _checked(given, Path(kept.name), _values(dict(first_lane)))
+    except BaseException:
+        kept.cleanup()
+        raise
     _folders.append(kept)
-    folder = Path(kept.name)
+    return order
+
+
+def _checked(given: _Told, folder: Path, first_lane: dict[str, Array]) -> Order:
+    """The order of a text, with the files that it names in a folder, once it makes the bits that are asked for."""
     for name, content in given["files"].items():
         (folder / name).write_bytes(base64.b64decode(content))
     try:
         scenario = Scenario(given["data"], folder=folder, trust=True)
         order = Order(scenario, given["summary"], given["as_csv"], given["url"])
-        probe = order.probe(_values(dict(first_lane)))
+        probe = order.probe(first_lane)
     except (StribeckError, OSError) as error:
         raise Refused(f"cannot build it: {one_line(str(error))}") from None
     if probe != given["probe"]:

@@ -52,7 +52,7 @@ def design(
             "--uncertainty", metavar="parameters.toml", help="Intervals of the friction, of a fit; else 10 % both ways."
         ),
     ] = None,
-    controller: Annotated[str | None, typer.Option("--controller", metavar="NAME", help="Which, of several.")] = None,
+    controller: ControllerName = None,
     compensations: Annotated[
         bool, typer.Option("--compensations/--no-compensations", help="Compare what may be done against friction.")
     ] = True,

@@ -132,13 +132,13 @@ def recorded_run(
     Raises:
         InputError: an output is no column of the machine, an input none of its signals, or a known number none it has.
     """
+    if scenario.rig.single:
+        raise InputError(["the machine: schema = 1: a fit to recordings needs a machine (schema = 2)"])
     begin, end = span or (0.0, float(recording.t[-1]))
     changes: dict[str, object] = dict(recording.known)
     problems = []
     for path, channel in recording.inputs.items():
         changes[path] = signal(scenario, path, channel, begin, end)
-    if scenario.rig.single:
-        raise InputError(["the machine: schema = 1: a fit to recordings needs a machine (schema = 2)"])
     known = [c.name for c in scenario.rig.machine.columns]
     for name in recording.outputs:
         if name not in known:

@@ -16,34 +16,6 @@ _ROOM = 6.0  # bounds of a start, in its estimate's deviations
 _MOVES = 3.0
 
 
-def carried(scenario: Scenario, body: str) -> dict[str, float]:
-    """How far each free body moves by ``body`` through links, with these at rest: itself 1."""
-    machine, values = scenario.rig.machine, scenario.rig.values
-    found = {machine.leader(body).name: 1.0 / _tie(scenario, body)}
-    for _ in machine.bodies:
-        for link in machine.links:
-            start, end = link.span.start, link.span.end
-            if not isinstance(start, str) or end is None:
-                continue
-            a, b = machine.leader(start).name, machine.leader(end).name
-            ratio = values.get((link.path, "ratio"), 1.0) * _tie(scenario, start) / _tie(scenario, end)
-            if a in found and b not in found:
-                found[b] = found[a] * ratio
-            elif b in found and a not in found:
-                found[a] = found[b] / ratio
-    return found
-
-
-def _tie(scenario: Scenario, name: str) -> float:
-    """How far a body moves by its leader."""
-    machine, total = scenario.rig.machine, 1.0
-    body = machine.body[name]
-    while body.leader is not None:
-        total *= scenario.rig.values.get((body.path, "ratio"), 1.0)
-        body = machine.body[body.leader]
-    return total
-
-
 def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
     """A measured position and its rate at a time, by a parabola through the samples near it, and their deviations."""
     good = np.isfinite(channel.x)
@@ -77,7 +49,7 @@ def begun(
         name, _, what = column.rpartition(".")
         if what != "y" or not _free(scenario, name) or f"outputs.{column}.offset" in named:
             continue
-        moves = {b: f for b, f in carried(scenario, name).items() if b not in told}
+        moves = {b: f for b, f in scenario.rig.carried(name).items() if b not in told}
         told |= set(moves)
         y, v, dy, dv = state_at(channel, at)
         for kind, x, dx in (("y", y, dy), ("v", v, dv)):
