@@ -88,7 +88,7 @@ def test_the_loop_of_a_pid_controller_is_judged():
     assert name == "controller"
     poles = np.roots([1.0, 8.0 + 1.0, 50.0, 80.0])  # mass, K_d + sigma_2, K_p, K_i
     assert loop.slowest == pytest.approx(1 / min(-poles.real), rel=1e-6)
-    with pytest.raises(InputError, match="drive.kind: 'spring': must be 'pid'"):
+    with pytest.raises(InputError, match="'spring': must be 'pid'"):
         loop_and_controller(Scenario.load(examples.path("stick_slip")))
 
 
