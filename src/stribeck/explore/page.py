@@ -19,7 +19,7 @@ from stribeck.explore.figures import figures, panels
 from stribeck.explore.machine import machine_data, machine_law, machine_of, machine_panels, machine_sections
 from stribeck.explore.measured import measured
 from stribeck.explore.numbers import numbers, of_law
-from stribeck.explore.variants import variants
+from stribeck.explore.variants import measured_whole, variants
 from stribeck.expressions.pretty import name as symbol_name
 from stribeck.files import write_text
 from stribeck.laws import table
@@ -58,7 +58,7 @@ def explorer_page(
         InputError: a law that is not known, or cannot take the scenario's numbers.
     """
     library = _library()
-    if not scenario.rig.single:
+    if measured_whole(scenario):
         return _filled(_machine(scenario, laws, command, progress, fitted or {}), machine_sections(scenario), library)
     found = variants(scenario, laws)
     codes = [f"{source(each.system)}\n\n{appendix(each)}" for each in found.values()]
@@ -93,7 +93,8 @@ def _machine(
     intervals: Mapping[str, object],
 ) -> dict[str, object]:  # fmt: skip
     if laws:
-        raise InputError(f"{arg('law')}: {', '.join(laws)}: a machine keeps the laws of its file")
+        what = "a machine" if not scenario.rig.single else "a servo, or a drive that follows a curve,"
+        raise InputError(f"{arg('law')}: {', '.join(laws)}: {what} keeps the laws of its file")
     found, machine, shown = measured(scenario), machine_of(scenario), machine_panels(scenario)
     (module,) = wasm.modules([f"{source(machine)}\n\n{machine_appendix(machine)}"], progress)
     return {

@@ -9,7 +9,6 @@ from pathlib import Path
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
-from stribeck.explore.variants import unfit
 from stribeck.files import read_file
 from stribeck.scenario import Scenario
 
@@ -35,7 +34,4 @@ def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Repor
         must = "must be a folder that 'stribeck run --out' wrote (its summary.json holds no scenario)"
         raise InputError(f"{arg('report')}: {show(str(folder))}: {must}") from None
     scenario = Scenario(tables, folder=beside, trust=trust)
-    scenario = scenario.with_changes(changes) if changes else scenario
-    if text := unfit(scenario):
-        raise InputError(f"{scenario.name}: {text}")
-    return Report(scenario)
+    return Report(scenario.with_changes(changes) if changes else scenario)

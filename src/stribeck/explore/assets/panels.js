@@ -3,7 +3,7 @@
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"]];
 
 function prefix(size, unit) { // the factor to divide by, and the unit's text
-  if (!/^(m|m\/s|s|N|N m|J|W|rad|rad\/s)$/.test(unit) || !(size > 0)) return [1, unit];
+  if (!/^(m|m\/s|s|N|N m|J|W|Pa|V|A|rad|rad\/s)$/.test(unit) || !(size > 0)) return [1, unit];
   if (unit.startsWith("rad") || unit === "s") {
     const found = PREFIXES.find(([factor]) => size >= factor && factor <= 1) ?? [1, ""];
     return [found[0], found[1] + unit];
