@@ -116,6 +116,7 @@ def machine_data(found: Measured) -> dict[str, object]:
 
 def _rooms(machine: MachineSystem, arrays: Arrays) -> dict[str, int]:
     held = len(machine.held)
+    noise = arrays["noise"].size // held if held else 0
     return {
-        "held": held, "shown": len(machine.shown), "queue_room": int(arrays["queue_room"][0]), "noise_room": arrays["noise"].size // held if held else 0
+        "held": held, "shown": len(machine.shown), "queue_room": int(arrays["queue_room"][0]), "noise_room": noise,
     }  # fmt: skip
