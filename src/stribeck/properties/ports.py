@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from time import process_time
 
-from stribeck.constants import Constant, show
+from stribeck.constants import Constant, require_positive, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.graph import wrap
 from stribeck.laws.base import Law
@@ -102,9 +102,11 @@ def check_machine(
         work: as for :func:`stribeck.check`, for each contact.
 
     Raises:
-        InputError: no valid scenario, or no such force.
+        InputError: no valid scenario, no such force, or ``v_max`` is no finite number > 0.
     """
     started = process_time()
+    if v_max is not None:
+        require_positive("v_max", v_max, "m/s")
     scenario = scenario_of(scenario, t_end, None)
     stated = dict(forces or {})
     _refuse(scenario, stated)

@@ -2,7 +2,7 @@
 
 dz/dt = f(z, v). A storage function S(z) exists if and only if L <= S' <= U where z can be driven both ways, with
 L(z) = sup of F v/f over the v with f < 0 (energy given back for a metre of unwinding) and U(z) = inf of F v/f over the
-v with f > 0 (energy needed for a metre of winding up), and F v >= 0 where f = 0. (shared theory; docs/check.md)
+v with f > 0 (energy needed for a metre of winding up), and F v >= 0 where f = 0. (docs/theory.md, docs/check.md)
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.constants import show
-from stribeck.errors import InputError, arg
+from stribeck.constants import require_positive
+from stribeck.errors import InputError
 from stribeck.laws.base import Law
 
 _SLOWEST, _FASTEST = 1e-7, 1e16  # sampled, as multiples of the smallest and the largest speed of the law's own
@@ -181,7 +181,7 @@ class Storage:
         """The side on which unwinding from the bound gives back ever more energy the faster it is, or 0."""
         if self.v_max is not None or self.reach is None:
             return 0
-        v = self.v[[0, -1]][:, None] * np.array([[1.0], [1e-3]])[:, None, :].reshape(1, 2)
+        v = self.v[[0, -1]][:, None] * np.array([1.0, 1e-3])
         for side in (1, -1):
             f, energy = self.slopes(v.reshape(-1, 1), np.array([side * self.reach]))
             given = np.where(side * f[:, 0] < 0, side * energy[:, 0], 0.0).reshape(2, 2)  # by sign and by speed
@@ -209,8 +209,8 @@ def require_storage(law: Law, v_max: float | None) -> None:
     """
     if not law.has_z:
         raise InputError(f"law: {law.name!r}: must be a law with z: what is stored is a function of z")
-    if v_max is not None and not (np.isfinite(v_max) and v_max > 0):
-        raise InputError(f"{arg('v_max')}: {show(v_max)}: must be a finite number > 0, in m/s")
+    if v_max is not None:
+        require_positive("v_max", v_max, "m/s")
 
 
 def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tuple[Array, Array]:

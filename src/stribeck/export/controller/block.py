@@ -4,6 +4,7 @@ equations that the simulation samples."""
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -27,17 +28,8 @@ from stribeck.machine.sampled import observed, sampled_states, stepped
 from stribeck.scenario import Scenario
 from stribeck.signals.pieces import Reference, fields, pieces
 
-_SLOW = {
-    "exp": "exp",
-    "tanh": "tanh",
-    "atan": "atan",
-    "sin": "sin",
-    "cos": "cos",
-    "sqrt": "sqrt",
-    "log": "log",
-    "pow": "pow",
-}
-_COUNTED = {"add": "additions", "sub": "additions", "neg": "additions", "mul": "multiplications", "div": "divisions"}
+_CALLED = ("exp", "tanh", "atan", "sin", "cos", "sqrt", "log", "pow")
+_COUNTED = {"add": "addition", "sub": "addition", "neg": "addition", "mul": "multiplication", "div": "division"}
 
 
 @dataclass(frozen=True)
@@ -229,12 +221,12 @@ class Block:
 
     def operations(self) -> str:
         """How much one sample takes at most, counted in the equations."""
-        count: dict[str, int] = {}
-        for node in ordered(self._by_input.values()):
-            word = _COUNTED.get(node.op) or (f"calls of {_SLOW[node.op]}" if node.op in _SLOW else None)
-            if word:
-                count[word] = count.get(word, 0) + 1
-        return ", ".join(f"{n} {word if n > 1 else word.removesuffix('s')}" for word, n in count.items()) or "nothing"
+        ops = [node.op for node in ordered(self._by_input.values())]
+        count = Counter(_COUNTED[op] for op in ops if op in _COUNTED)
+        calls = Counter(op for op in ops if op in _CALLED)
+        told = [f"{n} {word}{'s' if n > 1 else ''}" for word, n in count.items()]
+        told += [f"{n} call{'s' if n > 1 else ''} of {op}" for op, n in calls.items()]
+        return ", ".join(told) or "nothing"
 
     def about(self) -> list[str]:
         """Lines for the header."""
