@@ -6,7 +6,6 @@ docs/theory.md ("A level that varies") proves what is used here: that one law, t
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice
@@ -338,8 +337,3 @@ def largest_v_d(varied: Varied) -> float | None:
     excess = float(m_0(law.p)) if law.name in MAJORANT else 0.0
     found = (2 * e) ** 0.5 * (4 * float(low) / float(sigma_1) - excess)
     return found * (1 - 1e-15) if found > 0 else None
-
-
-def exactly(ranges: Mapping[str, tuple[float, float | None]]) -> dict[str, tuple[Fraction, Fraction | None]]:
-    """Ranges of floats as they are."""
-    return {n: (Fraction(a), None if b is None or b == float("inf") else Fraction(b)) for n, (a, b) in ranges.items()}

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from time import monotonic
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -233,8 +232,8 @@ def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tupl
     return low.reshape(z.shape), high.reshape(z.shape)
 
 
-def largest_speed(law: Law, reach: float | None, deadline: float = np.inf) -> float | None:
-    """The largest v_max in m/s for which a storage function exists, by bisection until the deadline; None where there is
+def largest_speed(law: Law, reach: float | None) -> float | None:
+    """The largest v_max in m/s for which a storage function exists, by bisection; None where there is
     no limit, 0 where no speed is slow enough."""
 
     def passes(v_max: float | None) -> bool:
@@ -246,7 +245,7 @@ def largest_speed(law: Law, reach: float | None, deadline: float = np.inf) -> fl
     low, high = own[0] * _SLOWEST, own[-1] * _FASTEST
     if not passes(low):
         return 0.0
-    while high / low > 1 + 1e-7 and monotonic() < deadline:
+    while high / low > 1 + 1e-7:
         middle = float(np.sqrt(low) * np.sqrt(high)) if high / low > 1.01 else 0.5 * (low + high)
         low, high = (middle, high) if passes(middle) else (low, middle)
     return low

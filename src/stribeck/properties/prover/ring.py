@@ -40,6 +40,16 @@ class Quotient:
         """Whether it is 0 identically."""
         return bool(self.top.is_zero())
 
+    @cached_property
+    def rational(self) -> Fraction | None:
+        """The rational number that it is; None where it is none."""
+        if self.is_zero:
+            return Fraction(0)
+        if not (self.top.is_constant() and self.bottom.is_constant()):
+            return None
+        value = self.top.leading_coefficient() / self.bottom.leading_coefficient()
+        return Fraction(int(value.p), int(value.q))
+
     def factors(self, which: str) -> tuple[Polynomial, list[tuple[Polynomial, int]]]:
         """A number and factors with their powers: of ``top`` or of ``bottom``."""
         if which not in self._factors:
