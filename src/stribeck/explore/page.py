@@ -16,7 +16,7 @@ from stribeck.errors import InputError, arg, needed
 from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
 from stribeck.explore.figures import figures, panels
-from stribeck.explore.machine import machine_data, machine_law, machine_of, machine_panels, machine_sections
+from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections
 from stribeck.explore.measured import measured
 from stribeck.explore.numbers import numbers, of_law
 from stribeck.explore.variants import variants
@@ -94,7 +94,7 @@ def _machine(
 ) -> dict[str, object]:  # fmt: skip
     if laws:
         raise InputError(f"{arg('law')}: {', '.join(laws)}: a machine keeps the laws of its file")
-    found, machine, shown = measured(scenario), machine_of(scenario), machine_panels(scenario)
+    found, machine, shown = measured(scenario), scenario.rig.machine, machine_panels(scenario)
     (module,) = wasm.modules([f"{source(machine)}\n\n{machine_appendix(machine)}"], progress)
     return {
         "name": scenario.name,

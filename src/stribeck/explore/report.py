@@ -1,4 +1,4 @@
-"""The scenario behind the folder of a run or a fit, for an explorer beside its report."""
+"""The scenario behind the folder of a run, for an explorer beside its report."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ class Report:
 
 
 def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Report:
-    """What was run or fitted.
+    """What was run.
 
     Raises:
-        InputError: the folder is no result of ``stribeck run`` or ``stribeck fit``, or the page cannot show it.
+        InputError: the folder is no result of ``stribeck run --out``, or the page cannot show it.
     """
     try:
         found = json.loads(read_file(folder / "summary.json"))

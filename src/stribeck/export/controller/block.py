@@ -3,7 +3,6 @@ equations that the simulation samples."""
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -14,7 +13,7 @@ from stribeck.control.sampled import SAMPLING, Sampled
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg, nearest
 from stribeck.export.c.ccode import WORDS, c_condition
-from stribeck.export.request import ascii_only, made_by, valued
+from stribeck.export.request import ascii_only, identifier, made_by, valued
 from stribeck.expressions.graph import Expr, ordered, symbol, symbols, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import sign
@@ -55,9 +54,8 @@ class Block:
     @cached_property
     def name(self) -> str:
         """The prefix of all names."""
-        text = f"{self.scenario.name}_{self.controller.name}" + ("_friction" if self.part == "compensator" else "")
-        text = re.sub(r"\W", "_", text, flags=re.ASCII).lower()
-        return text if text[:1].isalpha() else f"machine_{text}"
+        part = "_friction" if self.part == "compensator" else ""
+        return identifier(f"{self.scenario.name}_{self.controller.name}{part}")
 
     @property
     def rotary(self) -> bool:
