@@ -26,7 +26,7 @@ def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Repor
     """What was run.
 
     Raises:
-        InputError: the folder is no result of ``stribeck run --out``, or the page cannot show it.
+        InputError: the folder is not one of ``stribeck run``, or the page cannot show it.
     """
     try:
         found = json.loads(read_file(folder / "summary.json"))

@@ -90,9 +90,10 @@ class LevelVerdicts(Verdicts):
 
 def level_problem(level: object) -> str | None:
     """What is wrong with an argument ``level``, (LOW, HIGH), in one line; None where nothing is."""
-    two = isinstance(level, tuple | list) and len(level) == 2 and not any(map(POSITIVE.problem, level))
-    if two and level[0] <= level[1]:  # type: ignore[index]
-        return None
+    if isinstance(level, tuple | list) and len(level) == 2:
+        low, high = level
+        if not (POSITIVE.problem(low) or POSITIVE.problem(high)) and low <= high:
+            return None
     return f"{arg('level')}: {show(level)}: must be two finite numbers, 0 < LOW <= HIGH"
 
 

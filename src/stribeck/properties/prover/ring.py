@@ -33,7 +33,7 @@ class Quotient:
     top: Polynomial
     bottom: Polynomial
     number: int
-    _factors: dict[str, Polynomial] = field(default_factory=dict)
+    _factors: dict[str, tuple[Polynomial, list[tuple[Polynomial, int]]]] = field(default_factory=dict)
 
     @cached_property
     def is_zero(self) -> bool:
@@ -59,7 +59,7 @@ class Quotient:
             else:
                 content, found = polynomial.factor()
                 self._factors[which] = (content, [(f, int(k)) for f, k in found])
-        return self._factors[which]  # type: ignore[no-any-return]
+        return self._factors[which]
 
 
 class Ring:
