@@ -92,7 +92,7 @@ def appendix(scenario: Scenario) -> str:
             _STEADY,
             _function("setup", f"{p}, double rtol, double *out", _setup(scenario), {**inputs, "rtol": "rtol"}, True),
             _function("claims", f"{p}, double *out", _claims(law, q), inputs, True),
-            _function("relations", f"{p}, double *out", _relations(law, q, inputs), inputs, True),
+            _function("relations", f"{p}, double *out", _relations(law, q), inputs, True),
         ]
     )
 
@@ -179,11 +179,8 @@ def _claims(law: type[Law], q: Constants) -> dict[str, Expr]:
     return found
 
 
-def _relations(law: type[Law], q: Constants, inputs: dict[str, str]) -> dict[str, Expr]:
-    found = {}
-    for i, relation in enumerate(relations(law)):
-        found[f"out[{i}]"] = _holds(relation, q)
-    return found
+def _relations(law: type[Law], q: Constants) -> dict[str, Expr]:
+    return {f"out[{i}]": _holds(relation, q) for i, relation in enumerate(relations(law))}
 
 
 def _holds(relation: Relation, law: SimpleNamespace) -> Expr:

@@ -23,14 +23,9 @@ _ENERGIES = {"in": "put in", "dissipated": "dissipated", "stored": "stored"}
 _ROTARY = {"position": "angle", "force": "torque", "friction": "friction torque", "velocity": "angular velocity"}
 
 
-def machine_of(scenario: Scenario) -> MachineSystem:
-    """The machine's structure."""
-    return scenario.rig.machine
-
-
 def machine_panels(scenario: Scenario) -> dict[str, Chart]:
     """The charts by name: everything over time by kind and unit, each contact's friction, and the energies."""
-    machine = machine_of(scenario)
+    machine = scenario.rig.machine
     order = list(dict.fromkeys([*_LABELS.values(), *_BY_UNIT.values()]))
     contacts = [_contact(machine, contact) for contact in machine.contacts]
     sliding = {speed.name for speed, _ in contacts}
@@ -57,7 +52,7 @@ def machine_panels(scenario: Scenario) -> dict[str, Chart]:
 
 def machine_sections(scenario: Scenario) -> list[tuple[str, str]]:
     """The headings over the charts that stand beside each other."""
-    machine = machine_of(scenario)
+    machine = scenario.rig.machine
     found = [
         (f"loop-{i}", f"Friction{f' in {contact.name}' if contact.name else ''} against its sliding speed")
         for i, contact in enumerate(machine.contacts)
@@ -82,15 +77,11 @@ def _column(machine: MachineSystem, name: str) -> Column:
 
 def machine_law(scenario: Scenario) -> dict[str, object]:
     """What stands in the place of a law."""
-    machine = machine_of(scenario)
-    conditions = [
-        {
-            "key": _path(scenario, contact.law_path, each.key),
-            "allowed": each.allowed,
-            "path": _path(scenario, contact.law_path, each.key),
-        }
-        for contact, each in machine_relations(machine)
-    ]
+    machine = scenario.rig.machine
+    conditions = []
+    for contact, each in machine_relations(machine):
+        path = _path(scenario, contact.law_path, each.key)
+        conditions.append({"key": path, "allowed": each.allowed, "path": path})
     return {
         "name": "machine", "about": f"{scenario.subject}.", "table": None, "numbers": [],
         "parameters": [".".join(each) for each in machine.parameters], "states": [s.name for s in machine.states],
@@ -105,7 +96,7 @@ def _path(scenario: Scenario, law: str, key: str) -> str:
 
 def machine_data(found: Measured) -> dict[str, object]:
     """What the solver is given at the file's numbers, the events' names, and the numbers that stay."""
-    machine, arrays = machine_of(found.scenario), found.arrays
+    machine, arrays = found.scenario.rig.machine, found.arrays
     return {
         "arrays": {name: array.tolist() for name, array in arrays.items() if name not in ("restart", "queue_room")},
         "restart": [int(x) for x in arrays["restart"]],

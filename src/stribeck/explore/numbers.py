@@ -34,9 +34,8 @@ class Number:
     target: str = ""  # the system's constant that it sets: ``group.name``
     whole: bool = False
     closed: bool = False  # only between the slider's ends
-    effects: tuple[
-        tuple[str, int, float], ...
-    ] = ()  # of a machine's number: array, entry, change by that of the number
+    # of a machine's number: array, entry, change by that of the number
+    effects: tuple[tuple[str, int, float], ...] = ()
 
     def as_data(self) -> dict[str, object]:
         """For the page."""

@@ -17,7 +17,7 @@ from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
 from stribeck.explore.figures import figures, panels
 from stribeck.explore.fitted import Beside
-from stribeck.explore.machine import machine_data, machine_law, machine_of, machine_panels, machine_sections
+from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections
 from stribeck.explore.measured import measured
 from stribeck.explore.numbers import MOST_POINTS, numbers, of_law
 from stribeck.explore.variants import measured_whole, variants
@@ -101,7 +101,7 @@ def _machine(
     if laws:
         what = "a machine" if not scenario.rig.single else "a servo, or a drive that follows a curve,"
         raise InputError(f"{arg('law')}: {', '.join(laws)}: {what} keeps the laws of its file")
-    found, machine, shown = measured(scenario), machine_of(scenario), machine_panels(scenario)
+    found, machine, shown = measured(scenario), scenario.rig.machine, machine_panels(scenario)
     (module,) = wasm.modules([f"{source(machine)}\n\n{machine_appendix(machine)}"], progress)
     return {
         "name": scenario.name,
