@@ -18,6 +18,7 @@ _GAP = 5.5  # steps without a sample that end a run
 _BLOCK = 1_000_000
 _STUCK = 50  # samples of one and the same value, while the others move
 _AT_LIMIT = 5  # samples in a row at the largest or smallest value
+_LARGEST = 1e30  # of a value in SI units, and its inverse of a column's largest: squares of them stay numbers
 _LEVELS = 100  # a sensor with fewer different values is too coarse to tell clipping from rest
 
 
@@ -40,11 +41,12 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
         number: what to call the file in messages.
 
     Raises:
-        InputError: too few rows, time that goes backwards, a column of empty cells.
+        InputError: too few rows, time that goes backwards, a column of empty cells or of impossible magnitude.
     """
     notes: list[str] = []
     _enough(columns, number)
     columns = _without_empty(columns, number, notes)
+    _possible(columns, number)
     time, own = columns["time"], columns.pop("run", None)
     steps = np.diff(time)
     new_run = np.zeros(len(steps), bool) if own is None else np.diff(own) != 0
@@ -114,6 +116,24 @@ def _enough(columns: dict[str, Array], number: str) -> None:
     rows = len(columns["time"])
     if rows < FEWEST:
         raise InputError(f"{arg('data')}: {number}: has {rows} rows; a fit needs {FEWEST} or more")
+
+
+def _possible(columns: dict[str, Array], number: str) -> None:
+    """Refuse values whose squares are no numbers any more.
+
+    Raises:
+        InputError: a line for each such column.
+    """
+    wrong = []
+    for role, x in columns.items():
+        peak = float(np.max(abs(x)))
+        if peak and not 1 / _LARGEST <= peak <= _LARGEST:
+            wrong.append(
+                f"{arg(role)}: {number}: values up to {peak:.3g} in SI units; the largest must lie between {1 / _LARGEST:g} "
+                f"and {_LARGEST:g} (is the unit right?)"
+            )
+    if wrong:
+        raise InputError(wrong)
 
 
 def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> dict[str, Array]:
