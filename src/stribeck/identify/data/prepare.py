@@ -128,10 +128,10 @@ def _columns(
         grid = _grid(parts[0], parts[0].runs[0], step)
         whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured if keep else "")
         parts[0].columns.clear()
-        return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]) - trim, trim)]
+        return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]), trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
     kept = [max(len(grid) - trim, 0) for grid in grids]
-    _enough(max(kept), trim)
+    _enough(max(len(grid) for grid in grids), trim)
     place = np.concatenate([[0], np.cumsum(kept)])
     names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
     names += ["unfiltered"] if keep else []
@@ -178,9 +178,17 @@ def _missed(columns: Mapping[str, Array], start: int, stop: int, end: int) -> bo
 
 
 def _enough(rows: int, trim: int) -> int:
-    if rows < FEWEST:
-        raise InputError(f"{arg('trim')}: {trim}: leaves less than {FEWEST} rows of every run")
-    return rows
+    """The rows that are left of the longest run.
+
+    Raises:
+        InputError: too few.
+    """
+    if rows - trim < FEWEST:
+        raise InputError(
+            f"{arg('data')}: {rows} rows in the longest run, of which {trim}, where the filter settles, are dropped: less than "
+            f"{FEWEST} are left; a longer record, a higher {arg('cutoff')} or a smaller {arg('trim')} leaves more"
+        )
+    return rows - trim
 
 
 _MOTION = ("time", "position", "velocity", "acceleration")
