@@ -43,7 +43,9 @@ def test_json_is_as_the_contract_has_it(stribeck, log):
 
 def test_files_are_read_back_and_the_page_stands_alone(stribeck, log, tmp_path, monkeypatch):
     out = tmp_path / "out"
-    monkeypatch.setattr("sys.argv", ["stribeck", "fit", "a\x1b[2Jb.csv"])  # the page says the command, and can be copied from
+    monkeypatch.setattr(
+        "sys.argv", ["stribeck", "fit", "a\x1b[2Jb.csv"]
+    )  # the page says the command, and can be copied from
     found = stribeck("fit", log, "--law", "coulomb_viscous", *OPTIONS, "--out", out)
     assert found.status == 0, found.err
     assert "95 % interval" in found.out

@@ -105,7 +105,10 @@ def test_bad_columns_are_one_clear_line(columns, said, tmp_path):
         (_rows(f=np.full(400, np.nan)), "400 of 400 cells are empty"),
         (_rows(x=np.full(400, np.inf)), "400 of 400 cells are empty or no finite numbers"),
         (_rows(t=np.where(T > 0.1, np.inf, T)), "cells are empty or no finite numbers"),
-        (_rows(x=1e200 * X), r"^position: log.csv: values up to 1e\+200 in SI units; the largest must lie between 1e-30 and"),
+        (
+            _rows(x=1e200 * X),
+            r"^position: log.csv: values up to 1e\+200 in SI units; the largest must lie between 1e-30 and",
+        ),
         (_rows(f=1e-200 * F), r"^force: log.csv: values up to .*e-20. in SI units; .* \(is the unit right\?\)"),
     ],
 )

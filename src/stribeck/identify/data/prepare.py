@@ -15,6 +15,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
+from stribeck.identify.data.effect import by_effect
 from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, read
@@ -87,6 +88,14 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         if (kept := keeping_all(parts, measured, seen[2], cutoff, step)) > cutoff:
             cutoff = kept
             notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
+        if (
+            not how.simulated
+            and (higher := by_effect(_met(parts, measured), measured == "position", cutoff, step)) > cutoff
+        ):
+            cutoff = higher
+            notes.append(
+                f"raised to {cutoff:.4g} Hz: below, ramps or reversals are rounded off, and the force is met less well"
+            )
         if how.simulated and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
             notes.append(
@@ -118,6 +127,12 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
         files=tuple(names[i] for i in files) if names else (), spectrum=seen,
     )  # fmt: skip
+
+
+def _met(parts: Sequence[Clean], measured: str) -> list[tuple[Array, Array]]:
+    """Motion and force of the runs with even steps."""
+    known = [p for p in parts if p.even and "force" in p.columns and "acceleration" not in p.columns]
+    return [(p.columns[measured][r], p.columns["force"][r]) for p in known for r in p.runs]
 
 
 def _columns(
