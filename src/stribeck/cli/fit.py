@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -52,7 +50,7 @@ def fit(
     if out is not None:
         from stribeck.identify.report.files import write_fit
 
-        command = "stribeck " + shlex.join(sys.argv[1:])
+        command = show.command_line()
         summary["files"] = write_fit(result, log, out, command, ", ".join(p.name for p in data))
         summary["files"].append(_save(result, data, columns, how, options, out))
     if json:
