@@ -83,6 +83,7 @@ class Design:
             "held_signals": list(self.loop.held),
             "errors": self.errors,
             "boundaries": [asdict(b) for x in self.lines for b in x.boundaries],
+            "mixed": [asdict(m) for x in self.lines for m in x.mixed],
             "compensations": [c.row() for c in self.compensations],
             "compensations_missing": self.why_not or None,
             "over_compensation": self.excess.row() if self.excess else None,
