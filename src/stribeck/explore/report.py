@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 
 from stribeck.constants import show
@@ -14,15 +13,7 @@ from stribeck.files import read_file
 from stribeck.scenario import Scenario
 
 
-@dataclass(frozen=True)
-class Report:
-    """What a folder holds: the scenario, and of a fit the interval of each number by its path."""
-
-    scenario: Scenario
-    intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
-
-
-def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Report:
+def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Scenario:
     """What was run.
 
     Raises:
@@ -38,4 +29,4 @@ def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Repor
     scenario = scenario.with_changes(changes) if changes else scenario
     if text := unfit(scenario):
         raise InputError(f"{scenario.name}: {text}")
-    return Report(scenario)
+    return scenario

@@ -261,8 +261,9 @@ def _line(line: PathVerdicts, i: int) -> FigureSvg:
         axis.plot(line.values, level, ".", color=plots.COLOURS[2])
         for b in line.boundaries:
             axis.axvline(b.value, color=plots.COLOURS[1], linestyle="--")
-        axis.set_yticks(range(4), VERDICTS[:4])
-        axis.set(xlabel=line.turned.path, title="verdict", ylim=(-0.4, 3.4))
+        shown = VERDICTS if level.max() == len(VERDICTS) - 1 else VERDICTS[:-1]  # a run that failed is seldom
+        axis.set_yticks(range(len(shown)), shown)
+        axis.set(xlabel=line.turned.path, title="verdict", ylim=(-0.4, len(shown) - 0.6))
         if line.turned.low > 0 and line.turned.high / line.turned.low >= 10:
             plots.logarithmic(axis, y=False)
         return plots.finish(
