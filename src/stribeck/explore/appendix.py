@@ -55,7 +55,7 @@ EXPORT void stribeck_table(const double *p, int64_t rows, double step, int64_t p
     for (int64_t i = 0; i < rows; i++) {
         const double t = (double)i * step;
         while (n + 1 < pieces && start[n + 1] <= t * (1 + 1e-12)) n++; /* signals/pieces.py */
-        columns(p, piece_rows + n * PIECE, t, states + i * (N + HELD), out + i * COLUMNS);
+        columns(p, piece_rows + n * PIECE, t, states + i * (N + HELD + SHOWN), out + i * COLUMNS);
     }
 }"""
 
@@ -102,6 +102,7 @@ def machine_appendix(machine: MachineSystem) -> str:
     inputs = {f"{owner}.{name}": f"p[{i}]" for i, (owner, name) in enumerate(machine.parameters)}
     piece = {f"segment.{name}": f"s[{i}]" for i, name in enumerate(machine.piece_fields)}
     names = [*(state.name for state in machine.states), *(f"segment.{name}" for name in machine.held)]
+    names += [f"memory.{name}" for name in machine.shown]
     states = {name: f"x[{i}]" for i, name in enumerate(names)}
     found = machine.balance(exact=True).outputs()
     outputs = {f"out[{i}]": found[column.name] for i, column in enumerate(machine.columns)}

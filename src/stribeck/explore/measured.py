@@ -16,7 +16,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.errors import InputError, StribeckNote
-from stribeck.explore.numbers import Number, number_of, of_run
+from stribeck.explore.numbers import MOST_POINTS, Number, number_of, of_run
 from stribeck.scenario import Scenario
 from stribeck.simulation.native import solver_input
 
@@ -98,6 +98,8 @@ def _table(data: Mapping[str, object], path: str) -> object:
 
 
 def _leaves(table: object, path: str = "") -> Iterator[tuple[str, float]]:
+    if isinstance(table, list | tuple) and len(table) > MOST_POINTS:
+        return  # a record, not numbers to turn
     if isinstance(table, Mapping | list | tuple):
         pairs = table.items() if isinstance(table, Mapping) else enumerate(table)
         for key, value in pairs:

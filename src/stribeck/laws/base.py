@@ -34,6 +34,7 @@ from stribeck.laws.form import USUAL, Form
 from stribeck.laws.objects import AsObject
 from stribeck.laws.tools import ToTools
 from stribeck.laws.values import Constants, OnTerm
+from stribeck.laws.values import Scales as Scales
 
 # Parameters of a machine: they belong to the contact, whichever law describes it.
 PARAMETERS: dict[str, Constant] = {
@@ -74,15 +75,6 @@ class Claims:
     smooth: Claim = None
     passive: Claim = None
     drift_free: Claim = None
-
-
-@dataclass(frozen=True)
-class Scales:
-    """Natural magnitudes of a law with given constants; the default tolerances are proportional to them."""
-
-    length: float
-    speed: float
-    force: float
 
 
 STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c, ("F_c", "F_s")),)
