@@ -279,8 +279,9 @@ def _line(line: PathVerdicts, i: int) -> FigureSvg:
             axis.axvline(b.value, color=plots.COLOURS[1], linestyle="--")
         for m in line.mixed:
             axis.axvspan(m.low, m.high, color=plots.COLOURS[1], alpha=0.2, linewidth=0)
-        axis.set_yticks(range(4), VERDICTS[:4])
-        axis.set(xlabel=line.turned.path, title="verdict", ylim=(-0.4, 3.4))
+        shown = VERDICTS if level.max() == len(VERDICTS) - 1 else VERDICTS[:-1]  # a run that failed is seldom
+        axis.set_yticks(range(len(shown)), shown)
+        axis.set(xlabel=line.turned.path, title="verdict", ylim=(-0.4, len(shown) - 0.6))
         if line.turned.low > 0 and line.turned.high / line.turned.low >= 10:
             plots.logarithmic(axis, y=False)
         return plots.finish(
