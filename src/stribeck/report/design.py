@@ -226,6 +226,12 @@ def _errors(found: Design) -> Chapter:
         "Errors in the unit of the body that is measured, settling in s. 'file' is the file's own signal; the sine's "
         "reversals are those of a circle's quadrants for each of its axes."
     ]
+    if (m := found.moves) is not None:
+        unit = _unit(found, found.judgement.body)
+        text.append(
+            f"Sine, slow ramp and step go {human(m.amplitude, unit)} to each side, at most at {human(m.speed, unit + '/s')}: "
+            f"the sine has a period of {human(m.period, 's')}."
+        )
     return Chapter("errors", "How well it tracks", text, [Table(["move", *keys], rows)])
 
 
