@@ -41,8 +41,11 @@ def test_json_is_as_the_contract_has_it(stribeck, log):
     assert data["files"] == []
 
 
-def test_files_are_read_back_and_the_page_stands_alone(stribeck, log, tmp_path):
+def test_files_are_read_back_and_the_page_stands_alone(stribeck, log, tmp_path, monkeypatch):
     out = tmp_path / "out"
+    monkeypatch.setattr(
+        "sys.argv", ["stribeck", "fit", "a\x1b[2Jb.csv"]
+    )  # the page says the command, and can be copied from
     found = stribeck("fit", log, "--law", "coulomb_viscous", *OPTIONS, "--out", out)
     assert found.status == 0, found.err
     assert "95 % interval" in found.out
@@ -54,6 +57,7 @@ def test_files_are_read_back_and_the_page_stands_alone(stribeck, log, tmp_path):
     law = package.law("coulomb_viscous", parameters=str(out / "parameters.toml"))
     assert law.values["F_c"] == pytest.approx(5, rel=0.02)
     assert load(str(out / "parameters.toml")).values["F_c"] == law.values["F_c"]
+    assert "\x1b" not in (out / "report.html").read_text()
     page = Page(out / "report.html")
     assert page.headings[1] == "2. Model"
     assert page.headings[4:] == ["5. Friction against velocity", "6. Residuals", "7. Profiles of the likelihood"]

@@ -13,7 +13,7 @@ from stribeck.loops import Design, design, loop_and_controller
 from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import controller_of
-from stribeck.loops.second import SecondOpinion, as_machine, second_opinion
+from stribeck.loops.second import SecondOpinion, second_opinion
 from stribeck.loops.starts import from_starts, starts_row
 from stribeck.report.design import (
     excess_sentence,
@@ -62,14 +62,12 @@ def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path |
 def hunt(path: Path, assignments: list[str], controller: str | None, json: bool, trust: bool) -> int:
     """The verdict on a loop, and what describing functions predict."""
     scenario = show.load(path, assignments, trust)
-    if scenario.rig.single:
-        scenario = as_machine(scenario)
     with show.stages(scenario.name) as tell:
         loop, name = loop_and_controller(scenario, controller)
         j = judge(loop, tell=tell and partial(_told, tell))[0]
         starts = from_starts(loop, name, tell and partial(_told, tell))
         second = second_opinion(loop, name)
-    rotary = scenario.rig.machine.body[controller_of(loop.scenario, name).measures].rotary
+    rotary = loop.scenario.rig.machine.body[controller_of(loop.scenario, name).measures].rotary
     cycle = {"amplitude": j.amplitude, "period": j.period, "body": j.body}
     summary = {
         "status": "failed" if j.verdict == "failed" else "done", "scenario": scenario.name,

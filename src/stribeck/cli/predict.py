@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shlex
-import sys
 from pathlib import Path
 
 from stribeck.cli import show
@@ -43,7 +41,7 @@ def predict(
         ]
         figures = overlay.figure("prediction", log.time, traces, ("measured", "predicted"))
         title = f"{model.law} on {', '.join(p.name for p in data)}"
-        command = "stribeck " + shlex.join(sys.argv[1:])
+        command = show.command_line()
         summary["files"] = [overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, command)]
     if json:
         show.print_json(summary)
@@ -88,7 +86,7 @@ def validate(
         rows = [[name, f"{e['rms']:.4g} {e['unit']}, {percent(e['relative'], 3)}"] for name, e in found.errors.items()]
         figures = overlay.figure("validation", found.time, found.traces, ("measured", "simulated"))
         introduction = [f"The scenario {loaded.name} against {data.name}, {len(found.time)} rows."]
-        command = "stribeck " + shlex.join(sys.argv[1:])
+        command = show.command_line()
         title = f"{loaded.name} against {data.name}"
         files = [overlay.write_overlay(out, "validation.html", title, introduction, rows, figures, command)]
     if json:

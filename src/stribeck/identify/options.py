@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from stribeck import laws
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
+from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.statistics.crossvalidate import FOLDS
 
@@ -93,9 +92,9 @@ class FitOptions:
 
     def wrong_mass(self) -> list[str]:
         """What is wrong with the mass."""
-        if self.mass is None or (np.isfinite(self.mass) and self.mass >= 0):
+        if self.mass is None or 0 <= self.mass <= LARGEST:
             return []
-        return [f"{arg('mass')}: {show(self.mass)}: must be a finite number >= 0"]
+        return [f"{arg('mass')}: {show(self.mass)}: must be a number from 0 to {LARGEST:g}"]
 
     def _wrong_constants(self, law: str) -> list[str]:
         found = laws.find(law).constants()
@@ -111,9 +110,9 @@ class FitOptions:
             if name in found and (text := found[name].problem(value))
         ]
         problems += [
-            f"{arg(f'constants.{name}')}: {show(value)}: must be a finite number"
+            f"{arg(f'constants.{name}')}: {show(value)}: must be a number of at most {LARGEST:g}"
             for name, value in self.constants.items()
-            if name in TERMS and (isinstance(value, str) or not np.isfinite(value))
+            if name in TERMS and (isinstance(value, str) or not abs(value) <= LARGEST)
         ]
         problems += [
             f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"

@@ -1,5 +1,7 @@
 """Files, units and damaged data: what is read, what is said, what is refused."""
 
+import re
+
 import h5py
 import numpy as np
 import pyarrow as pa
@@ -101,6 +103,13 @@ def test_bad_columns_are_one_clear_line(columns, said, tmp_path):
         (_rows()[:3], "has 3 rows; a fit needs 50"),
         ([*_rows()[:200], *_rows()[100:]], "time goes backwards in row 201"),
         (_rows(f=np.full(400, np.nan)), "400 of 400 cells are empty"),
+        (_rows(x=np.full(400, np.inf)), "400 of 400 cells are empty or no finite numbers"),
+        (_rows(t=np.where(T > 0.1, np.inf, T)), "cells are empty or no finite numbers"),
+        (
+            _rows(x=1e200 * X),
+            r"^position: log.csv: values up to 1e\+200 in SI units; the largest must lie between 1e-30 and",
+        ),
+        (_rows(f=1e-200 * F), r"^force: log.csv: values up to .*e-20. in SI units; .* \(is the unit right\?\)"),
     ],
 )
 def test_bad_files_are_one_clear_line(rows, said, tmp_path):
@@ -299,3 +308,29 @@ def test_a_first_row_with_text_is_not_taken_for_the_head(arrow, tmp_path, monkey
         monkeypatch.setattr("stribeck.recorded.find_spec", lambda name: None)
     with pytest.raises(InputError, match=r"column 'v' holds text: 'a', not numbers \(.*log.csv, row 2\)"):
         read_columns(tmp_path / "log.csv", {"time": "t", "velocity": "v"})
+
+
+@pytest.mark.parametrize("factor", [-1.0, 1000.0, np.pi / 180])
+def test_a_velocity_in_another_unit_than_the_position_is_refused(factor, tmp_path):
+    """A record with a speed in mm/s beside a position in m was fitted without a word."""
+    names = ColumnNames({**NAMES, "velocity": "v"})
+    columns = {"t": T, "x": X, "v": 8 * factor * np.cos(8 * T), "i": F}
+    np.savez(tmp_path / "log.npz", **columns)
+    with pytest.raises(InputError, match=re.escape(f"log.npz: is {factor:.3g} times the slope of the position")):
+        load_log([tmp_path / "log.npz"], names)
+    noise = 0.5 * np.random.default_rng(0).standard_normal(len(T))
+    np.savez(tmp_path / "log.npz", **{**columns, "v": 8 * np.cos(8 * T) + noise})
+    assert len(load_log([tmp_path / "log.npz"], names)) > 0
+
+
+def test_every_row_a_run_of_its_own_is_one_clear_line(tmp_path):
+    np.savez(tmp_path / "log.npz", t=T, x=X, i=F, r=np.arange(len(T)))
+    with pytest.raises(InputError, match="no piece without a gap has 50 rows"):
+        load_log([tmp_path / "log.npz"], ColumnNames({**NAMES, "run": "r"}))
+
+
+def test_a_record_shorter_than_its_filter_says_what_drops_the_rows(tmp_path):
+    """The line named an option that nobody had given."""
+    path = _csv(tmp_path / "log.csv", _rows()[:60])
+    with pytest.raises(InputError, match=r"^data: 60 rows in the longest run, of which \d+, where the filter settles"):
+        load_log([path], ColumnNames(NAMES), Preparation(cutoff=50.0))

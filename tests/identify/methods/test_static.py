@@ -284,3 +284,25 @@ def test_the_rise_to_f_s_is_bounded_and_the_others_adapt_to_that():
     left = rest - (held.values["F_s"] - held.values["F_c"]) * matrix[:, k]
     least = left - others @ np.linalg.lstsq(others, left, rcond=None)[0]
     assert held.cost == pytest.approx(float(np.sum((found.weight * least) ** 2)), rel=1e-6)
+
+
+@pytest.mark.parametrize("law", ["stribeck", "stribeck_tanh"])
+def test_a_given_f_s_below_what_is_measured_misses_no_more_than_no_model(law):
+    """F_c went below 0 in the search and was cut off after it: 280 % of the force was missed."""
+    log = rig.measured(rig.STROKES[:4])
+    fit = stribeck.fit(log, law, method="static", constants={"F_s": 0.1}, select=False)
+    assert 0 < (fit.estimates["F_c"].value or 0.05) <= 0.1
+    assert fit.relative_force_error < 1
+
+
+def test_a_fit_of_hardly_a_row_is_refused():
+    """Two rows were met by four numbers, with an error of 0."""
+    log = rig.measured(rig.STROKES[:2])
+    with pytest.raises(InputError, match=r"^decimate: 1000: leaves \d rows?; must leave 20 or more"):
+        stribeck.fit(log, "coulomb_viscous", method="static", decimate=1000)
+
+
+def test_a_mass_beyond_all_numbers_is_refused():
+    log = rig.measured(rig.STROKES[:2])
+    with pytest.raises(InputError, match=r"^mass: 1e\+300: must be a number from 0 to 1e\+30"):
+        stribeck.fit(log, "coulomb_viscous", mass=1e300)

@@ -15,6 +15,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
+from stribeck.identify.data.effect import by_effect
 from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, read
@@ -87,6 +88,14 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         if (kept := keeping_all(parts, measured, seen[2], cutoff, step)) > cutoff:
             cutoff = kept
             notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
+        if (
+            not how.simulated
+            and (higher := by_effect(_met(parts, measured), measured == "position", cutoff, step)) > cutoff
+        ):
+            cutoff = higher
+            notes.append(
+                f"raised to {cutoff:.4g} Hz: below, ramps or reversals are rounded off, and the force is met less well"
+            )
         if how.simulated and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
             notes.append(
@@ -120,6 +129,12 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     )  # fmt: skip
 
 
+def _met(parts: Sequence[Clean], measured: str) -> list[tuple[Array, Array]]:
+    """Motion and force of the runs with even steps."""
+    known = [p for p in parts if p.even and "force" in p.columns and "acceleration" not in p.columns]
+    return [(p.columns[measured][r], p.columns["force"][r]) for p in known for r in p.runs]
+
+
 def _columns(
     parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, keep: bool
 ) -> tuple[dict[str, Array], list[int]]:
@@ -128,10 +143,10 @@ def _columns(
         grid = _grid(parts[0], parts[0].runs[0], step)
         whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured if keep else "")
         parts[0].columns.clear()
-        return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]) - trim, trim)]
+        return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]), trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
     kept = [max(len(grid) - trim, 0) for grid in grids]
-    _enough(max(kept), trim)
+    _enough(max(len(grid) for grid in grids), trim)
     place = np.concatenate([[0], np.cumsum(kept)])
     names = ["time", "position", "velocity", "acceleration", *(r for r in roles if r not in _MOTION)]
     names += ["unfiltered"] if keep else []
@@ -178,9 +193,17 @@ def _missed(columns: Mapping[str, Array], start: int, stop: int, end: int) -> bo
 
 
 def _enough(rows: int, trim: int) -> int:
-    if rows < FEWEST:
-        raise InputError(f"{arg('trim')}: {trim}: leaves less than {FEWEST} rows of every run")
-    return rows
+    """The rows that are left of the longest run.
+
+    Raises:
+        InputError: too few.
+    """
+    if rows - trim < FEWEST:
+        raise InputError(
+            f"{arg('data')}: {rows} rows in the longest run, of which {trim}, where the filter settles, are dropped: less than "
+            f"{FEWEST} are left; a longer record, a higher {arg('cutoff')} or a smaller {arg('trim')} leaves more"
+        )
+    return rows - trim
 
 
 _MOTION = ("time", "position", "velocity", "acceleration")

@@ -16,8 +16,11 @@ FEWEST = 50
 _EVEN = 1e-2  # of the step: what times may be off and still count as evenly spaced
 _GAP = 5.5  # steps without a sample that end a run
 _BLOCK = 1_000_000
+_ALIKE = 0.95  # correlation of the ways made, by the position and by the velocity
+_OFF = 1.5  # times each other: more is another unit
 _STUCK = 50  # samples of one and the same value, while the others move
 _AT_LIMIT = 5  # samples in a row at the largest or smallest value
+LARGEST = 1e30  # of a value in SI units, and its inverse of a column's largest: squares of them stay numbers
 _LEVELS = 100  # a sensor with fewer different values is too coarse to tell clipping from rest
 
 
@@ -40,11 +43,12 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
         number: what to call the file in messages.
 
     Raises:
-        InputError: too few rows, time that goes backwards, a column of empty cells.
+        InputError: too few rows, time that goes backwards, a column of empty cells or of impossible magnitude.
     """
     notes: list[str] = []
     _enough(columns, number)
     columns = _without_empty(columns, number, notes)
+    _possible(columns, number)
     time, own = columns["time"], columns.pop("run", None)
     steps = np.diff(time)
     new_run = np.zeros(len(steps), bool) if own is None else np.diff(own) != 0
@@ -67,9 +71,10 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
     _enough(columns, number)
     some = steps[:: max(len(steps) // 1_000_000, 1)]
     step = float(np.median(some[some > 0]))
-    near = steps < 1.5 * step
+    near = (steps < 1.5 * step) & ~new_run
     near &= steps > 0.5 * step
-    step = float(np.mean(steps, where=near & ~new_run))  # to more digits than a single difference has
+    if near.any():
+        step = float(np.mean(steps, where=near))  # to more digits than a single difference has
     gaps = (steps > _GAP * step) & ~new_run
     if count := int(gaps.sum()):
         notes.append(
@@ -77,6 +82,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
             "the log is cut there, and nothing is filtered across a gap"
         )
     runs = _pieces(columns, new_run | gaps, number, notes)
+    _agree(columns, runs, number)
     off = max(_jitter(time[r]) for r in runs)
     even = off <= _EVEN
     if not even:
@@ -85,6 +91,35 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
             "resampled to even steps by straight lines"
         )
     return Clean(columns, runs, step, even, notes)
+
+
+def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
+    """Refuse a measured velocity that is another multiple of the position's slope: a sign or a unit is wrong.
+
+    Way made over fifty rows is compared, in which noise counts little.
+
+    Raises:
+        InputError: naming the factor.
+    """
+    if not {"position", "velocity"} <= set(columns):
+        return
+    ways, sums = [], []
+    for r in runs:
+        time, x, v = (columns[name][r] for name in ("time", "position", "velocity"))
+        way = np.append(0.0, np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(time)))
+        ways.append(np.diff(x[:: FEWEST - 1]))
+        sums.append(np.diff(way[:: FEWEST - 1]))
+    measured, summed = np.concatenate(ways), np.concatenate(sums)
+    size = float(np.linalg.norm(measured)) * float(np.linalg.norm(summed))
+    alike = float(measured @ summed)
+    if size == 0.0 or abs(alike) < _ALIKE * size:
+        return
+    ratio = float(np.linalg.norm(summed)) / float(np.linalg.norm(measured)) * float(np.sign(alike))
+    if not 1 / _OFF < ratio < _OFF:
+        raise InputError(
+            f"{arg('velocity')}: {number}: is {ratio:.3g} times the slope of the position; a sign or a unit is wrong "
+            f"({arg('units')}), or it is another body's: leave out {arg('position')} then"
+        )
 
 
 def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[str]) -> list[slice]:
@@ -114,6 +149,24 @@ def _enough(columns: dict[str, Array], number: str) -> None:
     rows = len(columns["time"])
     if rows < FEWEST:
         raise InputError(f"{arg('data')}: {number}: has {rows} rows; a fit needs {FEWEST} or more")
+
+
+def _possible(columns: dict[str, Array], number: str) -> None:
+    """Refuse values whose squares are no numbers any more.
+
+    Raises:
+        InputError: a line for each such column.
+    """
+    wrong = []
+    for role, x in columns.items():
+        peak = float(np.max(abs(x)))
+        if peak and not 1 / LARGEST <= peak <= LARGEST:
+            wrong.append(
+                f"{arg(role)}: {number}: values up to {peak:.3g} in SI units; the largest must lie between {1 / LARGEST:g} "
+                f"and {LARGEST:g} (is the unit right?)"
+            )
+    if wrong:
+        raise InputError(wrong)
 
 
 def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> dict[str, Array]:

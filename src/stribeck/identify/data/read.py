@@ -123,7 +123,9 @@ def read(data: Any, columns: ColumnNames, needs_force: bool = True) -> dict[str,
         factors["force"] *= gain
     for role, column in found.items():
         if factors[role] != 1.0:
-            np.multiply(column, factors[role], out=column)
+            with np.errstate(over="ignore"):
+                np.multiply(column, factors[role], out=column)
+        column[np.isinf(column)] = np.nan  # no number either
     return found
 
 

@@ -128,13 +128,23 @@ class Separable:
         positive = np.array([n not in TERMS or TERMS[n].positive for n in names], bool)
         w = self.weight
         x = bounded(matrix * w[:, None], rest * w, positive)
-        if "F_s" in names and x[rise := names.index("F_s")] > (most := self._highest_rise(shape, float(x[rise]))):
+        rise, most = self._limited(names, shape, x)
+        if rise is not None and x[rise] > most:
             others = np.arange(len(names)) != rise
             less = rest - most * matrix[:, rise]
             x[others] = bounded(matrix[:, others] * w[:, None], less * w, positive[others])
             x[rise] = most
         missed = w * (matrix @ x - rest)
         return Minimum({**self.held, **shape, **self._named(names, x)}, float(missed @ missed)), missed
+
+    def _limited(self, names: Sequence[str], shape: Mapping[str, float], x: Array) -> tuple[int | None, float]:
+        """The coefficient that is F_s - F_c, and the most that it may be: where F_s is given, F_c must stay positive."""
+        if "F_s" in names:
+            rise = names.index("F_s")
+            return rise, self._highest_rise(shape, float(x[rise]))
+        if "F_c" in names and "F_s" in self.held:
+            return names.index("F_c"), max(self.held["F_s"] - self.least, 0.0)
+        return None, 0.0
 
     def _highest_rise(self, shape: Mapping[str, float], rise: float) -> float:
         """The most that F_s may be above F_c, so that the curve's peak is no more than was ever measured."""

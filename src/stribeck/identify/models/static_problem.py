@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import signal
 
 from stribeck.arrays import Array
+from stribeck.errors import InputError, arg
 from stribeck.identify.data import filters
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.sliding import Sliding
@@ -22,6 +23,7 @@ _MOST_RAW = 100_000  # rows of a record: more tell nothing new
 _BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
 _FEW = 400  # rows: fewer do not show a bend of the curve, however little of the force's power lies in them
 _FEWEST = 150  # rows that a band lowered for the mass's sake leaves
+_FEWEST_ROWS = 20  # that are fitted at all
 _MOVES = 0.015  # of the mass: what half the band may change it by
 _HEAVY = 0.05  # of the force: less inertia tells nothing of the band
 _LITTLE_REST = 0.02  # of the rows: less rest stays in
@@ -57,7 +59,11 @@ class Rows:
 
 
 def rows_of(log: Log, decimate: int | None = None) -> Rows:
-    """The rows that a static fit of a record compares."""
+    """The rows that a static fit of a record compares.
+
+    Raises:
+        InputError: hardly one is left.
+    """
     notes, source = [], log
     if len(log) > _MOST_RAW:
         log = _stretches(log)
@@ -76,6 +82,8 @@ def rows_of(log: Log, decimate: int | None = None) -> Rows:
     else:
         q, why = _by_effect(log, *decimation(log), rest)
     kept = kept_rows(log, q)
+    if decimate and len(kept) < _FEWEST_ROWS:
+        raise InputError(f"{arg('decimate')}: {decimate}: leaves {len(kept)} rows; must leave {_FEWEST_ROWS} or more")
     near = rest
     if q > 1 and rest.any():  # the filter spreads a jump over some rows
         near = np.convolve(rest, np.ones(2 * q + 1), mode="same") > 0.5
@@ -101,14 +109,15 @@ def decimation(log: Log) -> tuple[int, str]:
 def _by_effect(log: Log, q: int, why: str, rest: NDArray[np.bool_]) -> tuple[int, str]:
     """A lower band where the mass hangs on it: noise of the acceleration makes the mass too small.
 
-    Force and motion pass the same filter, so that a band that is too low costs rows and biases nothing.
+    Force and motion pass the same filter, so that a band that is too low costs rows and biases nothing. A mass that becomes
+    smaller in a lower band is no such noise: the law, or the start of a run, does that.
     """
     shortest = min(r.stop - r.start for r in log.runs())
     allowed = [r for r in _RATES if r >= q and len(log) / r >= _FEWEST and shortest >= 30 * r]
     before: tuple[int, float] | None = None
     for rate in allowed:
         mass, share = _mass_at(log, rate, rest)
-        if before is not None and (share < _HEAVY or abs(mass - before[1]) <= _MOVES * abs(mass)):
+        if before is not None and (share < _HEAVY or abs(mass) - abs(before[1]) <= _MOVES * abs(mass)):
             break
         before = rate, mass
     if before is None or before[0] == q:
