@@ -25,7 +25,7 @@ ANY: dict[str, tuple[int, str]] = {
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
     ),
     "identify": (43, "data frames and mappings of users; details for JSON; MuJoCo has no types"),
-    "laws": (3, "constants as users give them"),
+    "laws": (7, "constants as users give them; what the exporters above give"),
     "paper": (3, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
     "properties": (

@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass, replace
 from numbers import Real
 
-from stribeck.errors import nearest
+from stribeck.errors import InputError, arg, nearest
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,19 @@ class Constant:
         ok = ok and (self.above is None or number > self.above)
         ok = ok and (self.at_least is None or number >= self.at_least)
         return None if ok else f"must be {self.allowed}"
+
+
+POSITIVE = Constant("", "", above=0)
+
+
+def require_positive(name: str, value: object, unit: str = "") -> None:
+    """Refuse an argument that is no finite number > 0.
+
+    Raises:
+        InputError: it is none.
+    """
+    if text := POSITIVE.problem(value):
+        raise InputError(f"{arg(name)}: {show(value)}: {text}{f', in {unit}' if unit else ''}")
 
 
 _ROTARY = {

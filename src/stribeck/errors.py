@@ -103,7 +103,7 @@ EXTRAS = {
     "pyarrow": "parquet", "flint": "check", "sympy": "check", "scipy": "fit",
     "threadpoolctl": "fit", "pandas": "pandas", "h5py": "mat", "control": "tools", "casadi": "tools", "jax": "jax",
     "mujoco": "mujoco", "ziglang": "explore", "bokeh": "explore", "distributed": "cluster",
-    "mcap": "logs", "mcap_ros2": "logs", "rosbags": "logs",
+    "mcap": "logs", "mcap_ros2": "logs", "rosbags": "logs", "torch": "learn", "warp": "learn",
 }  # fmt: skip
 
 

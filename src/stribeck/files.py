@@ -131,6 +131,15 @@ def _open_at_once(path: str, flags: int) -> int:
     return handle
 
 
+def seen_from(folder: Path, path: Path) -> str:
+    """A path as it is seen from a folder, so that both can be moved together; whole where that cannot be."""
+    try:
+        found = os.path.relpath(path.absolute(), folder.absolute())
+    except ValueError:  # on another drive of Windows
+        found = str(path.absolute())
+    return Path(found).as_posix()
+
+
 def write_text(path: Path, text: str) -> None:
     """Write a text file in UTF-8; what is no text, as in names of files, as escapes."""
     write_with(path, lambda beside: beside.write_bytes(text.encode("utf-8", "backslashreplace")))

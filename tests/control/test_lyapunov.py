@@ -160,6 +160,16 @@ def test_V_along_a_run():
 
 
 @needs_compiler
+def test_what_the_solver_leaves_is_no_rise():
+    """A servo that begins at rest on its path has V = 0 at first, and then what rounding makes of it."""
+    path = {"kind": "point_to_point", "t": [0.5, 1.5], "value": [0.5, 0.6]}
+    run = along(solved(drive__signal=path, plant__initial__y=0.5, solve__t_end=3.0))
+    assert run.V[0] == 0.0
+    assert 0 < run.V.max() < run.noise
+    assert not run.rises.any()
+
+
+@needs_compiler
 def test_V_rises_where_laws_differ():
     found = along(solved({"name": "lugre"}, {"name": "lugre_sobczyk", "k_v": 1e4}))
     assert found.rises.sum() > 100

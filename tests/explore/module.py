@@ -101,7 +101,7 @@ class MachineModule(Module):
                 arrays[name][i] += rate * (value - numbers[path]["value"])
         rtol, rate, rooms = arrays.pop("rtol")[0], arrays.pop("least_rate")[0], given["rooms"]
         end, step = (numbers[path]["value"] for path in ("solve.t_end", "output.step"))
-        rows, width = int(end / step + 1e-9) + 1, len(self.law["states"]) + rooms["held"]
+        rows, width = int(end / step + 1e-9) + 1, len(self.law["states"]) + rooms["held"] + rooms["shown"]
         place, room = {name: self.put(x) for name, x in arrays.items()}, 4096
         held, out = self.call("stribeck_relations", place["parameters"], self.room(800)), self.room(8 * rows * width)
         assert held is None

@@ -40,8 +40,11 @@ def test_the_command_writes_a_page(stribeck, tmp_path):  # noqa: F811
         (("lugre", "--law", "x"), "'x': no such law"),
         (("lugre", "--out", "."), "--out: '.': is a folder"),
         (("lugre", "--set", "plant.mass=-1"), "plant.mass: -1: must be a finite number > 0"),
-        ((str(examples.path("servo")),), "drive.kind: 'cascade': must be force, spring, pid or velocity"),
         ((str(examples.path("belt")), "--law", "lugre"), "--law: lugre: a machine keeps the laws of its file"),
+        (
+            (str(examples.path("servo")), "--law", "lugre"),
+            "--law: lugre: a servo, or a drive that follows a curve, keeps the laws",
+        ),
         (("--report", "."), "--report: '.': must be a folder"),
     ],
 )

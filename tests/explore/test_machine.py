@@ -14,6 +14,7 @@ from stribeck import Scenario, examples, simulate
 from stribeck.explore import explorer_page
 from stribeck.explore.measured import arrays_of, measured, moved
 from tests.explore.module import MachineModule
+from tests.machine.test_servo import MACHINE as PISTON
 
 TURNED = {
     "belt": {"contacts.sole.law.parameters.F_s": 6.5, "bodies.belt.velocity.signal.rate": 0.06, "links.spring.stiffness": 300.0},
@@ -21,14 +22,20 @@ TURNED = {
         "controllers.axis.K_v": 0.025, "controllers.axis.signal.value.1": 40.0, "controllers.axis.sampling.delay": 3e-4,
         "loads.gravity.amplitude": 3.0, "contacts.seal.factors.level.amplitude.0": 0.2,
     },
+    "servo": {"law.parameters.F_s": 44.0, "drive.K_p": 48.0, "plant.mass": 3.3, "drive.observer.k_v": 1.2e6},
+    "sine_force": {"law.k_v": 2e6, "drive.signal.value.2": 2.9, "plant.mass": 1.2},
 }  # fmt: skip
+CHANGES = {
+    "belt": {"solve.t_end": 2.0},
+    "servo": {"drive.sample_time": 1e-3, "drive.delay": 5e-4, "drive.quantisation": 1e-6, "drive.bandwidth": 500.0},
+    "sine_force": {"drive.signal": {"kind": "spline", "t": [0.0, 0.1, 0.2, 0.4], "value": [0.0, 1.0, 3.0, 0.0]}},
+}
 
 
 @pytest.fixture(scope="module", params=sorted(TURNED))
 def page(request):
-    scenario = Scenario.load(examples.path(request.param), {"solve.rtol": 1e-10, "solve.t_end": 0.4})
-    if request.param == "belt":
-        scenario = scenario.with_changes({"solve.t_end": 2.0})
+    usual = {"solve.rtol": 1e-10, "solve.t_end": 0.4}
+    scenario = Scenario.load(examples.path(request.param), usual | CHANGES.get(request.param, {}))
     text = explorer_page(scenario, command="stribeck explore")
     found = re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1]
     return scenario, json.loads(found), TURNED[request.param], len(text)
@@ -48,9 +55,9 @@ def test_the_page_computes_what_run_computes(page):
     same(MachineModule(data).run_machine(turned), simulate(scenario.with_changes(turned)))
 
 
-@pytest.mark.parametrize("name", ["belt", "arm", "gear", "machine"])
+@pytest.mark.parametrize("name", ["belt", "arm", "gear", "machine", "servo", "piston"])
 def test_numbers_turned_together_do_what_the_file_says(name):
-    found = measured(Scenario.load(examples.path(name)))
+    found = measured(Scenario(PISTON) if name == "piston" else Scenario.load(examples.path(name)))
     numbers = [n for n in found.numbers if n.group not in ("solve", "output")]
     values = {n.path: n.value + 0.05 * (n.high - n.value) for n in numbers}
     assert len(numbers) > 9

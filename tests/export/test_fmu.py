@@ -11,6 +11,7 @@ import pytest
 
 import stribeck
 from stribeck.export.fmu import binaries
+from stribeck.export.fmu.description import dimensions
 from tests.export.harness import law, need
 
 fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
@@ -399,3 +400,20 @@ def test_a_body_needs_a_mass(tmp_path):
     with pytest.raises(stribeck.InputError, match=r"plant\.mass"):
         stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu", part="body")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("unit", "powers"),
+    [
+        ("N s/m", {"kg": 1, "s": -1}),
+        ("N m/A", {"kg": 1, "m": 2, "s": -2, "A": -1}),
+        ("ohm", {"kg": 1, "m": 2, "s": -3, "A": -2}),
+        ("H", {"kg": 1, "m": 2, "s": -2, "A": -2}),
+        ("W", {"kg": 1, "m": 2, "s": -3}),
+        ("N m/(rad s)", {"kg": 1, "m": 2, "s": -3, "rad": -1}),
+        ("furlong", None),
+    ],
+)
+def test_units_in_powers_of_the_si(unit, powers):
+    found = dimensions(unit)
+    assert (found and {n: k for n, k in found.items() if k}) == powers

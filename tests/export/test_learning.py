@@ -1,11 +1,13 @@
 """The law in PyTorch, JAX and Warp against NumPy's step, with gradients; and the files for learning simulators, run."""
 
 import importlib.util
+import sys
 
 import numpy as np
 import pytest
 
 import stribeck
+from stribeck.errors import MissingExtra
 from stribeck.export import export
 from tests.export.stepped import Stepped, law, problems
 
@@ -186,3 +188,10 @@ def test_every_law_is_written(target, tmp_path):
         compile(text, str(file), "exec")
         assert repr(law(name).values["F_c"]) in text
         assert "stribeck." not in text.split('"""', 2)[2]  # it stands alone
+
+
+@pytest.mark.parametrize("package", ["torch", "warp"])
+def test_a_missing_package_names_its_extra(package, monkeypatch):
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(MissingExtra, match=r"stribeck\[learn\]"):
+        getattr(law("lugre"), f"to_{package}")()

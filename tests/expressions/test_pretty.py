@@ -1,5 +1,7 @@
 """Equations for people."""
 
+from math import inf
+
 import pytest
 
 from stribeck.expressions import ops, pretty
@@ -25,6 +27,8 @@ CASES = r"\begin{cases}x & \text{if } x < \sigma_{0} \\ 1 & \text{else}\end{case
         (ops.where(x < y, x, 1.0), "x if x < σ₀, else 1", CASES),
         (-(x + y), "-(x + σ₀)", r"-\left(x + \sigma_{0}\right)"),
         (x**y, "x^σ₀", r"x^{\sigma_{0}}"),
+        (ops.floor(x) - 1, "floor(x) - 1", r"\left\lfloor x \right\rfloor - 1"),
+        (x - inf, "x - inf", r"x - \infty"),
     ],
 )
 def test_reads_as_written(expr, text, latex):

@@ -8,7 +8,7 @@ import pytest
 
 from stribeck import InputError, export, law
 from stribeck.constants import Constant
-from stribeck.laws import StaticLaw, find
+from stribeck.laws import Relation, StaticLaw, find
 from stribeck.scenario import Scenario
 from tests.scenario.valid_scenarios import VALID
 
@@ -94,3 +94,47 @@ def test_variables_of_an_fmu(name, tmp_path):
     scenario = Scenario(VALID["force_points"])
     with pytest.raises(InputError, match=f"^{name}: the FMU has a variable of this name"):
         export(found, "fmu", tmp_path / "out.fmu", part="body", scenario=scenario)
+
+
+class Related(StaticLaw):
+    """A law whose constants are related, one of them with a default, one optional."""
+
+    low = Constant("", "lower end", default=0.0)
+    high = Constant("", "upper end")
+    most = Constant("", "largest", optional=True)
+    relations = (
+        Relation("high", "above low", lambda p: p.high > p.low, ("high", "low")),
+        Relation("most", "below 9", lambda p: p.most < 9, ("most",)),
+    )
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return (p.high - p.low) * v
+
+
+@pytest.mark.parametrize(
+    ("values", "line"),
+    [
+        ({"high": -1.0}, "high: -1.0: must be above low (low = 0.0)"),
+        ({"high": 1.0, "low": 2.0}, "high: 1.0: must be above low (low = 2.0)"),
+        ({"high": 1.0, "most": 9.0}, "most: 9.0: must be below 9"),
+        ({"high": 1.0, "most": None}, None),
+    ],
+)
+def test_relations_of_constants_that_are_off_or_have_a_default(values, line):
+    found = [f"{name}: {text}" for name, text in Related.problems(values)]
+    assert found == ([] if line is None else [line])
+
+
+@pytest.mark.parametrize("given", [3, [1.0]])
+def test_parameters_that_are_no_table(given):
+    with pytest.raises(
+        InputError, match=r"^parameters: .*: must be a table of numbers by name, or a set's name or file"
+    ):
+        law("lugre", given)
+
+
+def test_the_file_of_a_set_as_a_path(tmp_path):
+    file = tmp_path / "set.toml"
+    file.write_text("[parameters]\nF_c = 1.0\nsigma_2 = 0.5\n")
+    assert law("coulomb_viscous", file).values["F_c"] == 1.0

@@ -382,7 +382,7 @@ def test_the_hunting_command(tmp_path, capsys):
     assert _status(["hunting", str(file), "--controller", "other"]) == 2
     assert "must be one of hold" in capsys.readouterr().err
     assert _status(["hunting", str(examples.path("stick_slip"))]) == 2
-    assert "must be 'pid' to hunt" in capsys.readouterr().err
+    assert "must be 'pid'" in capsys.readouterr().err
 
 
 def test_an_inner_loop_that_leads_makes_up_for_the_lag_of_the_drive():
@@ -410,15 +410,3 @@ def test_an_inner_loop_that_leads_makes_up_for_the_lag_of_the_drive():
                 contact=law("lugre"), signal=wave, compensation={"contact": "guide", "speed": "measured", "lead": 1e-3}
             )
         )
-
-
-def test_changes_within_a_hair_are_one_boundary():
-    """A lane caught on its way between rest and a cycle was named as a verdict of its own, with two boundaries."""
-    from stribeck.loops.boundary import _apart
-    from stribeck.loops.judge import Judgement
-
-    words = {1.0: "quiet", 4.999: "quiet", 5.0: "creeping", 5.001: "hunting", 9.0: "hunting"}
-    seen = {x: Judgement(word, "a", 0.0, 0.0) for x, word in words.items()}
-    assert _apart([(4.999, 5.0), (5.0, 5.001)], seen) == [(4.999, 5.001)]
-    far = {**seen, 7.0: Judgement("quiet", "a", 0.0, 0.0)}
-    assert _apart([(4.999, 5.0), (5.0, 5.001), (5.001, 7.0)], far) == [(4.999, 5.001), (5.001, 7.0)]

@@ -1,15 +1,13 @@
 """What the loop does from many starts, and with a dither."""
 
-import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from stribeck import Scenario
-from stribeck.loops.boundary import _apart
 from stribeck.loops.compensation import _dithered
-from stribeck.loops.judge import Judgement, _rest, judge
+from stribeck.loops.judge import _rest, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import reversal_errors
 from stribeck.loops.proof import proof
@@ -85,20 +83,3 @@ def test_the_amplitude_of_a_dither_that_leaves_least():
     plain = reversal_errors(loop, "hold", {named: np.array([10.0])})
     assert found.share > 0
     assert found.worst_error < 0.8 * plain.max()
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        ("quiet creeping quiet creeping hunting", [(8.40, 8.66)]),  # a machine of benchmarks/design_attack.py --seed 12
-        ("quiet creeping quiet quiet quiet", []),
-        ("quiet hunting quiet quiet quiet", [(8.40, 8.48), (8.48, 8.52)]),
-        ("quiet quiet quiet quiet hunting", [(8.65, 8.66)]),
-    ],
-)
-def test_what_stands_within_a_hair_of_a_boundary_names_no_other(words, expected):
-    """Lanes that still crept near it were named as boundaries of their own, 5 % beside which other verdicts stood."""
-    values = [8.40, 8.48, 8.52, 8.65, 8.66]
-    seen = {x: Judgement(word, "a", 0.0, 0.0) for x, word in zip(values, words.split(), strict=True)}
-    changes = [(a, b) for a, b in itertools.pairwise(values) if seen[a].verdict != seen[b].verdict]
-    assert _apart(changes, seen) == expected

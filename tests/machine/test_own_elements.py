@@ -13,6 +13,7 @@ from stribeck.cli import _status
 from stribeck.export.fmu import binaries
 from stribeck.machine import controllers, loads
 from stribeck.machine.links import LinkElement
+from stribeck.report import schematic
 from stribeck.scenario.machine import tables
 from tests.machine.machines import assert_balanced, law, machine, push, solved
 from tests.properties.nasty import constants
@@ -112,6 +113,12 @@ def test_a_link_with_a_state(folder):
     soft = solved(rig(links={"k": {**LINK, "kind": "own.py:Maxwell", "viscosity": 3.0}}), folder)
     assert_balanced(soft, 1e-8)
     assert abs(soft.peaks["a.y"] - plain.peaks["a.y"]) > 0.03 * plain.peaks["a.y"]
+
+
+def test_a_drawing_has_the_units_of_a_machine_that_turns(folder):
+    """Also of constants that do not say what they are where it turns."""
+    data = machine({"a": {"inertia": 0.5}}, links={"k": {**LINK, "kind": "own.py:Maxwell", "viscosity": 3.0}})
+    assert "viscosity 3 N m s/rad" in schematic.text(Scenario(data, folder=folder, trust=True).rig, "m")
 
 
 def test_a_load_and_a_controller(folder):

@@ -43,6 +43,7 @@ x, y, v, z = (symbol(n) for n in "xyvz")
         (2 / ops.pi * x, "(2 / PI) * x"),
         (constant(0.1) + constant(0.2) + x, f"({TENTH} + {FIFTH}) + x"),
         (ops.exp(constant(1.0)) * x, "(exp 1) * x"),
+        (ops.floor(x / y) * x, "IZR (Int_part (x / y)) * x"),
     ],
 )
 def test_terms(expr, text):
@@ -58,6 +59,7 @@ def test_terms(expr, text):
         (ops.where(x < y, x, y), {"x": (0, 1), "y": (0, 1)}, "its own box"),
         (x + constant(float("inf")), {"x": (0, 1)}, "not a real number"),
         (x**y, {"x": (1, 2), "y": (1, 2)}, "'pow'"),
+        (ops.floor(x), {"x": (1, 2)}, "'floor'"),
         (symbol("a.b"), {"a.b": (0, 1)}, "not a name in Coq"),
     ],
 )

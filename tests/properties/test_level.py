@@ -1,6 +1,7 @@
 """Verdicts on laws whose level varies: both sides of the bound, replays, and histories made to draw energy."""
 
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import stribeck
 from stribeck.errors import InputError
 from stribeck.properties import check, replay
 from stribeck.properties.damped import suffices
-from stribeck.properties.level import _Decided, check_varied, exactly, largest_v_d
+from stribeck.properties.level import _Decided, check_varied, largest_v_d
 from stribeck.properties.worst import Varied
 
 CLOSE = 1e-9
@@ -142,7 +143,7 @@ def test_no_history_draws_energy_where_the_proof_says_so_and_some_do_where_it_do
 @pytest.mark.parametrize("name", ["lugre", "elastoplastic_majorant"])
 def test_damping_that_falls_with_speed_is_passive_whatever_the_level_does(name):
     law = stribeck.law(name, {**TABLE, "sigma_2": 0.4}, **OWN[name])
-    ranges = exactly({"F_c": (1.0, None), "F_s": (1.5, None)})
+    ranges = {"F_c": (Fraction(1), None), "F_s": (Fraction(3, 2), None)}
     largest = largest_v_d(Varied(law, ranges))
     excess = 2 / (math.pi * 1e6) if "majorant" in name else 0.0
     assert largest == pytest.approx(math.sqrt(2 * math.e) * (4 / 316.2 - excess), rel=1e-14)
@@ -156,7 +157,7 @@ def test_damping_that_falls_with_speed_is_passive_whatever_the_level_does(name):
 
 def test_a_level_without_end():
     law = stribeck.law("lugre", {**TABLE, "sigma_2": 0.4}, v_d=0.02)
-    found = check_varied(Varied(law, exactly({"F_c": (1.0, None), "F_s": (1.5, None)})), None, 2400.0)
+    found = check_varied(Varied(law, {"F_c": (Fraction(1), None), "F_s": (Fraction(3, 2), None)}), None, 2400.0)
     assert found["passive"].holds
     assert found["bounded"].holds is None
     assert found.verify()

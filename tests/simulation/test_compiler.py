@@ -129,12 +129,32 @@ def test_no_compiler(monkeypatch):
 
 
 @needs_compiler
-def test_a_compiler_that_does_not_know_this_machine(use):
+@pytest.mark.parametrize("unknown", ["-march=native", "-mmove-max=128"])
+def test_a_compiler_that_does_not_know_an_option(unknown, use):
     real = " ".join(compiler.find().command)
-    use(
-        f'#!/bin/sh\nfor word; do [ "$word" = -march=native ] && echo "error: what?" >&2 && exit 1; done\n{real} "$@"\n'
-    )
+    use(f'#!/bin/sh\nfor word; do [ "$word" = {unknown} ] && echo "error: what?" >&2 && exit 1; done\n{real} "$@"\n')
     assert said("rodas5p") == []
+
+
+def test_what_a_compiler_says_of_the_plainest_command_is_told(use):
+    use("""#!/bin/sh
+for word; do [ "$word" = -mmove-max=128 ] && echo "error: unknown option" >&2 && exit 1; done
+echo "error: no space left" >&2; exit 1
+""")
+    (note,) = said("scipy-radau")
+    assert "no space left" in note
+
+
+def test_copies_of_one_trajectory_are_narrow(use, tmp_path):
+    """Wide ones leave registers in use that libm's older instructions wait for, at every call of exp."""
+    use(f'#!/bin/sh\necho "$@" >> {tmp_path}/words\nexit 1\n')
+    said("scipy-radau")
+    first, second, _ = (tmp_path / "words").read_text().splitlines()
+    assert "-march=native -mmove-max=128 -mstore-max=128" in first
+    assert "-march=native" in second
+    assert "-mmove-max" not in second
+    assert "-mmove-max=128" in compiler.find().key
+    assert "-mmove-max=128" not in compiler.find().for_lanes().key
 
 
 @needs_compiler

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from stribeck import InputError, Scenario, advise, law, parameters, simulate
+from stribeck import InputError, Scenario, advise, check, law, parameters, simulate
 from stribeck.laws import builtin
 from stribeck.steepness.search import smallest
 from tests.simulation.rig import law_table, needs_compiler, rig
@@ -234,3 +234,28 @@ def test_every_law_and_machine(name, set_name):
         model = law(found, set_name, k_v=each.k_v, **own)
         assert each.cost.stiffness >= 0.999 * abs(model.jacobian(100 * p["v_s"], p["F_s"] / p["sigma_0"])[1])
     json.dumps([each.summary() for each in advices.values()], allow_nan=False)
+
+
+def test_the_level_alone_at_a_speed_and_for_a_scenario():
+    """The speed that is given counts, and the law's own constants are the scenario's."""
+    found = advise("lugre_majorant", "canudas1995", level=(1, 3), v_max=0.01, k_v=1e6)["lugre_majorant"]
+    assert found.level.v_max == 0.01
+    scenario = Scenario(rig(law_table("lugre_majorant", k_v=1e6), "force", {"kind": "ramp", "rate": 1.0}, 1.0))
+    of_scenario = advise("lugre_majorant", scenario=scenario, level=(1, 3), v_max=0.01)["lugre_majorant"]
+    assert of_scenario == found
+
+
+def test_a_machine_that_turns_has_its_units():
+    found = advise("lugre_majorant", "olsson1998", creep=1e-4, steady_error=0.01, speed=0.1)["lugre_majorant"]
+    assert found.rotary
+    creep, steady = found.requirements
+    assert (creep.unit, steady.name) == ("rad/s", "error of steady friction at 0.1 rad/s")
+
+
+@pytest.mark.parametrize("level", [(1,), (1, 2, 3), ("a", 2), (2, 1), (0, 1), (1, inf), "12"])
+def test_a_level_is_two_numbers(level):
+    line = r"level: .*: must be two finite numbers, 0 < LOW <= HIGH$"
+    with pytest.raises(InputError, match=line):
+        advise("lugre", "canudas1995", level=level)
+    with pytest.raises(InputError, match=line):
+        check(law("lugre", "canudas1995"), level=level)

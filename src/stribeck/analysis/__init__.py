@@ -1,1 +1,1 @@
-"""What solutions tell: comparisons between laws."""
+"""What simulations tell: laws beside each other, limit cycles, and whether a servo's gains hold."""

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 
 from stribeck.analysis.lyapunov import Along, along
-from stribeck.constants import show
+from stribeck.constants import require_positive
 from stribeck.control.gains import GainVerdict, Proof, Staying, gain_verdict, prove, staying
 from stribeck.control.proof import derive
-from stribeck.errors import InputError, arg
+from stribeck.errors import InputError
 from stribeck.scenario import Scenario
 from stribeck.scenario.cascade import CascadeSettings, cascade_of, not_linear
 from stribeck.simulation import Solution, simulate
@@ -82,11 +82,15 @@ def gains(
 
 
 def check_servo(scenario: Scenario, v_max: float | None) -> CascadeSettings:
-    """The controller; what has no V is refused, and a speed that is none."""
-    if v_max is not None and not 0 < v_max < np.inf:
-        raise InputError(f"{arg('v_max')}: {show(v_max)}: must be a finite speed > 0, m/s")
+    """The controller of a servo whose V can be asked about.
+
+    Raises:
+        InputError: as :func:`gains`.
+    """
+    if v_max is not None:
+        require_positive("v_max", v_max, "m/s")
     if (controller := cascade_of(scenario)) is None:
-        raise InputError(f"drive.kind: {scenario.drive.kind!r}: 'stribeck gains' needs a servo, drive.kind = 'cascade'")
+        raise InputError(f"drive.kind: {scenario.drive.kind!r}: must be 'cascade': only a servo has such gains")
     if text := not_linear(controller.observer):
         raise InputError(f"drive.observer.name: no V that could be shown to decrease: {text}")
     return controller

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.constants import kind_of, show
+from stribeck.constants import require_positive, show
 from stribeck.drives.pid import Pid
 from stribeck.errors import InputError, StribeckError, needed
 from stribeck.laws import table
@@ -45,10 +45,8 @@ def describing_function(law: Law, amplitude: float, frequency: float = 1.0) -> c
         InputError: an argument is not a finite number > 0.
         StribeckError: the simulation failed.
     """
-    for name, value in (("amplitude", amplitude), ("frequency", frequency)):
-        number = isinstance(value, int | float | np.number) and not isinstance(value, bool)
-        if not number or not 0 < value < math.inf:
-            raise InputError(f"{name}: {show(value) if number else kind_of(value)}: must be a finite number > 0")
+    require_positive("amplitude", amplitude, "m/s")
+    require_positive("frequency", frequency, "Hz")
     if not law.has_z:
         angle = (np.arange(_ROWS) + 0.5) * 2 * np.pi / _ROWS
         return _harmonic(angle, law.force(amplitude * np.cos(angle))) / amplitude

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,18 +26,23 @@ _TOLERANCE = 1e-6  # of the largest |dV/dt|
 
 @dataclass(frozen=True)
 class Along:
-    """V along a run. ``bound`` is eq. 19 evaluated for the errors met (None where it has no meaning)."""
+    """V along a run. ``bound`` is eq. 19 evaluated for the errors met (None where it has no meaning).
+
+    Attributes:
+        noise: J: the V of states that are off by the solver's relative tolerance. A run that begins on its path has no other.
+    """
 
     t: Array
     V: Array
     dV_dt: Array | None
     bound: Array | None
     saturated: NDArray[np.bool_]
+    noise: float = 0.0
 
     @property
     def rises(self) -> NDArray[np.bool_]:
-        """True in the rows after which V rises by more than 1e-9 V(0)."""
-        return np.append(np.diff(self.V) > RISE * self.V[0], False)
+        """True in the rows after which V rises by more than 1e-9 V(0), and by more than the solver's noise."""
+        return np.append(np.diff(self.V) > max(RISE * self.V[0], self.noise), False)
 
     @property
     def excess(self) -> NDArray[np.bool_]:
@@ -71,7 +77,7 @@ def along(solution: Solution) -> Along:
     drive, observer = system.drive.drive, scenario.settings.observer
     assert isinstance(drive, PressureCascade)
     if drive.sampled or observer is None or not observer.has_z or drive.adaptive:
-        return Along(solution.t, solution["V"], None, None, saturated)
+        return Along(solution.t, solution["V"], None, None, saturated, _noise(solution))
     values: dict[str, float | Array] = {f"{owner}.{name}": x for (owner, name), x in scenario.values().items()}
     rows = scenario.pieces().at(solution.t)
     values |= {f"segment.{name}": rows[:, i] for i, name in enumerate(system.piece_fields)}
@@ -82,7 +88,14 @@ def along(solution: Solution) -> Along:
     with np.errstate(all="ignore"):
         dV_dt = function(*values.values(), solution.t, *(solution[name] for name in states))[0]
         bound = _bound(solution, observer, scenario.drive_values)
-    return Along(solution.t, solution["V"], np.asarray(dV_dt), bound, saturated)
+    return Along(solution.t, solution["V"], np.asarray(dV_dt), bound, saturated, _noise(solution))
+
+
+def _noise(solution: Solution) -> float:
+    scenario = solution.scenario
+    v, p_1, p_2, z = (scenario.solve.rtol * float(np.max(np.abs(solution[n]))) for n in ("v", "p_1", "p_2", "z"))
+    gains, mass = SimpleNamespace(**scenario.drive_values), scenario.plant_values["mass"]
+    return float(PressureCascade.energy(gains, mass, v, max(p_1, p_2), z))
 
 
 def _bound(solution: Solution, observer: Law, gains: Mapping[str, float]) -> Array:

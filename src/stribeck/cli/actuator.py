@@ -32,7 +32,7 @@ def fit(
     summary, files = found.to_json(), list[str]()
     if out is not None:
         files = write_machine_fit(
-            found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}", scenario.folder
+            found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}", scenario.folder, logs
         )
     if json:
         show.print_json({**summary, "files": files})

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from stribeck import laws, parameter_sets
 from stribeck.cli import show
 from stribeck.cli.text import say, width
-from stribeck.constants import DECIDED
+from stribeck.constants import DECIDED, require_positive
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, left_out, note
 from stribeck.laws.base import PARAMETERS, Law
@@ -106,8 +106,8 @@ class FilesWritten:
 
 def refuse_v_max(v_max: float | None) -> None:
     """Raise unless it is a speed or none."""
-    if v_max is not None and not 0 < v_max < float("inf"):
-        raise InputError(f"--v-max: {shown(v_max)}: must be a finite number > 0, in m/s")
+    if v_max is not None:
+        require_positive("v_max", v_max, "m/s")
 
 
 def refuse_force(force: list[str]) -> None:

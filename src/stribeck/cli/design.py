@@ -13,9 +13,17 @@ from stribeck.loops import Design, design, loop_and_controller
 from stribeck.loops.compensation import CompensationResult
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import controller_of
-from stribeck.loops.second import SecondOpinion, as_machine, second_opinion
+from stribeck.loops.second import SecondOpinion, second_opinion
 from stribeck.loops.starts import from_starts, starts_row
-from stribeck.report.design import excess_sentence, proof_sentence, second_lines, sentence, sentence_of, starts_sentence
+from stribeck.report.design import (
+    excess_sentence,
+    mixed_sentence,
+    proof_sentence,
+    second_lines,
+    sentence,
+    sentence_of,
+    starts_sentence,
+)
 from stribeck.report.quantities import human
 
 JOURNAL = "tune_so_far.json"  # in DIR, until the search is done
@@ -54,14 +62,12 @@ def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path |
 def hunt(path: Path, assignments: list[str], controller: str | None, json: bool, trust: bool) -> int:
     """The verdict on a loop, and what describing functions predict."""
     scenario = show.load(path, assignments, trust)
-    if scenario.rig.single:
-        scenario = as_machine(scenario)
     with show.stages(scenario.name) as tell:
         loop, name = loop_and_controller(scenario, controller)
         j = judge(loop, tell=tell and partial(_told, tell))[0]
         starts = from_starts(loop, name, tell and partial(_told, tell))
         second = second_opinion(loop, name)
-    rotary = scenario.rig.machine.body[controller_of(loop.scenario, name).measures].rotary
+    rotary = loop.scenario.rig.machine.body[controller_of(loop.scenario, name).measures].rotary
     cycle = {"amplitude": j.amplitude, "period": j.period, "body": j.body}
     summary = {
         "status": "failed" if j.verdict == "failed" else "done", "scenario": scenario.name,
@@ -112,13 +118,13 @@ def _print(found: Design) -> None:
             )
         say(f"{', '.join(told)}", 14, f"  {name:10s}  ")
     for line in found.lines:
-        if not line.boundaries:
-            say(
-                f"{line.turned.path}: {line.found[0].verdict} from {line.turned.low:g} to {line.turned.high:g}", 4, "  "
-            )
+        if not line.boundaries and not line.mixed:
+            whole = line.turned
+            say(f"{whole.path}: {line.found[0].verdict} from {whole.low:g} to {whole.high:g}", 4, "  ")
         for b in line.boundaries:
-            doubt = "" if b.sure else " (mixed near it)"
-            say(f"{b.path} = {b.value:.4g}: {b.below} below, {b.above} above{doubt}", 4, "  ")
+            say(f"{b.path} = {b.value:.4g}: {b.below} below, {b.above} above", 4, "  ")
+        for m in line.mixed:
+            say(f"{m.path} = {mixed_sentence(m)}", 4, "  ")
     _print_compensations(found, unit)
     if found.excess is not None:
         say(excess_sentence(found), 4, "  ")

@@ -8,7 +8,8 @@ from pathlib import Path
 from stribeck.cli import show
 from stribeck.errors import InputError
 from stribeck.explore import explore as write
-from stribeck.explore.report import Report, of_folder
+from stribeck.explore.fitted import Report
+from stribeck.explore.report import of_folder
 from stribeck.explore.variants import subject
 from stribeck.scenario import parse_assignment
 
@@ -23,7 +24,7 @@ def explore(
         raise InputError(
             f"--report: {str(report)!r}: must stand alone: the folder holds the scenario ({what} is given too)"
         )
-    made = of_folder(report, changes, trust) if report is not None else Report(subject(what, changes, trust))
+    made = Report(subject(what, changes, trust)) if report is None else of_folder(report, changes, trust)
     scenario = made.scenario
     if out is None:
         out = report / "explore.html" if report is not None else Path(f"{_file_name(scenario.name)}.html")
@@ -31,7 +32,7 @@ def explore(
         raise InputError(f"--out: {str(out)!r}: is a folder; must be a file, such as {out / 'explore.html'}")
     show.check_file("--out", out)
     with show.progress("compiling the laws") as tell:
-        write(scenario, out, laws, show.command_line(), tell, made.intervals)
+        write(scenario, out, laws, show.command_line(), tell, made.intervals, made.measured)
     if json:
         show.print_json({"status": "done", "scenario": scenario.name, "files": [str(out)]})
     else:

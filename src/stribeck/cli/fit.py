@@ -52,7 +52,7 @@ def fit(
 
         command = show.command_line()
         summary["files"] = write_fit(result, log, out, command, ", ".join(p.name for p in data))
-        summary["files"].append(_save(result, columns, how, out))
+        summary["files"].append(_save(result, data, columns, how, options, out))
     if json:
         show.print_json(summary)
     else:
@@ -66,13 +66,16 @@ def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | 
     return None if tell is None else lambda share: tell(_READ + (1 - _READ) * share)
 
 
-def _save(result: Fit | Choice, columns: ColumnNames, how: Preparation, out: Path) -> str:
-    """Write what ``stribeck predict`` needs; the path."""
-    from stribeck.files import write_text
+def _save(
+    result: Fit | Choice, data: list[Path], columns: ColumnNames, how: Preparation, options: FitOptions, out: Path
+) -> str:
+    """Write what ``stribeck predict`` and ``stribeck explore --report`` need; the path."""
+    from stribeck.files import seen_from, write_text
     from stribeck.identify import predict
 
     reading = {
-        "columns": columns.names, "units": columns.units, "force_gain": columns.force_gain, "cutoff": how.cutoff
+        "files": [seen_from(out, path) for path in data], "columns": columns.names, "units": columns.units,
+        "force_gain": columns.force_gain, "cutoff": how.cutoff, "output": options.output, "drive": options.drive,
     }  # fmt: skip
     write_text(out / predict.FILE, predict.saved(result.best if isinstance(result, Choice) else result, reading))
     return str(out / predict.FILE)

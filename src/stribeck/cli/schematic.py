@@ -6,6 +6,7 @@ from pathlib import Path
 
 from stribeck.cli import show
 from stribeck.errors import InputError
+from stribeck.scenario.counterpart import as_machine
 
 
 def draw(path: Path, out: Path | None, assignments: list[str], json: bool, trust: bool) -> int:
@@ -13,9 +14,7 @@ def draw(path: Path, out: Path | None, assignments: list[str], json: bool, trust
     from stribeck.files import write_text
     from stribeck.report import schematic
 
-    scenario = show.load(path, assignments, trust)
-    if scenario.rig.single:
-        raise InputError(f"{path}: schema = 1: is a law on a single body; 'stribeck show' draws machines (schema = 2)")
+    scenario = as_machine(show.load(path, assignments, trust))
     files = []
     if out is not None:
         if out.suffix != ".svg":

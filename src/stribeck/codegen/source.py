@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
@@ -357,8 +358,6 @@ def _argument_names(arguments: str) -> list[str]:
 
 
 def _mentions(body: str, word: str) -> bool:
-    import re
-
     return re.search(rf"\b{word}\b", body) is not None
 
 
@@ -378,5 +377,5 @@ def _unique(names: Iterable[str]) -> list[str]:
     return result
 
 
-def _comment(text: str | None) -> str:
-    return " ".join((text or "").split()).replace("*/", "* /")
+def _comment(text: str) -> str:
+    return " ".join(text.split()).replace("*/", "* /")

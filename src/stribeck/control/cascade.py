@@ -20,7 +20,6 @@ from stribeck.laws.form import USUAL, Form
 from stribeck.laws.values import Constants
 from stribeck.plants.cylinder import Cylinder
 
-Path = tuple[Value, Value, Value, Value]  # the desired position and its first three derivatives
 MEASURED = ("t", "y", "v", "p_1", "p_2", "acceleration")  # what the controller measures
 
 _SHOWN = ("F_hat", "p_d", "z_hat")  # what a sampled one computes beside the voltage
@@ -78,13 +77,15 @@ class PressureCascade(Drive):
     }  # fmt: skip
 
     @staticmethod
-    def errors(c: SimpleNamespace, path: Path, y: Value, v: Value) -> tuple[Value, Value]:
+    def errors(c: SimpleNamespace, path: Course, y: Value, v: Value) -> tuple[Value, Value]:
         """The position error e (m) and s = de/dt + lambda e (m/s)."""
         e = y - path[0]
         return e, v - path[1] + getattr(c, "lambda") * e
 
     @staticmethod
-    def desired_pressure(c: SimpleNamespace, m: SimpleNamespace, path: Path, v: Value, s: Value, F_hat: Value) -> Value:
+    def desired_pressure(
+        c: SimpleNamespace, m: SimpleNamespace, path: Course, v: Value, s: Value, F_hat: Value
+    ) -> Value:
         """p_d, eq. 12; ``m`` is the plant as the controller knows it."""
         return (-c.K_D * s + m.mass * (path[2] - getattr(c, "lambda") * (v - path[1])) + F_hat) / m.area
 

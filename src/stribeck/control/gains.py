@@ -108,7 +108,7 @@ def gain_verdict(law: Law, gains: Mapping[str, float], v_max: float) -> GainVerd
     proposed = {"K_D": max(gains["K_D"], twice), "K": gains["K"] if limit <= 0 else min(gains["K"], limit / 2)}
     return GainVerdict(
         v_max, w_max, condition(exact, True), condition(error, gains["K"] < largest_K), largest_K, proposed
-    )  # fmt: skip
+    )
 
 
 def _up_to(v_max: float) -> Array:

@@ -55,7 +55,7 @@ EXPORT void stribeck_table(const double *p, int64_t rows, double step, int64_t p
     for (int64_t i = 0; i < rows; i++) {
         const double t = (double)i * step;
         while (n + 1 < pieces && start[n + 1] <= t * (1 + 1e-12)) n++; /* signals/pieces.py */
-        columns(p, piece_rows + n * PIECE, t, states + i * (N + HELD), out + i * COLUMNS);
+        columns(p, piece_rows + n * PIECE, t, states + i * (N + HELD + SHOWN), out + i * COLUMNS);
     }
 }"""
 
@@ -92,7 +92,7 @@ def appendix(scenario: Scenario) -> str:
             _STEADY,
             _function("setup", f"{p}, double rtol, double *out", _setup(scenario), {**inputs, "rtol": "rtol"}, True),
             _function("claims", f"{p}, double *out", _claims(law, q), inputs, True),
-            _function("relations", f"{p}, double *out", _relations(law, q, inputs), inputs, True),
+            _function("relations", f"{p}, double *out", _relations(law, q), inputs, True),
         ]
     )
 
@@ -102,6 +102,7 @@ def machine_appendix(machine: MachineSystem) -> str:
     inputs = {f"{owner}.{name}": f"p[{i}]" for i, (owner, name) in enumerate(machine.parameters)}
     piece = {f"segment.{name}": f"s[{i}]" for i, name in enumerate(machine.piece_fields)}
     names = [*(state.name for state in machine.states), *(f"segment.{name}" for name in machine.held)]
+    names += [f"memory.{name}" for name in machine.shown]
     states = {name: f"x[{i}]" for i, name in enumerate(names)}
     found = machine.balance(exact=True).outputs()
     outputs = {f"out[{i}]": found[column.name] for i, column in enumerate(machine.columns)}
@@ -178,11 +179,8 @@ def _claims(law: type[Law], q: Constants) -> dict[str, Expr]:
     return found
 
 
-def _relations(law: type[Law], q: Constants, inputs: dict[str, str]) -> dict[str, Expr]:
-    found = {}
-    for i, relation in enumerate(relations(law)):
-        found[f"out[{i}]"] = _holds(relation, q)
-    return found
+def _relations(law: type[Law], q: Constants) -> dict[str, Expr]:
+    return {f"out[{i}]": _holds(relation, q) for i, relation in enumerate(relations(law))}
 
 
 def _holds(relation: Relation, law: SimpleNamespace) -> Expr:

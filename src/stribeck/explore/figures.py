@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from itertools import cycle
 from typing import Any
@@ -13,6 +14,7 @@ from stribeck.scenario import Scenario
 # After Okabe and Ito's colours, which colour-blind readers tell apart; legible on white and on black.
 _COLOURS = ("#1b87c9", "#e06a10", "#0a9f78", "#c06aa5", "#b09a00", "#7a68d8", "#8c5a2b")
 _GHOST = "#8c8c8c"
+_MEASURED = "#b09a00"
 _NAMES = {
     "y": "position",
     "v": "velocity",
@@ -83,8 +85,8 @@ def panels(scenario: Scenario) -> dict[str, Chart]:
     }
 
 
-def figures(found: dict[str, Chart]) -> dict[str, object]:
-    """The charts as Bokeh's JSON, by the id of the element that shows each."""
+def figures(found: dict[str, Chart], measured: Collection[str] = ()) -> dict[str, object]:
+    """The charts as Bokeh's JSON, by the id of the element that shows each; ``measured`` columns have a second line."""
     with needed("an explorer", "explore"):
         from bokeh.embed import json_item
         from bokeh.layouts import column
@@ -93,14 +95,14 @@ def figures(found: dict[str, Chart]) -> dict[str, object]:
     time = DataRange1d()
     together = [name for name, panel in found.items() if panel.x == "t" and name != "energy"]  # with one time axis
     made = {
-        name: _figure(name, panel, time if name in together else None, name not in together[1:])
+        name: _figure(name, panel, time if name in together else None, name not in together[1:], measured)
         for name, panel in found.items()
     }
     whole = column(*(made[name] for name in together), sizing_mode="stretch_width")
     return {"trajectories": json_item(whole), **{n: json_item(x) for n, x in made.items() if n not in together}}
 
 
-def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool) -> Any:
+def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool, measured: Collection[str]) -> Any:
     from bokeh.models import ColumnDataSource, HoverTool
     from bokeh.models.annotations.legends import Legend
     from bokeh.plotting import figure
@@ -118,9 +120,13 @@ def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool) -> Any:
     ghost, now = (ColumnDataSource(name=f"{name}-{which}", data=dict(empty)) for which in ("ghost", "now"))
     for series in panel.y:
         drawn.line("along", series.column, source=ghost, color=_GHOST, line_width=1.4, line_alpha=0.75)
+    beside = [s.column for s in panel.y if s.column in measured and panel.x in ("t", *measured)]
+    for column in beside:
+        source = ColumnDataSource(name=f"{name}-measured-{column}", data={"x": [0.1, 1.0], "y": [0.1, 1.0]})
+        drawn.scatter("x", "y", source=source, size=3, color=_MEASURED, line_color=None, legend_label="measured")
     shown = []
     for series, colour in zip(panel.y, cycle(_COLOURS), strict=False):
-        named: dict[str, Any] = {"legend_label": series.name} if len(panel.y) > 1 or panel.log else {}
+        named: dict[str, Any] = {"legend_label": series.name} if len(panel.y) > 1 or panel.log or beside else {}
         shown.append(drawn.line("along", series.column, source=now, color=colour, line_width=1.7, **named))
     if panel.marks:
         for kind, marker, colour in (("slip", "triangle", _COLOURS[1]), ("stick", "circle", _COLOURS[2])):

@@ -8,28 +8,27 @@ from stribeck.drives.base import Column
 from stribeck.explore.appendix import machine_relations
 from stribeck.explore.figures import Chart, Series
 from stribeck.explore.measured import Arrays, Measured
+from stribeck.machine.parts import ContactPart
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
 
-# What stands above each other, in this order: the chart's label by the last word of a column's name.
+# What stands above each other, in this order: the chart's label by the last word of a column's name, else by its unit.
 _LABELS = {
-    "y": "position", "r": "position", "v": "velocity", "w": "sliding speed", "F": "friction", "f": "force", "u": "force",
-    "torque": "force", "z": "deflection", "i": "current", "V": "voltage",
+    "y": "position", "r": "position", "e": "error", "v": "velocity", "w": "sliding speed", "s": "sliding variable s",
+    "F": "friction", "F_hat": "friction", "f": "force", "torque": "force", "z": "deflection", "z_hat": "deflection",
+    "i": "current", "": "force", "p_err": "pressure error",
 }  # fmt: skip
+_BY_UNIT = {"Pa": "pressure", "V": "voltage", "A": "current", "J": "energy"}
 _ENERGIES = {"in": "put in", "dissipated": "dissipated", "stored": "stored"}
 _ROTARY = {"position": "angle", "force": "torque", "friction": "friction torque", "velocity": "angular velocity"}
 
 
-def machine_of(scenario: Scenario) -> MachineSystem:
-    """The machine's structure."""
-    return scenario.rig.machine
-
-
 def machine_panels(scenario: Scenario) -> dict[str, Chart]:
     """The charts by name: everything over time by kind and unit, each contact's friction, and the energies."""
-    machine = machine_of(scenario)
-    order = list(dict.fromkeys(_LABELS.values()))
-    contacts = {f"{contact.name}.w" for contact in machine.contacts}
+    machine = scenario.rig.machine
+    order = list(dict.fromkeys([*_LABELS.values(), *_BY_UNIT.values()]))
+    contacts = [_contact(machine, contact) for contact in machine.contacts]
+    sliding = {speed.name for speed, _ in contacts}
     shown = sorted(
         (c for c in machine.columns if not c.name.startswith("E_")), key=lambda c: (order.index(_label(c)), c.unit)
     )
@@ -37,16 +36,14 @@ def machine_panels(scenario: Scenario) -> dict[str, Chart]:
     for i, ((label, unit), each) in enumerate(groupby(shown, key=lambda c: (_label(c), c.unit))):
         names = [c.name for c in each]
         words = _ROTARY.get(label, label) if unit.startswith(("rad", "N m")) else label
-        marks = tuple(n for n in names if n in contacts)
+        marks = tuple(n for n in names if n in sliding)
         lines = tuple(Series(n, n) for n in names)
         words = names[0] if len(names) == 1 else words  # a single line has no legend
         found[f"time-{i}"] = Chart("t", "t", "s", lines, words, unit, height=190, marks=marks)
-    for i, contact in enumerate(machine.contacts):
-        speed, force = (_column(machine, f"{contact.name}.{n}") for n in "wF")
+    for i, ((speed, force), contact) in enumerate(zip(contacts, machine.contacts, strict=True)):
         friction = (Series(force.name, force.name),)
-        found[f"loop-{i}"] = Chart(
-            speed.name, "sliding speed", speed.unit, friction, f"friction in {contact.name}", force.unit, height=280
-        )
+        label = f"friction in {contact.name}" if contact.name else "friction"
+        found[f"loop-{i}"] = Chart(speed.name, "sliding speed", speed.unit, friction, label, force.unit, height=280)
     if machine.energy:
         energies = tuple(Series(f"E_{n}", words) for n, words in _ENERGIES.items())
         found["energy"] = Chart("t", "t", "s", energies, "energy", "J", height=280)
@@ -55,16 +52,23 @@ def machine_panels(scenario: Scenario) -> dict[str, Chart]:
 
 def machine_sections(scenario: Scenario) -> list[tuple[str, str]]:
     """The headings over the charts that stand beside each other."""
-    machine = machine_of(scenario)
+    machine = scenario.rig.machine
     found = [
-        (f"loop-{i}", f"Friction in {contact.name} against its sliding speed")
+        (f"loop-{i}", f"Friction{f' in {contact.name}' if contact.name else ''} against its sliding speed")
         for i, contact in enumerate(machine.contacts)
     ]
     return [*found, ("energy", "Energy balance")] if machine.energy else found
 
 
 def _label(column: Column) -> str:
-    return _LABELS[column.name.rpartition(".")[2]]
+    last = column.name.rpartition(".")[2]
+    return _LABELS.get(last) or _BY_UNIT.get(column.unit, "force")
+
+
+def _contact(machine: MachineSystem, contact: ContactPart) -> tuple[Column, Column]:
+    """The columns of a contact's sliding speed and friction; of a single body its velocity is the first."""
+    dot = f"{contact.name}." if contact.name else ""
+    return _column(machine, f"{dot}w" if dot else "v"), _column(machine, f"{dot}F")
 
 
 def _column(machine: MachineSystem, name: str) -> Column:
@@ -73,15 +77,11 @@ def _column(machine: MachineSystem, name: str) -> Column:
 
 def machine_law(scenario: Scenario) -> dict[str, object]:
     """What stands in the place of a law."""
-    machine = machine_of(scenario)
-    conditions = [
-        {
-            "key": _path(scenario, contact.law_path, each.key),
-            "allowed": each.allowed,
-            "path": _path(scenario, contact.law_path, each.key),
-        }
-        for contact, each in machine_relations(machine)
-    ]
+    machine = scenario.rig.machine
+    conditions = []
+    for contact, each in machine_relations(machine):
+        path = _path(scenario, contact.law_path, each.key)
+        conditions.append({"key": path, "allowed": each.allowed, "path": path})
     return {
         "name": "machine", "about": f"{scenario.subject}.", "table": None, "numbers": [],
         "parameters": [".".join(each) for each in machine.parameters], "states": [s.name for s in machine.states],
@@ -96,7 +96,7 @@ def _path(scenario: Scenario, law: str, key: str) -> str:
 
 def machine_data(found: Measured) -> dict[str, object]:
     """What the solver is given at the file's numbers, the events' names, and the numbers that stay."""
-    machine, arrays = machine_of(found.scenario), found.arrays
+    machine, arrays = found.scenario.rig.machine, found.arrays
     return {
         "arrays": {name: array.tolist() for name, array in arrays.items() if name not in ("restart", "queue_room")},
         "restart": [int(x) for x in arrays["restart"]],
@@ -107,6 +107,7 @@ def machine_data(found: Measured) -> dict[str, object]:
 
 def _rooms(machine: MachineSystem, arrays: Arrays) -> dict[str, int]:
     held = len(machine.held)
+    noise = arrays["noise"].size // held if held else 0
     return {
-        "held": held, "queue_room": int(arrays["queue_room"][0]), "noise_room": arrays["noise"].size // held if held else 0
+        "held": held, "shown": len(machine.shown), "queue_room": int(arrays["queue_room"][0]), "noise_room": noise,
     }  # fmt: skip

@@ -16,19 +16,13 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import Constant
 from stribeck.errors import InputError, StribeckNote
-from stribeck.explore.numbers import Number, number_of, of_run
+from stribeck.explore.numbers import MOST_POINTS, Number, number_of, of_run
 from stribeck.scenario import Scenario
-from stribeck.scenario.rig import Rig
 from stribeck.simulation.native import solver_input
 
 Arrays = dict[str, Array]
-_REACHES = (
-    10.0,
-    3.0,
-    1.5,
-    1.1,
-    1.01,
-)  # how far a slider goes: as far as the file stays valid and the effect in proportion
+# How far a slider goes: as far as the file stays valid and the effect in proportion.
+_REACHES = (10.0, 3.0, 1.5, 1.1, 1.01)
 _INSIDE = (0.0, 0.37, 0.71)  # shares of the slider at which the effect measured at its upper end is tested
 _ROUNDING = 1e-12
 _COUNTS = ("solve.t_end", "solve.max_steps", "output.step")  # of the run, which the page counts itself
@@ -90,7 +84,7 @@ def moved(arrays: Arrays, numbers: list[Number], values: Mapping[str, float]) ->
 
 def _written_out(scenario: Scenario) -> Scenario:
     """With the constants in the file where it names a set of them."""
-    rig = _rig(scenario)
+    rig = scenario.rig
     changes = {f"{path}.parameters.{n}": x for path, law in rig.laws.items() for n, x in law.machine.items()}
     named = {path: x for path, x in changes.items() if isinstance(_table(scenario.data, path), str)}
     return scenario.with_changes(named) if named else scenario
@@ -103,11 +97,9 @@ def _table(data: Mapping[str, object], path: str) -> object:
     return found
 
 
-def _rig(scenario: Scenario) -> Rig:
-    return scenario.rig
-
-
 def _leaves(table: object, path: str = "") -> Iterator[tuple[str, float]]:
+    if isinstance(table, list | tuple) and len(table) > MOST_POINTS:
+        return  # a record, not numbers to turn
     if isinstance(table, Mapping | list | tuple):
         pairs = table.items() if isinstance(table, Mapping) else enumerate(table)
         for key, value in pairs:
@@ -129,7 +121,7 @@ def _declared(scenario: Scenario, path: str, value: float) -> Number:
 
 
 def _constant(scenario: Scenario, group: str, name: str) -> tuple[Constant, float]:
-    rig = _rig(scenario)
+    rig = scenario.rig
     machine = rig.machine
     owner, key = group.removesuffix(".parameters"), name.replace(".", "_")
     if owner in machine.tables and key in machine.tables[owner][0]:
@@ -173,7 +165,7 @@ def _measure(scenario: Scenario, base: Arrays, path: str, value: float, given: N
         number = _narrower(whole, reach)
         effects = _effects(scenario, base, number)
         if effects is not None:
-            of_law = whole.group.removesuffix(".parameters") in _rig(scenario).laws
+            of_law = whole.group.removesuffix(".parameters") in scenario.rig.laws
             found = whole if of_law else replace(number, closed=True)  # the page tests a law's own conditions
             return replace(found, effects=effects) if effects or path in _COUNTS else None
     return None

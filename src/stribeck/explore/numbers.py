@@ -11,7 +11,7 @@ from stribeck.scenario import Scenario
 from stribeck.scenario.tables import Output, Solve, initial_table
 from stribeck.signals import FileSignal, PointsSignal
 
-_MOST_POINTS = 12  # a signal of more points is a curve, not a set of numbers to turn
+MOST_POINTS = 12  # a signal of more points is a curve, not a set of numbers to turn
 
 _REACH, _STEEP = 10.0, 1e3  # how many times more and less a slider reaches; that of a steepness
 
@@ -34,9 +34,8 @@ class Number:
     target: str = ""  # the system's constant that it sets: ``group.name``
     whole: bool = False
     closed: bool = False  # only between the slider's ends
-    effects: tuple[
-        tuple[str, int, float], ...
-    ] = ()  # of a machine's number: array, entry, change by that of the number
+    # of a machine's number: array, entry, change by that of the number
+    effects: tuple[tuple[str, int, float], ...] = ()
 
     def as_data(self) -> dict[str, object]:
         """For the page."""
@@ -110,7 +109,7 @@ def _of_signal(scenario: Scenario) -> Iterator[Number]:
             constant.unit.replace("signal", unit), constant.meaning, constant.above, constant.at_least
         )  # fmt: skip
         yield number_of(group, name, value, own, 1.0, f"signal.{name}" if signal.smooth else "")
-    if isinstance(signal, PointsSignal) and not isinstance(signal, FileSignal) and len(signal.t) <= _MOST_POINTS:
+    if isinstance(signal, PointsSignal) and not isinstance(signal, FileSignal) and len(signal.t) <= MOST_POINTS:
         for i, (t, value) in enumerate(zip(signal.t, signal.value, strict=True)):
             size = float(max(abs(signal.value))) or 1.0
             yield number_of(

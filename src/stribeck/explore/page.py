@@ -16,10 +16,11 @@ from stribeck.errors import InputError, arg, needed
 from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
 from stribeck.explore.figures import figures, panels
-from stribeck.explore.machine import machine_data, machine_law, machine_of, machine_panels, machine_sections
+from stribeck.explore.fitted import Beside
+from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections
 from stribeck.explore.measured import measured
-from stribeck.explore.numbers import numbers, of_law
-from stribeck.explore.variants import variants
+from stribeck.explore.numbers import MOST_POINTS, numbers, of_law
+from stribeck.explore.variants import measured_whole, variants
 from stribeck.expressions.pretty import name as symbol_name
 from stribeck.files import write_text
 from stribeck.laws import table
@@ -33,15 +34,17 @@ from stribeck.version import __version__
 def explore(
     scenario: Scenario, out: Path, laws: Iterable[str] | None = None, command: str = "",
     progress: Callable[[float], None] | None = None, fitted: Mapping[str, object] | None = None,
+    beside: Beside | None = None,
 ) -> Path:  # fmt: skip
     """Write the page of a scenario; see :func:`explorer_page`."""
-    write_text(out, explorer_page(scenario, laws, command, progress, fitted))
+    write_text(out, explorer_page(scenario, laws, command, progress, fitted, beside))
     return out
 
 
 def explorer_page(
     scenario: Scenario, laws: Iterable[str] | None = None, command: str = "",
     progress: Callable[[float], None] | None = None, fitted: Mapping[str, object] | None = None,
+    beside: Beside | None = None,
 ) -> str:  # fmt: skip
     """One HTML file that simulates the scenario in the browser while its numbers are turned.
 
@@ -51,6 +54,7 @@ def explorer_page(
         command: the command that makes the page, for its foot.
         progress: told the share of laws compiled, 0 to 1.
         fitted: of a fit, the 95 % interval of each number by its path.
+        beside: what was measured, drawn beside what is simulated.
 
     Raises:
         MissingExtra: ziglang or bokeh is not installed.
@@ -58,8 +62,9 @@ def explorer_page(
         InputError: a law that is not known, or cannot take the scenario's numbers.
     """
     library = _library()
-    if not scenario.rig.single:
-        return _filled(_machine(scenario, laws, command, progress, fitted or {}), machine_sections(scenario), library)
+    if measured_whole(scenario):
+        filling = _machine(scenario, laws, command, progress, fitted or {}, beside)
+        return _filled(filling, machine_sections(scenario), library)
     found = variants(scenario, laws)
     codes = [f"{source(each.system)}\n\n{appendix(each)}" for each in found.values()]
     modules = wasm.modules(codes, progress)
@@ -70,7 +75,7 @@ def explorer_page(
         "name": scenario.name,
         "version": __version__,
         "command": command,
-        "scenario": _plain({k: v for k, v in scenario.data.items() if k != "law"}),
+        "scenario": _tables(scenario),
         "law": scenario.law.name,
         "laws": {
             name: _law(each, module, intervals) for (name, each), module in zip(found.items(), modules, strict=True)
@@ -83,18 +88,20 @@ def explorer_page(
         "layout": wasm.layout(),
         "eventRoom": EVENT_ROOM,
         "panels": {name: panel.as_data() for name, panel in shown.items()},
-        "figures": figures(shown),
+        "figures": figures(shown, beside.columns if beside is not None else ()),
+        "measured": None if beside is None else beside.as_data(),
     }
     return _filled(data, _SECTIONS, library)
 
 
 def _machine(
     scenario: Scenario, laws: Iterable[str] | None, command: str, progress: Callable[[float], None] | None,
-    intervals: Mapping[str, object],
+    intervals: Mapping[str, object], beside: Beside | None,
 ) -> dict[str, object]:  # fmt: skip
     if laws:
-        raise InputError(f"{arg('law')}: {', '.join(laws)}: a machine keeps the laws of its file")
-    found, machine, shown = measured(scenario), machine_of(scenario), machine_panels(scenario)
+        what = "a machine" if not scenario.rig.single else "a servo, or a drive that follows a curve,"
+        raise InputError(f"{arg('law')}: {', '.join(laws)}: {what} keeps the laws of its file")
+    found, machine, shown = measured(scenario), scenario.rig.machine, machine_panels(scenario)
     (module,) = wasm.modules([f"{source(machine)}\n\n{machine_appendix(machine)}"], progress)
     return {
         "name": scenario.name,
@@ -111,7 +118,8 @@ def _machine(
         "layout": wasm.layout(),
         "eventRoom": EVENT_ROOM,
         "panels": {name: panel.as_data() for name, panel in shown.items()},
-        "figures": figures(shown),
+        "figures": figures(shown, beside.columns if beside is not None else ()),
+        "measured": None if beside is None else beside.as_data(),
     }
 
 
@@ -192,6 +200,15 @@ def _signal(scenario: Scenario) -> dict[str, object]:
         scale = float(scenario.data["drive"]["signal"].get("scale", 1.0))
         found |= {"t": signal.t.tolist(), "value": signal.value.tolist(), "scale": scale}
     return found
+
+
+def _tables(scenario: Scenario) -> object:
+    """The file's tables but the law, whose numbers stand elsewhere, and a long signal, which does too."""
+    tables = {k: v for k, v in scenario.data.items() if k != "law"}
+    if isinstance(scenario.signal, PointsSignal) and len(scenario.signal.t) > MOST_POINTS:
+        drive = tables["drive"]
+        tables["drive"] = {**drive, "signal": {k: v for k, v in drive["signal"].items() if k not in ("t", "value")}}
+    return _plain(tables)
 
 
 def _plain(value: object) -> object:

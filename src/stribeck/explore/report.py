@@ -1,41 +1,40 @@
-"""The scenario behind the folder of a run or a fit, for an explorer beside its report."""
+"""The scenario behind the folder of a run, for an explorer beside its report."""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import replace
 from pathlib import Path
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
-from stribeck.explore.variants import unfit
+from stribeck.explore.fitted import Report, of_fit, of_machine_fit
 from stribeck.files import read_file
+from stribeck.identify import predict
 from stribeck.scenario import Scenario
-
-
-@dataclass(frozen=True)
-class Report:
-    """What a folder holds: the scenario, and of a fit the interval of each number by its path."""
-
-    scenario: Scenario
-    intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Report:
     """What was run or fitted.
 
     Raises:
-        InputError: the folder is no result of ``stribeck run`` or ``stribeck fit``, or the page cannot show it.
+        InputError: the folder is no result of ``stribeck run`` or ``stribeck fit``, or files that it names are gone.
     """
+    if (folder / predict.FILE).exists():
+        found = of_fit(folder, trust)
+    elif (folder / "parameters.toml").exists():
+        found = of_machine_fit(folder, trust)
+    else:
+        found = Report(_run(folder, trust))
+    return replace(found, scenario=found.scenario.with_changes(changes)) if changes else found
+
+
+def _run(folder: Path, trust: bool) -> Scenario:
     try:
         found = json.loads(read_file(folder / "summary.json"))
         tables, beside = found["tables"], folder / found["folder"]
     except (OSError, ValueError, KeyError, TypeError):
-        must = "must be a folder that 'stribeck run --out' wrote (its summary.json holds no scenario)"
+        must = "must be a folder that 'stribeck run --out' or 'stribeck fit --out' wrote"
         raise InputError(f"{arg('report')}: {show(str(folder))}: {must}") from None
-    scenario = Scenario(tables, folder=beside, trust=trust)
-    scenario = scenario.with_changes(changes) if changes else scenario
-    if text := unfit(scenario):
-        raise InputError(f"{scenario.name}: {text}")
-    return Report(scenario)
+    return Scenario(tables, folder=beside, trust=trust)

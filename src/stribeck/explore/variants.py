@@ -30,7 +30,7 @@ def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Sc
     """The scenario to explore: a file's, or the built-in stick-slip run under a law.
 
     Raises:
-        InputError: there is no such file or law, or the page cannot show it.
+        InputError: there is no such file or law.
     """
     if given is not None and (given.endswith(".toml") or Path(given).is_file()):
         scenario = Scenario.load(given, changes, trust=trust)
@@ -39,23 +39,12 @@ def subject(given: str | None, changes: Mapping[str, object], trust: bool) -> Sc
         if given is not None:
             scenario = under(scenario, laws.find(given))
         scenario = scenario.with_changes(changes) if changes else scenario
-    if text := unfit(scenario):
-        raise InputError(f"{scenario.name}: {text}")
     return scenario
 
 
-def unfit(scenario: Scenario) -> str | None:
-    """Why the page cannot show a scenario, or None."""
-    if not scenario.rig.single:
-        drive = next(iter(scenario.system.drives), None)
-        text = "kind: 'pressure_cascade': must be another kind; 'stribeck run' draws a servo's curves"
-        return None if drive is None else f"{drive.path}.{text}"
-    if scenario.drive.differentiates:
-        return "drive.kind: 'cascade': must be force, spring, pid or velocity; 'stribeck run' draws a servo's curves"
-    if isinstance(scenario.signal, Curve):
-        kind = scenario.signal.kind
-        return f"drive.signal.kind: {kind!r}: must be points, ramp, sine, step or file for a page that can be turned"
-    return None
+def measured_whole(scenario: Scenario) -> bool:
+    """Whether the effect of each number is measured when the page is made, rather than known by its place in the file."""
+    return not scenario.rig.single or scenario.drive.differentiates or isinstance(scenario.signal, Curve)
 
 
 def variants(scenario: Scenario, wanted: Iterable[str] | None = None) -> dict[str, Scenario]:

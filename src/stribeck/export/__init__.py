@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
-from stribeck.constants import show
+from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, nearest, note
 from stribeck.export.request import Request, Target
 from stribeck.files import together, trouble, write_with
@@ -204,8 +204,8 @@ def _problems(target: str, part: str, self_test: bool, step: float | None, fmi: 
         found.append(
             f"{arg('self_test')}: target '{target}' has none; only {', '.join(n for n in TARGETS if TARGETS[n].self_test)}"
         )
-    if step is not None and not 0 < step < float("inf"):
-        found.append(f"{arg('step')}: {step}: must be a finite number > 0")
+    if step is not None and (text := POSITIVE.problem(step)):
+        found.append(f"{arg('step')}: {show(step)}: {text}")
     if fmi not in (2, 3):
         found.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
     return found

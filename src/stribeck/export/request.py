@@ -106,6 +106,12 @@ def _listed(words: list[str]) -> str:
     return " and ".join(part for part in (", ".join(words[:-1]), words[-1]) if part)
 
 
+def identifier(name: str) -> str:
+    """A machine's name as an identifier of most languages, in lower case."""
+    text = re.sub(r"\W", "_", name, flags=re.ASCII).lower()
+    return text if text[:1].isalpha() else f"machine_{text}"
+
+
 def valued(name: str, value: float, constant: Constant) -> str:
     """A line of a header that gives a constant's value."""
     return (

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from time import monotonic
 
 import numpy as np
 
@@ -15,8 +14,8 @@ Bound = Callable[[Sequence[Interval]], Interval]
 
 _MOST = 400_000  # boxes
 _WIDE = 4.0  # ends of this ratio are halved on a logarithmic scale
-_LEAP = 16.0
-_NARROW = 1e-13
+_LEAP = 16.0  # where a side reaches to 0 or to infinity it is cut at this share of its other end, or so many times it
+_NARROW = 1e-13  # relative width below which a box is given up
 
 
 @dataclass(frozen=True)
@@ -31,7 +30,7 @@ class Cover:
     negative: bool = False
 
 
-def not_negative(bound: Bound, low: Array, high: Array, deadline: float = np.inf) -> Cover:
+def not_negative(bound: Bound, low: Array, high: Array) -> Cover:
     """Show that ``bound``, given one interval a dimension, is nowhere negative; low and high have a row a dimension.
 
     Boxes may reach to infinity. A point where ``bound`` is negative ends the search.
@@ -47,10 +46,10 @@ def not_negative(bound: Bound, low: Array, high: Array, deadline: float = np.inf
             break
         below = (value.high[n:] < 0) & open_
         stuck = (below | (width.max(axis=0) < _NARROW)) & open_
-        if stuck.any() or count > _MOST or monotonic() > deadline:
+        if stuck.any() or count > _MOST:
             i = int(stuck.argmax()) if stuck.any() else int(open_.argmax())
             box = tuple((float(a), float(b)) for a, b in zip(low[:, i], high[:, i], strict=True))
-            text = "it is negative" if below[i] else "boxes became too small" if stuck[i] else "time ran out"
+            text = "it is negative" if below[i] else "boxes became too small" if stuck[i] else "too many boxes"
             return Cover(False, count, box, text, bool(below[i]))
         low, high, width, cut = (x[:, open_] for x in (low, high, width, cut))
         axis, lanes = width.argmax(axis=0), np.arange(low.shape[1])

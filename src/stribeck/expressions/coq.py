@@ -23,7 +23,7 @@ _FUNCTIONS = {
 }  # fmt: skip
 _RELATIONS = {"lt": ("<", "Rlt_dec"), "le": ("<=", "Rle_dec")}
 _SIGNS = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
-_NO_INTERVAL = frozenset({"where", "sign", "pow", "tanh", "lt", "le", "both", "either"})
+_NO_INTERVAL = frozenset({"where", "sign", "pow", "tanh", "floor", "lt", "le", "both", "either"})
 
 
 def number(x: Fraction | float) -> str:
@@ -98,6 +98,8 @@ def _text(node: Expr, texts: Mapping[Expr, tuple[str, int]], names: Mapping[str,
         raise InputError(
             "x^y: Coq's power is another function where x may be 0 or below; write exp(y log(x)) for x > 0"
         )
+    if op == "floor":
+        return f"IZR (Int_part {at(0, _ATOM)})", _APPLIED
     return f"{_FUNCTIONS[op]} {at(0, _ATOM)}", _APPLIED
 
 

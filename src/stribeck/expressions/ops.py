@@ -17,7 +17,9 @@ import numpy as np
 from stribeck.expressions.exact import Exact, function
 from stribeck.expressions.exact import pi as pi
 
-Value = Any  # a number, an array, a graph node, a SymPy expression: whatever a backend works on
+# A number, an array, a graph node, an interval, a SymPy expression, a JAX, PyTorch or Warp value: whatever a backend works
+# on. A protocol of its operators would refuse what the foreign ones return.
+Value = Any
 
 
 class _Sympy:

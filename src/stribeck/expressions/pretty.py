@@ -89,6 +89,8 @@ class _Writer:
     def _number(self, x: float) -> tuple[str, int]:
         if x < 0:
             return f"-{self._number(-x)[0]}", _SUM
+        if not isfinite(x):
+            return {True: (r"\infty" if self.latex else "inf"), False: "nan"}[x > 0], _ATOM
         if x == int(x) and x < 1e15:
             return str(int(x)), _ATOM
         if multiple := multiple_of_pi(x):
@@ -144,6 +146,8 @@ class _Writer:
             return f"e^{{{inner}}}"
         if e.op == "sqrt" and self.latex:
             return rf"\sqrt{{{inner}}}"
+        if e.op == "floor":
+            return rf"\left\lfloor {inner} \right\rfloor" if self.latex else f"floor({inner})"
         word = "sgn" if e.op == "sign" else _FUNCTIONS[e.op]
         return f"{self._word(word)}{self._parentheses(inner)}"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -91,7 +91,7 @@ def saved(fit: Fit, reading: Mapping[str, Any] | None = None) -> str:
     """The model of a fit as text for fit.json.
 
     Args:
-        reading: columns, units, force_gain and cutoff of the record.
+        reading: the record's files, columns, units, force_gain and cutoff; the output and the drive of its simulation.
     """
     law = laws.find(fit.law)
     values = {**fit.fixed, **fit.used}
@@ -166,14 +166,10 @@ def predict(model: FittedModel, log: Log) -> Predicted:
     rows = np.ones(len(log), bool) if simulated else ~rest
     if not rows.any():
         raise InputError(f"{arg('data')}: the body rests throughout: there is nothing to predict")
-    beside = np.zeros(len(log))
-    for name in model.body:
-        term = TERMS[name]
-        if term.column is not None and not (term.level or term.friction):
-            beside += model.values[name] * column(name, log)
+    left = log.force - beside(model, log)
     others = {n: _error(log.force, _steady(law, v, log), rows) for n, (law, v) in model.others.items()}
     traces = Prediction(log.time, log.position, log.velocity, log.force, force)
-    friction = Prediction(log.time, log.position, log.velocity, log.force - beside, force - beside)
+    friction = Prediction(log.time, log.position, log.velocity, left, left + force - log.force)
     size = float(np.linalg.norm(friction.measured[rows]))
     own = float(np.linalg.norm((log.force - force)[rows])) / max(size, 1e-300)
     every = np.ones(len(log), bool)
@@ -181,6 +177,16 @@ def predict(model: FittedModel, log: Log) -> Predicted:
         model, _error(log.force, force, rows), own, _error(log.force, force, every), float(np.mean(rest)), others,
         traces, friction,
     )  # fmt: skip
+
+
+def beside(model: FittedModel, log: Log, without: Container[str] = ()) -> Array:
+    """What the fitted model says of the force that is no friction, in N at each row; ``without`` some terms."""
+    found = np.zeros(len(log))
+    for name in model.body:
+        term = TERMS[name]
+        if name not in without and term.column is not None and not (term.level or term.friction):
+            found += model.values[name] * column(name, log)
+    return found
 
 
 def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:

@@ -17,7 +17,7 @@ import numpy as np
 
 from stribeck import parameter_sets
 from stribeck.constants import kind_of, show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, arg, nearest
 from stribeck.expressions.ops import Value
 from stribeck.files import read_file
 from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
@@ -186,7 +186,7 @@ def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None)
     return {n: value for n, value in values.items() if n in PARAMETERS or n in own}
 
 
-def law(name: str, parameters: str | Mapping[str, float] | None = None, **constants: float | str | None) -> Law:
+def law(name: str, parameters: str | Path | Mapping[str, float] | None = None, **constants: float | str | None) -> Law:
     """A friction law with its constants.
 
     Args:
@@ -199,6 +199,10 @@ def law(name: str, parameters: str | Mapping[str, float] | None = None, **consta
         InputError: an unknown law or set, or bad values; one line for each problem.
     """
     found = find(name)
-    values = parameters_for(found, parameters) if isinstance(parameters, str) else parameters or {}
-    rotary = isinstance(parameters, str) and parameter_sets.load(parameters).rotary
-    return found({**values, **constants}, rotary)
+    if isinstance(parameters, str | Path):
+        values, rotary = parameters_for(found, str(parameters)), parameter_sets.load(str(parameters)).rotary
+        return found({**values, **constants}, rotary)
+    if parameters is not None and not isinstance(parameters, Mapping):
+        must = "must be a table of numbers by name, or a set's name or file"
+        raise InputError(f"{arg('parameters')}: {show(parameters)}: {must}, not {kind_of(parameters)}")
+    return found({**(parameters or {}), **constants})

@@ -34,6 +34,7 @@ from stribeck.laws.form import USUAL, Form
 from stribeck.laws.objects import AsObject
 from stribeck.laws.tools import ToTools
 from stribeck.laws.values import Constants, OnTerm
+from stribeck.laws.values import Scales as Scales
 
 # Parameters of a machine: they belong to the contact, whichever law describes it.
 PARAMETERS: dict[str, Constant] = {
@@ -74,15 +75,6 @@ class Claims:
     smooth: Claim = None
     passive: Claim = None
     drift_free: Claim = None
-
-
-@dataclass(frozen=True)
-class Scales:
-    """Natural magnitudes of a law with given constants; the default tolerances are proportional to them."""
-
-    length: float
-    speed: float
-    force: float
 
 
 STATIC_ABOVE_COULOMB = (Relation("F_s", "at least F_c", lambda p: p.F_s >= p.F_c, ("F_c", "F_s")),)
@@ -219,12 +211,21 @@ class Law(AsObject, Evaluation, ToTools):
                     (name, f"missing: law '{cls.name}' needs it ({constant.meaning}, {constant.allowed}{unit})")
                 )
         wrong = {name for name, _ in found}
+        defaults = {n: c.default for n, c in declared.items() if c.default is not None}
+        on = defaults | {n: x for n, x in values.items() if x is not None}
+        return found + cls._broken({n: x for n, x in on.items() if n not in wrong})
+
+    @classmethod
+    def _broken(cls, on: Mapping[str, float | str]) -> list[tuple[str, str]]:
+        """The relations that do not hold, of those whose constants are all ``on`` and valid by themselves."""
+        found = []
         for relation in dict.fromkeys((*cls.relations, *STATIC_ABOVE_COULOMB)):
-            if all(need in values and need not in wrong for need in relation.needs):
-                given = SimpleNamespace(**{need: float(values[need]) for need in relation.needs})
-                if not relation.holds(given):
-                    stated = ", ".join(f"{n} = {show(values[n])}" for n in relation.needs if n != relation.key)
-                    found.append((relation.key, f"{show(values[relation.key])}: must be {relation.allowed} ({stated})"))
+            if all(need in on for need in relation.needs):
+                given = {need: on[need] if isinstance(on[need], str) else float(on[need]) for need in relation.needs}
+                if not relation.holds(SimpleNamespace(**given)):
+                    others = ", ".join(f"{n} = {show(on[n])}" for n in relation.needs if n != relation.key)
+                    text = f"must be {relation.allowed}{f' ({others})' if others else ''}"
+                    found.append((relation.key, f"{show(on[relation.key])}: {text}"))
         return found
 
     @property

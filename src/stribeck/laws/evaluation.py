@@ -16,7 +16,7 @@ from stribeck.expressions.graph import derivative, symbol, symbols, wrap
 from stribeck.expressions.ops import Value
 from stribeck.laws.form import Form
 from stribeck.laws.numeric import first_root, shaped
-from stribeck.laws.values import Constants
+from stribeck.laws.values import Constants, Scales
 
 _SLOWEST = 1e-100
 
@@ -44,8 +44,8 @@ class Evaluation:
 
     dz_dt: Callable[..., Value]
     friction: Callable[..., Value]
-    scales: Callable[..., Value]
-    symbolic: Callable[..., Value]
+    scales: Callable[..., Scales]
+    symbolic: Callable[..., Constants]
     guarantees: Callable[[], dict[str, bool | None]]
     p: Constants
     _derivatives: ClassVar[dict[tuple[object, ...], _Derivatives]] = {}

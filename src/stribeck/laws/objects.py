@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Callable
 from html import escape
 from typing import ClassVar, Self
 
+from stribeck.constants import Constant
 from stribeck.expressions.ops import Value
 from stribeck.laws.form import Form
 from stribeck.laws.values import Constants
@@ -18,7 +20,7 @@ class AsObject:
     p: Constants
     machine: dict[str, float]
     rotary: bool
-    constants: Value
+    constants: Callable[[], dict[str, Constant]]
 
     @property
     def form(self) -> Form:

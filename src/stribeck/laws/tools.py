@@ -5,9 +5,7 @@ from __future__ import annotations
 import importlib
 from collections.abc import Sequence
 from types import ModuleType
-from typing import TYPE_CHECKING
-
-from stribeck.expressions.ops import Value
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import casadi
@@ -46,21 +44,21 @@ class ToTools:
         function: casadi.Function = _exporter("casadi").to_casadi(self, free)
         return function
 
-    def to_jax(self) -> Value:
+    def to_jax(self) -> Any:
         """The law in JAX: ``rate``, ``force``, and ``step`` for simulators; for grad, jit and vmap.
 
         See :class:`stribeck.export.python.jax.JaxLaw`.
         """
         return _exporter("jax").to_jax(self)
 
-    def to_torch(self) -> Value:
+    def to_torch(self) -> Any:
         """The law in PyTorch: ``rate``, ``force``, and ``step(state, v, effort, inertia, dt) -> (state, friction)``.
 
         See :class:`stribeck.export.python.torch.TorchLaw`.
         """
         return _exporter("torch").to_torch(self)
 
-    def to_warp(self, precision: str = "single") -> Value:
+    def to_warp(self, precision: str = "single") -> Any:
         """The law as kernels of NVIDIA Warp: ``step(state, v, effort, inertia, dt) -> (state, friction)``.
 
         See :class:`stribeck.export.python.warp.WarpLaw`.

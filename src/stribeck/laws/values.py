@@ -1,13 +1,23 @@
-"""The constants of a law, as its equations take them."""
+"""The constants of a law, as its equations take them, and the magnitudes that follow from them."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 from stribeck.expressions.ops import Value
 
 OnTerm = Callable[[str, str, tuple[Value, ...], Value], Value]
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Natural magnitudes of a law with given constants; the default tolerances are proportional to them."""
+
+    length: float
+    speed: float
+    force: float
 
 
 class Constants(SimpleNamespace):

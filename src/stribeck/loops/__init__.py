@@ -19,6 +19,7 @@ from stribeck.loops.proof import proof_and_certificates
 from stribeck.loops.second import SecondOpinion, second_opinion
 from stribeck.loops.starts import Start, from_starts, starts_row
 from stribeck.scenario import Scenario
+from stribeck.scenario.counterpart import machine_path
 from stribeck.scenario.objects import Machine, scenario_of
 
 __all__ = ["Design", "design", "loop_and_controller"]
@@ -82,6 +83,7 @@ class Design:
             "held_signals": list(self.loop.held),
             "errors": self.errors,
             "boundaries": [asdict(b) for x in self.lines for b in x.boundaries],
+            "mixed": [asdict(m) for x in self.lines for m in x.mixed],
             "compensations": [c.row() for c in self.compensations],
             "compensations_missing": self.why_not or None,
             "over_compensation": self.excess.row() if self.excess else None,
@@ -107,7 +109,8 @@ def design(
     """Judge a machine's loop: will it hunt, how well does it track, what may be done against its friction.
 
     Args:
-        machine: a machine (schema = 2) with a controller, its file or its tables.
+        machine: a machine (schema = 2) with a controller, or a body under a PID controller (schema = 1), which is
+            then named ``body``, its friction ``contact`` and the controller ``controller``; its file or its tables.
         vary: ``"PATH=LOW:HIGH"``: ranges in which boundaries of the verdict are looked for.
         tune: numbers of the controller to search, such as ``["K_p", "K_v"]``, or paths.
         uncertainty_file: a parameters.toml with intervals of the friction parameters; a tenth both ways unless given.
@@ -122,7 +125,10 @@ def design(
         InputError: no machine with a controller, or a path or name that it does not have; one line for each problem.
         StribeckError: no gains that were tried are quiet.
     """
-    loop = loop_of(scenario_of(machine, None, None))
+    scenario = scenario_of(machine, None, None)
+    if scenario.rig.single:
+        vary, tune, map = ([machine_path(x) for x in given] for given in (vary, tune, map))
+    loop = loop_of(scenario)
     name = _controller(loop, controller)
     ranges = _ranges(loop, vary)
     both = plane_of(loop, map) if map else None

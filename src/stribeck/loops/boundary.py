@@ -15,11 +15,13 @@ from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, time_constant
 
 POINTS = 13  # of the first grid
-_ROUNDS = 3  # each divides what encloses a boundary by _PARTS
+_ROUNDS, _AT_MOST = 3, 5  # each divides what encloses a boundary by _PARTS; more where it lies near 0
 _PARTS = 6
 _SURE = 0.05  # on either side of a boundary the verdict holds that far, at _CHECKS points
 _CHECKS = 4
-_MOST = 4  # boundaries of one path: more is no boundary but a mixture
+_SPREADS = 4  # rounds in which what is found beside a change widens it
+_NARROW = 0.04  # of its value: a change that takes more is no boundary but a mixture
+_MOST = 4  # changes of one path: more are a mixture
 _DECADE = 10.0  # high/low from which a range is divided by ratios
 
 
@@ -62,7 +64,8 @@ class Turned:
 @dataclass(frozen=True)
 class Boundary:
     """A value of ``path`` at which the verdict changes from ``below`` to ``above``; the change lies within
-    ``[low, high]``, and the verdicts hold up to 5 % away on both sides (``sure``), as simulated at four points each."""
+    ``[low, high]``, and the verdicts hold up to 5 % away on both sides, as simulated at four points each: always ``sure``,
+    for where they do not it is :class:`Mixed`."""
 
     path: str
     value: float
@@ -70,17 +73,32 @@ class Boundary:
     above: str
     low: float
     high: float
-    sure: bool
+    sure: bool = True
+
+
+@dataclass(frozen=True)
+class Mixed:
+    """A stretch of ``path``, from ``low`` to ``high``, in which the verdict changes more often than boundaries can be told:
+    ``verdicts`` are those met in it, ``below`` and ``above`` those beside it."""
+
+    path: str
+    low: float
+    high: float
+    below: str
+    above: str
+    verdicts: tuple[str, ...]
 
 
 @dataclass(frozen=True)
 class PathVerdicts:
-    """The verdict along one path: the values simulated, in order, the judgement at each, and the boundaries."""
+    """The verdict along one path: the values simulated, in order, the judgement at each, the boundaries, and where it is
+    mixed."""
 
     turned: Turned
     values: Array
     found: list[Judgement]
     boundaries: list[Boundary]
+    mixed: list[Mixed]
 
 
 def known_path(loop: Loop, path: str) -> None:
@@ -113,25 +131,22 @@ def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None
             seen.update(zip(new.tolist(), judge(loop, {turned.path: new}), strict=True))
 
     look(turned.points(POINTS))
-    for i in range(_ROUNDS):
+    for i in range(_AT_MOST):
         if tell is not None:
-            tell((i + 1) / (_ROUNDS + 2))
+            tell((i + 1) / (_AT_MOST + 2))
         changes = _changes(seen)
-        if len(changes) > _MOST:
+        if len(changes) > _MOST or (i >= _ROUNDS and all(_narrow(*change) for change in changes)):
             break
         look(np.concatenate([np.zeros(0), *(turned.between(a, b, _PARTS) for a, b in changes)]))
-    found = []
-    for low, high in _apart(_changes(seen), seen):
-        value = float(np.sqrt(low * high)) if low > 0 and high / low >= _DECADE else (low + high) / 2
-        found.append((low, high, value))
-    if 0 < len(found) <= _MOST:
-        look(np.concatenate([_around(turned, low, high) for low, high, _ in found]))
-    boundaries = [
-        Boundary(turned.path, value, seen[low].verdict, seen[high].verdict, low, high, _sure(seen, turned, low, high))
-        for low, high, value in found
-    ]
+    for _ in range(_SPREADS):
+        groups = _groups(_changes(seen))
+        known = len(seen)
+        if 0 < len(groups) <= _MOST:
+            look(np.concatenate([_around(turned, *group) for group in groups]))
+        if len(seen) == known:
+            break
     values = np.array(sorted(seen))
-    return PathVerdicts(turned, values, [seen[x] for x in values.tolist()], boundaries)
+    return PathVerdicts(turned, values, [seen[x] for x in values.tolist()], *_named(turned, seen))
 
 
 def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:
@@ -139,24 +154,35 @@ def _changes(seen: dict[float, Judgement]) -> list[tuple[float, float]]:
     return [(a, b) for a, b in pairwise(values) if seen[a].verdict != seen[b].verdict]
 
 
-def _apart(changes: list[tuple[float, float]], seen: dict[float, Judgement]) -> list[tuple[float, float]]:
-    """The changes, those together that are nearer than the verdict is sure: between them stand lanes that the last slip left
-    in between, and the boundary is that of the verdicts outside. Where these are one and all that stands between creeps, there
-    is none."""
-    groups: list[list[tuple[float, float]]] = []
+def _groups(changes: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Changes nearer to one another than a boundary's verdicts must hold are one: its first and last value."""
+    found: list[tuple[float, float]] = []
     for low, high in changes:
-        if groups and high - groups[-1][0][0] < _SURE * max(abs(groups[-1][0][0]), abs(high)):
-            groups[-1].append((low, high))
+        if found and low - found[-1][1] < _SURE * max(abs(low), abs(found[-1][1])):
+            found[-1] = (found[-1][0], high)
         else:
-            groups.append([(low, high)])
-    found = []
-    for group in groups:
-        low, high = group[0][0], group[-1][1]
-        if seen[low].verdict != seen[high].verdict:
             found.append((low, high))
-        elif any(seen[end].verdict != "creeping" for _, end in group[:-1] if seen[end].verdict != seen[low].verdict):
-            found += group
     return found
+
+
+def _named(turned: Turned, seen: dict[float, Judgement]) -> tuple[list[Boundary], list[Mixed]]:
+    """The boundaries, beside which the verdicts hold; and the stretches in which it is mixed."""
+    boundaries, mixed = [], []
+    groups = _groups(_changes(seen))
+    if len(groups) > _MOST:
+        groups = [(groups[0][0], groups[-1][1])]
+    for low, high in groups:
+        below, above = seen[low].verdict, seen[high].verdict
+        if below != above and _narrow(low, high) and _sure(seen, turned, low, high):
+            boundaries.append(Boundary(turned.path, (low + high) / 2, below, above, low, high))
+        else:
+            met = dict.fromkeys(seen[x].verdict for x in sorted(seen) if low < x < high)
+            mixed.append(Mixed(turned.path, low, high, below, above, tuple(met)))
+    return boundaries, mixed
+
+
+def _narrow(low: float, high: float) -> bool:
+    return high - low <= _NARROW * max(abs(low), abs(high))
 
 
 def _around(turned: Turned, low: float, high: float) -> Array:
@@ -169,4 +195,4 @@ def _around(turned: Turned, low: float, high: float) -> Array:
 
 def _sure(seen: dict[float, Judgement], turned: Turned, low: float, high: float) -> bool:
     near = _around(turned, low, high)
-    return all(seen[x].verdict == seen[low if x <= low else high].verdict for x in near.tolist() if x in seen)
+    return all(x in seen and seen[x].verdict == seen[low if x <= low else high].verdict for x in near.tolist())

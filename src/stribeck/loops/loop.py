@@ -10,9 +10,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.drives.pid import Pid
 from stribeck.errors import InputError
 from stribeck.machine.parts import ControllerPart
 from stribeck.scenario import Scenario
+from stribeck.scenario.counterpart import as_machine
 from stribeck.signals import KINDS, Signal
 from stribeck.signals.trajectories import Curve
 
@@ -45,13 +47,16 @@ class Loop:
 
 
 def loop_of(scenario: Scenario) -> Loop:
-    """The loop of a machine with a controller.
+    """The loop of a machine with a controller, or of a single body (schema = 1) under a PID controller.
 
     Raises:
-        InputError: it is no machine (schema = 2), or has no controller.
+        InputError: there is no controller, or a servo's, whose loop is not judged.
     """
-    if scenario.rig.single:
-        raise InputError(f"{scenario.name}: schema = 1: must be a machine (schema = 2) with a controller")
+    if scenario.rig.single and scenario.drive is not Pid:
+        raise InputError(
+            f"drive.kind: {scenario.drive.kind!r}: must be 'pid': this asks about a position controller's loop"
+        )
+    scenario = as_machine(scenario)
     if not scenario.rig.machine.controllers:
         raise InputError(f"{scenario.name}: controllers: none: a machine with a controller is needed")
     given = scenario

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from copy import deepcopy
 from typing import TypedDict
 
 from stribeck.analysis.hunting import Hunting, hunting
-from stribeck.drives.pid import Pid
-from stribeck.errors import InputError, StribeckError
+from stribeck.errors import StribeckError
 from stribeck.loops.loop import Loop, controller_of
 from stribeck.machine.controllers import Cascade, PidController
-from stribeck.plants.mass import Mass
 from stribeck.scenario import Scenario
 
 
@@ -102,30 +99,6 @@ def as_pid(loop: Loop, controller: str) -> tuple[Scenario, list[str]] | str:
         "output": {"step": 1.0},
     }
     return Scenario(tables, folder=scenario.folder, trust=True), left_out
-
-
-def as_machine(scenario: Scenario) -> Scenario:
-    """A PID loop of schema = 1 as a machine, whose loop can be judged.
-
-    Raises:
-        InputError: its drive is no PID controller, or its plant not a single mass.
-    """
-    if scenario.drive is not Pid:
-        raise InputError(f"drive.kind: {scenario.drive.kind!r}: must be 'pid' to hunt")
-    if scenario.plant is not Mass:
-        raise InputError(f"plant.kind: {scenario.data['plant']['kind']!r}: must be {Mass.kind!r} to hunt")
-    data = deepcopy(scenario.data)
-    inertia = "inertia" if scenario.rotary else "mass"
-    initial = {n: x for n, x in scenario.initial.items() if n in ("y", "v")}
-    drive = {n: x for n, x in data["drive"].items() if x is not None}
-    tables = {
-        "schema": 2, "name": scenario.name,
-        "bodies": {"body": {inertia: scenario.mass, **({"initial": initial} if initial else {})}},
-        "contacts": {"contact": {"from": "body", "law": data["law"]}},
-        "controllers": {"controller": {**drive, "on": "body", "measures": "body"}},
-        "solve": {"t_end": scenario.solve.t_end}, "output": {"step": scenario.output.step},
-    }  # fmt: skip
-    return Scenario(tables, folder=scenario.folder, trust=True)
 
 
 def pid_gains(kind: type, own: dict[str, float]) -> dict[str, float] | None:

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from stribeck.expressions.ops import Value
 from stribeck.paper.common import PROPOSED, REFERENCE, Done, solve
 from stribeck.report.cells import percent
 from stribeck.report.page import Chapter, Table
 from stribeck.scenario import Scenario
+from stribeck.simulation import Solution
 
 CONFIRMED, REMARK, NOT = "confirmed", "confirmed with a remark", "not confirmed"
 _AT_1E6, _AT_1E7, _AT_1E8 = PROPOSED
@@ -122,7 +122,7 @@ def passivity_cycle(k_v: float) -> dict[str, float]:
     forward, back, unit = 10 / k_v, -1 / k_v, k_v / 1e7  # m/s, and the time's scale
     law = {"name": "lugre_sobczyk", "parameters": "canudas1995", "k_v": k_v}
 
-    def run(t: list[float], v: list[float], step: float) -> Value:
+    def run(t: list[float], v: list[float], step: float) -> Solution:
         signal = {"kind": "points", "t": t, "value": v}
         return solve(
             Scenario(

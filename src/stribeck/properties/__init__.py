@@ -6,13 +6,12 @@ import importlib
 import logging
 from collections.abc import Callable
 from functools import partial
-from math import inf
 from time import process_time
 
 import numpy as np
 
-from stribeck.constants import show as shown
-from stribeck.errors import InputError, arg, needed
+from stribeck.constants import require_positive
+from stribeck.errors import needed
 from stribeck.laws.base import Law
 from stribeck.properties.checked import Checked
 from stribeck.properties.storage import storage_interval
@@ -43,13 +42,14 @@ def check(
     Raises:
         InputError: ``v_max`` is no finite number > 0, ``level`` is no range, or the law does not allow such
             constants.
+        MissingExtra: python-flint is not installed.
     """
-    if v_max is not None and not 0 < v_max < inf:
-        raise InputError(f"{arg('v_max')}: {shown(v_max)}: must be a finite number > 0, in m/s")
+    if v_max is not None:
+        require_positive("v_max", v_max, "m/s")
     if level is not None:
         from stribeck.properties.level import check_level
 
-        return check_level(law, *level, v_max, work)
+        return check_level(law, level, v_max, work)
     started = process_time()
     if not law.has_z:
         reason = f"law '{law.name}' has no internal state z, which the properties are about"

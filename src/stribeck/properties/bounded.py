@@ -127,7 +127,7 @@ def _fastest(model: Model, level: float) -> tuple[float, float] | None:
         time: Array = np.where(slowest > 1e-9 * size, (1 / rate).mean(axis=1) * level, np.inf)
     if not np.isfinite(time).any():
         return None
-    # not faster than need be: among speeds that take at most ten times as long as ... a second, the slowest
+    # no faster than need be: the slowest speed that takes at most a second, or twice the shortest time
     enough = np.flatnonzero(time <= max(1.0, 2 * float(time.min())))
     chosen = float(v[enough[0]])
     return chosen, integrate(law, chosen, 0.0, level)[0]

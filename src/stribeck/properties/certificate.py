@@ -8,12 +8,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
+from typing import TYPE_CHECKING
 
 from stribeck.expressions.exact import tree_of
 from stribeck.expressions.graph import Expr, ordered
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.region import End
 from stribeck.properties.prover.search import Tree
+
+if TYPE_CHECKING:
+    from stribeck.properties.model import Model
 
 FORMAT = 1
 _TEXT = {"symbol", "constant"}
@@ -131,7 +135,7 @@ class Certificate:
         """How many parts of the domain were treated."""
         return sum(_leaves(claim.tree) for claim in self.claims) + sum(c.leaves for c in self.hypotheses.values())
 
-    def to_json(self, model: Json) -> dict[str, Json]:
+    def to_json(self, model: Model) -> dict[str, Json]:
         """Plain data."""
         law = model.law
         shared = PrefixWriter(model.values, [model.rate, model.force])

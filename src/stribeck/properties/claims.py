@@ -6,12 +6,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from fractions import Fraction
 
-from stribeck.expressions.graph import Expr, derivative, substitute, symbol
+from stribeck.expressions.graph import Expr, derivative, substitute, symbol, symbols
 from stribeck.expressions.ops import exp
 from stribeck.properties.certificate import Claim
-from stribeck.properties.model import SIGNS, Model, U, V, W, Z
+from stribeck.properties.model import REST, SIGNS, Model, U, V, W, Z
 from stribeck.properties.plain import Json
-from stribeck.properties.prover.region import ExactRange
+from stribeck.properties.prover.region import ExactRange, down, up
 from stribeck.properties.prover.search import Budget
 
 Ranges = Mapping[str, ExactRange]
@@ -44,7 +44,7 @@ class ClaimProver:
         name = f"{_NUMBER}{x}"
         if name not in self.model.values:
             self.model.values[name] = x
-            self.model.inputs[name] = _around(x)
+            self.model.inputs[name] = down(x), up(x)
         return symbol(name)
 
     def _claim(
@@ -85,10 +85,8 @@ class ClaimProver:
         """sign d(dz/dt)/dw <= (a + b u^k)(1 + (w/l)^m)."""
         a, b, length = (self.number(growth[n]) for n in "abl")
         most = (a + b * U ** growth["k"]) * (1 + (W / length) ** growth["m"])
-        if growth["m"] == 0:
-            most = (a + b * U ** growth["k"]) * 2
         if sides[0] == 0:
-            most = substitute([most], {U: symbol("rest")})[0]
+            most = substitute([most], {U: REST})[0]
         slope = derivative(self.model.form(*sides), W)
         return self._claim(
             "lipschitz", ">=0", sides, {"u": (NULL, None), "w": w}, most - slope * sign, sign=sign, **growth
@@ -97,7 +95,7 @@ class ClaimProver:
     def grows(self, sides: tuple[int, int], growth: Mapping[str, Json]) -> Claim | None:
         """sgn(z) dz/dt <= (a + b u^k)(w + l)."""
         a, b, length = (self.number(growth[n]) for n in "abl")
-        u = U if sides[0] else symbol("rest")
+        u = U if sides[0] else REST
         most = (a + b * u ** growth["k"]) * (W + length)
         extra = {n: x for n, x in growth.items() if n != "m"}
         return self._claim(
@@ -108,7 +106,7 @@ class ClaimProver:
     def finite(self, v_side: int, growth: Mapping[str, Json], sign: int) -> Claim | None:
         """sign dz/dt <= a + b u^k at z = 0."""
         a, b = (self.number(growth[n]) for n in "ab")
-        u = U if v_side else symbol("rest")
+        u = U if v_side else REST
         extra = {n: growth[n] for n in "abk"}
         return self._claim(
             "finite", ">=0", (v_side, 0), {"u": (NULL, None)},
@@ -120,7 +118,7 @@ class ClaimProver:
         return every(
             self._claim(
                 "elastic", "=0", (s, t), {"u": (NULL, None), "w": w},
-                self.model.form(s, t) - (U * s if s else symbol("rest")),
+                self.model.form(s, t) - (U * s if s else REST),
             )
             for s in (0, *SIGNS)
             for t in (0, *SIGNS)
@@ -146,7 +144,7 @@ class ClaimProver:
     def exceeds(self, s: int, t: int, data: Mapping[str, Fraction]) -> Claim | None:
         """k (|v| + above) |z| - N (v - dz/dt) sgn z >= 0."""
         k, above, least = (self.number(data[n]) for n in ("k", "above", "N"))
-        u = U if s else symbol("rest")
+        u = U if s else REST
         most = k * (u + above) * W - least * self._decay(s, t) * t
         numbers: dict[str, Json] = {n: data[n] for n in ("k", "above", "N")}
         return self._claim("excess", ">=0", (s, t), _QUADRANT, most, **numbers)
@@ -156,7 +154,7 @@ class ClaimProver:
 
     def identity(self, sides: tuple[int, int], a: Expr, b: Expr, ranges: Ranges, **extra: Json) -> Claim | None:
         """a = b, in what is left of u and w."""
-        kept = {n: r for n, r in ranges.items() if str(n) in _names(a, b)}
+        kept = {n: r for n, r in ranges.items() if n in symbols([a, b])}
         tree = self._shown(a - b, "=0", kept)
         if tree is None:
             return None
@@ -175,19 +173,6 @@ def every(claims: Iterable[Claim | None]) -> list[Claim] | None:
             return None
         found.append(claim)
     return found
-
-
-def _names(*exprs: Expr) -> set[str]:
-    from stribeck.expressions.graph import symbols
-
-    return symbols(exprs)
-
-
-def _around(x: Fraction) -> tuple[float, float]:
-    from math import nextafter
-
-    f = float(x)
-    return (f if Fraction(f) <= x else nextafter(f, -1e400), f if Fraction(f) >= x else nextafter(f, 1e400))
 
 
 def at(expr: Expr, z: Expr) -> Expr:

@@ -44,27 +44,24 @@ def _sum(x: Interval) -> tuple[float, float] | None:
     return math.fsum(low) - slack, math.fsum(high) + slack
 
 
-def programme(
-    model: Model, start: float, speeds: Sequence[float], turns: Sequence[float]
-) -> tuple[float, float] | None:
-    """Bounds of the energy that goes in while held speeds take z from ``start`` through ``turns``; tight enough to have
-    a sign where more panels give one."""
-    total: tuple[float, float] | None = None
+def programme(pieces: Sequence[tuple[Model, float, float, float]]) -> tuple[float, float] | None:
+    """Bounds of the energy that goes in, J, while held speeds take z from place to place; tight enough to have a sign
+    where more panels give one, None where dz/dt may stop on the way.
+
+    Args:
+        pieces: (law, speed in m/s, z at its start, z at its end) of each piece.
+    """
+    found: tuple[float, float] | None = None
     for panels in _PANELS:
-        total, z = (0.0, 0.0), start
-        for v, end in zip(speeds, turns, strict=True):
-            part = energy(model, v, z, end, panels)
-            if part is None:
-                total = None
-                break
-            total, z = (total[0] + part[0], total[1] + part[1]), end
-        if total is not None:
-            total = np.nextafter(total[0], -np.inf) * 1.0, np.nextafter(total[1], np.inf) * 1.0
-            slack = _ROUNDING * max(abs(total[0]), abs(total[1]))
-            total = float(total[0] - slack), float(total[1] + slack)
-            if total[1] < 0 or total[0] > 0:
-                return total
-    return total
+        parts = [energy(model, v, a, b, panels) for model, v, a, b in pieces]
+        known = [part for part in parts if part is not None]
+        if len(known) < len(parts):
+            continue
+        slack = _ROUNDING * sum(abs(x) for part in known for x in part)
+        found = sum(low for low, _ in known) - slack, sum(high for _, high in known) + slack
+        if found[1] < 0 or found[0] > 0:
+            return found
+    return found
 
 
 def least(model: Model, expr: Expr, v: float, a: float, b: float) -> float:

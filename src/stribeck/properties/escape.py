@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 
 from stribeck.expressions.graph import wrap
-from stribeck.expressions.ranges import Box
 from stribeck.properties import replay
+from stribeck.properties.claims import ClaimProver
 from stribeck.properties.model import SIGNS, Model, W
 from stribeck.properties.prover.search import Budget
 from stribeck.properties.storage import own_speeds
@@ -46,17 +46,11 @@ def _shown(model: Model, v: float, t: int, start: float, power: int, least: floa
     c = Fraction(least / 2)
     if not c > 0:
         return None
-    s = 1 if v > 0 else -1
-    name = f"k.{c}"
-    if name not in model.values:
-        model.values[name] = c
-        model.inputs[name] = Box({}).inputs.get(name, (np.nextafter(float(c), 0), np.nextafter(float(c), np.inf)))
-    from stribeck.expressions.graph import symbol
-
-    statement = wrap(model.form(s, t) * t - symbol(name) * W**power)
+    s, work = 1 if v > 0 else -1, Budget(_WORK)
+    statement = wrap(model.form(s, t) * t - ClaimProver(model, work).number(c) * W**power)
     exact = abs(Fraction(v))
     ranges = {"u": (exact, exact), "w": (Fraction(start), None)}
-    if model.prover.show(statement, ">=0", ranges, Budget(_WORK)) is None:
+    if model.prover.show(statement, ">=0", ranges, work) is None:
         return None
     time = start ** (1 - power) / (float(c) * (power - 1))
     evidence = {

@@ -6,15 +6,15 @@ docs/theory.md ("A level that varies") proves what is used here: that one law, t
 from __future__ import annotations
 
 import importlib
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice
+from math import e
 from time import process_time
 
 from stribeck import laws
-from stribeck.constants import show
-from stribeck.errors import InputError, needed
+from stribeck.constants import POSITIVE, show
+from stribeck.errors import InputError, arg, needed
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
 from stribeck.properties import bounded, damped, endless, passive, replay, swings
@@ -88,14 +88,24 @@ class LevelVerdicts(Verdicts):
         return {**super().to_json(), "level": self.level}
 
 
-def check_level(law: Law, low: float, high: float, v_max: float | None, work: float) -> Verdicts:
-    """The verdicts on a law whose level, F_c and F_s together, varies in any way between ``low`` and ``high`` times.
+def level_problem(level: object) -> str | None:
+    """What is wrong with an argument ``level``, (LOW, HIGH), in one line; None where nothing is."""
+    if isinstance(level, tuple | list) and len(level) == 2:
+        low, high = level
+        if not (POSITIVE.problem(low) or POSITIVE.problem(high)) and low <= high:
+            return None
+    return f"{arg('level')}: {show(level)}: must be two finite numbers, 0 < LOW <= HIGH"
+
+
+def check_level(law: Law, level: tuple[float, float], v_max: float | None, work: float) -> Verdicts:
+    """The verdicts on a law whose level, F_c and F_s together, varies in any way between LOW and HIGH times.
 
     Raises:
-        InputError: the bounds are no level, or the law has none.
+        InputError: ``level`` is no range, or the law has no level.
     """
-    if not (0 < low <= high < float("inf")):
-        raise InputError(f"level: {show([low, high])}: must be two numbers, 0 < LOW <= HIGH")
+    if text := level_problem(level):
+        raise InputError(text)
+    low, high = level
     if "F_c" not in law.values:
         raise InputError(f"level: {show([low, high])}: law '{law.name}' has no F_c, and so no level that could vary")
     varied = Varied.by_level(law, low, high)
@@ -322,16 +332,9 @@ def thresholds(varied: Varied) -> dict[str, float | None]:
 def largest_v_d(varied: Varied) -> float | None:
     """The largest v_d with which the contact is passive whatever its level does, by the formula of theory.md, m/s; None
     where there is none: sigma_1 m(0) is too large (a larger k_v helps), or sigma_1 is 0."""
-    from math import e
-
     law, (low, _), sigma_1 = varied.law, varied.newtons, varied.range("sigma_1")[1]
     if not sigma_1 or law.name not in BRISTLES or law.name.endswith("sobczyk"):
         return None
     excess = float(m_0(law.p)) if law.name in MAJORANT else 0.0
     found = (2 * e) ** 0.5 * (4 * float(low) / float(sigma_1) - excess)
     return found * (1 - 1e-15) if found > 0 else None
-
-
-def exactly(ranges: Mapping[str, tuple[float, float | None]]) -> dict[str, tuple[Fraction, Fraction | None]]:
-    """Ranges of floats as they are."""
-    return {n: (Fraction(a), None if b is None or b == float("inf") else Fraction(b)) for n, (a, b) in ranges.items()}

@@ -25,8 +25,11 @@ from stribeck.expressions.graph import (
 from stribeck.expressions.ops import sqrt, where
 from stribeck.expressions.ranges import Box, Range
 from stribeck.laws.base import Law
+from stribeck.properties.prover.leaf import Leaf, Rules
+from stribeck.properties.prover.region import Axis, Region
 from stribeck.properties.prover.ring import Quotient, Ring, Unclear
 from stribeck.properties.prover.search import Hints, Prover
+from stribeck.properties.storage import own_speeds
 
 V, Z, RATE, U, W, T = (symbol(n) for n in ("v", "z", "dz_dt", "u", "w", "t"))  # u = |v|, w = |z|, t = 1/u
 REST = symbol("rest")  # 0, where v or z is exactly that: unlike a literal it cancels nothing
@@ -64,6 +67,7 @@ class Model:
         self.v_max = Fraction(v_max) if v_max is not None else None
         self.inputs: dict[str, Range] = {n: (float(x), float(x)) for n, x in self.values.items()}
         self.ring = Ring(self.values)
+        self._forms: dict[tuple[Expr, int, int], Expr] = {}
 
     @cached_property
     def bound(self) -> tuple[Fraction, Fraction]:
@@ -72,9 +76,6 @@ class Model:
         Raises:
             Unreadable: it is not a positive number.
         """
-        from stribeck.properties.prover.leaf import Leaf, Rules
-        from stribeck.properties.prover.region import Region
-
         low, high = Box(self.inputs)(self._bound)
         if not 0 < low <= high < math.inf:
             beyond = low >= 0 and high > 0 and self._bound is not ZERO
@@ -84,14 +85,12 @@ class Model:
             found = Leaf(self.ring, Region((), ()), Rules(), self.inputs).convert(self._bound)
         except Unclear:
             return Fraction(low), Fraction(high)
-        exact = rational_of(found)
+        exact = found.rational
         return (exact, exact) if exact is not None else (Fraction(low), Fraction(high))
 
     @cached_property
     def prover(self) -> Prover:
         """The prover of claims, with what is known of the law's own scales."""
-        from stribeck.properties.storage import own_speeds
-
         scales = self.law.scales(self.law.p)
         speeds = {Fraction(x) for x in own_speeds(self.law)}
         lengths = {Fraction(scales.length)} if 0 < scales.length < math.inf else set()
@@ -120,9 +119,6 @@ class Model:
 
     def _switches(self) -> dict[str, set[Fraction]]:
         """The speeds and deflections at which conditions switch, where these are rational."""
-        from stribeck.properties.prover.leaf import Leaf, Rules
-        from stribeck.properties.prover.region import Axis, Region
-
         found: dict[str, set[Fraction]] = {"u": set(), "w": set()}
         axes = (Axis("u", Fraction(0), None), Axis("w", Fraction(0), None))
         leaf = Leaf(self.ring, Region(axes, axes), Rules(opaque=True), self.inputs)
@@ -141,10 +137,6 @@ class Model:
 
     # -- forms -----------------------------------------------------------------------------------------------------
 
-    @cached_property
-    def _forms(self) -> dict[tuple[Expr, int, int], Expr]:
-        return {}
-
     def form(self, v_side: int, z_side: int) -> Expr:
         """dz/dt for v = v_side u and z = z_side w, with u, w > 0; a side of 0 is v = 0 or z = 0 exactly."""
         return self.form_of(self.rate, v_side, z_side)
@@ -154,11 +146,10 @@ class Model:
         key = (expr, v_side, z_side)
         if key not in self._forms:
             here = {V: _sided(U, v_side), Z: _sided(W, z_side)}
-            self._forms[key] = rewrite(rewrite(substitute([expr], here), self._positive), as_cases)[0]
+            self._forms[key] = rewrite(
+                rewrite(substitute([expr], here), lambda node: positive(node, self.values)), as_cases
+            )[0]
         return self._forms[key]
-
-    def _positive(self, node: Expr) -> Expr:
-        return positive(node, self.values)
 
 
 def _sided(x: Expr, side: int) -> Expr:
@@ -265,16 +256,6 @@ def _sign_of(x: Expr, values: Mapping[str, Fraction]) -> int:
         return _sign_of(x.args[0], values) * _sign_of(x.args[1], values)
     value = values.get(str(x.value), 0) if x.op == "symbol" else x.value if isinstance(x.value, float) else 0
     return int(value > 0) - int(value < 0)
-
-
-def rational_of(x: Quotient) -> Fraction | None:
-    """The rational number that a normal form is; None where it is none."""
-    if x.is_zero:
-        return Fraction(0)
-    if not (x.top.is_constant() and x.bottom.is_constant()):
-        return None
-    value = x.top.leading_coefficient() / x.bottom.leading_coefficient()
-    return Fraction(int(value.p), int(value.q))
 
 
 def linear_roots(x: Quotient) -> list[tuple[str, Fraction]]:

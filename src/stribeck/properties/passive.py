@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import pairwise
 
 import numpy as np
 
@@ -67,7 +68,7 @@ def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refut
 
 def elastic_forces(model: Model) -> Iterator[Expr]:
     """Candidates for S': that of the law's stored energy, F at rest, and what slow unwinding gives back."""
-    slope = derivative(model.stored, Z) if model.stored is not None else ZERO
+    slope = derivative(model.stored, Z)
     if not is_zero(slope):
         yield slope
     try:
@@ -190,7 +191,7 @@ def _with_cells(
         "storage": "S' is the elastic force up to |z| = own_up_to, beyond it fitted between L and U",
         "own_up_to": cells.own,
         "slopes": [[float(x) for x in row] for row in zip(cells.low, cells.high, cells.slope, strict=True)],
-    }  # fmt: skip
+    }
     return proved(model, certificate, _FITTED, evidence)
 
 
@@ -209,7 +210,8 @@ def _refuted(model: Model, claims: ClaimProver, storage: Storage, unrestricted: 
 def _by_cycle(model: Model, storage: Storage, cycle: cycles.Cycle) -> Verdict | None:
     if storage.reach is not None and max(abs(x) for x in (cycle.start, *cycle.turns)) > storage.reach:
         return None
-    bounds = enclosed.programme(model, cycle.start, cycle.speeds, cycle.turns)
+    places = pairwise((cycle.start, *cycle.turns))
+    bounds = enclosed.programme([(model, v, a, b) for v, (a, b) in zip(cycle.speeds, places, strict=True)])
     if bounds is None or not bounds[1] < 0:
         return None
     evidence: dict[str, Json] = {**cycle.evidence(), "enclosed": {"energy_drawn": [-bounds[1], -bounds[0]]}}

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from time import process_time
 
-from stribeck.constants import Constant, show
+from stribeck.constants import Constant, require_positive, show
 from stribeck.errors import InputError, nearest
 from stribeck.expressions.graph import wrap
 from stribeck.laws.base import Law
@@ -23,7 +24,7 @@ from stribeck.properties.ranges import of_contact
 from stribeck.properties.verdicts import Verdict, Verdicts, undecided
 from stribeck.properties.worst import Varied
 from stribeck.scenario import Scenario
-from stribeck.scenario.objects import scenario_of
+from stribeck.scenario.objects import Machine, scenario_of
 
 ONLY = "contact"  # the name of the contact of a single body
 _WORK = 400
@@ -85,9 +86,12 @@ class MachineVerdicts:
 
 
 def check_machine(
-    scenario: Json, v_max: float | None = None, forces: Mapping[str, float] | None = None, t_end: float | None = None,
+    scenario: Scenario | Machine | str | Path | Mapping[str, object],
+    v_max: float | None = None,
+    forces: Mapping[str, float] | None = None,
+    t_end: float | None = None,
     work: float = WORK,
-) -> MachineVerdicts:  # fmt: skip
+) -> MachineVerdicts:
     """Each contact of a machine, for every history of its constants that the file allows, and what follows for the whole.
 
     The constants' ranges are bounds over the whole run of the factors' signals, over all positions of the factors' waves,
@@ -102,28 +106,30 @@ def check_machine(
         work: as for :func:`stribeck.check`, for each contact.
 
     Raises:
-        InputError: no valid scenario, or no such force.
+        InputError: no valid scenario, no such force, or ``v_max`` is no finite number > 0.
     """
     started = process_time()
-    scenario = scenario_of(scenario, t_end, None)
+    if v_max is not None:
+        require_positive("v_max", v_max, "m/s")
+    made = scenario_of(scenario, t_end, None)
     stated = dict(forces or {})
-    _refuse(scenario, stated)
-    if scenario.rig.single:
-        found = _single(scenario, v_max, work)
+    _refuse(made, stated)
+    if made.rig.single:
+        found = _single(made, v_max, work)
     else:
-        found = MachineVerdicts(scenario.name, {}, {})
-        for contact in scenario.rig.machine.contacts:
-            varied = of_contact(scenario.rig, contact, scenario.end, stated)
+        found = MachineVerdicts(made.name, {}, {})
+        for contact in made.rig.machine.contacts:
+            varied = of_contact(made.rig, contact, made.end, stated)
             found.ranges[contact.name] = varied.to_json()
             found.contacts[contact.name] = _of_law(varied, v_max, work)
-        _whole(scenario, found)
+        _whole(made, found)
     found.seconds = process_time() - started
     return found
 
 
 def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
     machine = scenario.rig.machine
-    known = [name for parts in (machine.links, machine.loads, machine.motors) for name in _names(parts)]
+    known = [part.name for part in (*machine.links, *machine.loads, *machine.motors)]
     problems = []
     for name, size in stated.items():
         if name not in known:
@@ -133,10 +139,6 @@ def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
             problems.append(f"forces.{name}: {show(size)}: {text}")
     if problems:
         raise InputError(problems)
-
-
-def _names(parts: Json) -> list[str]:
-    return [part.name for part in parts]
 
 
 def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:

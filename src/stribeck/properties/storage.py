@@ -2,21 +2,20 @@
 
 dz/dt = f(z, v). A storage function S(z) exists if and only if L <= S' <= U where z can be driven both ways, with
 L(z) = sup of F v/f over the v with f < 0 (energy given back for a metre of unwinding) and U(z) = inf of F v/f over the
-v with f > 0 (energy needed for a metre of winding up), and F v >= 0 where f = 0. (shared theory; docs/check.md)
+v with f > 0 (energy needed for a metre of winding up), and F v >= 0 where f = 0. (docs/theory.md, docs/check.md)
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from time import monotonic
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.constants import show
-from stribeck.errors import InputError, arg
+from stribeck.constants import require_positive
+from stribeck.errors import InputError
 from stribeck.laws.base import Law
 
 _SLOWEST, _FASTEST = 1e-7, 1e16  # sampled, as multiples of the smallest and the largest speed of the law's own
@@ -181,7 +180,7 @@ class Storage:
         """The side on which unwinding from the bound gives back ever more energy the faster it is, or 0."""
         if self.v_max is not None or self.reach is None:
             return 0
-        v = self.v[[0, -1]][:, None] * np.array([[1.0], [1e-3]])[:, None, :].reshape(1, 2)
+        v = self.v[[0, -1]][:, None] * np.array([1.0, 1e-3])
         for side in (1, -1):
             f, energy = self.slopes(v.reshape(-1, 1), np.array([side * self.reach]))
             given = np.where(side * f[:, 0] < 0, side * energy[:, 0], 0.0).reshape(2, 2)  # by sign and by speed
@@ -209,8 +208,8 @@ def require_storage(law: Law, v_max: float | None) -> None:
     """
     if not law.has_z:
         raise InputError(f"law: {law.name!r}: must be a law with z: what is stored is a function of z")
-    if v_max is not None and not (np.isfinite(v_max) and v_max > 0):
-        raise InputError(f"{arg('v_max')}: {show(v_max)}: must be a finite number > 0, in m/s")
+    if v_max is not None:
+        require_positive("v_max", v_max, "m/s")
 
 
 def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tuple[Array, Array]:
@@ -233,8 +232,8 @@ def storage_interval(law: Law, z: ArrayLike, v_max: float | None = None) -> tupl
     return low.reshape(z.shape), high.reshape(z.shape)
 
 
-def largest_speed(law: Law, reach: float | None, deadline: float = np.inf) -> float | None:
-    """The largest v_max in m/s for which a storage function exists, by bisection until the deadline; None where there is
+def largest_speed(law: Law, reach: float | None) -> float | None:
+    """The largest v_max in m/s for which a storage function exists, by bisection; None where there is
     no limit, 0 where no speed is slow enough."""
 
     def passes(v_max: float | None) -> bool:
@@ -246,7 +245,7 @@ def largest_speed(law: Law, reach: float | None, deadline: float = np.inf) -> fl
     low, high = own[0] * _SLOWEST, own[-1] * _FASTEST
     if not passes(low):
         return 0.0
-    while high / low > 1 + 1e-7 and monotonic() < deadline:
+    while high / low > 1 + 1e-7:
         middle = float(np.sqrt(low) * np.sqrt(high)) if high / low > 1.01 else 0.5 * (low + high)
         low, high = (middle, high) if passes(middle) else (low, middle)
     return low

@@ -44,16 +44,8 @@ class Swing:
 
     def drawn(self) -> tuple[float, float] | None:
         """Bounds of the energy that one cycle draws, J, by interval arithmetic; None where these do not confirm it."""
-        models = [(Model(law), v, a, b) for law, v, a, b in self.pieces()[-2:]]
-        for panels in (64, 1024, 16384):
-            parts = [x for model, v, a, b in models if (x := enclosed.energy(model, v, a, b, panels)) is not None]
-            if len(parts) < len(models):
-                continue
-            low, high = (sum(part[i] for part in parts) for i in (0, 1))
-            slack = 1e-12 * sum(abs(x) for part in parts for x in part)
-            if high + slack < 0:
-                return -(high + slack), -(low - slack)
-        return None
+        bounds = enclosed.programme([(Model(law), v, a, b) for law, v, a, b in self.pieces()[-2:]])
+        return (-bounds[1], -bounds[0]) if bounds is not None and bounds[1] < 0 else None
 
     def evidence(self) -> dict[str, Json]:
         """Numbers for people."""

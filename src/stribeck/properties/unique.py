@@ -8,12 +8,14 @@ from fractions import Fraction
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.expressions.emit import python_function
 from stribeck.expressions.graph import derivative
 from stribeck.properties.certificate import Certificate, Claim
 from stribeck.properties.claims import NULL, ClaimProver, every
 from stribeck.properties.escape import escape
 from stribeck.properties.model import SIGNS, Model, W, depends
 from stribeck.properties.plain import Json
+from stribeck.properties.storage import own_speeds
 from stribeck.properties.switching import Joints, switching_surfaces
 from stribeck.properties.verdicts import Verdict, proved, undecided
 
@@ -113,9 +115,6 @@ def _growths(model: Model, within: Fraction | None) -> Iterator[dict[str, Json]]
 
 def _samples(model: Model, within: Fraction | None) -> tuple[Array, Array, Array, Array]:
     """|d(dz/dt)/dz| and |dz/dt| on a grid of speeds and deflections."""
-    from stribeck.expressions.emit import python_function
-    from stribeck.properties.storage import own_speeds
-
     own, length = own_speeds(model.law), float(model.bound[1])
     u = np.geomspace(own[0] * 1e-4, own[-1] * 1e6, 61)
     top = float(within) if within is not None else length * 1e4

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from stribeck.laws.base import Law
 from stribeck.properties.certificate import FORMAT, Certificate
 from stribeck.properties.plain import Json
+
+if TYPE_CHECKING:
+    from stribeck.properties.model import Model
 
 NAMES = ("unique", "bounded", "smooth", "passive", "drift_free")
 
@@ -79,7 +83,7 @@ def undecided(reason: str, **evidence: Json) -> Verdict:
     return Verdict(None, "undecided", {"reason": reason, **evidence})
 
 
-def proved(model: Json, certificate: Certificate, method: str, evidence: Mapping[str, Json]) -> Verdict:
+def proved(model: Model, certificate: Certificate, method: str, evidence: Mapping[str, Json]) -> Verdict:
     """A proof."""
     found = {**evidence, "regions": certificate.leaves}
     return Verdict(True, method, found, certificate=certificate.to_json(model))

@@ -15,7 +15,7 @@ from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw, Claims, Law
 from stribeck.laws.terms import K_V, SMOOTH_ABS, m
 from stribeck.properties.plain import Json
-from stribeck.properties.prover.region import ExactRange
+from stribeck.properties.prover.region import ExactRange, down, up
 
 EXACT, MAJORANT = ("lugre", "elastoplastic", "lugre_arctan"), ("lugre_majorant", "elastoplastic_majorant")
 DAHL = "dahl"
@@ -161,15 +161,3 @@ class Varied:
         """The ranges of all that a proof takes, as text of rational numbers."""
         names = list(self.law.p.numbers)
         return {n: [str(x) if x is not None else "inf" for x in self.range(n)] for n in names}
-
-
-def down(x: Fraction) -> float:
-    """The number, or the next below it."""
-    f = float(x)
-    return f if Fraction(f) <= x else math.nextafter(f, -math.inf)
-
-
-def up(x: Fraction) -> float:
-    """The number, or the next above it."""
-    f = float(x)
-    return f if Fraction(f) >= x else math.nextafter(f, math.inf)

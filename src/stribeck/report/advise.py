@@ -43,7 +43,7 @@ def advice_figure(advices: Mapping[str, Advice], name: str, caption: str) -> Fig
                     axis.plot([found.k_v], [found.achieved], "o", color=plots.COLOURS[n], markersize=5)
             axis.axhline(wanted.tolerance, color=plots.GREY, linewidth=0.8)
             plots.logarithmic(axis)
-            axis.set(xlabel="k_v (s/m)", title=wanted.name)
+            axis.set(xlabel=f"k_v ({'s/rad' if first.rotary else 's/m'})", title=wanted.name)
             axis.set_ylabel((wanted.unit and f"({wanted.unit})") or "share")
         if shown:
             plots.legend(made, axes[str(shown[0])])

@@ -37,12 +37,9 @@ def write_check(verdicts: Verdicts, folder: Path, margins: Margins | None = None
     replays = [
         figure for name, verdict in verdicts.properties.items() if (figure := replay_figure(name, verdict)) is not None
     ]
-    found = [verdicts_chapter(verdicts, note=_level(verdicts)), *_margins(margins), evidence(verdicts)]
+    found = [verdicts_chapter(verdicts), *_margins(margins), evidence(verdicts)]
     found.append(Chapter("curve", "Friction at held speeds", figures=[curve]))
-    if replays:
-        text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
-        found.append(Chapter("replays", "The counterexamples", text, figures=replays))
-    found.append(chapters.of_law(law))
+    found += [*replays_chapter(replays, "replays", "The counterexamples"), chapters.of_law(law)]
     holds = [name.replace("_", "-") for name, v in verdicts.properties.items() if v.holds]
     limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if law.rotary else 'm/s'}" if verdicts.v_max else ""
     introduction = [f"Proved{limit}: {', '.join(holds) or 'none of the five properties'}."]
@@ -50,24 +47,24 @@ def write_check(verdicts: Verdicts, folder: Path, margins: Margins | None = None
     return [*paths, chapters.write_page(folder, f"What {law.name} guarantees", introduction, found, command)]
 
 
-def verdicts_chapter(verdicts: Verdicts, key: str = "verdicts", title: str = "Verdicts", note: str = "") -> Chapter:
-    """A table of the five properties, and how each was decided."""
+def verdicts_chapter(verdicts: Verdicts, key: str = "verdicts", title: str = "Verdicts") -> Chapter:
+    """A table of the five properties, how each was decided, and for which histories it holds."""
     rows = []
     for name, v in verdicts.properties.items():
         again = {True: "confirmed", False: "NOT CONFIRMED", None: "-"}[v.verified]
         how = str(v.evidence.get("reason", v.method)) if v.holds is None else v.method
         rows.append([name.replace("_", "-"), _MEANING[name], DECIDED[v.holds], how, again])
     head = ["property", "meaning", "holds", "how it was decided", "second run"]
-    text = [
-        "yes is proved; for no there is a counterexample. The constants are taken as exact.",
-        *([note] if note else []),
-    ]
+    text = ["yes is proved; for no there is a counterexample. The constants are taken as exact."]
+    if verdicts.level:
+        text.append(f"Each verdict holds for every history of {ranges_in_words(verdicts.level)}.")
     return Chapter(key, title, text, [Table(head, rows, prose=True)])
 
 
-def _level(verdicts: Verdicts) -> str:
-    """What varies, in a sentence."""
-    return f"Each verdict holds for every history of {ranges_in_words(verdicts.level)}." if verdicts.level else ""
+def replays_chapter(figures: Sequence[FigureSvg], key: str, title: str) -> list[Chapter]:
+    """A chapter of counterexamples, where there are any."""
+    text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
+    return [Chapter(key, title, text, figures=figures)] if figures else []
 
 
 def _margins(margins: Margins | None) -> list[Chapter]:

@@ -8,7 +8,7 @@ from stribeck.constants import DECIDED, SHOWN
 from stribeck.properties.ports import MachineVerdicts
 from stribeck.properties.verdicts import ranges_in_words
 from stribeck.report import chapters
-from stribeck.report.check import evidence, replay_figure, verdicts_chapter
+from stribeck.report.check import evidence, replay_figure, replays_chapter, verdicts_chapter
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, Table
 from stribeck.scenario import Scenario
@@ -18,13 +18,10 @@ def write_machine_check(found: MachineVerdicts, scenario: Scenario, folder: Path
     """Write report.html and the replays into the folder; the paths."""
     made, figures = [_whole(found)], []
     for name, verdicts in found.contacts.items():
-        note = f"They hold for every history of {ranges_in_words(verdicts.level)}." if verdicts.level else ""
-        made.append(verdicts_chapter(verdicts, f"contact-{name}", f"Contact {name}: {verdicts.law.name}", note))
+        made.append(verdicts_chapter(verdicts, f"contact-{name}", f"Contact {name}: {verdicts.law.name}"))
         made.append(evidence(verdicts, f"evidence-{name}", f"Evidence for {name}"))
         own = [f for n, v in verdicts.properties.items() if (f := replay_figure(n, v, name)) is not None]
-        if own:
-            text = ["Each counterexample as a motion: 'stribeck run' on its file gives the same numbers."]
-            made.append(Chapter(f"replays-{name}", f"Counterexamples of {name}", text, figures=own))
+        made += replays_chapter(own, f"replays-{name}", f"Counterexamples of {name}")
         figures += own
     made += chapters.of_laws(scenario)
     paths = [path for figure in figures for path in write_figure(figure, folder)]

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import tomli_w
 
-from stribeck.constants import DECIDED
 from stribeck.errors import left_out
 from stribeck.files import together, write_json, write_text
 from stribeck.loops import Design
-from stribeck.loops.boundary import PathVerdicts
+from stribeck.loops.boundary import Mixed, PathVerdicts
 from stribeck.loops.compensation import CompensationResult, with_compensation
 from stribeck.loops.judge import Judgement
 from stribeck.loops.plane import Plane
@@ -116,11 +115,12 @@ def _page(found: Design, figures: Sequence[FigureSvg], folder: Path, command: st
     made = [_verdict(found), _starts(found), _errors(found)]
     if found.lines:
         rows = [
-            [b.path, f"{b.value:.6g}", b.below, b.above, f"{b.low:.6g} to {b.high:.6g}", DECIDED[b.sure]]
+            [b.path, f"{b.value:.6g}", b.below, b.above, f"{b.low:.6g} to {b.high:.6g}"]
             for line in found.lines for b in line.boundaries
         ]  # fmt: skip
-        head = ["path", "boundary", "below", "above", "lies within", "same verdicts 5 % away"]
-        made.append(Chapter("boundaries", "Where the verdict changes", [], [Table(head, rows)]))
+        text = [_along(line) for line in found.lines]
+        tables = [Table(["path", "boundary", "below", "above", "lies within"], rows)] if rows else []
+        made.append(Chapter("boundaries", "Where the verdict changes", text, tables))
     if found.plane is not None:
         made.append(_map(found.plane))
     if found.compensations:
@@ -163,6 +163,22 @@ def proof_sentence(found: Design) -> str:
         return told
     each = ", ".join(f"{name} by theorem '{theorem}'" for name, theorem in theorems.items())
     return f"{told}; certificates: {CERTIFICATE} ({each}), which the independent checker of 'stribeck check' accepts"
+
+
+def _along(line: PathVerdicts) -> str:
+    """What the verdict does along one number, where it has no boundary."""
+    t = line.turned
+    told = [f"{m.path} = {mixed_sentence(m)}" for m in line.mixed]
+    if not told and not line.boundaries:
+        return f"{t.path}: {line.found[0].verdict} from {t.low:g} to {t.high:g}, at all {len(line.values)} values simulated."
+    told += ["5 % beside each boundary named the verdicts are the same"] if line.boundaries else []
+    return f"{t.path}, {len(line.values)} values simulated: {'; '.join(told)}."
+
+
+def mixed_sentence(m: Mixed) -> str:
+    """A stretch in which no boundary is named."""
+    met = f" ({', '.join(m.verdicts)})" if m.verdicts else ""
+    return f"{m.low:.4g} to {m.high:.4g}: mixed{met}; {m.below} below, {m.above} above"
 
 
 def _starts(found: Design) -> Chapter:
@@ -261,6 +277,8 @@ def _line(line: PathVerdicts, i: int) -> FigureSvg:
         axis.plot(line.values, level, ".", color=plots.COLOURS[2])
         for b in line.boundaries:
             axis.axvline(b.value, color=plots.COLOURS[1], linestyle="--")
+        for m in line.mixed:
+            axis.axvspan(m.low, m.high, color=plots.COLOURS[1], alpha=0.2, linewidth=0)
         axis.set_yticks(range(4), VERDICTS[:4])
         axis.set(xlabel=line.turned.path, title="verdict", ylim=(-0.4, 3.4))
         if line.turned.low > 0 and line.turned.high / line.turned.low >= 10:
@@ -268,7 +286,7 @@ def _line(line: PathVerdicts, i: int) -> FigureSvg:
         return plots.finish(
             made,
             f"boundaries_{i}",
-            f"Each point is a simulated loop; dashed: boundaries of {line.turned.path}.",
+            f"Each point is a simulated loop; dashed: boundaries of {line.turned.path}; shaded: mixed.",
             pdf=True,
         )
 

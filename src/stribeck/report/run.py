@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from stribeck.errors import left_out
-from stribeck.files import finite, together, write_json
+from stribeck.files import finite, seen_from, together, write_json
 from stribeck.report import chapters
 from stribeck.report.files import write_figure, write_table
 from stribeck.report.overview import overview
@@ -28,17 +27,9 @@ def write_run(solution: Solution, folder: Path, summary: dict[str, Any], command
             paths.append(_page(solution, figure, place, command))
         paths.append(place / "summary.json")
         files = [str(folder / path.name) for path in paths]
-        tables = {"tables": finite(solution.scenario.data), "folder": _folder(solution, folder)}
+        tables = {"tables": finite(solution.scenario.data), "folder": seen_from(folder, solution.scenario.folder)}
         write_json(paths[-1], {**summary, "files": [*summary["files"], *files], **tables})
     return files
-
-
-def _folder(solution: Solution, folder: Path) -> str:
-    """Where the scenario's relative paths begin, seen from the result, so that both can be moved together."""
-    try:
-        return os.path.relpath(solution.scenario.folder.absolute(), folder.absolute())
-    except ValueError:  # another drive
-        return str(solution.scenario.folder.absolute())
 
 
 def _in_short(solution: Solution) -> str:

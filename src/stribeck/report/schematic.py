@@ -53,8 +53,8 @@ def entries(rig: Rig) -> list[Entry]:
         how = f"{load.kind.kind}: {rig.signals[load.signal].kind}" if load.signal else load.kind.kind
         found.append(Entry("load", load.name, load.on, None, (how, *_numbers(rig, load.path))))
     for motor in rig.machine.motors:
-        how_2 = (f"V: {rig.signals[motor.signal].kind}",) if motor.signal else ()
-        found.append(Entry("motor", motor.name, motor.on, None, (*how_2, *_numbers(rig, motor.path))))
+        driven = (f"V: {rig.signals[motor.signal].kind}",) if motor.signal else ()
+        found.append(Entry("motor", motor.name, motor.on, None, (*driven, *_numbers(rig, motor.path))))
     for each in rig.machine.controllers:
         about = [each.kind.kind, rig.signals[each.signal].kind, *_numbers(rig, each.path)]
         if each.compensation is not None:
@@ -87,7 +87,7 @@ def _numbers(rig: Rig, path: str) -> tuple[str, ...]:
         value = rig.values[path, name]
         if constant.default is not None and value == constant.default:
             continue
-        unit = (constant.rotary_unit if rotary and constant.rotary_unit is not None else constant.unit) or ""
+        unit = constant.unit_for(rotary)
         stem, _, digits = name.rpartition("_")
         numbers, _ = shown.setdefault(stem if digits.isdigit() and stem in _LISTS else name, ([], unit))
         numbers.append(number(value))
@@ -158,8 +158,6 @@ class _Page:
         """A zigzag of 40 px about a point, over a white ground."""
         steps = [(-20.0, 0.0), *((-14 + 4 * i, 7.0 if i % 2 else -7.0) for i in range(8)), (20.0, 0.0)]
         self.parts.append(f'<rect x="{x - 20}" y="{y - 20}" width="40" height="40" fill="#fff"/>')
-        if not vertical:
-            self.line([(x - 20, y), (x - 20, y)], "k")
         self.line([(x + q, y + p) if vertical else (x + p, y + q) for p, q in steps], "k")
 
     def brush(self, x: float, y: float, vertical: bool) -> None:

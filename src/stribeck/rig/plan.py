@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError
 
 _LOOPS, _SPEEDS, _RATES = 4, 8, 3  # tests of each kind
@@ -29,9 +30,7 @@ class Limits:
     def __post_init__(self) -> None:
         given = {"stroke": self.stroke, "speed": self.speed, "force": self.force}
         given |= {} if self.deflection is None else {"deflection": self.deflection}
-        wrong = [
-            f"{name}: {value}: must be a finite number > 0" for name, value in given.items() if not 0 < value < np.inf
-        ]
+        wrong = [f"{name}: {show(x)}: {text}" for name, x in given.items() if (text := POSITIVE.problem(x))]
         if not wrong and self.deflection is not None and self.deflection > 0.1 * self.stroke:
             wrong = [f"deflection: {self.deflection}: must be at most a tenth of the stroke ({self.stroke})"]
         if wrong:

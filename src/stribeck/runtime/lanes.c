@@ -23,7 +23,6 @@ typedef struct {
 } Batch;
 
 enum { DONE = 0, GAVE_UP = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2 };
-static const double SAME_TIME = 1e-12; /* times that differ by less, as a share, are one: k times the period, a breakpoint */
 
 EXPORT int64_t stribeck_batch_size(void) { return (int64_t)sizeof(Batch); }
 EXPORT int64_t stribeck_lanes(void) { return LANES; }

@@ -97,6 +97,9 @@ static inline double interpolate(double s, double x0, double x1, double d0, doub
     return (1 - s) * x0 + s * (x1 + (1 - s) * (d0 + s * (d1 + s * d2)));
 }
 
+/* Times that differ by less, as a share, are one: k times the period, a breakpoint. */
+UNUSED static const double SAME_TIME = 1e-12;
+
 /* Why a trajectory restarts at a breakpoint with a step of unknown length: the signal jumps, or its slope does; or a
    sampled controller's output does. A long step over a corner would damp the fast motion it sets off, and nothing would
    tell. The first three stand in signals/pieces.py too. */

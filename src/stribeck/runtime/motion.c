@@ -9,14 +9,7 @@
    Every lane has parameters of its own. All lanes take the steps that lane 0 needs for its tolerances: the differences
    between lanes are then those of one smooth function, and finite differences between them are free of noise.        */
 
-enum { DONE = 0, TOO_MANY_STEPS = -1, NOT_FINITE = -2 };
-
 typedef struct { double y, v, z; } State;
-
-typedef struct { double t0, t1, bend; } Arc; /* F at two samples, and how far the mean between them exceeds theirs */
-
-static inline double at(const Arc *a, double s) { return a->t0 + s * (a->t1 - a->t0 + 6 * a->bend * (1 - s)); }
-static inline double slope_at(const Arc *a, double s) { return a->t1 - a->t0 + 6 * a->bend * (1 - 2 * s); }
 
 /* One step of one lane over h, while the force goes from F0 to F1, at first with dF/dt h = dF; its error. */
 static inline State step(const double *p, double m, double F0, double F1, double dF, double h, State x, State *error)
@@ -24,7 +17,8 @@ static inline State step(const double *p, double m, double F0, double F1, double
     double r_v, r_z, f_v, f_z;
     linearise(p, x.v, x.z, &r_v, &r_z, &f_v, &f_z);
     const double a = 2 / h, b = 1 / h, w = 1 / m;
-    const double by_F = -w * net_force_by_F(), vv = a + by_F * f_v, vz = by_F * f_z, zv = -r_v, zz = a - r_z, det = 1 / (vv * zz - vz * zv);
+    const double by_F = -w * net_force_by_F(), vv = a + by_F * f_v, vz = by_F * f_z, zv = -r_v, zz = a - r_z;
+    const double det = 1 / (vv * zz - vz * zv);
 #define SOLVE(k, ry, rv, rz) \
     State k; \
     { \

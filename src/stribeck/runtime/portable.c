@@ -1,6 +1,6 @@
 /* Functions from +, -, *, / alone: the same bits wherever numbers round as IEEE 754 says, so that a controller computes
-   on its processor what it computed in the simulation. Errors: 1 unit in the last place
-   for exp, sin and cos (for |x| < 1000), 3 for atan, 6 for tanh. */
+   on its processor what it computed in the simulation. Errors, in units of the last place: 1 for exp, sin and cos (for
+   |x| < 1000), 3 for atan, 6 for tanh. */
 
 /* e^x: x = k ln 2 + r with |r| <= ln 2/2, and the series of e^r. */
 UNUSED STRICT static double same_exp(double x)

@@ -7,15 +7,7 @@
    Every lane has parameters of its own. All lanes take the steps that lane 0 needs for its tolerance: the differences
    between lanes are then those of one smooth function, and finite differences between them are free of noise.        */
 
-enum { DONE = 0, TOO_MANY_STEPS = -1, NOT_FINITE = -2 };
-
 EXPORT int64_t stribeck_parameters(void) { return PARAMETERS; }
-
-/* v between two samples, at the share s of the time between them: its ends, and how far the mean exceeds theirs. */
-typedef struct { double v0, v1, bend; } Arc;
-
-static inline double at(const Arc *a, double s) { return a->v0 + s * (a->v1 - a->v0 + 6 * a->bend * (1 - s)); }
-static inline double slope_at(const Arc *a, double s) { return a->v1 - a->v0 + 6 * a->bend * (1 - 2 * s); }
 
 /* One step of one lane from z, over h, while v goes from v0 to v1, at first with dv/dt h = dv; the error to *error. */
 static inline double step(const double *p, double v0, double v1, double dv, double h, double z, double *error)
@@ -70,7 +62,7 @@ static int advance(int64_t lanes, const double *p, const Arc *arc, double dt, do
 /* Where an arc passes through zero, for ends of different signs. */
 static double zero_of(const Arc *arc)
 {
-    double s = arc->v0 / (arc->v0 - arc->v1);
+    double s = arc->first / (arc->first - arc->last);
     for (int i = 0; i < 3; i++) {
         const double better = s - at(arc, s) / slope_at(arc, s);
         if (!(better > 0 && better < 1)) break;

@@ -27,7 +27,6 @@ typedef struct {
 } Run;
 
 enum { DONE = 0, MORE = 1, EVENTS_FULL = 2, STEP_TOO_SMALL = -1, NOT_FINITE = -2 };
-static const double SAME_TIME = 1e-12; /* times that differ by less, as a share, are one: k times the period, a breakpoint */
 
 EXPORT int64_t stribeck_run_size(void) { return (int64_t)sizeof(Run); }
 EXPORT int64_t stribeck_states(void) { return N; }

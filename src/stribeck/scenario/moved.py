@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from stribeck.files import seen_from
 from stribeck.scenario.trust import in_a_file
 
 Renamed = Callable[[str], str]
@@ -16,13 +16,7 @@ def moved(data: Mapping[str, object], folder: Path, to: Path) -> dict[str, objec
     of ``folder``; what is None is left out, for TOML has no such value."""
 
     def seen(path: str) -> str:
-        if Path(path).is_absolute():
-            return path
-        try:
-            path = os.path.relpath((folder / path).absolute(), to.absolute())
-        except ValueError:  # on another drive of Windows
-            path = str((folder / path).absolute())
-        return Path(path).as_posix()
+        return path if Path(path).is_absolute() else seen_from(to, folder / path)
 
     return _renamed(data, seen)
 

@@ -157,9 +157,9 @@ def _turns(signal: Signal, whole: Pieces, t_end: float) -> Array:
 
 def merged(parts: Sequence[Pieces]) -> Pieces:
     """Several signals as one table: a row holds the numbers of all of them, one signal after the other."""
-    start = parts[0].start if len(parts) == 1 else np.unique(np.concatenate([np.zeros(1), *(p.start for p in parts)]))
     if len(parts) == 1:
         return parts[0]
+    start = np.unique(np.concatenate([np.zeros(1), *(p.start for p in parts)]))
     start = start[max(int(np.searchsorted(start, 0.0, side="right")) - 1, 0) :]
     rows, restart = [], np.zeros(len(start), np.int8)
     for part in parts:

@@ -34,8 +34,7 @@ class Curve(Signal):
         rest[:, 0] = value[[0, -1]]
         self._start = np.concatenate([[min(0.0, t[0]) - 1.0], t])
         self._rows = np.vstack([rest[:1], inner, rest[1:]])
-        super().__init__(self._values(self._rows[0], self._start[0]))
-        self.values = self.pieces[0][1]
+        super().__init__(self.pieces[0][1])
 
     @staticmethod
     def between(t: Array, value: Array) -> Array:

@@ -14,7 +14,7 @@ from pathlib import Path
 from stribeck import laws
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
-from stribeck.laws.base import Law
+from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.steepness.asked import Asked
 from stribeck.steepness.cost import Cost, cost
@@ -36,6 +36,7 @@ class Advice:
         requirements: each by itself, and the k_v that it needs.
         cost: the price at this k_v.
         level: what keeps a contact with this law passive while its level varies; None where that was not asked.
+        rotary: whether the machine turns: rad for m, N m for N in all units.
     """
 
     law: str
@@ -43,15 +44,19 @@ class Advice:
     requirements: tuple[Requirement, ...]
     cost: Cost | None
     level: LevelAdvice | None = None
+    rotary: bool = False
 
     def summary(self) -> dict[str, object]:
         """As plain data."""
         return asdict(self)
 
 
+Parameters = str | Path | Mapping[str, float] | None
+
+
 def advise(
     law: str,
-    parameters: str | Mapping[str, float] | None = None,
+    parameters: Parameters = None,
     *,
     creep: float | None = None,
     share: float = 0.95,
@@ -104,7 +109,7 @@ def advise(
 
 
 def _advices(
-    name: str, parameters: str | Mapping[str, float] | None, asked: Asked, constants: Mapping[str, float | str]
+    name: str, parameters: Parameters, asked: Asked, constants: Mapping[str, float | str]
 ) -> dict[str, Advice]:
     """For the law and its majorant; for the law alone where only the level is asked about."""
     problems = asked.problems()
@@ -127,41 +132,40 @@ def _advices(
 
 
 def _about_level(
-    name: str, parameters: str | Mapping[str, float] | None, asked: Asked, constants: Mapping[str, float | str | None]
+    name: str, parameters: Parameters, asked: Asked, constants: Mapping[str, float | str | None]
 ) -> dict[str, Advice]:
-    """The answer about the level alone, for one law and any k_v."""
+    """The answer about the level alone, for one law and its k_v."""
     assert asked.level is not None
-    if parameters is None and asked.scenario is not None:
-        parameters = dict(asked.scenario.law.machine)
-    found = laws.law(name, parameters, **constants)
-    answer = level_advice(found, *asked.level, replace(asked, v_max=None).fastest(found))
-    return {found.name: Advice(found.name, found.values.get("k_v"), (), None, answer)}
+    found = _made(name, parameters, asked.scenario, constants)
+    answer = level_advice(found, *asked.level, asked.fastest(found))
+    return {found.name: Advice(found.name, found.values.get("k_v"), (), None, answer, found.rotary)}
 
 
 def _advice(law: Law, found: Iterable[Requirement], v_max: float, mass: float | None) -> Advice:
     found = tuple(found)
     needed = [each.k_v for each in found if each.k_v is not None]
     k_v = max(needed) if len(needed) == len(found) else None
-    return Advice(law.name, k_v, found, cost(law, k_v, v_max, mass) if k_v else None)
+    price = cost(law, k_v, v_max, mass) if k_v else None
+    return Advice(law.name, k_v, found, price, rotary=law.rotary)
+
+
+def _made(
+    name: str, parameters: Parameters, scenario: Scenario | None, constants: Mapping[str, float | str | None]
+) -> Law:
+    """The law with these parameters; unless given, with the constants that the scenario's law has too."""
+    if parameters is not None or scenario is None:
+        return laws.law(name, parameters, **constants)
+    kind, given = laws.find(name), {**scenario.law.machine, **scenario.law.p.numbers, **scenario.law.p.words}
+    known = {n: x for n, x in given.items() if n in PARAMETERS or n in kind.constants()}
+    return kind({**known, **constants}, scenario.law.rotary)
 
 
 def _law(
-    name: str, parameters: str | Mapping[str, float] | None, scenario: Scenario | None,
-    constants: Mapping[str, float | str | None],
-) -> Law:  # fmt: skip
+    name: str, parameters: Parameters, scenario: Scenario | None, constants: Mapping[str, float | str | None]
+) -> Law:
+    """The law with a k_v that is still to be found."""
     found = laws.find(name)
     if name not in laws.builtin() or not found.has_z or "k_v" not in found.constants():
         fit = [n for n, each in laws.builtin().items() if each.has_z and "k_v" in each.constants()]
         raise InputError(f"{show(name)}: must be a law with bristles and k_v: {', '.join(fit)}{nearest(name, fit)}")
-    if parameters is None and scenario is not None:
-        own = {n: scenario.law.p.__dict__[n] for n in found.own_constants() if hasattr(scenario.law.p, n)}
-        constants = {
-            **scenario.law.machine,
-            **{n: x for n, x in own.items() if x is not None and n != "k_v"},
-            **constants,
-        }
-    elif parameters is None:
-        parameters = {}
-    values = laws.parameters_for(found, parameters) if isinstance(parameters, str) else dict(parameters or {})
-    values.pop("k_v", None)
-    return found({"k_v": 1.0, **values, **constants})
+    return _made(name, parameters, scenario, {**constants, "k_v": 1.0})

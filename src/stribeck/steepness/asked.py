@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from stribeck.constants import Constant, show
+from stribeck.constants import POSITIVE, show
 from stribeck.laws.base import Law
+from stribeck.properties.level import level_problem
 from stribeck.scenario import Scenario
 from stribeck.steepness.cost import SampleTime
 from stribeck.steepness.search import Tolerance
 from stribeck.steepness.simulated import PositionError, PreslidingError
 from stribeck.steepness.steady import Creep, SteadyError
 
-_POSITIVE = Constant("", "", above=0)
 _TOLERANCES = ("creep", "steady_error", "presliding_error", "position_error", "sample_time")
 _NEEDS = (("steady_error", "speed"), ("presliding_error", "force_rate"), ("position_error", "scenario"))
 _FASTEST = 100.0  # v_max as a multiple of v_s, unless given
@@ -43,7 +43,7 @@ class Asked:
     def problems(self) -> list[str]:
         """What cannot be asked so: a line for each problem."""
         numbers = {n: x for n, x in vars(self).items() if n not in ("level", "scenario") and x is not None}
-        found = [f"{n}: {show(x)}: {text}" for n, x in numbers.items() if (text := _POSITIVE.problem(x))]
+        found = [f"{n}: {show(x)}: {text}" for n, x in numbers.items() if (text := POSITIVE.problem(x))]
         if not found and not 0 < (self.share or 0.0) < 1:
             found.append(f"share: {show(self.share)}: must be between 0 and 1, without them")
         for one, other in _NEEDS:
@@ -55,8 +55,8 @@ class Asked:
             found.append(
                 "scenario: its drive sets the velocity, so the position does not depend on the law: use another"
             )
-        if self.level is not None and not 0 < self.level[0] <= self.level[1] < float("inf"):
-            found.append(f"level: {show(list(self.level))}: must be two finite numbers, 0 < LOW <= HIGH")
+        if self.level is not None and (text := level_problem(self.level)):
+            found.append(text)
         return found
 
     def fastest(self, law: Law) -> float:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from stribeck.arrays import Array
 from stribeck.laws.base import Law
-from stribeck.steepness.search import DERIVATIVE, Requirement, Tolerance, smallest, with_k_v
+from stribeck.steepness.search import DERIVATIVE, Requirement, Tolerance, smallest, unit, with_k_v
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ class Cost:
     force_bend: float
 
 
-def _grid(law: Law, v_max: float) -> tuple[np.ndarray, np.ndarray]:
+def _grid(law: Law, v_max: float) -> tuple[Array, Array]:
     k_v, bound = law.p.k_v, law.p.F_s / law.p.sigma_0
     v = np.unique(np.concatenate([[0.0], np.geomspace(1e-4, 1e4, 161) / k_v, np.geomspace(1e-9, 1.0, 161) * v_max]))
     v = v[v <= v_max]
@@ -76,7 +77,7 @@ class SampleTime(Tolerance):
 
     def need(self, law: Law) -> Requirement:
         """A root of the stiffness, if sliding itself allows the step."""
-        name = f"explicit step, |v| <= {self.v_max:g} m/s"
+        name = f"explicit step, |v| <= {self.v_max:g} {unit(law, 'm/s')}"
         limit, steep = 2 / self.tolerance, 1e12 / self.v_max
         k_v, detail = None, "2/largest |d(dz/dt)/dz|"
         if self.measure(with_k_v(law, steep)) <= limit:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from stribeck import laws
+from stribeck.constants import rotary_unit
 from stribeck.laws.base import PARAMETERS, Law
 
 FORMULA, STEADY, DERIVATIVE = "formula", "root of the law's steady state", "root of the law's derivative"
@@ -61,8 +62,7 @@ class Tolerance(ABC):
 
 def with_k_v(law: Law, k_v: float) -> Law:
     """The law with another steepness."""
-    values = law.p.numbers
-    return type(law)({**law.machine, **values, **law.choices, "k_v": k_v})
+    return law.replace(k_v=k_v)
 
 
 def family(law: Law) -> str:
@@ -74,7 +74,12 @@ def counterpart(law: Law, name: str) -> Law:
     """Another law with the constants that both have."""
     found = laws.find(name)
     known = {**PARAMETERS, **found.constants()}
-    return found({n: x for n, x in {**law.machine, **law.p.numbers}.items() if n in known})
+    return found({n: x for n, x in {**law.machine, **law.p.numbers}.items() if n in known}, law.rotary)
+
+
+def unit(law: Law, linear: str) -> str:
+    """A unit as the law's machine has it: rad for m where it turns."""
+    return rotary_unit(linear) if law.rotary else linear
 
 
 def smallest(

@@ -15,7 +15,7 @@ from stribeck.laws.base import Law
 from stribeck.properties.replay import law_table
 from stribeck.scenario import Scenario
 from stribeck.simulation import Solution, simulate
-from stribeck.steepness.search import SIMULATION, Requirement, Tolerance, counterpart, family, smallest, with_k_v
+from stribeck.steepness.search import SIMULATION, Requirement, Tolerance, counterpart, family, smallest, unit, with_k_v
 
 _ACCURACY = 1e-3
 _ROWS = 1000
@@ -47,7 +47,7 @@ class _Simulated(Tolerance):
         """What is simulated."""
 
     @abstractmethod
-    def words(self) -> tuple[str, str]:
+    def words(self, law: Law) -> tuple[str, str]:
         """The name of the measure, and what is simulated."""
 
     relative: ClassVar[bool] = False  # to the position's peak
@@ -67,13 +67,20 @@ class _Simulated(Tolerance):
 
     def need(self, law: Law) -> Requirement:
         """By bisection between powers of ten."""
-        name, detail = self.words()
+        name, detail = self.words(law)
         start = 1e3 / law.scales(law.p).speed
         k_v, points = smallest(lambda k: self.measure(with_k_v(law, k)), self.tolerance, start, _ACCURACY)
         achieved = dict(points).get(k_v) if k_v else None
         detail = f"{detail}; {len(points)} simulations"
         return Requirement(
-            name, self.tolerance, "" if self.relative else "m", k_v, achieved, SIMULATION, detail, tuple(points)
+            name,
+            self.tolerance,
+            "" if self.relative else unit(law, "m"),
+            k_v,
+            achieved,
+            SIMULATION,
+            detail,
+            tuple(points),
         )
 
 
@@ -87,9 +94,9 @@ class PreslidingError(_Simulated):
 
     relative: ClassVar[bool] = True
 
-    def words(self) -> tuple[str, str]:
+    def words(self, law: Law) -> tuple[str, str]:
         """Names the rate and the cycle."""
-        name = f"error of presliding at {self.force_rate:g} N/s"
+        name = f"error of presliding at {self.force_rate:g} {unit(law, 'N/s')}"
         return name, f"a cycle of the force between +-{self.share:g} F_s, held for half the ramp's time"
 
     def _judge(self, law: Law, y: Value) -> None:
@@ -118,7 +125,7 @@ class PositionError(_Simulated):
 
     given: Scenario
 
-    def words(self) -> tuple[str, str]:
+    def words(self, law: Law) -> tuple[str, str]:
         """Names the scenario."""
         return f"error of the position in {self.given.name}", f"{self.given.name}, {self.given.end:g} s"
 

@@ -13,7 +13,17 @@ import numpy as np
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.laws.terms import g
-from stribeck.steepness.search import FORMULA, STEADY, Requirement, Tolerance, counterpart, family, smallest, with_k_v
+from stribeck.steepness.search import (
+    FORMULA,
+    STEADY,
+    Requirement,
+    Tolerance,
+    counterpart,
+    family,
+    smallest,
+    unit,
+    with_k_v,
+)
 
 _ACCURACY = 1e-10
 
@@ -58,14 +68,16 @@ class Creep(Tolerance):
         name = f"creep under {self.share:g} F_s held"
         v, load = self.tolerance, self.share * law.p.F_s
         if law.name == "lugre_arctan":
-            return Requirement(name, v, "m/s", 0.0, 0.0, FORMULA, "z has no bound: it does not creep below F_s")
+            return Requirement(
+                name, v, unit(law, "m/s"), 0.0, 0.0, FORMULA, "z has no bound: it does not creep below F_s"
+            )
         if self._elastic(law, load):
             detail = "the load is below sigma_0 z_ba: it does not creep"
-            return Requirement(name, v, "m/s", 0.0, 0.0, FORMULA, detail)
+            return Requirement(name, v, unit(law, "m/s"), 0.0, 0.0, FORMULA, detail)
         sliding = law.p.sigma_0 * g(law.p, v) + law.p.sigma_2 * v
         if not load < sliding:
-            detail = f"at {v:g} m/s sliding friction itself, {sliding:.4g} N, is below the load"
-            return Requirement(name, v, "m/s", None, None, FORMULA, detail)
+            detail = f"at {v:g} {unit(law, 'm/s')} sliding friction itself, {sliding:.4g} {unit(law, 'N')}, is below the load"
+            return Requirement(name, v, unit(law, "m/s"), None, None, FORMULA, detail)
         x, formula = inverse(law, (load - law.p.sigma_2 * v) / (law.p.sigma_0 * g(law.p, v)))
         if x is not None:
             detail = f"{formula}, q = (share F_s - sigma_2 v)/(sigma_0 g(v)), v the tolerated speed"
@@ -80,7 +92,7 @@ class Creep(Tolerance):
 
     def _made(self, law: Law, name: str, k_v: float | None, method: str, detail: str) -> Requirement:
         achieved = self.measure(with_k_v(law, k_v)) if k_v else None
-        return Requirement(name, self.tolerance, "m/s", k_v, achieved, method, detail, self.curve(law, k_v))
+        return Requirement(name, self.tolerance, unit(law, "m/s"), k_v, achieved, method, detail, self.curve(law, k_v))
 
 
 @dataclass(frozen=True)
@@ -97,7 +109,7 @@ class SteadyError(Tolerance):
 
     def need(self, law: Law) -> Requirement:
         """A formula, or a root of the steady force."""
-        name = f"error of steady friction at {self.speed:g} m/s"
+        name = f"error of steady friction at {self.speed:g} {unit(law, 'm/s')}"
         bristles = law.p.sigma_0 * g(law.p, self.speed)
         allowed = self.tolerance * (bristles + law.p.sigma_2 * self.speed) / bristles  # of g
         x, formula = inverse(law, 1 + allowed if law.name == "lugre_arctan" else 1 - allowed)

@@ -30,7 +30,7 @@ def run(
 
 @app.command(epilog="Example: stribeck show machine.toml --out machine.svg")
 def show(
-    machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file (schema = 2).")],
+    machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file, or one of schema 1.")],
     out: Annotated[Path | None, typer.Option("--out", metavar="FILE.svg", help="Draw it here, as a picture.")] = None,
     set_: Set = None,
     trust: Trust = False,
@@ -136,7 +136,7 @@ def explore(
         typer.Option("--law", metavar="NAME", help="Offer this law beside the scenario's own; every law unless given."),
     ] = None,
     report: Annotated[
-        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's or fit's folder.")
+        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's folder.")
     ] = None,
     set_: Set = None,
     trust: Trust = False,

@@ -8,6 +8,9 @@ const make = (tag, attributes = {}, ...inside) => {
   node.append(...inside);
   return node;
 };
+for (const each of Object.values(data.measured?.columns ?? {})) {
+  if (!Array.isArray(each.t)) { const step = each.t; each.t = each.x.map((_, i) => i * step); }
+}
 const state = { law: data.law, values: {}, ghost: null, latest: null, id: 0 };
 window.stribeck = { state, result: null, set, idle: true };
 
@@ -21,6 +24,8 @@ const show = (x, digits = 4) => {
   const text = String(Number(x.toPrecision(digits)));
   return text.replace("-", "−");
 };
+
+const brief = (x) => String(Number(x.toPrecision(7))); // in a field; the exact number stays behind it
 
 function wrong(number, x) {
   const unit = number.unit ? ` ${number.unit}` : "";
@@ -63,7 +68,7 @@ function controls() {
 
 function row(number) {
   const id = `n-${number.path}`, x = value(number.path);
-  const field = make("input", { id, type: "number", step: "any", value: String(x), autocomplete: "off" });
+  const field = make("input", { id, type: "number", step: "any", value: brief(x), autocomplete: "off" });
   const slider = make("input", { type: "range", min: "0", max: String(STEPS), step: "1", value: String(toSlider(number, x)) });
   slider.setAttribute("aria-label", `${number.name}, ${number.meaning}`);
   slider.setAttribute("aria-valuetext", `${x} ${number.unit}`);
@@ -78,14 +83,14 @@ function row(number) {
   }
   return make("div", { className: "number", title: `${number.path}: ${number.meaning}` },
     make("label", { htmlFor: id }, number.name), field, make("span", { className: "unit" }, number.unit),
-    make("span", { className: "meaning" }, number.meaning), make("span", { className: "slide" }, marks, slider));
+    make("span", { className: "meaning" }, number.meaning, number.interval ? `; 95 %: ${number.interval.map((e) => show(e, 5)).join(" to ")}` : ""), make("span", { className: "slide" }, marks, slider));
 }
 
 function refresh(path, from) { // the controls of one number
   const number = numbers().find((n) => n.path === path), x = value(path);
   for (const input of document.querySelectorAll(`#numbers input[data-path="${CSS.escape(path)}"]`)) {
     if (input.type === "range") { if (input !== from) input.value = String(toSlider(number, x)); input.setAttribute("aria-valuetext", `${x} ${number.unit}`); }
-    else if (input !== from) input.value = String(x);
+    else if (input !== from) input.value = brief(x);
     input.classList.toggle("changed", x !== number.value);
   }
 }
@@ -203,7 +208,7 @@ function answer(result, error) {
   draw(result);
   claims(result.claims);
   equation();
-  $("status").textContent = `${summary(result)} ${result.stats.accepted} steps in ${show(result.stats.milliseconds, 2)} ms.`;
+  $("status").textContent = `${summary(result)} ${data.measured ? `${missed(result)} ` : ""}${result.stats.accepted} steps in ${show(result.stats.milliseconds, 2)} ms.`;
   window.stribeck.wait = performance.now() - flying.since;
 }
 
@@ -291,6 +296,8 @@ function readLink() {
 function toml() {
   const tables = structuredClone(data.scenario);
   if (!data.machine) tables.law = structuredClone(law().table);
+  const signal = tables.drive?.signal;
+  if (signal?.kind === "points" && !signal.t) Object.assign(signal, { t: data.signal.t, value: data.signal.value.map((x) => x / data.signal.scale) });
   for (const number of numbers()) {
     const words = number.path.split(".");
     let table = tables;
@@ -362,6 +369,7 @@ async function begin() {
   $("command").onclick = () => copy(data.command, $("command"));
   window.onhashchange = () => { state.values = {}; state.law = data.law; readLink(); choose(state.law); };
   if (data.machine) machineForm();
+  if (data.measured) $("measured").textContent = `Dots: measured, ${data.measured.about}. Shaded on the sliders: 95 % intervals of the fit.`;
   readLink();
   const library = make("script", {}, new TextDecoder().decode(await bytes($("charts").textContent)));
   document.head.append(library);

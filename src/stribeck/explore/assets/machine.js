@@ -17,7 +17,7 @@ function machineSummary(result) {
   const told = [];
   data.watched.forEach(([name, kinds]) => {
     const counts = [...new Set(kinds)].map((kind) => [kind.replaceAll("_", " "), happened(result, name, kind).length]).filter(([, n]) => n);
-    if (counts.length) told.push(`${name}: ${counts.map(([kind, n]) => `${kind} ${n === 1 ? "once" : `${n} times`}`).join(", ")}`);
+    if (counts.length) told.push(`${name ? `${name}: ` : ""}${counts.map(([kind, n]) => `${kind} ${n === 1 ? "once" : `${n} times`}`).join(", ")}`);
   });
   return told.length ? `${told.join("; ")}.` : "Nothing passes its threshold.";
 }

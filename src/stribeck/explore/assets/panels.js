@@ -3,7 +3,7 @@
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"], [1e-12, "p"]];
 
 function prefix(size, unit) { // the factor to divide by, and the unit's text
-  if (!/^(m|m\/s|s|N|N m|J|W|rad|rad\/s)$/.test(unit) || !(size > 0)) return [1, unit];
+  if (!/^(m|m\/s|s|N|N m|J|W|Pa|V|A|rad|rad\/s)$/.test(unit) || !(size > 0)) return [1, unit];
   if (unit.startsWith("rad") || unit === "s") {
     const found = PREFIXES.find(([factor]) => size >= factor && factor <= 1) ?? [1, ""];
     return [found[0], found[1] + unit];
@@ -77,11 +77,36 @@ function fill(name, result, ghost) {
   const now = rows(result), curve = x === "speed";
   model(`${name}-now`).data = curve ? cut(now, now.along.length - 1) : now;
   model(`${name}-ghost`).data = ghost ? (curve ? cut(rows(ghost), now.along.length - 1) : rows(ghost)) : { along: [], ...Object.fromEntries(panel.y.map((s) => [s.column, []])) };
+  measuredPoints(name, xf, yf);
   figure.below[0].axis_label = `${panel.xLabel}${xu ? ` (${xu})` : ""}`;
   figure.left[0].axis_label = `${panel.yLabel}${yu ? ` (${yu})` : ""}`;
   const hover = model(`${name}-hover`);
   if (hover) hover.tooltips = [[panel.x === "t" ? "t" : panel.xName, `@along{0.0000} ${xu}`], ...panel.y.map((s) => [s.name, `@{${s.column}}{0.0000} ${yu}`])];
   return [xf, yf];
+}
+function measuredPoints(name, xf, yf) { // what was measured, in the chart's present units
+  const { columns } = data.measured ?? { columns: {} }, panel = data.panels[name], across = columns[panel.x];
+  for (const { column } of panel.y) {
+    const source = model(`${name}-measured-${column}`);
+    if (!source) continue;
+    const { t, x } = columns[column], along = panel.x === "t" ? t : x.map((_, i) => across.x[i]);
+    source.data = { x: divide(along, xf), y: divide(x, yf) };
+  }
+}
+
+// How far the simulated columns are from the measured ones: rms, and as a share of the measured changes.
+function missed(result) {
+  const told = [];
+  for (const [name, { t, x }] of Object.entries(data.measured.columns)) {
+    if (data.measured.given.includes(name)) continue;
+    const end = (result.rows - 1) * value("output.step"), unit = law().columns.find((c) => c.name === name).unit;
+    const inside = t.map((_, i) => i).filter((i) => t[i] >= 0 && t[i] <= end * (1 + 1e-9));
+    const mean = inside.reduce((sum, i) => sum + x[i], 0) / inside.length;
+    const square = (each) => Math.sqrt(inside.reduce((sum, i) => sum + each(i) ** 2, 0) / inside.length);
+    const left = square((i) => at(result, name, t[i]) - x[i]), size = square((i) => x[i] - mean);
+    told.push(`${name} ${human(left, unit)} (${show(100 * left / size, 2)} %)`);
+  }
+  return `Misses the measured ${told.join(", ")} rms.`;
 }
 const divide = (list, factor) => factor === 1 ? Float64Array.from(list) : Float64Array.from(list, (x) => x / factor);
 

@@ -100,7 +100,7 @@ function ofMachine(memory, law, setting) {
   const holds = memory.empty(law.relations.length);
   memory.api.stribeck_relations(place.parameters, holds);
   return {
-    restart: setting.restart, width: law.states.length + rooms.held, claims: [], holds: Array.from(memory.view(holds, law.relations.length)),
+    restart: setting.restart, width: law.states.length + rooms.held + rooms.shown, claims: [], holds: Array.from(memory.view(holds, law.relations.length)),
     place: {
       ...place, sampled: zeros(), acted: zeros(), rtol: rtol[0], h_limit: 1 / least_rate[0],
       queue_room: rooms.queue_room, noise_room: rooms.noise_room,

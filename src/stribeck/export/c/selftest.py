@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 import numpy as np
 
@@ -30,7 +30,7 @@ def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
     found: dict[str, list[tuple[str, ...]]] = {"points": [], "steps": []}
     for i in range(v.size):
         rate_terms, force_terms = size(v[i], z[i])
-        row = (v[i], z[i], rates[i], rate_terms, forces[i], force_terms, law.steady_force(v[i]))
+        row = (v[i], z[i], rates[i], rate_terms, forces[i], force_terms, float(law.steady_force(v[i])))
         found["points"].append(_row(row))
     for i in range(1, v.size - 1):
         dt = float(np.float32(min(0.05 * scales.length / abs(v[i]), _settled(law, v[i], scales.length))))
@@ -150,5 +150,5 @@ def advance(law: Law, v: float, z: float, dt: float) -> float:
     return float(solution.y[0, -1])
 
 
-def _row(numbers: Value) -> tuple[str, ...]:
+def _row(numbers: Iterable[float]) -> tuple[str, ...]:
     return tuple(repr(float(x)) for x in numbers)

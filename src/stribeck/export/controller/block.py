@@ -3,7 +3,7 @@ equations that the simulation samples."""
 
 from __future__ import annotations
 
-import re
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,7 +13,7 @@ from stribeck.control.sampled import SAMPLING, Sampled
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg, nearest
 from stribeck.export.c.ccode import WORDS, c_condition
-from stribeck.export.request import ascii_only, made_by, valued
+from stribeck.export.request import ascii_only, identifier, made_by, valued
 from stribeck.expressions.graph import Expr, ordered, symbol, symbols, wrap
 from stribeck.expressions.names import Names
 from stribeck.expressions.ops import sign
@@ -27,17 +27,8 @@ from stribeck.machine.sampled import observed, sampled_states, stepped
 from stribeck.scenario import Scenario
 from stribeck.signals.pieces import Reference, fields, pieces
 
-_SLOW = {
-    "exp": "exp",
-    "tanh": "tanh",
-    "atan": "atan",
-    "sin": "sin",
-    "cos": "cos",
-    "sqrt": "sqrt",
-    "log": "log",
-    "pow": "pow",
-}
-_COUNTED = {"add": "additions", "sub": "additions", "neg": "additions", "mul": "multiplications", "div": "divisions"}
+_CALLED = ("exp", "tanh", "atan", "sin", "cos", "sqrt", "log", "pow")
+_COUNTED = {"add": "addition", "sub": "addition", "neg": "addition", "mul": "multiplication", "div": "division"}
 
 
 @dataclass(frozen=True)
@@ -63,9 +54,8 @@ class Block:
     @cached_property
     def name(self) -> str:
         """The prefix of all names."""
-        text = f"{self.scenario.name}_{self.controller.name}" + ("_friction" if self.part == "compensator" else "")
-        text = re.sub(r"\W", "_", text, flags=re.ASCII).lower()
-        return text if text[:1].isalpha() else f"machine_{text}"
+        part = "_friction" if self.part == "compensator" else ""
+        return identifier(f"{self.scenario.name}_{self.controller.name}{part}")
 
     @property
     def rotary(self) -> bool:
@@ -229,12 +219,12 @@ class Block:
 
     def operations(self) -> str:
         """How much one sample takes at most, counted in the equations."""
-        count: dict[str, int] = {}
-        for node in ordered(self._by_input.values()):
-            word = _COUNTED.get(node.op) or (f"calls of {_SLOW[node.op]}" if node.op in _SLOW else None)
-            if word:
-                count[word] = count.get(word, 0) + 1
-        return ", ".join(f"{n} {word if n > 1 else word.removesuffix('s')}" for word, n in count.items()) or "nothing"
+        ops = [node.op for node in ordered(self._by_input.values())]
+        count = Counter(_COUNTED[op] for op in ops if op in _COUNTED)
+        calls = Counter(op for op in ops if op in _CALLED)
+        told = [f"{n} {word}{'s' if n > 1 else ''}" for word, n in count.items()]
+        told += [f"{n} call{'s' if n > 1 else ''} of {op}" for op, n in calls.items()]
+        return ", ".join(told) or "nothing"
 
     def about(self) -> list[str]:
         """Lines for the header."""

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import re
-
 import numpy as np
 
 from stribeck.arrays import Array
@@ -46,12 +44,6 @@ def torque_over_a_turn(scenario: Scenario | None, points: int) -> tuple[str, flo
 
 def _waves(rig: Rig, path: str) -> list[tuple[str, float]]:
     return [(n, x) for (owner, n), x in rig.values.items() if owner == path and n.startswith("waves")]
-
-
-def identifier(scenario: Scenario) -> str:
-    """The machine's name as an identifier."""
-    text = re.sub(r"\W", "_", scenario.name, flags=re.ASCII).lower()
-    return text if text[:1].isalpha() else f"machine_{text}"
 
 
 def rows(values: Array) -> str:

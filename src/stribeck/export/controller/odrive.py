@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from stribeck.export.controller.cogging import identifier, rows, torque_over_a_turn
-from stribeck.export.request import Target, ascii_only, made_by
+from stribeck.export.controller.cogging import rows, torque_over_a_turn
+from stribeck.export.request import Target, ascii_only, identifier, made_by
 from stribeck.scenario import Scenario
 
 TARGET = Target("odrive", "controller.odrive", "the cogging map of ODrive's firmware 0.5", ("cogging",), folder=False)
@@ -21,5 +21,5 @@ def files(scenario: Scenario | None) -> dict[str, str | bytes]:
         "The encoder's 0 must be the machine's: calibrate its index, or turn the table by the offset. " + made_by(),
     ]
     text = "".join(f"/* {ascii_only(line)} */\n" for line in about)
-    text += f"static const float {identifier(scenario)}_cogging_map[{POINTS}] = {{\n    {rows(torque)}\n}};\n"
-    return {f"{identifier(scenario)}_cogging.h": text}
+    text += f"static const float {identifier(scenario.name)}_cogging_map[{POINTS}] = {{\n    {rows(torque)}\n}};\n"
+    return {f"{identifier(scenario.name)}_cogging.h": text}

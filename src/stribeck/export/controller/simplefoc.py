@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from stribeck.export.controller.cogging import identifier, rows, torque_over_a_turn
-from stribeck.export.request import Target, ascii_only, made_by
+from stribeck.export.controller.cogging import rows, torque_over_a_turn
+from stribeck.export.request import Target, ascii_only, identifier, made_by
 from stribeck.scenario import Scenario
 
 TARGET = Target("simplefoc", "controller.simplefoc", "cogging for SimpleFOC 2.4", ("cogging",), folder=False)
@@ -14,7 +14,7 @@ def files(scenario: Scenario | None) -> dict[str, str | bytes]:
     """A header with the table and the function that interpolates it."""
     motor, K, torque = torque_over_a_turn(scenario, POINTS)
     assert scenario is not None
-    name = identifier(scenario)
+    name = identifier(scenario.name)
     about = [
         f"{scenario.name}: the current (A) that cancels the cogging of motor {motor}, over one turn from 0; K = {K:g} N m/A.",
         "SimpleFOC 2.4, current control, before motor.move():",

@@ -12,7 +12,7 @@ from stribeck.constants import Constant
 from stribeck.drives.base import Column
 from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, c_condition
-from stribeck.export.request import ascii_only, made_by, valued
+from stribeck.export.request import ascii_only, identifier, made_by, valued
 from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.machine.parts import INPUT, SignalUse, with_inputs
 from stribeck.machine.system import MachineSystem
@@ -71,8 +71,7 @@ class MachineModel:
     @cached_property
     def name(self) -> str:
         """The machine's name as an identifier of C."""
-        name = re.sub(r"\W", "_", self.scenario.name, flags=re.ASCII).lower()
-        name = name if name[:1].isalpha() else f"machine_{name}"
+        name = identifier(self.scenario.name)
         return f"{name}_machine" if name in WORDS or name == "main" else name
 
     @cached_property

@@ -12,9 +12,8 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Spread
-from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.problem import STEP, MachineProblem
 from stribeck.identify.actuator.runs import Compared, RecordedRun
-from stribeck.identify.actuator.solve import STEP
 from stribeck.simulation.places import machine_places
 
 _BETTER = 1.3  # times narrower than by repeating a recording: worth the trouble

@@ -30,6 +30,7 @@ _SURE = 4.5  # deviations
 _MATTERS = 0.02  # of a column's remaining error
 _CLOCK = 0.05
 _RECORDED = 8  # values of a signal: fewer were not recorded
+_STEPS, _ROUGHLY = 10, 1e-3  # of a search that only asks whether a recording can be followed
 _TRIED = 6  # recordings that are tried by themselves
 
 
@@ -207,7 +208,7 @@ def _tried(
 
 def _worst(problem: MachineProblem, starts: int | None) -> float:
     """The largest share that is left of a column's changes."""
-    found = search(problem, starts or 4, 0)
+    found = search(problem, starts or 4, 0, steps=_STEPS, small=_ROUGHLY)
     return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values())
 
 

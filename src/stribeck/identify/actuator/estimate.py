@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.identify.actuator.continuation import continued
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
@@ -15,7 +16,7 @@ from stribeck.identify.actuator.result import Trace
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import Found, half_squares, scanned, search
 from stribeck.identify.actuator.starts import begun, stretches
-from stribeck.identify.work import Work
+from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 
 POOR = 0.25  # of a column's changes: a fit that leaves more misses
@@ -28,6 +29,10 @@ _AGREEING = 3
 _STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
 _SHORTEST = 0.2  # s
 _ROUGH = 12  # steps of the search in stretches
+_ENOUGH = 6  # recordings in which starts are compared
+_LOOSE = 1e-6  # rtol, far from the best numbers
+_FAR_STEP = 1e-3  # of a coordinate, for slopes there
+_NEAR = 1e-4  # of the cost: a smaller fall ends the search there
 _MUCH = 3.0  # a whole recording that is worse than its stretches by this factor is fitted in stretches
 Keep = Callable[[dict[str, float], float], None]
 
@@ -151,30 +156,87 @@ def estimate(
     asked = any(r.window for _, r in recordings)
     notes: list[str] = []
     begin, many = dict(first or {}), starts > 1
-    if not asked and not remembers(scenario) and starts > 1:
-        window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
-        runs, _ = prepared(scenario, recordings, named, window, free=False)
-        rough = MachineProblem(runs, list(sought), dict(noise), work=work)
+    loose = _loosened(scenario)
+    agreeing, others = 0, list[dict[str, float]]()
+    if not asked and not remembers(scenario) and many:
+        rough = _roughly(loose, recordings, sought, named, noise, work)
         found = search(
-            rough, starts, seed, _point(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH
-        )
+            rough, starts, seed, _point(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH,
+            small=_NEAR,
+        )  # fmt: skip
         begin = rough.values(found.u)
         others = [rough.values(u) for u in found.others]
         if found.stopped:
             return BestPoint(rough, found.u, found, notes, True)
         agreeing, starts = found.agreeing, 1
-    else:
-        agreeing, others = 0, []
+    runs, own = prepared(loose, recordings, named)
+    problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work, step=_FAR_STEP)
+    found = _whole(problem, [begin, *others], starts, seed, {i for i, _ in _some(recordings)}, keep)
+    if many and not found.stopped and beyond_noise(problem, found.u, found.agreeing):
+        found = search(problem, 1, seed, found.u, _kept(problem, keep), scanned(problem, found), small=_NEAR)
     runs, own = prepared(scenario, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
-    saved, more = _kept(problem, keep), [_point(problem, x) for x in others]
-    found = search(problem, starts, seed, _point(problem, begin) if begin else None, saved, more)
-    if many and not found.stopped:
-        found = search(problem, 1, seed, found.u, saved, scanned(problem, found))
+    if not found.stopped:
+        found = replace(search(problem, 1, seed, found.u, _kept(problem, keep)), agreeing=found.agreeing)
     whole = BestPoint(problem, found.u, replace(found, agreeing=max(agreeing, found.agreeing)), notes, asked)
     if not found.stopped and not asked and not remembers(scenario) and whole.missed():
         whole = _in_stretches(scenario, recordings, sought, named, whole, begin, work, keep)
     return _weighted(whole, given, keep)
+
+
+def _loosened(scenario: Scenario) -> Scenario:
+    """The machine with the tolerance with which it is simulated while the numbers are far from their best."""
+    return scenario.with_changes({"solve.rtol": max(scenario.solve.rtol, _LOOSE)})
+
+
+def _some(recordings: Sequence[tuple[int, Recording]]) -> list[tuple[int, Recording]]:
+    """Some of many recordings, of each load one if possible."""
+    some: list[tuple[int, Recording]] = []
+    left = list(recordings)
+    while left and len(some) < _ENOUGH:
+        loads = [each[1].known for each in left]
+        first = [i for i, known in enumerate(loads) if known not in loads[:i]]
+        some += [left[i] for i in first]
+        left = [each for i, each in enumerate(left) if i not in first]
+    return sorted(some[:_ENOUGH], key=lambda each: each[0])
+
+
+def _roughly(
+    scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], named: set[str],
+    noise: dict[str, float], work: Work,
+) -> MachineProblem:  # fmt: skip
+    """The problem in which starts are compared: short stretches of some recordings."""
+    window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
+    runs, _ = prepared(scenario, _some(recordings), named, window, free=False)
+    return MachineProblem(runs, list(sought), dict(noise), work=work, step=_FAR_STEP)
+
+
+def _whole(
+    problem: MachineProblem, points: Sequence[dict[str, float]], starts: int, seed: int, logs: set[int], keep: Keep | None
+) -> Found:  # fmt: skip
+    """The best point for whole recordings, from the first of these points whose way there leaves noise alone, or the
+    best of all; ``logs``: the recordings that are followed first."""
+    kept, tried = _kept(problem, keep), list[tuple[float, Array]]()
+    some = replace(problem, runs=[run for run in problem.runs if run.log in logs])
+    best = _point(problem, points[0])
+    try:
+        for i, values in enumerate(points):
+            u = _point(problem, values)
+            if starts > 1:
+                u = search(problem, starts, seed, u, kept, steps=_ROUGH, small=_NEAR).u
+            u, share = continued(some, u, None if i else kept)
+            if share == 1.0:
+                u = continued(problem, u, kept)[0] if len(some.runs) < len(problem.runs) else u
+                found = search(problem, 1, seed, u, kept, steps=_ROUGH, small=_NEAR)
+                if found.stopped or not beyond_noise(problem, found.u, 1):
+                    return found
+                u = found.u
+            tried.append((float(half_squares(problem.residuals(u[None]))[0]), u))
+            best = min(tried, key=lambda each: each[0])[1]
+    except (KeyboardInterrupt, Stopped):
+        problem.work.stop()
+        return Found(best, np.inf, 1, True)
+    return search(problem, 1, seed, best, kept, small=_NEAR)
 
 
 def _in_stretches(

@@ -10,11 +10,12 @@ from scipy.stats import chi2, f
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.result import Group
-from stribeck.identify.actuator.solve import STEP, half_squares, relaxed
+from stribeck.identify.actuator.solve import direction, half_squares
 
 THRESHOLD = float(chi2.ppf(0.95, 1))
 _CLOSE = 0.01  # of the threshold's root
-_TRIES = 9
+_TRIES = 12
+_DAMPINGS = (1e-6, 1e-2)
 _RELATED = 0.95
 
 
@@ -37,7 +38,7 @@ class Spread:
 def spread(problem: MachineProblem, u: Array) -> Spread:
     """The covariance at the optimum, and its inflation by what the residuals remember."""
     r = problem.residuals(u[None])[0]
-    J = problem.slopes(u[None], np.full(len(u), STEP))[1][0]
+    J = problem.slopes(u[None], np.full(len(u), problem.step))[1][0]
     rough = inverse(J)
     step = np.clip(0.3 * np.sqrt(np.diag(rough)), 1e-5, 2e-2)
     J = problem.central(u, step)
@@ -137,13 +138,12 @@ def profiles(problem: MachineProblem, u: Array, s: Spread, wanted: list[int]) ->
     root = np.sqrt(threshold(s.freedom))
     sides = [_Side(problem, u, s, k, sign, root) for k in wanted for sign in (-1, 1)]
     for _ in range(_TRIES):
-        open_ = [x for x in sides if not x.done]
-        if not open_:
-            break
-        points = np.array([x.point() for x in open_])
-        points, costs = relaxed(problem, points, [x.k for x in open_])
-        for side, point, value in zip(open_, points, costs, strict=True):
-            side.take(point, 2 * (float(value) - base))
+        for some in (
+            [x for x in sides if not x.done and not x.doubted],
+            [x for x in sides if not x.done and x.doubted],
+        ):
+            if some:
+                _advance(problem, some, base)
     found = {}
     for k in wanted:
         pair = [x for x in sides if x.k == k]
@@ -151,6 +151,37 @@ def profiles(problem: MachineProblem, u: Array, s: Spread, wanted: list[int]) ->
         lower = next((x.lower for x in pair if x.lower is not None), None)
         found[k] = Ends(pair[0].end, pair[1].end, curve, lower)
     return found
+
+
+def _advance(problem: MachineProblem, sides: list[_Side], base: float) -> None:
+    """One step of these sides, all doubted or none: the other coordinates follow by the slopes that each side has, which
+    are kept up by Broyden's formula; doubted ones get new slopes."""
+    points = np.array([x.point() for x in sides])
+    if sides[0].doubted:
+        r, J = problem.slopes(points, np.full(points.shape[1], problem.step))
+        for side, own in zip(sides, J, strict=True):
+            side.J = own if np.isfinite(own).all() else side.J
+    else:
+        r = problem.residuals(points)
+    trials = []
+    for side, x, left in zip(sides, points, r, strict=True):
+        rest = side.J.copy()
+        rest[:, side.k] = 0.0
+        for damping in _DAMPINGS:
+            step = direction(np.nan_to_num(left), rest, x, problem, damping)
+            step[side.k] = 0.0
+            trials.append(x + step)
+    tried = np.clip(np.array(trials), problem.low, problem.high).reshape(len(sides), len(_DAMPINGS), -1)
+    new = problem.residuals(tried.reshape(-1, points.shape[1])).reshape(len(sides), len(_DAMPINGS), -1)
+    for i, side in enumerate(sides):
+        costs, x, cost = half_squares(new[i]), points[i], half_squares(r[i : i + 1])[0]
+        j = int(np.argmin(costs))
+        move = tried[i, j] - x
+        if not side.doubted and np.isfinite(new[i, j]).all() and np.isfinite(r[i]).all() and move @ move > 0:
+            side.J = side.J + np.outer(new[i, j] - r[i] - side.J @ move, move) / (move @ move)
+        if costs[j] < cost:
+            x, cost = tried[i, j], costs[j]
+        side.take(x, 2 * (float(cost) - base))
 
 
 class _Side:
@@ -167,9 +198,12 @@ class _Side:
         self.best = u
         self.done, self.end, self.curve = self.edge <= 1e-9, None, []  # type: bool, float | None, list[tuple[float, float]]
         self.lower: Array | None = None
+        self.J, self.doubted, self.at = s.J, False, u
 
     def point(self) -> Array:
         """Where to look next."""
+        if self.doubted:
+            return self.at
         found = self.u + self.along * self.sign * self.distance
         found[self.k] = self.u[self.k] + self.sign * self.distance
         return np.asarray(np.clip(found, self.problem.low, self.problem.high))
@@ -180,6 +214,15 @@ class _Side:
             self.lower, self.done = point, True
             return
         height = float(np.sqrt(max(rise, 0.0) / self.unit))
+        last = abs(height - self.root) < _CLOSE * self.root or (
+            height < self.root and self.distance >= self.edge * (1 - 1e-9)
+        )
+        if last and not self.doubted:  # an end must hold with slopes of its own
+            self.doubted, self.at = True, point
+            return
+        if self.doubted and self.far is not None and height < self.root and self.far[0] <= self.distance:
+            self.far = None
+        self.doubted = False
         self.curve.append((float(point[self.k]), height**2))
         here = (self.distance, height)
         if abs(height - self.root) < _CLOSE * self.root:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from stribeck.files import finite, write_text
+from stribeck.files import finite, seen_from, write_text
 from stribeck.identify.actuator.intervals import THRESHOLD
 from stribeck.identify.actuator.result import LogResult, MachineFit, Parameter
 from stribeck.report.cells import digits
@@ -22,12 +22,15 @@ _PROFILES = 12
 _HIGHEST = 12.0  # of a profile, as far as it is drawn
 
 
-def write_machine_fit(fit: MachineFit, folder: Path, command: str, title: str, origin: Path = Path()) -> list[str]:
-    """Write what was found into a folder; the paths. ``origin`` is the folder of the machine's file."""
+def write_machine_fit(
+    fit: MachineFit, folder: Path, command: str, title: str, origin: Path = Path(), logs: Path | None = None
+) -> list[str]:
+    """Write what was found into a folder; the paths. ``origin`` is the folder of the machine's file; ``logs`` the file
+    of the recordings, which parameters.toml names."""
     folder.mkdir(parents=True, exist_ok=True)
     page, parameters, machine = (folder / name for name in ("report.html", "parameters.toml", "machine.toml"))
     write_text(page, report(fit, command, title))
-    write_text(parameters, toml(fit, command))
+    write_text(parameters, toml(fit, command, None if logs is None else seen_from(folder, logs)))
     written = [str(page), str(parameters)]
     if fit.status == "done":
         write_text(machine, f"# Found by: {command}\n" + tomli_w.dumps(moved(fit.data, origin, folder)))
@@ -35,11 +38,13 @@ def write_machine_fit(fit: MachineFit, folder: Path, command: str, title: str, o
     return written
 
 
-def toml(fit: MachineFit, command: str) -> str:
+def toml(fit: MachineFit, command: str, logs: str | None = None) -> str:
     """The numbers by path, with intervals and verdicts."""
     told = {"version": __version__, "command": command, "status": fit.status}
     if fit.reason:
         told["reason"] = fit.reason
+    if logs is not None:
+        told["logs"] = logs
     rows = {name: finite(p.to_json()) for name, p in fit.parameters.items()}
     rows = {name: {k: x for k, x in row.items() if x is not None and x != ""} for name, row in rows.items()}
     return tomli_w.dumps({**told, "parameters": rows})

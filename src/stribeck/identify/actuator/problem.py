@@ -14,6 +14,7 @@ from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
 
 _ABOVE = 1e-6  # of F_c: how far F_s stays above it
+STEP = 2e-4  # of a coordinate, for slopes
 _MOST = 4e6  # numbers held at once
 
 
@@ -30,6 +31,7 @@ class MachineProblem:
     noise: dict[str, float]
     threads: int = field(default_factory=threads_of_this_machine)
     work: Work = field(default_factory=Work)
+    step: float = STEP
 
     def __post_init__(self) -> None:
         self.low, self.high = (np.array([c.bounds[i] for c in self.sought]) for i in (0, 1))

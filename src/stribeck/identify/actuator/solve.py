@@ -16,12 +16,11 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.work import Stopped
 
-STEP = 2e-4  # of a coordinate, for slopes
 _DAMPINGS = np.array([1e-4, 1e-2, 1.0, 30.0, 1e3])
 _KEEP = (10, 6, 4, 3, 2, 2, 1)  # starts that go on after each step
 _WIDE = 4
 _STEPS = 40
-_SMALL = 1e-7  # of the cost: a smaller fall ends the search
+SMALL = 1e-7  # of the cost: a smaller fall ends the search
 _HUGE = 1e300
 
 
@@ -46,9 +45,10 @@ def half_squares(r: Array) -> Array:
 def search(
     problem: MachineProblem, starts: int, seed: int, first: Array | None = None,
     keep: Callable[[Array, float], None] | None = None, more: Sequence[Array] = (), wide: bool = False, steps: int = _STEPS,
+    small: float = SMALL,
 ) -> Found:  # fmt: skip
     """The best point from ``starts`` of them: the given one (or the machine's), ``more``, and others spread over the
-    bounds; ``wide``: follow several of them to the end.
+    bounds; ``wide``: follow several of them to the end; ``small``: the share of the cost whose fall is the last.
 
     Ctrl-C, and ``Work.stop``, end it with what was found so far.
     """
@@ -78,7 +78,8 @@ def search(
             if costs[i] >= _HUGE and step:
                 break
             U, new, damping = _step(problem, U, costs, damping)
-            quiet = np.where(costs - new > _SMALL * new, 0, quiet + 1)
+            fall = costs - new
+            quiet = np.where(fall > small * new, 0, quiet + np.where(fall > 0, 2, 1))
             costs = new
             most = _KEEP[min(step, len(_KEEP) - 1)]
             going = np.argsort(costs)[: max(most, _WIDE) if wide else most]
@@ -101,7 +102,7 @@ def _agreeing(costs: Array, i: int) -> int:
 def _step(problem: MachineProblem, U: Array, costs: Array, damping: Array) -> tuple[Array, Array, Array]:
     """One step of each start: the best of several dampings."""
     n = U.shape[1]
-    r, J = problem.slopes(U, np.full(n, STEP))
+    r, J = problem.slopes(U, np.full(n, problem.step))
     trials = [
         U[p] + direction(r[p], J[p], U[p], problem, damping[p] * share) for p in range(len(U)) for share in _DAMPINGS
     ]
@@ -157,7 +158,7 @@ def relaxed(problem: MachineProblem, points: Array, held: list[int], rounds: int
     """The points with all coordinates but the one held moved to where the cost is least, and the cost."""
     costs = half_squares(problem.residuals(points))
     for _ in range(rounds):
-        r, J = problem.slopes(points, np.full(points.shape[1], STEP))
+        r, J = problem.slopes(points, np.full(points.shape[1], problem.step))
         trials = []
         for p, k in enumerate(held):
             for damping in (1e-6, 1e-2):

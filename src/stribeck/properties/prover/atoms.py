@@ -26,8 +26,7 @@ def power(leaf: Leaf, node: Expr, base: Quotient, exponent: Quotient) -> Quotien
         Unclear: it may have no value, or the base may be negative.
     """
     ring = leaf.ring
-    fixed = exponent.top.is_constant() and exponent.bottom.is_constant()
-    value = (Fraction(0) if exponent.is_zero else rational(exponent)) if fixed else None
+    value = exponent.rational
     if value is not None and value.denominator == 1 and abs(value) <= _MOST:
         return _whole(leaf, base, int(value))
     if base.is_zero and leaf.signs(exponent)[0] and leaf.signs(exponent)[2]:
@@ -160,9 +159,9 @@ def _special(leaf: Leaf, op: str, index: int, x: Quotient, node: Expr) -> bool:
 def _root(leaf: Leaf, index: int, x: Quotient) -> bool:
     """sqrt(x) = u + r c, for x = u^2 + r^2."""
     rest = leaf.ring.apply("sub", x, leaf.ring.apply("mul", leaf.ring.u, leaf.ring.u))
-    if not (rest.top.is_constant() and rest.bottom.is_constant() and leaf.signs(rest)[0]) or leaf.places[1] is None:
+    square = rest.rational
+    if square is None or square < 0 or leaf.places[1] is None:
         return False
-    square = rational(rest) if not rest.is_zero else Fraction(0)
     r = _root_above(square)
     return leaf.put(index, leaf.places[1] + leaf.number(r) * leaf.fresh(), None, "root", "u", r)
 
@@ -221,12 +220,6 @@ def ranged(leaf: Leaf, atom: Quotient, node: Expr, of: Quotient | None = None) -
     return atom
 
 
-def rational(x: Quotient) -> Fraction:
-    """The number that a constant normal form is."""
-    value = x.top.leading_coefficient() / x.bottom.leading_coefficient()
-    return Fraction(int(value.p), int(value.q))
-
-
 def _of_half_pi(x: float, upper: bool) -> Fraction:
     """A bound of atan as a share of pi/2."""
     if abs(x) >= PI[0] / 2:
@@ -249,11 +242,8 @@ def _falling(op: str, y: Range) -> tuple[Fraction, Fraction]:
 
 def _quarter(ring: Ring, op: str, x: Quotient) -> int | None:
     """sin or cos of a whole multiple of pi/2."""
-    ratio = ring.apply("div", ring.apply("mul", x, ring.constant(Fraction(2))), ring.pi)
-    if not (ratio.top.is_constant() and ratio.bottom.is_constant()):
-        return None
-    value = rational(ratio)
-    if value.denominator != 1:
+    value = ring.apply("div", ring.apply("mul", x, ring.constant(Fraction(2))), ring.pi).rational
+    if value is None or value.denominator != 1:
         return None
     return (0, 1, 0, -1)[(int(value) + (1 if op == "cos" else 0)) % 4]
 

@@ -353,7 +353,7 @@ class Leaf:
             bottom = bottom * under[i][int(degrees[i])]
         return total, bottom
 
-    def certificate(self, nodes: set[int] | None = None) -> list[tuple[Expr, list[Json]]]:
+    def certificate(self) -> list[tuple[Expr, list[Json]]]:
         """The atoms used, with their rules."""
         return [(self.ring.atoms[i], rule) for i, rule in self.listed.items()]
 

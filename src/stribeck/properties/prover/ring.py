@@ -33,12 +33,22 @@ class Quotient:
     top: Polynomial
     bottom: Polynomial
     number: int
-    _factors: dict[str, Polynomial] = field(default_factory=dict)
+    _factors: dict[str, tuple[Polynomial, list[tuple[Polynomial, int]]]] = field(default_factory=dict)
 
     @cached_property
     def is_zero(self) -> bool:
         """Whether it is 0 identically."""
         return bool(self.top.is_zero())
+
+    @cached_property
+    def rational(self) -> Fraction | None:
+        """The rational number that it is; None where it is none."""
+        if self.is_zero:
+            return Fraction(0)
+        if not (self.top.is_constant() and self.bottom.is_constant()):
+            return None
+        value = self.top.leading_coefficient() / self.bottom.leading_coefficient()
+        return Fraction(int(value.p), int(value.q))
 
     def factors(self, which: str) -> tuple[Polynomial, list[tuple[Polynomial, int]]]:
         """A number and factors with their powers: of ``top`` or of ``bottom``."""
@@ -49,7 +59,7 @@ class Quotient:
             else:
                 content, found = polynomial.factor()
                 self._factors[which] = (content, [(f, int(k)) for f, k in found])
-        return self._factors[which]  # type: ignore[no-any-return]
+        return self._factors[which]
 
 
 class Ring:

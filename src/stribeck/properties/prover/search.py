@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from math import log
+from math import frexp, ldexp, log
 
 from stribeck.expressions.graph import Expr, ordered
 from stribeck.expressions.ranges import INF, Box, Range
@@ -314,12 +314,10 @@ def _width(a: Axis, inside: Sequence[Fraction]) -> tuple[float, Fraction | None]
     else:
         short = _short(middle)
         middle = short if a.low < short < a.high else middle
-    return log(ratio) + 0.0, middle
+    return log(ratio), middle
 
 
 def _short(x: Fraction) -> Fraction:
     """A number near x with few binary digits, which keeps the arithmetic quick."""
-    from math import frexp, ldexp
-
     m, e = frexp(float(x))
     return Fraction(ldexp(round(m * 64), e - 6)) if m else x

@@ -1,0 +1,223 @@
+"""The scenario of a fit, driven as its record was, and what was measured, to be shown beside the simulation."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+
+from stribeck import laws
+from stribeck.arrays import Array
+from stribeck.constants import show
+from stribeck.errors import InputError, arg
+from stribeck.files import read_file
+from stribeck.identify import api, predict
+from stribeck.identify.actuator.coordinates import NEUTRAL
+from stribeck.identify.actuator.recordings import Recording, read_logs
+from stribeck.identify.actuator.runs import Compared
+from stribeck.identify.actuator.starts import begun
+from stribeck.identify.data.prepare import Preparation
+from stribeck.identify.data.read import ColumnNames
+from stribeck.identify.log import Log
+from stribeck.laws.base import PARAMETERS, Law
+from stribeck.scenario import Scenario
+from stribeck.simulation import simulate
+
+_PARTS = (0.03, 0.1, 0.3, 1.0)  # of the record, to which the start is fitted one after the other
+_MOST = 6000  # rows of a record that a page shows, from its beginning
+
+
+@dataclass(frozen=True)
+class Beside:
+    """What was measured: where it is from, and each column against its times."""
+
+    about: str
+    columns: dict[str, tuple[Array, Array]]
+    given: tuple[str, ...] = ()  # those that drive the simulation, so that nothing is to be compared
+
+    def as_data(self) -> dict[str, object]:
+        """For the page: times that are even by their step alone."""
+        lists = {
+            name: {"t": _even(t) or _short(t), "x": _short(x, float(abs(x).max(initial=0)))}
+            for name, (t, x) in self.columns.items()
+        }
+        return {"about": self.about, "columns": lists, "given": self.given}
+
+
+def _even(t: Array) -> float | None:
+    step = float(t[-1]) / max(len(t) - 1, 1)
+    return step if step > 0 and np.allclose(t, step * np.arange(len(t)), rtol=0, atol=1e-6 * step) else None
+
+
+@dataclass(frozen=True)
+class Report:
+    """What a folder holds: the scenario; of a fit, the interval of each number by its path, and what was measured."""
+
+    scenario: Scenario
+    intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
+    measured: Beside | None = None
+
+
+def of_fit(folder: Path, trust: bool) -> Report:
+    """What was fitted to a record: the law along the measured motion, or under the measured force where the motion was fitted.
+
+    Raises:
+        InputError: the record is gone, or cannot be read as then.
+    """
+    model = predict.load(folder)
+    try:
+        kept = json.loads(read_file(folder / predict.FILE))
+        files = [folder / str(name) for name in kept["files"]]
+    except KeyError:
+        raise InputError(
+            f"{arg('report')}: {show(str(folder))}: was written before records were named in it; must be fitted again"
+        ) from None
+    reading = ColumnNames(dict(model.columns), dict(model.units), model.force_gain)
+    simulated = model.method != "static" and api.is_simulated([model.law], None)
+    log = api.log_of(files, reading, Preparation(model.cutoff, None, simulated))
+    first = next(log.runs())
+    log = log.rows(slice(first.start, min(first.stop, first.start + _MOST)))
+    by_force = kept.get("output") in ("position", "velocity") and kept.get("drive") is None
+    scenario = _scenario(files[0].stem, model, log, by_force, trust)
+    if by_force:
+        scenario = _begun(scenario, log)
+    return Report(scenario, _intervals(folder, scenario.law), _measured(model, log, by_force, files))
+
+
+def _scenario(name: str, model: predict.FittedModel, log: Log, by_force: bool, trust: bool) -> Scenario:
+    kind = laws.find(model.law)
+    values = {n: x for n, x in model.values.items() if n in kind.constants()}
+    machine = {n: values.pop(n) for n in list(values) if n in PARAMETERS}
+    law = {"name": model.law, **values, **({"parameters": machine} if machine else {})}
+    t = log.time - log.time[0]
+    value = log.force - predict.beside(model, log, without=("mass",)) if by_force else log.velocity
+    start = {"y": float(log.position[0])} | ({"v": float(log.velocity[0])} if by_force else {})
+    if kind.has_z:  # as bristles are that have slid at this speed
+        start["z"] = float(kind({**values, **machine}).steady_deflection(float(log.velocity[0])))
+    drive = {"kind": "force" if by_force else "velocity"}
+    plant: dict[str, object] = {"initial": start}
+    if by_force:
+        plant["mass"] = float(model.values["mass"])
+    return Scenario(
+        {
+            "schema": 1, "name": name, "law": law, "plant": plant,
+            "drive": {**drive, "signal": {"kind": "points", "t": _short(t), "value": _short(value, float(abs(value).max()))}},
+            "solve": {"t_end": float(t[-1])}, "output": {"step": float(log.step)},
+        },
+        folder=Path(), trust=trust,
+    )  # fmt: skip
+
+
+def _begun(scenario: Scenario, log: Log) -> Scenario:
+    """With the start, bristles too, from which the simulation follows the measured position: from a short part of it on."""
+    from scipy.optimize import least_squares
+
+    t, y = log.time - log.time[0], log.position
+    scales = scenario.law.scales(scenario.law.p)
+    size = {"y": scales.length, "v": scales.speed, "z": scales.length}
+    start = {n: x for n, x in scenario.initial.items() if n in size}
+    begin = np.array([start[n] / size[n] for n in start])
+
+    def changed(u: Array, end: float) -> Scenario:
+        values = {f"plant.initial.{n}": float(x) * size[n] for n, x in zip(start, u, strict=True)}
+        return scenario.with_changes({**values, "solve.t_end": end})
+
+    for share in _PARTS:
+        rows = max(int(share * len(t)), 8)
+
+        def missed(u: Array, rows: int = rows) -> Array:
+            found = simulate(changed(u, float(t[rows - 1])))["y"]
+            left = np.full(rows, y[:rows].std() + scales.length)
+            left[: len(found)] = found[:rows] - y[: len(found)]
+            return left / scales.length
+
+        best = least_squares(missed, begin, diff_step=[1e-3] * len(start), max_nfev=20)
+        if best.cost < 0.5 * float(missed(begin) @ missed(begin)):
+            begin = best.x
+    return changed(begin, scenario.solve.t_end)
+
+
+def _measured(model: predict.FittedModel, log: Log, by_force: bool, files: list[Path]) -> Beside:
+    t, name = log.time - log.time[0], ", ".join(path.name for path in files)
+    about = f"{name}, the first {len(log)} rows"
+    if by_force:
+        return Beside(about, {"y": (t, log.position), "v": (t, log.velocity)})
+    left = [n for n in model.body if n in ("delay",) or n.startswith(("F_c_by", "sigma_2_by"))]
+    if left:
+        about += f"; the curve has no {', '.join(left)}, which the fit has"
+    friction = log.force - predict.beside(model, log)
+    return Beside(about, {"y": (t, log.position), "v": (t, log.velocity), "F": (t, friction)}, ("y", "v"))
+
+
+def _intervals(folder: Path, law: Law) -> dict[str, tuple[float, float]]:
+    """The intervals that parameters.toml tells, by the path of each number."""
+    found = _toml(folder / "parameters.toml")
+    paths = {n: f"law.parameters.{n}" if n in PARAMETERS else f"law.{n}" for n in law.constants()}
+    tables = (found.get(name) for name in ("parameters", "body"))
+    told: dict[str, object] = {n: x for table in tables if isinstance(table, Mapping) for n, x in table.items()}
+    return _ends({paths.get(n, "plant.mass" if n == "mass" else n): x for n, x in told.items()})
+
+
+def _ends(told: Mapping[str, object]) -> dict[str, tuple[float, float]]:
+    found = {}
+    for path, x in told.items():
+        low, high = (x.get("low"), x.get("high")) if isinstance(x, Mapping) else (None, None)
+        if isinstance(low, float) and isinstance(high, float):
+            found[path] = (low, high)
+    return found
+
+
+def of_machine_fit(folder: Path, trust: bool) -> Report:
+    """The fitted machine in its first recording.
+
+    Raises:
+        InputError: a file is gone or cannot be read.
+    """
+    kept = _toml(folder / "parameters.toml")
+    logs = kept.get("logs")
+    if not isinstance(logs, str) or not (folder / "machine.toml").is_file():
+        must = "must be a folder of a fit that is done (its parameters.toml names the logs; machine.toml is beside it)"
+        raise InputError(f"{arg('report')}: {show(str(folder))}: {must}")
+    parameters = cast("Mapping[str, Mapping[str, float]]", kept["parameters"])
+    value = {name: float(each["value"]) for name, each in parameters.items()}
+    scenario = Scenario.load(folder / "machine.toml", {}, trust=trust)
+    recording = read_logs(folder / logs, needs_unknown=False).recordings[0]
+    end = float(recording.t[min(len(recording.t), _MOST) - 1])
+    run, begins = begun(scenario, recording, 0, set(parameters), (0.0, end))
+    start = run.start | {
+        path: share * value[c.name] for c in begins if c.name in value for path, share in c.targets.items()
+    }
+    columns = {each.column: _true(each, value) for each in run.targets}
+    about = f"{Path(recording.file).name}, {_part(recording, end)}"
+    return Report(
+        run.scenario.with_changes(start) if start else run.scenario, _ends(parameters), Beside(about, columns)
+    )
+
+
+def _toml(path: Path) -> dict[str, object]:
+    try:
+        return tomllib.loads(read_file(path).decode())
+    except (OSError, ValueError):
+        return {}
+
+
+def _part(recording: Recording, end: float) -> str:
+    whole = float(recording.t[-1])
+    return "the whole record" if end >= whole else f"its first {end:.4g} s of {whole:.4g} s"
+
+
+def _true(reading: Compared, value: Mapping[str, float]) -> tuple[Array, Array]:
+    """A reading without what its sensor adds, where that was fitted."""
+    of = {what: value.get(f"outputs.{reading.column}.{what}", neutral) for what, neutral in NEUTRAL.items()}
+    return reading.t - of["delay"] - of["clock"] * reading.t, (reading.x - of["offset"]) / of["gain"]
+
+
+def _short(x: Array, size: float = 0.0) -> list[float]:
+    """Numbers in as few letters as keep nine figures of the largest."""
+    digits = 9 if size == 0 else 9 - int(np.floor(np.log10(size))) - 1
+    return [round(float(value), digits) for value in x]

@@ -1,0 +1,92 @@
+"""Whole recordings, followed from their beginnings on: as far as the numbers allow, then a little farther.
+
+The cost of a whole recording has many minima where one slip more or less changes everything that comes after; up to
+there it has one. So each recording is fitted as far as it is followed, which makes the numbers better, which makes it
+followed farther, until its end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.solve import search
+from stribeck.identify.work import Stopped
+
+_LEVELS = 16  # parts of a recording
+_FOLLOWED = 0.1  # of a column's changes: a larger error is no longer followed
+_FARTHER = 1.25
+_ROUNDS = 24
+_STUCK = 3
+_STEPS, _MORE_STEPS = 3, 10
+_SMALL = 1e-3
+
+
+def continued(problem: MachineProblem, u: Array, keep: Callable[[Array, float], None] | None) -> tuple[Array, float]:
+    """The point from where whole recordings can be fitted, or the one that follows them farthest; and the share of them
+    that is followed, 1 for all.
+
+    Raises:
+        Stopped: Ctrl-C; what was found so far went to ``keep``.
+    """
+    parts: dict[tuple[int, int], RecordedRun] = {}
+    reached, stuck, best = _followed(problem, u), 0, u
+    for _ in range(_ROUNDS):
+        if (reached == _LEVELS).all() or stuck == _STUCK:
+            break
+        levels = np.minimum(np.maximum(np.ceil(_FARTHER * reached), reached + 1), _LEVELS).astype(int)
+        part = _until(problem, levels, parts)
+        found = search(part, 1, 0, best, keep, steps=_MORE_STEPS if stuck else _STEPS, small=_SMALL)
+        if found.stopped:
+            raise Stopped
+        now = _followed(problem, found.u)
+        if now.sum() > reached.sum():
+            reached, best, stuck = now, found.u, 0
+        else:
+            stuck += 1
+            best = found.u
+    return best, float(reached.mean()) / _LEVELS
+
+
+def _followed(problem: MachineProblem, u: Array) -> Array:
+    """By run: how many of its parts are followed, at least one."""
+    r = problem.residuals(u[None])[0]
+    found = np.full(len(problem.runs), _LEVELS)
+    for k, run in enumerate(problem.runs):
+        at = int(problem.first[k])
+        for target in run.targets:
+            error = abs(r[at : at + len(target.t)]) * problem.noise[target.column]
+            lost = np.flatnonzero(~(error <= _FOLLOWED * max(float(np.std(target.x)), 1e-300)))
+            if len(lost):
+                share = target.t[lost[0]] / run.scenario.end
+                found[k] = min(found[k], max(int(share * _LEVELS), 1))
+            at += len(target.t)
+    return found
+
+
+def _until(problem: MachineProblem, levels: Array, parts: dict[tuple[int, int], RecordedRun]) -> MachineProblem:
+    """The problem with each run up to one of its parts."""
+    runs = []
+    for k, (run, level) in enumerate(zip(problem.runs, levels, strict=True)):
+        if level == _LEVELS:
+            runs.append(run)
+            continue
+        if (k, level) not in parts:
+            parts[k, level] = _cut(run, int(level))
+        runs.append(parts[k, level] if parts[k, level].size else run)
+    return replace(problem, runs=runs)
+
+
+def _cut(run: RecordedRun, level: int) -> RecordedRun:
+    """The first parts of a run."""
+    step = run.scenario.output.step
+    end = max(round(run.scenario.end * level / _LEVELS / step), 2) * step
+    targets = [replace(t, t=t.t[t.t <= end], x=t.x[t.t <= end]) for t in run.targets]
+    return replace(
+        run, scenario=run.scenario.with_changes({"solve.t_end": end}), targets=[t for t in targets if len(t.t)]
+    )

@@ -1,0 +1,117 @@
+"""Explorers of fits: the record drives the scenario, what was measured lies beside it, intervals are on the sliders."""
+
+import json
+import re
+import shutil
+
+import numpy as np
+import pytest
+
+from stribeck import InputError, Scenario, simulate
+from stribeck.explore import explorer_page
+from stribeck.explore.report import of_folder
+from tests.cli.conftest import stribeck  # noqa: F401
+from tests.simulation.rig import needs_compiler
+
+pytestmark = needs_compiler
+TRUE = {"sigma_0": 1e4, "sigma_1": 30.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 0.01}
+OFFSET, NOISE = 0.2, 1e-6
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory):
+    """A body under a force that also carries an offset: position with noise, force."""
+    path = tmp_path_factory.mktemp("record") / "log.csv"
+    signal = {"kind": "sine", "amplitude": 2.5, "frequency": 1.0}
+    found = simulate(
+        Scenario(
+            law={"name": "lugre", "parameters": TRUE}, plant={"mass": 1.1}, drive={"kind": "force", "signal": signal},
+            solve={"t_end": 4.0}, output={"step": 0.004},
+        )
+    )  # fmt: skip
+    noise = NOISE * np.random.default_rng(1).standard_normal(len(found.t))
+    columns = np.c_[found.t, found["y"] + noise, found["v"], found["u"] + OFFSET]
+    np.savetxt(path, columns, delimiter=",", header="t,y,v,u", comments="", fmt="%.12g")
+    return path
+
+
+def fitted(stribeck, record, out, *more):  # noqa: F811
+    words = ("--time", "t", "--position", "y", "--velocity", "v", "--force", "u", "--mass", "1.1")
+    assert stribeck("fit", record, *words, *more, "--out", out).status == 0
+    return out
+
+
+def test_a_fitted_motion_runs_under_the_measured_force(stribeck, record, tmp_path):  # noqa: F811
+    sought = ("--method", "dynamic", "--output", "position", "--law", "lugre", "--starts", "2")
+    given = [f"{n}={x}" for n, x in TRUE.items() if n not in ("F_c", "sigma_2")]
+    folder = fitted(stribeck, record, tmp_path / "fit", *sought, *(w for g in given for w in ("--set", g)))
+    found = of_folder(folder, {}, trust=False)
+    low, high = found.intervals["law.parameters.F_c"]
+    assert low < found.scenario.law.machine["F_c"] < high
+    _, y = found.measured.columns["y"]
+    assert np.sqrt(np.mean((simulate(found.scenario)["y"][: len(y)] - y) ** 2)) < 4 * NOISE
+    assert found.measured.given == ()
+
+
+def test_a_static_fit_runs_along_the_measured_motion(stribeck, record, tmp_path):  # noqa: F811
+    folder = fitted(stribeck, record, tmp_path / "fit", "--law", "coulomb_viscous", "--no-select")
+    found = of_folder(folder, {}, trust=False)
+    assert found.measured.given == ("y", "v")
+    friction, moving = found.measured.columns["F"][1], abs(found.measured.columns["v"][1]) > 0.05
+    shown = simulate(found.scenario)["F"]
+    assert np.std(shown[moving] - friction[moving]) < 0.1 * np.std(friction)
+    assert (
+        abs(np.mean(friction[moving & (shown > 0)]) + np.mean(friction[moving & (shown < 0)])) < 0.1
+    )  # no offset left
+
+
+def test_a_record_that_is_gone_is_one_line(stribeck, record, tmp_path):  # noqa: F811
+    copy = tmp_path / "copy.csv"
+    shutil.copy(record, copy)
+    folder = fitted(stribeck, copy, tmp_path / "fit", "--law", "coulomb_viscous", "--no-select")
+    copy.unlink()
+    found = stribeck("explore", "--report", folder)
+    assert found.status == 2
+    assert "copy.csv" in found.err
+    assert found.err.count("\n") == 1
+    kept = json.loads((folder / "fit.json").read_text())
+    kept.pop("files")
+    (folder / "fit.json").write_text(json.dumps(kept))
+    with pytest.raises(InputError, match="must be fitted again"):
+        of_folder(folder, {}, trust=False)
+
+
+def test_a_fitted_machine_is_shown_in_its_first_recording(stribeck, tmp_path):  # noqa: F811
+    import tomli_w
+
+    from tests.identify.actuator.recorded import NOISE as ENCODER
+    from tests.identify.actuator.recorded import body, logs, record
+
+    truth = body()
+
+    def shifted(table):
+        return table | {"y": table["y"] + 0.003}
+
+    record(tmp_path / "a.csv", truth, change=shifted)
+    (tmp_path / "axis.toml").write_text(tomli_w.dumps(truth))
+    sought = {
+        "contacts.guide.law.parameters.F_c": {"low": 0.5, "high": 2.0},
+        "outputs.a.y.offset": {"low": -0.1, "high": 0.1},
+    }
+    listed = logs(tmp_path, ["a.csv"], sought)
+    words = ("--logs", listed, "--starts", "1", "--out", tmp_path / "fit")
+    assert stribeck("fit", tmp_path / "axis.toml", *words).status == 0
+    found = of_folder(tmp_path / "fit", {}, trust=False)
+    _, y = found.measured.columns["a.y"]
+    assert (
+        np.sqrt(np.mean((simulate(found.scenario)["a.y"] - y) ** 2)) < 1.3 * ENCODER
+    )  # the sensor's offset is taken off
+    low, high = found.intervals["contacts.guide.law.parameters.F_c"]
+    assert low < 1.0 < high
+    pytest.importorskip("ziglang")
+    pytest.importorskip("bokeh")
+    text = explorer_page(found.scenario, fitted=found.intervals, beside=found.measured)
+    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', text, re.S)[1])
+    assert data["measured"]["columns"]["a.y"]["t"] == pytest.approx(0.01)
+    assert {n["path"]: n["interval"] for n in data["numbers"]}["contacts.guide.law.parameters.F_c"] == [low, high]
+    assert not any(".signal." in n["path"] for n in data["numbers"])  # a record is no set of numbers to turn

@@ -1,0 +1,75 @@
+"""Where the verdict changes along one number: what is named of verdicts that are known."""
+
+import math
+
+import numpy as np
+import pytest
+
+from stribeck import Scenario
+from stribeck.loops import boundary
+from stribeck.loops.boundary import Turned, line
+from stribeck.loops.judge import Judgement
+from stribeck.loops.loop import loop_of
+from stribeck.report.design import mixed_sentence
+from tests.loops.axis import axis
+
+PATH = "controllers.hold.K_p"
+
+
+def along(monkeypatch, verdict, low=100.0, high=800.0):
+    """What is named where the verdict at each value is what ``verdict`` says."""
+
+    def judge(_, values):
+        return [Judgement(verdict(x), "a", 0.0, 0.0) for x in values[PATH].tolist()]
+
+    monkeypatch.setattr(boundary, "judge", judge)
+    return line(loop_of(Scenario(axis())), Turned(PATH, low, high))
+
+
+def test_a_plain_change_is_a_boundary(monkeypatch):
+    found = along(monkeypatch, lambda x: "quiet" if x < 333.3 else "hunting")
+    (named,) = found.boundaries
+    assert named.low <= 333.3 <= named.high
+    assert named.value == pytest.approx(333.3, rel=1e-3)
+    assert (named.below, named.above, named.sure) == ("quiet", "hunting", True)
+    assert not found.mixed
+
+
+def test_one_near_zero_is_found_as_finely(monkeypatch):
+    (named,) = along(monkeypatch, lambda x: "quiet" if x < 1.7 else "hunting", 0.0, 1000.0).boundaries
+    assert named.value == pytest.approx(1.7, rel=0.02)
+
+
+def test_what_changes_everywhere_has_no_boundary(monkeypatch):
+    """Twelve changes of a first grid were named as boundaries, and said to hold 5 % away, where nothing had been simulated."""
+    found = along(monkeypatch, lambda x: "quiet" if round((x - 100.0) * 12 / 700) % 2 else "hunting")
+    assert not found.boundaries
+    (mixed,) = found.mixed
+    assert (mixed.low, mixed.high) == (found.values[0], found.values[-1])
+
+
+@pytest.mark.parametrize(
+    ("verdict", "named", "mixed"),
+    [
+        # a lane caught on its way between rest and a cycle
+        (lambda x: "quiet" if x < 420 else "creeping" if x < 421 else "hunting", [420], []),
+        # a cycle over less than 5 %: what is 5 % beside its ends rests
+        (lambda x: "hunting" if 388 < x < 396 else "quiet", [], [(388, 396)]),
+        # over more: two boundaries
+        (lambda x: "hunting" if 390 < x < 460 else "quiet", [390, 460], []),
+        # now this, now that over 8 %: between rest and a cycle lies no number
+        (lambda x: "quiet" if x < 400 else "hunting" if x > 432 or math.sin(x) > 0 else "creeping", [], [(400, 432)]),
+    ],
+)
+def test_beside_what_is_named_the_verdicts_hold(monkeypatch, verdict, named, mixed):
+    """Boundaries stood 5 % beside which other verdicts stood."""
+    found = along(monkeypatch, verdict)
+    assert [b.value for b in found.boundaries] == pytest.approx(named, rel=5e-3)
+    assert [x for m in found.mixed for x in (m.low, m.high)] == pytest.approx(np.ravel(mixed).tolist(), rel=0.03)
+    for b in found.boundaries:
+        for share, said in ((0.95, b.below), (1.05, b.above)):
+            assert verdict(share * b.value) == said
+    for m in found.mixed:
+        assert verdict(0.95 * m.low) == m.below
+        assert verdict(1.05 * m.high) == m.above
+        assert m.below in mixed_sentence(m)

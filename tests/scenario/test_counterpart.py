@@ -1,0 +1,97 @@
+"""A law on a single body with the names of a machine: drawn, judged, and the same motion."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+from stribeck import InputError, Scenario, examples, simulate
+from stribeck.cli import _status
+from stribeck.loops import design, loop_and_controller
+from stribeck.scenario.counterpart import as_machine, machine_path
+from stribeck.simulation import compiler
+from tests.simulation.rig import needs_compiler
+
+ENDS = {"break_away": 2.0, "stick_slip": 4.0, "hysteresis": 2.0, "limit_cycle": 4.0, "servo": 0.5}
+OTHERS = {"y": "body.y", "v": "body.v", "z": "contact.z", "F": "contact.F"}
+
+
+def short(name):
+    data = tomllib.loads(examples.path(name).read_text())
+    data["solve"]["t_end"], data["output"] = ENDS[name], {"step": ENDS[name] / 50}
+    return Scenario(data)
+
+
+@needs_compiler
+@pytest.mark.parametrize("name", ENDS)
+def test_the_motion_is_the_same(name, monkeypatch):
+    monkeypatch.setattr(compiler, "_FLAGS", ("-O0", "-fPIC", "-shared", "-fvisibility=hidden"))  # each is run once
+    one = simulate(short(name))
+    many = simulate(as_machine(short(name)))
+    assert (one.reason, many.reason) == (None, None)
+    for old, new in OTHERS.items():
+        np.testing.assert_allclose(many[new], one[old], rtol=0, atol=1e-6 * np.max(np.abs(one[old])), err_msg=new)
+
+
+def test_show_draws_it(capsys):
+    drawn = {
+        "stick_slip": ("link", "spring", "~spring", "body"), "break_away": ("load", "force", "body", None),
+        "limit_cycle": ("controller", "controller", "body", "body"), "servo": ("controller", "controller", "body", "body"),
+    }  # fmt: skip
+    for name, wanted in drawn.items():
+        assert _status(["show", str(examples.path(name)), "--json"]) == 0
+        elements = json.loads(capsys.readouterr().out)["elements"]
+        found = {e["kind"]: (e["kind"], e["name"], e["from"], e["to"]) for e in elements}
+        assert found["contact"] == ("contact", "contact", "body", "ground")
+        assert found[wanted[0]] == wanted
+
+
+def test_a_machine_stays_as_it_is():
+    machine = Scenario.load(examples.path("belt"))
+    assert as_machine(machine) is machine
+
+
+def test_paths():
+    assert machine_path("law.parameters.F_c=1:2") == "contacts.contact.law.parameters.F_c=1:2"
+    assert machine_path("drive.K_p") == "controllers.controller.K_p"
+    assert machine_path("plant.mass") == "bodies.body.mass"
+    assert machine_path("K_p") == "K_p"
+
+
+OWN = """
+from stribeck.plants import Mass
+
+class Heavy(Mass):
+    kind, meaning = "heavy", "a mass by another name"
+"""
+
+
+def test_a_plant_of_ones_own_has_no_table(tmp_path):
+    (tmp_path / "own.py").write_text(OWN)
+    data = tomllib.loads(examples.path("break_away").read_text())
+    data["plant"]["kind"] = "own.py:Heavy"
+    with pytest.raises(InputError, match=r"plant\.kind: 'own.py:Heavy': must be 'mass' or 'pneumatic' in a machine"):
+        as_machine(Scenario(data, folder=tmp_path))
+
+
+PID = {
+    "schema": 1, "name": "axis", "plant": {"mass": 1.0}, "solve": {"t_end": 5.0}, "output": {"step": 0.01},
+    "law": {"name": "lugre_majorant", "k_v": 1e5, "parameters": {
+        "sigma_0": 1e4, "sigma_1": 60.0, "sigma_2": 1.0, "F_c": 1.0, "F_s": 1.5, "v_s": 0.01}},
+    "drive": {"kind": "pid", "K_p": 50.0, "K_i": 80.0, "K_d": 8.0, "signal": {"kind": "step", "time": 0.1, "value": 0.05}},
+}  # fmt: skip
+
+
+def test_the_loop_of_a_pid_controller_is_judged():
+    loop, name = loop_and_controller(Scenario(PID))
+    assert name == "controller"
+    poles = np.roots([1.0, 8.0 + 1.0, 50.0, 80.0])  # mass, K_d + sigma_2, K_p, K_i
+    assert loop.slowest == pytest.approx(1 / min(-poles.real), rel=1e-6)
+    with pytest.raises(InputError, match="'spring': must be 'pid'"):
+        loop_and_controller(Scenario.load(examples.path("stick_slip")))
+
+
+def test_design_knows_the_paths_of_the_file():
+    with pytest.raises(InputError, match=r"controllers\.controller\.K_q"):
+        design(PID, vary=["drive.K_q=1:2"])
