@@ -68,13 +68,16 @@ class Variations:
     Args:
         scenario: what all lanes share.
         values: arrays of equal length by path, such as ``{"law.k_v": [1e6, 1e7]}``; a single number holds for all.
+        shift: what is added to states at t = 0, by name.
 
     Raises:
         InputError: a path is none that can be varied, or its values are no such arrays.
     """
 
-    def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
-        self.values = arrays(values)
+    def __init__(
+        self, scenario: Scenario, values: Mapping[str, ArrayLike], shift: Mapping[str, float] | None = None
+    ) -> None:
+        self.values, self.shift = arrays(values), dict(shift or {})
         off = {f"law.{name}" for name, x in scenario.law.values.items() if x is None} if scenario.rig.single else set()
         on = dict.fromkeys(off & self.values.keys(), 1.0)
         self.scenario = scenario.with_changes(on) if on else scenario  # the lanes have their own values
@@ -87,7 +90,7 @@ class Variations:
 
     def part(self, lanes: NDArray[np.int64]) -> Variations:
         """Some of the lanes."""
-        return Variations(self.scenario, {path: x[lanes] for path, x in self.values.items()})
+        return Variations(self.scenario, {path: x[lanes] for path, x in self.values.items()}, self.shift)
 
     def changes(self, lane: int) -> dict[str, float]:
         """What makes the scenario that of one lane, for :meth:`Scenario.with_changes`."""
@@ -120,7 +123,8 @@ class Variations:
         """The states at t = 0."""
         given = self.scenario.initial
         names = [state.name for state in self.scenario.system.states]
-        return self._table([self._varied.get(("initial", name), given.get(name, 0.0)) for name in names])
+        begin: Array = self._table([self._varied.get(("initial", name), given.get(name, 0.0)) for name in names])
+        return np.asarray(begin + [self.shift.get(name, 0.0) for name in names])
 
     def atol(self) -> Array:
         """The absolute tolerance of each state."""

@@ -13,7 +13,7 @@ from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, judge, transfer
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
-from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, estimate, traces
+from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, traces
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.recordings import Logs, read_logs
 from stribeck.identify.actuator.result import LogResult, MachineFit, Picked
@@ -162,8 +162,10 @@ class Fitting:
             why = "the model errs, or there is a better minimum: no intervals (more starts, or another law, may help)"
             notes.append(f"{'; '.join(coarse)}: {why}")
             notes += checks.hypotheses(best)
+        grown = [] if coarse or status != "done" else beyond_solver(best.problem, best.u)
+        notes += grown
         try:
-            judged = judge.judged(best, self.scenario, status == "done" and not coarse)
+            judged = judge.judged(best, self.scenario, status == "done" and not (coarse or grown))
         except (KeyboardInterrupt, Stopped):
             self.work.stop()
             status, reason = "stopped", "Ctrl-C: the best numbers, without intervals"
@@ -184,7 +186,9 @@ class Fitting:
         """Each recording against what the numbers make of it."""
         window = _window(best)
         return [
-            LogResult(r.file, r.hold_out, traces(self.scenario, r, i, best.problem.sought, values, window))
+            LogResult(
+                r.file, r.hold_out, traces(self.scenario, r, i, best.problem.sought, values, window, best.problem.runs)
+            )
             for i, r in self.numbered
         ]
 

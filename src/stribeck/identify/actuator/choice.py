@@ -245,7 +245,7 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
             else:
                 base = Scenario(result.data, folder=fit.scenario.folder)
                 scenario, sought = with_laws(base, fit.sought, dict.fromkeys(contacts, law), speeds)
-            best = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values)
+            best = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, values, thorough=False)
             errors = [held_out_error(fit, scenario, best, part) for part in (fit.fitted, fit.held)]
             found[label] = {"fitted": errors[0], "held_out": errors[1] if fit.held else None, "numbers": len(sought)}
         except StribeckError as error:

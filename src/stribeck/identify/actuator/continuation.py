@@ -20,48 +20,52 @@ from stribeck.identify.work import Stopped
 
 _LEVELS = 16  # parts of a recording
 _FOLLOWED = 0.1  # of a column's changes: a larger error is no longer followed
+_CLOSELY = 0.02  # the same, where errors may grow fast
 _FARTHER = 1.25
 _ROUNDS = 24
 _STUCK = 3
-_STEPS, _MORE_STEPS = 3, 10
+_STEPS, _MORE_STEPS = 3, 12
 _SMALL = 1e-3
 
 
-def continued(problem: MachineProblem, u: Array, keep: Callable[[Array, float], None] | None) -> tuple[Array, float]:
+def continued(
+    problem: MachineProblem, u: Array, keep: Callable[[Array, float], None] | None, careful: bool = False
+) -> tuple[Array, float]:
     """The point from where whole recordings can be fitted, or the one that follows them farthest; and the share of them
-    that is followed, 1 for all.
+    that is followed, 1 for all. ``careful``: part by part, each to
+    its best numbers, as chaotic motion asks for.
 
     Raises:
         Stopped: Ctrl-C; what was found so far went to ``keep``.
     """
     parts: dict[tuple[int, int], RecordedRun] = {}
-    reached, stuck, best = _followed(problem, u), 0, u
+    limit, steps = (_CLOSELY, _MORE_STEPS) if careful else (_FOLLOWED, _STEPS)
+    reached, stuck, best = _followed(problem, u, limit), 0, u
+    most = np.ones(len(problem.runs)) if careful else np.full(len(problem.runs), float(_LEVELS))
     for _ in range(_ROUNDS):
-        if (reached == _LEVELS).all() or stuck == _STUCK:
+        if ((reached == _LEVELS) & (most >= _LEVELS)).all() or stuck == _STUCK:
             break
-        levels = np.minimum(np.maximum(np.ceil(_FARTHER * reached), reached + 1), _LEVELS).astype(int)
+        most = np.minimum(np.ceil(_FARTHER * most), _LEVELS)
+        levels = np.minimum(np.maximum(np.ceil(_FARTHER * reached), reached + 1), most).astype(int)
         part = _until(problem, levels, parts)
-        found = search(part, 1, 0, best, keep, steps=_MORE_STEPS if stuck else _STEPS, small=_SMALL)
+        found = search(part, 1, 0, best, keep, steps=_MORE_STEPS if stuck else steps, small=_SMALL)
         if found.stopped:
             raise Stopped
-        now = _followed(problem, found.u)
-        if now.sum() > reached.sum():
-            reached, best, stuck = now, found.u, 0
-        else:
-            stuck += 1
-            best = found.u
+        now = _followed(problem, found.u, limit)
+        moved = now.sum() > reached.sum() or (careful and (now >= levels).all())
+        reached, best, stuck = now, found.u, 0 if moved else stuck + 1
     return best, float(reached.mean()) / _LEVELS
 
 
-def _followed(problem: MachineProblem, u: Array) -> Array:
+def _followed(problem: MachineProblem, u: Array, limit: float = _FOLLOWED) -> Array:
     """By run: how many of its parts are followed, at least one."""
     r = problem.residuals(u[None])[0]
     found = np.full(len(problem.runs), _LEVELS)
     for k, run in enumerate(problem.runs):
         at = int(problem.first[k])
         for target in run.targets:
-            error = abs(r[at : at + len(target.t)]) * problem.noise[target.column]
-            lost = np.flatnonzero(~(error <= _FOLLOWED * max(float(np.std(target.x)), 1e-300)))
+            most = limit * max(float(np.std(target.x)), 1e-300) / problem.noise[target.column]
+            lost = np.flatnonzero(~(abs(r[at : at + len(target.t)]) <= most))
             if len(lost):
                 share = target.t[lost[0]] / run.scenario.end
                 found[k] = min(found[k], max(int(share * _LEVELS), 1))

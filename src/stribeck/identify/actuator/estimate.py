@@ -13,7 +13,8 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Trace
-from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.identify.actuator.runs import RecordedRun, unshifted
+from stribeck.identify.actuator.shooting import joined_stretches
 from stribeck.identify.actuator.solve import Found, half_squares, scanned, search
 from stribeck.identify.actuator.starts import begun, stretches
 from stribeck.identify.work import Stopped, Work
@@ -29,6 +30,9 @@ _AGREEING = 3
 _STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
 _SHORTEST = 0.2  # s
 _ROUGH = 12  # steps of the search in stretches
+_COMPUTED = 0.5  # deviations of a number: what ten times the solver's error may move it by
+_CAREFUL = 2  # points from which whole recordings are followed part by part
+_AS_WELL = 1.2  # times what free stretches leave
 _ENOUGH = 6  # recordings in which starts are compared
 _LOOSE = 1e-6  # rtol, far from the best numbers
 _FAR_STEP = 1e-3  # of a coordinate, for slopes there
@@ -77,6 +81,24 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
         if least > 0 and left > most * least:
             told.append(f"{column}: {left:.2g} is left, {left / least:.0f} times what changes from sample to sample")
     return told
+
+
+def beyond_solver(problem: MachineProblem, u: Array) -> list[str]:
+    """Whether ten times the solver's error could move a number by a good part of its deviation, in words: errors grow so
+    fast that slopes over whole recordings tell more than can be computed."""
+    runs = []
+    for run in problem.runs:
+        scenario = run.scenario.with_changes({"solve.rtol": min(10 * run.scenario.solve.rtol, 1e-3)})
+        runs.append(replace(run, scenario=scenario))
+    off = replace(problem, runs=runs).residuals(u[None])[0] - problem.residuals(u[None])[0]
+    size = float(np.linalg.norm(off))  # no number can move by more of its deviations
+    if size <= _COMPUTED:
+        return []
+    worst = max(range(len(runs)), key=lambda k: np.linalg.norm(off[problem.first[k] : problem.first[k + 1]]))
+    return [
+        f"{runs[worst].name}: the motion lets errors grow so fast that the solver's could move numbers by {size:.2g} of their "
+        "deviations (chaotic, or unstable): no intervals (shorter recordings have them, or a smaller solve.rtol)"
+    ]
 
 
 def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
@@ -139,16 +161,17 @@ def prepared(
     return runs, starts if free else []
 
 
-def remembers(scenario: Scenario) -> bool:
-    """Whether the machine holds what no stretch can begin with: a controller's integral, or its samples."""
-    return bool(scenario.rig.machine.controllers)
+def remembers(scenario: Scenario, recordings: Sequence[tuple[int, Recording]]) -> bool:
+    """Whether the machine holds what no stretch can begin with: a controller's integral, its samples, or a signal that
+    was not recorded and cannot be cut."""
+    return bool(scenario.rig.machine.controllers) or any(unshifted(scenario, r) for _, r in recordings)
 
 
 def estimate(
     scenario: Scenario, recordings: Sequence[tuple[int, Recording]], sought: Sequence[MachineCoordinate], starts: int, seed: int,
-    work: Work, first: dict[str, float] | None = None, keep: Keep | None = None,
+    work: Work, first: dict[str, float] | None = None, keep: Keep | None = None, thorough: bool = True,
 ) -> BestPoint:  # fmt: skip
-    """The best numbers for these recordings."""
+    """The best numbers for these recordings; not ``thorough``: of a model that may err, and is only compared."""
     fitted = {i for i, _ in recordings}
     sought = [c for c in sought if c.log is None or c.log in fitted]
     named = {c.name for c in sought} | {path for c in sought for path in c.targets}
@@ -158,7 +181,7 @@ def estimate(
     begin, many = dict(first or {}), starts > 1
     loose = _loosened(scenario)
     agreeing, others = 0, list[dict[str, float]]()
-    if not asked and not remembers(scenario) and many:
+    if not remembers(scenario, recordings) and many:
         rough = _roughly(loose, recordings, sought, named, noise, work)
         found = search(
             rough, starts, seed, _point(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH,
@@ -171,17 +194,41 @@ def estimate(
         agreeing, starts = found.agreeing, 1
     runs, own = prepared(loose, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work, step=_FAR_STEP)
-    found = _whole(problem, [begin, *others], starts, seed, {i for i, _ in _some(recordings)}, keep)
-    if many and not found.stopped and beyond_noise(problem, found.u, found.agreeing):
+    points = [begin, *others] if thorough else [begin]
+    found = _whole(problem, points, starts, seed, {i for i, _ in _some(recordings)}, keep)
+    if thorough and many and not found.stopped and beyond_noise(problem, found.u, found.agreeing):
         found = search(problem, 1, seed, found.u, _kept(problem, keep), scanned(problem, found), small=_NEAR)
     runs, own = prepared(scenario, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
     if not found.stopped:
         found = replace(search(problem, 1, seed, found.u, _kept(problem, keep)), agreeing=found.agreeing)
     whole = BestPoint(problem, found.u, replace(found, agreeing=max(agreeing, found.agreeing)), notes, asked)
-    if not found.stopped and not asked and not remembers(scenario) and whole.missed():
+    if found.stopped or remembers(scenario, recordings):
+        return _weighted(whole, given, keep)
+    if not asked and whole.missed():
         whole = _in_stretches(scenario, recordings, sought, named, whole, begin, work, keep)
-    return _weighted(whole, given, keep)
+    whole = _weighted(whole, given, keep)
+    return _joined(whole, given, keep) if whole.windowed and not whole.stopped else whole
+
+
+def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
+    """Stretches tied to each other, where they can be followed so as well."""
+    problem = replace(parts.problem, noise=dict(parts.problem.noise))
+    found = joined_stretches(problem, parts.u, _kept(problem, keep), lambda p, u: _weigh(p, u, given))
+    if found is None:
+        return parts
+    tied = BestPoint(found[0], found[1].u, replace(found[1], agreeing=parts.found.agreeing), [*parts.notes], True)
+    if not tied.stopped:
+        tied = _weighted(tied, given, keep)
+    left, right = leftovers(parts.problem, parts.u), leftovers(tied.problem, tied.u)
+    if not all(right[c][0] <= _AS_WELL * left[c][0] for c in left):
+        parts.notes.append(
+            "the ends of the stretches do not meet the starts of the next within the noise: they are left free (the model "
+            "errs, or something moved that is not in it)"
+        )
+        return parts
+    tied.notes.append("stretches begin where those before end, within the noise")
+    return tied
 
 
 def _loosened(scenario: Scenario) -> Scenario:
@@ -206,8 +253,11 @@ def _roughly(
     noise: dict[str, float], work: Work,
 ) -> MachineProblem:  # fmt: skip
     """The problem in which starts are compared: short stretches of some recordings."""
-    window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH)
-    runs, _ = prepared(scenario, _some(recordings), named, window, free=False)
+    some = _some(recordings)
+    window = max(
+        _SHORTEST, min(float(np.median([r.t[-1] for _, r in some])) / _STRETCH, *(r.window or np.inf for _, r in some))
+    )
+    runs, _ = prepared(scenario, [(i, replace(r, window=None)) for i, r in some], named, window, free=False)
     return MachineProblem(runs, list(sought), dict(noise), work=work, step=_FAR_STEP)
 
 
@@ -232,6 +282,13 @@ def _whole(
                     return found
                 u = found.u
             tried.append((float(half_squares(problem.residuals(u[None]))[0]), u))
+            best = min(tried, key=lambda each: each[0])[1]
+        for values in points[:_CAREFUL] if len(points) > 1 else []:
+            u, _ = continued(problem, _point(problem, values), None, careful=True)
+            found = search(problem, 1, seed, u, kept, steps=_ROUGH, small=_NEAR)
+            if found.stopped or not beyond_noise(problem, found.u, 1):
+                return found
+            tried.append((found.cost, found.u))
             best = min(tried, key=lambda each: each[0])[1]
     except (KeyboardInterrupt, Stopped):
         problem.work.stop()
@@ -265,18 +322,22 @@ def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPo
     for _ in range(_WEIGHTINGS):
         if estimate.stopped or half_squares(problem.residuals(estimate.u[None]))[0] > 1e200:
             return estimate
-        old, share = dict(problem.noise), problem.size / max(problem.size - len(problem.sought), 1)
-        for column, (left, _) in leftovers(problem, estimate.u).items():
-            told = left * np.sqrt(min(share, 2.0))
-            least = max(floor_of(problem, column), 1e-12)
-            if column in given and told < 1.5 * old[column]:
-                continue
-            problem.noise[column] = max(float(told), least)
+        old = dict(problem.noise)
+        _weigh(problem, estimate.u, given)
         if all(abs(np.log(problem.noise[c] / old[c])) < _SETTLED for c in old):
             break
         found = search(problem, 1, 0, estimate.u, _kept(problem, keep))
         estimate.u, estimate.found = found.u, replace(found, agreeing=estimate.found.agreeing)
     return estimate
+
+
+def _weigh(problem: MachineProblem, u: Array, given: set[str]) -> None:
+    """Set the noise of each column to what is left of it, unless it was given and is not much less."""
+    share = problem.size / max(problem.size - len(problem.sought), 1)
+    for column, (left, _) in leftovers(problem, u).items():
+        told = left * np.sqrt(min(share, 2.0))
+        if np.isfinite(told) and not (column in given and told < 1.5 * problem.noise[column]):
+            problem.noise[column] = max(float(told), floor_of(problem, column), 1e-12)
 
 
 def _point(problem: MachineProblem, values: dict[str, float]) -> Array:
@@ -294,11 +355,14 @@ def _kept(problem: MachineProblem, keep: Keep | None) -> Callable[[Array, float]
 
 def traces(
     scenario: Scenario, recording: Recording, log: int, sought: Sequence[MachineCoordinate], values: dict[str, float],
-    window: float | None = None,
+    window: float | None = None, fitted: Sequence[RecordedRun] = (),
 ) -> list[Trace]:  # fmt: skip
-    """What was measured in a recording and what the numbers make of it, from its start (or in stretches)."""
+    """What was measured in a recording and what the numbers make of it, from its start (or in stretches; those that were
+    ``fitted`` begin as there)."""
     named = {c.name for c in sought} | {path for c in sought for path in c.targets}
     runs, own = prepared(scenario, [(log, recording)], named, window)
+    shifts = {(run.log, run.piece): run.shift for run in fitted}
+    runs = [replace(run, shift=shifts.get((run.log, run.piece), {})) for run in runs]
     chosen = [c for c in sought if c.log in (None, log)]
     problem = MachineProblem(runs, [*chosen, *own], dict.fromkeys(recording.outputs, 1.0))
     u = _point(problem, values)

@@ -15,7 +15,39 @@ from stribeck.simulation.lanes import threads_of_this_machine
 
 _ABOVE = 1e-6  # of F_c: how far F_s stays above it
 STEP = 2e-4  # of a coordinate, for slopes
+_SPEED = float(np.sqrt(12 / 12**3))  # deviation of a speed from twelve samples, in those of one over their distance
 _MOST = 4e6  # numbers held at once
+
+
+@dataclass(frozen=True)
+class Seam:
+    """Where a stretch ends and the next begins: the run, its column, the coordinate of that start, and how far
+    they may be apart, as a share of the noise of the position ``of`` the body."""
+
+    run: int
+    column: str
+    coordinate: int
+    of: str
+    share: float
+
+
+def ties(runs: Sequence[RecordedRun], sought: Sequence[MachineCoordinate]) -> list[Seam]:
+    """The ties between stretches that follow each other."""
+    found = []
+    for i, c in enumerate(sought):
+        if not c.nuisance or c.piece in (None, "0"):
+            continue
+        before = [k for k, r in enumerate(runs) if r.log == c.log and r.piece and float(r.piece) < float(c.piece or 0)]
+        if not before:
+            continue
+        k = max(before, key=lambda each: float(runs[each].piece or 0))
+        body, what = c.name.rsplit(".", 2)[1:]
+        position = next((t for t in runs[k].targets if t.column == f"{body}.y"), None)
+        if position is None or len(position.t) < 2:
+            continue
+        share = 1.0 if what == "y" else _SPEED / float(np.median(np.diff(position.t)))
+        found.append(Seam(k, f"{body}.{what}", i, position.column, share))
+    return found
 
 
 @dataclass
@@ -23,7 +55,8 @@ class MachineProblem:
     """Runs, what is sought, and the noise of each column.
 
     ``residuals(U)`` takes points (lanes, coordinates) and gives (lanes, numbers): (simulated - measured)/noise of every
-    target of every run, then priors; nan where a simulation failed.
+    target of every run, then priors, then, where stretches are ``tied``, how far the end of each misses the start of the
+    next, by what the samples tell of that start; nan where a simulation failed.
     """
 
     runs: list[RecordedRun]
@@ -32,6 +65,7 @@ class MachineProblem:
     threads: int = field(default_factory=threads_of_this_machine)
     work: Work = field(default_factory=Work)
     step: float = STEP
+    tied: bool = False
 
     def __post_init__(self) -> None:
         self.low, self.high = (np.array([c.bounds[i] for c in self.sought]) for i in (0, 1))
@@ -39,7 +73,8 @@ class MachineProblem:
         sizes = [run.size for run in self.runs]
         self.first = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
         self.priors = [i for i, c in enumerate(self.sought) if c.prior is not None]
-        self.size = int(self.first[-1]) + len(self.priors)
+        self.ties = ties(self.runs, self.sought) if self.tied else []
+        self.size = int(self.first[-1]) + len(self.priors) + len(self.ties)
         self._pairs = self._above()
 
     def _above(self) -> list[tuple[int, int | float]]:
@@ -74,8 +109,14 @@ class MachineProblem:
             distinct, back = np.unique(U[:, self.concerns[k]], axis=0, return_inverse=True)
             first = np.array([int(np.flatnonzero(back.reshape(-1) == i)[0]) for i in range(len(distinct))])
             most = max(8, int(_MOST / max(run.scenario.rows, 1)))
-            parts = [self._of(run, k, U[first[i : i + most]]) for i in range(0, len(first), most)]
-            found[:, self.first[k] : self.first[k + 1]] = np.concatenate(parts)[back.reshape(-1)]
+            own = [tie for tie in self.ties if tie.run == k]
+            parts = [self._of(run, k, U[first[i : i + most]], own) for i in range(0, len(first), most)]
+            rows, size = np.concatenate(parts)[back.reshape(-1)], run.size
+            found[:, self.first[k] : self.first[k + 1]] = rows[:, :size]
+            for n, tie in enumerate(own):
+                begin = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
+                at = int(self.first[-1]) + len(self.priors) + self.ties.index(tie)
+                found[:, at] = (rows[:, size + n] - begin) / (tie.share * self.noise[tie.of])
             self.work.check()
         for n, i in enumerate(self.priors):
             c = self.sought[i]
@@ -84,8 +125,8 @@ class MachineProblem:
         self.work.tick()
         return found
 
-    def predicted(self, run: RecordedRun, k: int, U: Array) -> list[Array]:
-        """The simulated columns of a run with its sensors' gains and offsets."""
+    def predicted(self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = ()) -> list[Array]:
+        """The simulated columns of a run with its sensors' gains and offsets, and the columns ``ends`` where it ends."""
         values: dict[str, Array] = {}
         sensors: dict[tuple[str, str], Array] = {}
         for i in np.flatnonzero(self.concerns[k]):
@@ -103,8 +144,8 @@ class MachineProblem:
             column: (sensors.get((column, "delay")), sensors.get((column, "clock")))
             for column, what in sensors if what in ("delay", "clock")
         }  # fmt: skip
-        found = run.predict(values, delays, self.threads)
-        for target, x in zip(run.targets, found, strict=True):
+        found = run.predict(values, delays, self.threads, ends)
+        for target, x in zip(run.targets, found, strict=False):
             gain, offset = (sensors.get((target.column, what)) for what in ("gain", "offset"))
             if gain is not None:
                 x *= gain[:, None]
@@ -112,10 +153,10 @@ class MachineProblem:
                 x += offset[:, None]
         return found
 
-    def _of(self, run: RecordedRun, k: int, U: Array) -> Array:
-        found = self.predicted(run, k, U)
-        parts = [(x - t.x) / self.noise[t.column] for t, x in zip(run.targets, found, strict=True)]
-        return np.concatenate(parts, axis=1)
+    def _of(self, run: RecordedRun, k: int, U: Array, ties: Sequence[Seam]) -> Array:
+        found = self.predicted(run, k, U, [tie.column for tie in ties])
+        parts = [(x - t.x) / self.noise[t.column] for t, x in zip(run.targets, found, strict=False)]
+        return np.concatenate([*parts, *found[len(parts) :]], axis=1)
 
     def slopes(self, U: Array, step: Array) -> tuple[Array, Array]:
         """Residuals (points, numbers) and Jacobians (points, numbers, coordinates) by differences to the side that is

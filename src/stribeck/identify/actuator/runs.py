@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -45,14 +45,18 @@ class RecordedRun:
     targets: list[Compared]
     start: dict[str, float] = field(default_factory=dict)  # initial values that differ from the file's
     held_out: bool = False
+    shift: dict[str, float] = field(default_factory=dict)  # what is added to other states where a stretch begins
 
     @property
     def size(self) -> int:
         """How many numbers are compared."""
         return sum(len(x.t) for x in self.targets)
 
-    def predict(self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int) -> list[Array]:
-        """For each target the simulated column at its times, (lanes, times); nan where a lane failed."""
+    def predict(
+        self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int, ends: Sequence[str] = ()
+    ) -> list[Array]:
+        """For each target the simulated column at its times, (lanes, times); nan where a lane failed. Then the columns
+        ``ends`` where the run ends, (lanes, 1)."""
         count = len(next(iter(values.values())))
         given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
         variations = vary(self.scenario, given)
@@ -62,9 +66,12 @@ class RecordedRun:
             )
         scenario = variations.scenario
         good = np.flatnonzero([text is None for text in variations.problems()])
-        found = [np.full((count, len(x.t)), np.nan) for x in self.targets]
+        last = np.array([self.scenario.end])
+        wanted = [*self.targets, *(Compared(name, last, last) for name in ends)]
+        found = [np.full((count, len(x.t)), np.nan) for x in wanted]
         if not len(good):
             return found
+        variations.shift = self.shift
         some = variations if len(good) == count else variations.part(good)
         outcome = lanes.solve(library(scenario), some, threads)
         width = len(scenario.system.states)
@@ -72,9 +79,9 @@ class RecordedRun:
         with np.errstate(all="ignore"):
             columns = some.columns(grid, outcome.states[:, :, :width], outcome.states[:, :, width:])
         whole = outcome.counts["status"] == 0
-        for i, target in enumerate(self.targets):
+        for i, target in enumerate(wanted):
             x = np.where(whole[:, None], columns[target.column], np.nan)
-            late = delays.get(target.column)
+            late = delays.get(target.column) if i < len(self.targets) else None
             if late is not None:
                 late = tuple(None if each is None else each[good] for each in late)  # type: ignore[assignment]
             found[i][good] = at_times(grid, x, target, late)
@@ -139,6 +146,8 @@ def recorded_run(
     problems = []
     for path, channel in recording.inputs.items():
         changes[path] = signal(scenario, path, channel, begin, end)
+    if begin > 0:
+        changes |= _signals_later(scenario, recording, begin)
     known = [c.name for c in scenario.rig.machine.columns]
     for name in recording.outputs:
         if name not in known:
@@ -198,6 +207,58 @@ def signal(scenario: Scenario, path: str, channel: Channel, begin: float, end: f
     kind = "spline" if isinstance(table, dict) and "feedforward" in table else "points"
     t, keep = np.unique(t, return_index=True)
     return {"kind": kind, "t": t.tolist(), "value": x[keep].tolist()}
+
+
+def later(signal: object, by: float) -> dict[str, object] | None:
+    """A signal's table as it is from ``by`` seconds on, or None where its kind cannot say so."""
+    if not isinstance(signal, dict):
+        return None
+    kind = signal.get("kind")
+    if kind == "sine":
+        return {**signal, "phase": signal.get("phase", 0.0) + 2 * np.pi * signal["frequency"] * by}
+    if kind == "step":
+        return {**signal, "time": max(signal["time"] - by, 0.0)}
+    if kind == "points":
+        t, x = np.array(signal["t"], float) - by, np.array(signal["value"], float)
+        after = t > 0
+        if not after.any():
+            return {**signal, "t": [0.0, 1.0], "value": [float(x[-1])] * 2}
+        first = [] if t[0] > 0 else [0.0]
+        values = [float(np.interp(0.0, t, x)) for _ in first]
+        return {**signal, "t": [*first, *t[after].tolist()], "value": [*values, *x[after].tolist()]}
+    return None
+
+
+def unshifted(scenario: Scenario, recording: Recording) -> list[str]:
+    """The signals of the machine that were not recorded, and cannot begin in the middle of a recording."""
+    return [
+        use.path for use in scenario.rig.signals
+        if use.path not in recording.inputs and later(_at(scenario, use.path), 1.0) is None
+    ]  # fmt: skip
+
+
+def _at(scenario: Scenario, path: str) -> object:
+    table: object = scenario.data
+    for word in path.split("."):
+        table = table.get(word) if isinstance(table, dict) else None
+    return table
+
+
+def _signals_later(scenario: Scenario, recording: Recording, begin: float) -> dict[str, object]:
+    """The machine's own signals in a stretch that begins later.
+
+    Raises:
+        InputError: one cannot begin there.
+    """
+    if wrong := unshifted(scenario, recording):
+        raise InputError(
+            [
+                f"{path}: a signal of this kind cannot be cut: give it as a recorded input, or no window"
+                for path in wrong
+            ]
+        )
+    paths = [use.path for use in scenario.rig.signals if use.path not in recording.inputs]
+    return {path: later(_at(scenario, path), begin) for path in paths}
 
 
 def varies(scenario: Scenario, path: str) -> bool:
