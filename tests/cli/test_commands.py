@@ -2,10 +2,13 @@
 
 import json
 import re
+import subprocess
+import sys
 
 import pytest
 
-from stribeck import Scenario, check, examples
+from stribeck import Ensemble, Scenario, check, examples, simulation
+from stribeck.cli.app import app, with_command
 from stribeck.laws import builtin
 
 
@@ -95,3 +98,26 @@ def test_doctor_passes_its_self_test(stribeck):
     assert {"compiler", "cache", "packages", "stribeck"} <= set(data)
     assert (data["gpu"]["name"] is None) == isinstance(data["gpu"]["why_not"], str)
     assert "self-test  passed" in stribeck("doctor").out
+
+
+def test_the_command_that_was_given_is_made_alone():
+    names = [c.name or c.callback.__name__ for c in app.registered_commands]
+    assert len(names) > 15
+    for name in names:
+        (only,) = with_command(name).registered_commands
+        assert (only.name or only.callback.__name__) == name
+    assert with_command("runn") is app  # which says what was meant
+    assert with_command("") is app
+    assert len(app.registered_commands) == len(names)
+
+
+def test_one_run_reads_nothing_of_ensembles():
+    """What is not needed is not imported: a run from the cache is mostly imports."""
+    code = "import sys, stribeck.cli.run; print([n for n in sys.modules if n.startswith('stribeck.simulation.')])"
+    read = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert "'stribeck.simulation.single'" in read
+    assert "ensemble" not in read
+    assert "lanes" not in read
+    assert simulation.Ensemble is Ensemble
+    with pytest.raises(AttributeError, match="has no attribute 'nothing'"):
+        simulation.nothing  # noqa: B018

@@ -181,6 +181,9 @@ def test_compensation_lowers_the_error_after_reversals_by_what_is_said():
     table["compensation"]["share"] = own.share
     speed = 0.05 / 0.5 * 35 / 16  # the fastest of a move of order seven
     period = 2 * np.pi * 0.025 / speed
+    told = found.to_json()
+    assert told["moves"] == pytest.approx({"amplitude": 0.025, "speed": speed, "period": period}, rel=2e-3)
+    assert [row.get("table") for row in told["compensations"]][:2] == [None, table["compensation"]]
     table["signal"] = {"kind": "sine", "amplitude": 0.025, "frequency": 1 / period}
     t = stribeck.simulate(Scenario(data), t_end=4 * period, step=period / 1000)
     after = (t.t >= period) & ((t.t / period - 0.25) % 0.5 <= 0.125)

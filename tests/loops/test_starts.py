@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario
-from stribeck.loops.compensation import _dithered
+from stribeck.loops.compensation import CompensationResult, _dithered
 from stribeck.loops.judge import _rest, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import reversal_errors
 from stribeck.loops.proof import proof
 from stribeck.loops.shaken import SHARE, swings
 from stribeck.loops.starts import _together, from_starts, kinds
-from stribeck.report.design import starts_sentence
+from stribeck.report.design import starts_sentence, unbeaten
 from tests.loops.axis import axis
 from tests.machine.machines import law
 
@@ -83,3 +83,11 @@ def test_the_amplitude_of_a_dither_that_leaves_least():
     plain = reversal_errors(loop, "hold", {named: np.array([10.0])})
     assert found.share > 0
     assert found.worst_error < 0.8 * plain.max()
+
+
+def test_the_front_of_error_against_margin():
+    """Those that none beats in both; what is not quiet, and a dither, whose shares are of another kind, aside."""
+    rows = [("none", 0.0, 3.0), ("reference", 1.5, 1.0), ("measured", 0.8, 0.7), ("inner_loop", 0.7, 0.9),
+            ("dither", 3.0, 0.1), ("other", None, 0.0)]  # fmt: skip
+    found = [CompensationResult(kind, 1.0, margin, 0.0, worst, hunter()) for kind, margin, worst in rows]
+    assert unbeaten(found) == [(0.8, 0.7), (1.5, 1.0)]

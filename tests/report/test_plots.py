@@ -1,12 +1,13 @@
 """What plots show: units that keep numbers short, words, the axis near rest, what a drive adds."""
 
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from stribeck import Scenario, examples, simulate
-from stribeck.report import overview
+from stribeck.report import design, overview
 from stribeck.report.quantities import Quantity, prefixed, quantities, scale
 
 pytestmark = pytest.mark.pictures
@@ -120,3 +121,11 @@ def test_rotary_can_be_said_no_to_and_is_kept_by_changes():
     assert not Scenario(**linear).rotary
     with pytest.raises(ValueError, match=r"^rotary: 1: must be true or false, not a number$"):
         Scenario(**ROTARY, rotary=1)
+
+
+@pytest.mark.parametrize(("verdicts", "shown"), [(("quiet", "failed"), True), (("quiet", "hunting"), False)])
+def test_runs_that_failed_stand_in_the_figure_of_verdicts(verdicts, shown):
+    found = [SimpleNamespace(verdict=verdict) for verdict in verdicts]
+    turned = SimpleNamespace(path="bodies.a.mass", low=0.0, high=1.0)
+    line = SimpleNamespace(found=found, values=[0.2, 0.8], boundaries=[], mixed=[], turned=turned)
+    assert (">failed<" in design._line(line, 0).svg) is shown

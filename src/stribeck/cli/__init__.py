@@ -45,6 +45,8 @@ def main(arguments: list[str] | None = None) -> NoReturn:
             signal.signal(number, _stop)
             watched.append(number)
     _see_to_the_end(watched)
+    # pydantic asks every installed package whether it is a plugin of its, which takes as long as a run
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # names of files need not be text
@@ -76,9 +78,9 @@ def _status(arguments: list[str] | None) -> int:
     warnings.simplefilter("always", StribeckNote)
     warnings.showwarning = _show  # type: ignore[assignment]
     try:
-        from stribeck.cli.app import app  # here, as a signal may come while it is read
+        from stribeck.cli.app import with_command  # here, as a signal may come while it is read
 
-        result = app(args=arguments, prog_name="stribeck", standalone_mode=False)
+        result = with_command(_command(arguments))(args=arguments, prog_name="stribeck", standalone_mode=False)
         if result == 130:  # Typer's own word for Ctrl-C
             raise KeyboardInterrupt
         return result if isinstance(result, int) else 0

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from copy import copy
+
+from typer import Typer
+
 from stribeck.cli.shared import Json, app
 
 # isort: off
@@ -14,7 +18,7 @@ from stribeck.cli import parameters as parameters
 from stribeck.cli.commands import measured as measured
 # isort: on
 
-__all__ = ["app"]
+__all__ = ["app", "with_command"]
 
 
 @app.command(epilog="Example: stribeck doctor --json")
@@ -23,3 +27,13 @@ def doctor(json: Json = False) -> int:
     from stribeck.cli import doctor as command
 
     return command.doctor(json)
+
+
+def with_command(name: str) -> Typer:
+    """The command with this one alone, whose options are then all that is made; with all where there is no such one."""
+    found = [c for c in app.registered_commands if c.callback is not None and (c.name or c.callback.__name__) == name]
+    if not found:
+        return app
+    only = copy(app)
+    only.registered_commands = found
+    return only

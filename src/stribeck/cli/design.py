@@ -117,6 +117,9 @@ def _print(found: Design) -> None:
                 else "does not settle"
             )
         say(f"{', '.join(told)}", 14, f"  {name:10s}  ")
+    if (moves := found.moves) is not None:
+        size = f"{human(moves.amplitude, unit)} to each side, at most {human(moves.speed, unit + '/s')}"
+        say(f"the standard moves go {size}: a sine of {human(moves.period, 's')}", 4, "  ")
     for line in found.lines:
         if not line.boundaries and not line.mixed:
             whole = line.turned

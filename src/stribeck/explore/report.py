@@ -1,4 +1,4 @@
-"""The scenario behind the folder of a run, for an explorer beside its report."""
+"""The scenario behind the folder of a run or a fit, for an explorer beside its report."""
 
 from __future__ import annotations
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib
 from collections.abc import Callable
-from html import escape
 from typing import ClassVar, Self
 
 from stribeck.constants import Constant
@@ -59,6 +58,8 @@ class AsObject:
 
     def _repr_html_(self) -> str:
         """For notebooks: the equations and the constants."""
+        from html import escape
+
         rows = importlib.import_module("stribeck.laws.render").equations(type(self), self.form)
         lines = "".join(f"<div style='margin-left:1.5em'><i>{escape(row.text)}</i></div>" for row in rows)
         declared = {name: c.of_motion(self.rotary) for name, c in self.constants().items()}

@@ -13,7 +13,7 @@ from stribeck.loops import boundary, compensation, tuning, uncertainty
 from stribeck.loops.excess import Excess, excess
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, loop_of
-from stribeck.loops.moves import errors
+from stribeck.loops.moves import Moves, errors, moves_of
 from stribeck.loops.plane import Plane, plane, plane_of
 from stribeck.loops.proof import proof_and_certificates
 from stribeck.loops.second import SecondOpinion, second_opinion
@@ -45,6 +45,7 @@ class Design:
         second: what describing functions say of it.
         excess: from which share on a compensation at the measured speed pushes.
         starts: the judgement from each of many starts.
+        moves: amplitude (m or rad) and greatest speed of the standard moves.
         certificates: those of the contacts, where ``proof`` holds, as ``stribeck check --certificate`` writes them.
     """
 
@@ -62,6 +63,7 @@ class Design:
     second: SecondOpinion | None = None
     starts: list[Start] = field(default_factory=list)
     certificates: dict[str, object] | None = None
+    moves: Moves | None = None
 
     @property
     def verdict(self) -> str:
@@ -82,6 +84,7 @@ class Design:
             "slowest_time_constant": self.loop.slowest,
             "held_signals": list(self.loop.held),
             "errors": self.errors,
+            "moves": {**asdict(self.moves), "period": self.moves.period} if self.moves else None,
             "boundaries": [asdict(b) for x in self.lines for b in x.boundaries],
             "mixed": [asdict(m) for x in self.lines for m in x.mixed],
             "compensations": [c.row() for c in self.compensations],
@@ -149,7 +152,7 @@ def design(
     told, certificates = proof_and_certificates(loop)
     return Design(
         loop, name, found, measured, lines, compared, why_not, told, tuned, too_much, over, second_opinion(loop, name), starts,
-        certificates,
+        certificates, moves_of(loop, name),
     )  # fmt: skip
 
 

@@ -39,6 +39,7 @@ class CompensationResult:
         worst_error: the same with the worst sample.
         loop: the machine with it.
         dither: its kind, amplitude and frequency, where it is one, and the least share from which on it is quiet.
+        table: what stands under ``compensation`` of the controller at that share, where it is one.
     """
 
     kind: str
@@ -48,13 +49,14 @@ class CompensationResult:
     worst_error: float
     loop: Loop
     dither: dict[str, object] | None = None
+    table: dict[str, object] | None = None
 
     def row(self) -> dict[str, object]:
         """What is told of it."""
         return {
             "kind": self.kind, "share": self.share, "largest_quiet_share": self.largest_quiet_share,
             "reversal_error": self.reversal_error, "worst_reversal_error": self.worst_error,
-            **({"dither": self.dither} if self.dither else {}),
+            **({"dither": self.dither} if self.dither else {}), **({"table": self.table} if self.table else {}),
         }  # fmt: skip
 
 
@@ -145,7 +147,9 @@ def compare(
         wide = {**samples, **{p: np.full(count, x) for p, x in given.items()}}
         own = float(reversal_errors(made, controller, {p: np.array([x]) for p, x in given.items()})[0])
         worst = float(np.nanmax(reversal_errors(made, controller, wide)))
-        found.append(CompensationResult(kind, share, largest, own, worst, made))
+        table = made.scenario.data["controllers"][controller].get("compensation")
+        table = {**deepcopy(table), "share": share} if table else None
+        found.append(CompensationResult(kind, share, largest, own, worst, made, table=table))
         if tell is not None:
             tell((i + 1) / len(kinds))
     return found

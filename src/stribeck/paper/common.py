@@ -5,6 +5,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 
+import numpy as np
+
 from stribeck import examples
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError, StribeckNote
@@ -67,8 +69,6 @@ def solve_all(example: str, variants: Mapping[str, Variant] = PAPER, **changes: 
 
 def record(solutions: Mapping[str, Solution]) -> dict[str, Array]:
     """The columns of several solutions below each other, with the law's label in the column ``law``."""
-    import numpy as np
-
     names = ("t", *(column.name for column in next(iter(solutions.values())).columns))
     labels = np.repeat(list(solutions), [len(s.t) for s in solutions.values()])
     return {"law": labels, **{name: np.concatenate([s[name] for s in solutions.values()]) for name in names}}

@@ -38,7 +38,7 @@ def suffices(law: Law | None) -> bool:
     """Whether the condition holds for a law with v_d, such as the one that stands for the worst of all levels."""
     if law is None or any(law.values.get(n) is None for n in _NEEDED):
         return False
-    sigma_1, v_d, *newtons = (Fraction(law.p.__dict__[n]) for n in ("sigma_1", "v_d", "F_c", "F_s"))
+    sigma_1, v_d, *newtons = (Fraction(law.p.numbers[n]) for n in ("sigma_1", "v_d", "F_c", "F_s"))
     return small_enough(sigma_1, v_d, excess(law), min(newtons))
 
 

@@ -298,7 +298,7 @@ class _Decided:
             if found is not None:
                 found.method = _DROPPED
                 found.evidence["levels"] = [
-                    {n: x.p.__dict__[n] for n in ("F_c", "F_s") if n in x.values} for x in (high, low)
+                    {n: x.p.numbers[n] for n in ("F_c", "F_s") if n in x.values} for x in (high, low)
                 ]
                 return found
         return None

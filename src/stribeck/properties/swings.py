@@ -52,7 +52,7 @@ class Swing:
         rows = []
         for law, v, a, b in self.pieces():
             time, energy = cycles.integrate(law, v, a, b)
-            level: dict[str, float] = {n: law.p.__dict__[n] for n in ("F_c", "F_s") if n in law.values}
+            level: dict[str, float] = {n: law.p.numbers[n] for n in ("F_c", "F_s") if n in law.values}
             rows.append({"v": v, **level, "duration": time, "z_end": b, "energy_in": energy})
         up, down = rows[-2:]
         drawn = -(up["energy_in"] + down["energy_in"])
@@ -75,9 +75,9 @@ class Swing:
             return None
         ends = np.cumsum([duration for *_, duration in held]).tolist()
         factors = {
-            name: {"signal": _steps(ends, [law.p.__dict__[name] / nominal.p.__dict__[name] for law, *_ in held])}
+            name: {"signal": _steps(ends, [law.p.numbers[name] / nominal.p.numbers[name] for law, *_ in held])}
             for name in nominal.values
-            if nominal.values[name] and any(law.p.__dict__[name] != nominal.p.__dict__[name] for law, *_ in held)
+            if nominal.values[name] and any(law.p.numbers[name] != nominal.p.numbers[name] for law, *_ in held)
         }
         contact = {"from": "belt", "law": table, "factors": factors}
         return {

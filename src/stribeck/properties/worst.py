@@ -68,11 +68,8 @@ class Varied:
     @classmethod
     def by_level(cls, law: Law, low: float, high: float) -> Varied:
         """F_c and F_s together, between ``low`` and ``high`` times their values."""
-        ends = Fraction(low), Fraction(high)
-        names = [n for n in ("F_c", "F_s") if law.values.get(n) is not None]
-        return cls(
-            law, {n: (ends[0] * Fraction(law.p.__dict__[n]), ends[1] * Fraction(law.p.__dict__[n])) for n in names}
-        )
+        nominal = {n: Fraction(x) for n, x in law.p.numbers.items() if n in ("F_c", "F_s")}
+        return cls(law, {n: (Fraction(low) * x, Fraction(high) * x) for n, x in nominal.items()})
 
     @property
     def varies(self) -> bool:
@@ -83,7 +80,7 @@ class Varied:
         """Where a constant is at all times."""
         if name in self.ranges:
             return self.ranges[name]
-        value = Fraction(self.law.p.__dict__[name])
+        value = Fraction(self.law.p.numbers[name])
         return value, value
 
     @property
@@ -105,7 +102,7 @@ class Varied:
             low, high = self.range(name)
             end = low if side < 0 else high
             if end is None:
-                end = (most or 1) * Fraction(self.law.p.__dict__[name])
+                end = (most or 1) * Fraction(self.law.p.numbers[name])
             moved[name] = float(end) if low == high else up(end) if side < 0 else down(end)
         return type(self.law)({**self.law.machine, **self.law.values, **self.law.choices, **moved}, self.law.rotary)
 

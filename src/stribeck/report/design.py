@@ -51,7 +51,7 @@ def write_design(found: Design, summary: dict[str, object], folder: Path, comman
             figures = [_line(line, i) for i, line in enumerate(found.lines)]
             figures += [_plane(found.plane)] if found.plane is not None else []
             if found.compensations:
-                figures.append(_shares(found.compensations))
+                figures.append(_shares(found.compensations, _unit(found, found.judgement.body)))
             for figure in figures:
                 paths += write_figure(figure, place)
             paths.append(_page(found, figures, place, command))
@@ -226,6 +226,12 @@ def _errors(found: Design) -> Chapter:
         "Errors in the unit of the body that is measured, settling in s. 'file' is the file's own signal; the sine's "
         "reversals are those of a circle's quadrants for each of its axes."
     ]
+    if (m := found.moves) is not None:
+        unit = _unit(found, found.judgement.body)
+        text.append(
+            f"Sine, slow ramp and step go {human(m.amplitude, unit)} to each side, at most at {human(m.speed, unit + '/s')}: "
+            f"the sine has a period of {human(m.period, 's')}."
+        )
     return Chapter("errors", "How well it tracks", text, [Table(["move", *keys], rows)])
 
 
@@ -279,8 +285,9 @@ def _line(line: PathVerdicts, i: int) -> FigureSvg:
             axis.axvline(b.value, color=plots.COLOURS[1], linestyle="--")
         for m in line.mixed:
             axis.axvspan(m.low, m.high, color=plots.COLOURS[1], alpha=0.2, linewidth=0)
-        axis.set_yticks(range(4), VERDICTS[:4])
-        axis.set(xlabel=line.turned.path, title="verdict", ylim=(-0.4, 3.4))
+        shown = VERDICTS if level.max() == len(VERDICTS) - 1 else VERDICTS[:-1]  # a run that failed is seldom
+        axis.set_yticks(range(len(shown)), shown)
+        axis.set(xlabel=line.turned.path, title="verdict", ylim=(-0.4, len(shown) - 0.6))
         if line.turned.low > 0 and line.turned.high / line.turned.low >= 10:
             plots.logarithmic(axis, y=False)
         return plots.finish(
@@ -317,17 +324,33 @@ def _plane(p: Plane) -> FigureSvg:
         )
 
 
-def _shares(found: Sequence[CompensationResult]) -> FigureSvg:
-    """Error against margin: what each compensation leaves, and how far it may be turned up."""
+def _shares(found: Sequence[CompensationResult], unit: str) -> FigureSvg:
+    """Error against margin: what each compensation leaves, how far it may be turned up, and which none beats in both."""
     with plots.style():
         made, axes = plots.figure([["error"]], 2.6)
         axis = axes["error"]
         for i, c in enumerate(found):
+            quiet = c.largest_quiet_share is not None
             margin = c.largest_quiet_share if c.largest_quiet_share is not None else 0.0
-            axis.plot([margin], [c.worst_error], "os^Dv"[i % 5], color=plots.COLOURS[i], label=c.kind)
-        axis.set(xlabel="quiet up to this share of the friction", ylabel="worst error after a reversal", ylim=(0, None))
-        axis.legend(fontsize=8)
-        return plots.finish(made, "compensations", "Error against margin: lower right is better.", pdf=True)
+            mark = axis.plot([margin], [c.worst_error], "os^Dv"[i % 5], color=plots.COLOURS[i])[0]
+            mark.set(fillstyle="full" if quiet else "none", label=c.kind if quiet else f"{c.kind}, not quiet")
+        front = unbeaten(found)
+        axis.plot(*zip(*front, strict=True), "-", color="0.6", zorder=0) if front else None
+        axis.set(xlabel="quiet up to this share of the friction", ylabel=f"worst error ({unit})", ylim=(0, None))
+        axis.set_xlim(-0.1, max(1.6, *axis.get_xlim()))
+        axis.legend(fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.25))
+        caption = "Error after a reversal against margin; grey: those that none beats in both (dither aside)."
+        return plots.finish(made, "compensations", caption, pdf=True)
+
+
+def unbeaten(found: Sequence[CompensationResult]) -> list[tuple[float, float]]:
+    """Margin and worst error of those that are quiet and that no other one beats in both, by margin; a dither aside."""
+    quiet = [
+        (c.largest_quiet_share, c.worst_error)
+        for c in found if c.largest_quiet_share is not None and c.kind != "dither"
+    ]  # fmt: skip
+    kept = [p for p in quiet if not any(q[0] >= p[0] and q[1] <= p[1] and q != p for q in quiet)]
+    return sorted(set(kept))
 
 
 def sentence(found: Design) -> str:

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from importlib.resources import files
 from typing import Any
 
@@ -52,6 +53,26 @@ class FigureSvg:
 
 
 @dataclass(frozen=True)
+class LaneCurves:
+    """Trajectories that a click on a part of a figure shows: parts whose id ends in ``lane-N`` belong to lane N.
+
+    Attributes:
+        t: times, s.
+        columns: names with units; ``curves``: for each lane its columns; ``about``: what each lane is.
+    """
+
+    t: Sequence[float | None]
+    columns: Sequence[str]
+    curves: Mapping[int, Sequence[Sequence[float | None]]]
+    about: Mapping[int, str]
+
+    @property
+    def text(self) -> str:
+        """As JSON that may stand in HTML."""
+        return json.dumps(asdict(self), allow_nan=False).replace("</", "<\\/")
+
+
+@dataclass(frozen=True)
 class Chapter:
     """A chapter of a report: text, tables, figures and code for people, ``numbers`` and ``data`` (columns) for programs."""
 
@@ -63,6 +84,7 @@ class Chapter:
     numbers: Mapping[str, Any] = field(default_factory=dict)
     data: Mapping[str, ArrayLike] = field(default_factory=dict)
     code: str = ""
+    picked: LaneCurves | None = None
 
 
 def _whole(text: str) -> str:

@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.expressions.graph import Expr, derivative, wrap
+from stribeck.expressions.emit import python_function
+from stribeck.expressions.graph import Expr, derivative, symbol, wrap
 from stribeck.expressions.ops import Value
 from stribeck.signals.piecewise import Segment, Signal
 from stribeck.signals.trajectories import Curve
@@ -119,16 +120,12 @@ def _cut_at_turns(signal: Signal, whole: Pieces, t_end: float) -> Pieces:
 
 
 def _rates(signal: Signal, rows: Array, t: Array) -> Array:
-    """The signal's rate at the times t within the pieces ``rows``."""
-    if not signal.smooth:
-        return rows[:, 2]
-    if isinstance(signal, Curve):
-        x, total = t - rows[:, 0], np.zeros(len(t))
-        for n in range(7, 0, -1):
-            total = total * x + n * rows[:, 1 + n]
-        return total
-    p = signal.values
-    return np.asarray(p["amplitude"] * np.cos(2 * np.pi * p["frequency"] * t + p["phase"]))
+    """The signal's rate at the times t within the pieces ``rows``, a row for each time."""
+    kind = type(signal) if signal.smooth else None
+    numbers = dict(zip(fields(kind), rows.T, strict=True)) | {n: signal.values[n] for n in constants(kind)}
+    rate = reference(kind, SimpleNamespace(**{n: symbol(n) for n in numbers}), symbol("t")).rate
+    (found,) = python_function([*numbers, "t"], [rate])(*numbers.values(), t)
+    return np.broadcast_to(found, t.shape)
 
 
 def _turns(signal: Signal, whole: Pieces, t_end: float) -> Array:

@@ -19,14 +19,19 @@ from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, Table
 from stribeck.report.quantities import Quantity, scale
 from stribeck.scenario import Scenario
-from stribeck.simulation import Solution, simulate
+from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
+from stribeck.sweeps import tables as tables_of
 from stribeck.sweeps.job import Sweep
+from stribeck.sweeps.maps import heat_map, logarithmic, parallel_axes, picked, whole_grid
 from stribeck.sweeps.places import Folder, fetched
 
+Rows = Mapping[str, NDArray[Any]]  # what came of the lanes, by column
 FOLDER = "_report"  # readers of a folder of parts pass over names that begin with an underscore
 _MEASURES = ("amplitude", "period", "slips")
 _LANES_SHOWN = 8
 _ROWS_SHOWN = 60
+_PICKED = 100  # lanes whose trajectories the page keeps, at most
+_ROOM = 2_000_000  # rows of these
 _MOST = 200_000  # lanes in a plot: more show nothing new
 
 
@@ -56,9 +61,13 @@ def write_sweep_page(sweep: Sweep, command: str = "") -> list[str]:
 
 
 def _write(sweep: Sweep, folder: Path, command: str) -> list[Path]:
-    figures, tables, text = [], [], [f"{len(sweep.lanes)} lanes; what varied: {', '.join(sweep.lanes.values)}."]
-    if sweep.summary:
-        rows = _read(sweep)
+    figures: list[FigureSvg] = []
+    tables: list[Table] = []
+    text = [f"{len(sweep.lanes)} lanes; what varied: {', '.join(sweep.lanes.values)}."]
+    lanes, kept = _kept(sweep)
+    rows = _read(sweep) if sweep.summary else _measured_here(sweep, kept) if len(lanes) == len(sweep.lanes) else {}
+    over = _over_several(sweep, rows) if rows else []
+    if rows:
         figures = [_measures(sweep, rows)]
         tables = [_table(sweep, rows)]
         if len(sweep.lanes) > _ROWS_SHOWN:
@@ -67,15 +76,50 @@ def _write(sweep: Sweep, folder: Path, command: str) -> list[Path]:
     if shown:
         figures.append(_lanes(sweep, shown))
     folder.mkdir(exist_ok=True)
-    paths = [path for figure in figures for path in write_figure(figure, folder)]
-    found = [Chapter("lanes", "The lanes", text, tables), *chapters.plots(figures)]
+    paths = [path for figure in (*over, *figures) for path in write_figure(figure, folder)]
+    trajectories = picked(kept, lanes, list(dict.fromkeys(_columns(sweep.lanes.scenario))))
+    found = [Chapter("pick", "Pick a lane", text[:1], figures=over, picked=trajectories), *chapters.plots(figures)]
+    found.append(Chapter("lanes", "The lanes", text[1:], tables))
     scenario = sweep.lanes.scenario
     found += [*chapters.of_laws(scenario), chapters.of_scenario(scenario)]
     introduction = ["Files of numbers: part-*" + (".csv" if sweep.as_csv else ".parquet") + " beside this folder."]
     return [*paths, chapters.write_page(folder, f"{scenario.name}: a sweep", introduction, found, command)]
 
 
-def _read(sweep: Sweep) -> dict[str, NDArray[Any]]:
+def _kept(sweep: Sweep) -> tuple[NDArray[np.int64], Ensemble]:
+    """Lanes whose trajectories the page keeps, simulated once more: all of a small sweep."""
+    count = min(len(sweep.lanes), _PICKED, max(_LANES_SHOWN, _ROOM // sweep.lanes.scenario.rows))
+    lanes = np.unique(np.linspace(0, len(sweep.lanes) - 1, count).round().astype(np.int64))
+    return lanes, simulate_ensemble(sweep.lanes.scenario, {path: x[lanes] for path, x in sweep.lanes.values.items()})
+
+
+def _measured_here(sweep: Sweep, found: Ensemble) -> Rows:
+    wanted = ("lane", *sweep.lanes.values, *_measured(sweep.lanes.scenario))
+    return {name: values for name, _, _, values in tables_of.summary(found, 0) if name in wanted}
+
+
+def _over_several(sweep: Sweep, rows: Rows) -> list[FigureSvg]:
+    """A heat map over two numbers, or parallel axes of more."""
+    values = dict(sweep.lanes.values)
+    told = [name for name in _shown(sweep, rows) if np.isfinite(rows[name]).mean() > 0.5]
+    quantities = [_quantity(sweep, rows, name) for name in told]
+    if not quantities or len(values) < 2:
+        return []
+    return [heat_map(values, quantities) if whole_grid(values) is not None else parallel_axes(values, quantities)]
+
+
+def _shown(sweep: Sweep, rows: Rows) -> list[str]:
+    return [name for name in _measured(sweep.lanes.scenario) if name in rows and np.isfinite(rows[name]).any()]
+
+
+def _quantity(sweep: Sweep, rows: Rows, measure: str) -> Quantity:
+    columns = {c.name: c for c in sweep.lanes.scenario.system.columns}
+    column = columns.get(measure.partition("_")[2])
+    unit = column.of_motion(sweep.lanes.scenario.rotary).unit if column else _UNITS.get(measure, "")
+    return Quantity(_WORDS.get(measure, measure), unit, "", rows[measure].astype(float))
+
+
+def _read(sweep: Sweep) -> Rows:
     """The rows of the lanes, of the files in order."""
     from stribeck.recorded import opened
 
@@ -90,27 +134,24 @@ def _read(sweep: Sweep) -> dict[str, NDArray[Any]]:
     return {name: np.concatenate(parts) for name, parts in found.items() if parts}
 
 
-def _table(sweep: Sweep, rows: Mapping[str, NDArray[Any]]) -> Table:
+def _table(sweep: Sweep, rows: Rows) -> Table:
     names = [name for name in rows if name != "lane"]
     count = min(len(sweep.lanes), _ROWS_SHOWN)
     body = [[str(i), *(digits(float(rows[name][i])) for name in names)] for i in range(count)]
     return Table(["lane", *names], body)
 
 
-def _measures(sweep: Sweep, rows: Mapping[str, NDArray[Any]]) -> FigureSvg:
+def _measures(sweep: Sweep, rows: Rows) -> FigureSvg:
     """A panel for each measure and path: the measure against the path, other paths by colour."""
     paths = list(sweep.lanes.values)
-    measures = [name for name in _measured(sweep.lanes.scenario) if name in rows and np.isfinite(rows[name]).any()]
+    measures = _shown(sweep, rows)
     pick = np.arange(len(sweep.lanes))[:: max(1, len(sweep.lanes) // _MOST)]
     layout = [[f"{m}|{p}" for p in paths[:3]] for m in measures]
-    columns = {c.name: c for c in sweep.lanes.scenario.system.columns}
     with plots.style():
         made, axes = plots.figure(layout, 2.0 * len(layout) + 0.3)
         for key, axis in axes.items():
             measure, path = key.split("|")
-            column = columns.get(measure.partition("_")[2])
-            unit = column.of_motion(sweep.lanes.scenario.rotary).unit if column else _UNITS.get(measure, "")
-            of_y = scale([Quantity(_WORDS.get(measure, measure), unit, "", rows[measure][pick].astype(float))])
+            of_y = scale([_quantity(sweep, rows, measure)])
             x, y = rows[path][pick], of_y.of(rows[measure][pick].astype(float))
             other = next((p for p in paths if p != path), None)
             if other is None:
@@ -118,9 +159,9 @@ def _measures(sweep: Sweep, rows: Mapping[str, NDArray[Any]]) -> FigureSvg:
                 axis.plot(x[order], y[order], "o-", color=plots.COLOURS[2], markersize=3)
             else:
                 values = rows[other][pick]
-                dots = axis.scatter(x, y, c=values, s=9, cmap="viridis", norm="log" if _spread(values) else None)
+                dots = axis.scatter(x, y, c=values, s=9, cmap="viridis", norm="log" if logarithmic(values) else None)
                 made.colorbar(dots, ax=axis, label=other)
-            if _spread(x):
+            if logarithmic(x):
                 axis.set_xscale("log")
             axis.set(xlabel=path, ylabel=of_y.label)
         caption = "What came of each lane, against what varied"
@@ -133,11 +174,6 @@ _WORDS = {
     "peak_F": "largest |F|", "final_y": "y at the end", "amplitude": "amplitude of y", "slips": "slips",
     "period": "period of y",
 }  # fmt: skip
-
-
-def _spread(values: Array) -> bool:
-    """Whether values want a logarithmic axis."""
-    return bool(values.min() > 0 and values.max() / values.min() > 30)
 
 
 def _some(sweep: Sweep) -> dict[str, Solution]:

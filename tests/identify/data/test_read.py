@@ -11,6 +11,7 @@ from scipy import signal
 from scipy.io import savemat
 
 from stribeck import InputError
+from stribeck.identify.data.clocks import released
 from stribeck.identify.data.filters import decimate, shifted, zero_phase
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.quality import clean
@@ -269,7 +270,7 @@ def test_two_clocks_in_a_file_are_noticed(tmp_path):
     assert any("two clocks: the step changes within the file" in note for note in log.quality)
     assert log.time[-1] > 7
     held = load_log([_record(tmp_path / "held.csv", 1e-3, hold=10)], ColumnNames(NAMES), Preparation())
-    assert any("two clocks: position changes in every 10th row only" in note for note in held.quality)
+    assert any("two clocks: position changes once in 10 rows only" in note for note in held.quality)
     v = 0.1 * np.pi * np.cos(np.pi * held.time)
     np.testing.assert_allclose(held.velocity[200:-200], v[200:-200], atol=0.02 * 0.1 * np.pi)
 
@@ -334,3 +335,17 @@ def test_a_record_shorter_than_its_filter_says_what_drops_the_rows(tmp_path):
     path = _csv(tmp_path / "log.csv", _rows()[:60])
     with pytest.raises(InputError, match=r"^data: 60 rows in the longest run, of which \d+, where the filter settles"):
         load_log([path], ColumnNames(NAMES), Preparation(cutoff=50.0))
+
+
+@pytest.mark.parametrize(("period", "off"), [(4.013e-3, 1e-5), (4.43e-3, 1e-5), (7.99e-3, 2e-4)])
+def test_a_clock_that_drifts_against_the_rows_is_found_again(period, off):
+    """Its samples are seen late by up to a row: taken at the rows that first show them, 1 % of F_s was lost."""
+    time = np.arange(20000) * 1e-3
+    true = np.sin(3 * time)
+    own = np.arange(0, 20, period)
+    columns = {"time": time, "position": np.sin(3 * own)[np.searchsorted(own, time + 1e-12, "right") - 1]}
+    notes = []
+    released(columns, "log", notes)
+    assert f"changes once in {period / 1e-3:.5g} rows" in notes[0]
+    inner = slice(100, -100)
+    assert np.max(abs(columns["position"] - true)[inner]) < 9 / 8 * period**2 + off

@@ -306,3 +306,20 @@ def test_a_mass_beyond_all_numbers_is_refused():
     log = rig.measured(rig.STROKES[:2])
     with pytest.raises(InputError, match=r"^mass: 1e\+300: must be a number from 0 to 1e\+30"):
         stribeck.fit(log, "coulomb_viscous", mass=1e300)
+
+
+@pytest.mark.parametrize("mass", [None, 0.0])
+def test_a_record_of_presliding_gets_a_hint_to_the_bristles(mass):
+    """A spring was told, and nothing of what it stands for."""
+    t = np.arange(0, 20, 2e-3)
+    y = 3e-4 * np.sin(2 * np.pi * 0.2 * t) * np.minimum(t / 15, 1)
+    z = np.zeros_like(y)
+    for i in range(1, len(t)):  # Dahl's bristles, 3e4 N/m, far from break-away at 12 N
+        step = y[i] - y[i - 1]
+        z[i] = z[i - 1] + step - 3e4 * abs(step) / 12 * z[i - 1]
+    force = 3e4 * z + 0.02 * np.random.default_rng(0).standard_normal(len(t))
+    record = {"t": t, "y": y, "F": force}
+    fit = stribeck.fit(
+        record, "coulomb_viscous", time="t", position="y", force="F", mass=mass, terms=("stiffness",), select=False
+    )
+    assert any("presliding" in note for note in fit.notes)

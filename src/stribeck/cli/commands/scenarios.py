@@ -136,7 +136,7 @@ def explore(
         typer.Option("--law", metavar="NAME", help="Offer this law beside the scenario's own; every law unless given."),
     ] = None,
     report: Annotated[
-        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's folder.")
+        Path | None, typer.Option("--report", metavar="DIR", help="Add the page to a run's or fit's folder.")
     ] = None,
     set_: Set = None,
     trust: Trust = False,

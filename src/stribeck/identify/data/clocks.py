@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass
@@ -16,6 +17,7 @@ _ALIKE = 1e-3  # of the step: files that differ by less share a grid
 _ANOTHER = 1.5  # between steps: more is another rate
 _WINDOW = 25  # rows that tell the rate
 _REGULAR = 0.8  # of the changes of a held column stand at one distance
+_LATE, _DRIFTS = 1.2, 0.3  # rows: what samples of a clock may be late by, more or less; from when on it is not locked
 _HELD = ("position", "velocity", "force")
 
 
@@ -54,16 +56,40 @@ def released(columns: dict[str, Array], name: str, notes: list[str]) -> None:
         changes = np.flatnonzero(np.diff(x) != 0) + 1
         if len(changes) < _WINDOW:
             continue
-        gaps = np.diff(changes)
-        usual = int(np.median(gaps))
-        if usual < 2 or float(np.mean(gaps % usual == 0)) < _REGULAR or float(np.mean(gaps == usual)) < _REGULAR:
-            continue
-        at = np.concatenate([[0], changes]) if changes[0] > 0 else changes
         time = columns["time"]
-        columns[role] = np.interp(time, time[at], x[at])
+        told = _own_clock(changes)
+        if told is None:
+            continue
+        rows, every = told
+        at = np.concatenate([[0], changes]) if changes[0] > 0 else changes
+        own = np.interp(np.concatenate([[0.0], rows]) if changes[0] > 0 else rows, np.arange(len(time)), time)
+        columns[role] = np.interp(time, own, x[at])
         notes.append(
-            f"{name}: two clocks: {role} changes in every {usual}th row only; straight lines between its own samples were taken"
+            f"{name}: two clocks: {role} changes once in {every} rows only; straight lines between its own samples were taken"
         )
+
+
+def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str] | None:
+    """When a column that is held between its samples was sampled, in rows, and its period; None where there is no clock.
+
+    A clock that is not locked to the rows shows its samples late, by up to a row and now more, now less: a line through
+    all of them, which no sample can be ahead of, tells when they were taken.
+    """
+    gaps = np.diff(changes)
+    usual = int(np.median(gaps))
+    if usual < 2:
+        return None
+    period = float(np.mean(gaps[gaps < 1.5 * usual]))
+    for count in (100, 1000, len(changes)):  # the period ever more closely, so that rounding to whole ones stays right
+        number = np.append(0.0, np.cumsum(np.round(gaps[: count - 1] / period)))
+        period, first = np.polyfit(number, changes[:count], 1)
+    late = changes - (first + period * number)
+    if np.ptp(late) <= _LATE and np.ptp(late) > _DRIFTS:
+        taken = first + period * number + (float(late.min()) + float(late.max()) - 1.0) / 2
+        return np.maximum(taken, 0.0), f"{period:.5g}"
+    if float(np.mean(gaps % usual == 0)) < _REGULAR or float(np.mean(gaps == usual)) < _REGULAR:
+        return None
+    return changes.astype(float), f"{usual}"
 
 
 def on_one_clock(parts: Sequence[Clean]) -> list[Clean]:

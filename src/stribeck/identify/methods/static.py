@@ -151,6 +151,7 @@ def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
             *rows.why,
             *made.notes,
             *_zeros(judged.estimates),
+            *_bristles(judged.estimates),
             *judged.notes,
             f"cross-validated {settled.left_out.how}",
         ),
@@ -178,6 +179,17 @@ def _given(made: StaticModel, values: Mapping[str, float]) -> dict[str, float]:
 def _zeros(estimates: Mapping[str, Estimate]) -> list[str]:
     return [
         f"{n}: comes out as 0, at most {e.high:.3g} {e.unit}" for n, e in estimates.items() if e.value == 0.0 and e.high
+    ]
+
+
+def _bristles(estimates: Mapping[str, Estimate]) -> list[str]:
+    """What a spring and no friction level may stand for."""
+    spring, level = estimates.get("stiffness"), estimates.get("F_c")
+    if spring is None or level is None or level.identifiable or (spring.value is not None and spring.value <= 0):
+        return []
+    return [
+        "a spring and no friction level: if nothing but the contact holds the body, the record is one of presliding, and the "
+        f"spring is that of the bristles; a law that has them tells it ({arg('law')} lugre with {arg('method')} presliding)"
     ]
 
 

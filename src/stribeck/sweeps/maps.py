@@ -1,0 +1,130 @@
+"""Pictures over several varied numbers whose lanes can be picked, and the trajectories that a picked lane shows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.arrays import Array
+from stribeck.report import plots
+from stribeck.report.page import FigureSvg, LaneCurves
+from stribeck.report.quantities import Quantity, scale
+from stribeck.simulation import Ensemble
+
+_CELLS = 4096  # of a heat map
+_LINES = 400  # of a picture with parallel axes
+_POINTS = 240  # of a trajectory
+
+
+def logarithmic(values: Array) -> bool:
+    """Whether values want a logarithmic axis."""
+    return bool(values.min() > 0 and values.max() / values.min() > 30)
+
+
+def whole_grid(values: Mapping[str, Array]) -> tuple[Array, Array] | None:
+    """The values along both axes where two numbers vary over a whole grid, each pair once; else None."""
+    if len(values) != 2:
+        return None
+    (x, y) = values.values()
+    along, up = np.unique(x), np.unique(y)
+    pairs = {(a, b) for a, b in zip(x.tolist(), y.tolist(), strict=True)}
+    whole = len(pairs) == len(x) == len(along) * len(up) and min(len(along), len(up)) > 1
+    return (along, up) if whole and len(x) <= _CELLS else None
+
+
+def heat_map(values: Mapping[str, Array], quantities: Sequence[Quantity]) -> FigureSvg:
+    """A cell a lane, coloured by each measure; its id in the SVG is ``lane-N``."""
+    from matplotlib import colormaps
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+    from matplotlib.patches import Rectangle
+
+    found = whole_grid(values)
+    assert found is not None
+    (first, second), edges = values, [_edges(each) for each in found]
+    with plots.style():
+        layout = [[q.name for q in quantities[i : i + 2]] for i in range(0, len(quantities), 2)]
+        if len(layout) > 1 and len(layout[-1]) == 1:
+            layout[-1].append(".")
+        made, axes = plots.figure(layout, 2.7 * len(layout))
+        for quantity in quantities:
+            axis, shown = axes[quantity.name], scale([quantity])
+            z = shown.of(quantity.values)
+            norm = Normalize(np.nanmin(z), np.nanmax(z) if np.nanmax(z) > np.nanmin(z) else np.nanmin(z) + 1)
+            colour = colormaps["viridis"]
+            places = [np.searchsorted(found[k], values[path]) for k, path in enumerate((first, second))]
+            for lane, (i, j) in enumerate(zip(*places, strict=True)):
+                low, wide = (edges[0][i], edges[1][j]), (np.diff(edges[0])[i], np.diff(edges[1])[j])
+                face = colour(norm(z[lane])) if np.isfinite(z[lane]) else "#bbbbbb"
+                axis.add_patch(Rectangle(low, *wide, facecolor=face, edgecolor="none", gid=f"lane-{lane}"))
+            axis.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]], xlabel=first, ylabel=second, title=shown.label)
+            for log, name in ((logarithmic(found[0]), "x"), (logarithmic(found[1]), "y")):
+                if log:
+                    getattr(axis, f"set_{name}scale")("log")
+            made.colorbar(ScalarMappable(norm, colour), ax=axis)
+        caption = f"What came of each lane over {first} and {second}; grey: nothing to show. A click on a cell shows its lane."
+        return plots.finish(made, "map", caption, pdf=True)
+
+
+def _edges(centres: Array) -> Array:
+    """The ends of the cells around some values, halfway on the axis that they want."""
+    at = np.log(centres) if logarithmic(centres) else centres
+    between = 0.5 * (at[1:] + at[:-1])
+    found = np.concatenate([[2 * at[0] - between[0]], between, [2 * at[-1] - between[-1]]])
+    return np.exp(found) if logarithmic(centres) else found
+
+
+def parallel_axes(values: Mapping[str, Array], quantities: Sequence[Quantity]) -> FigureSvg:
+    """An axis for each varied number and each measure, and a line a lane, coloured by the first measure."""
+    from matplotlib import colormaps
+
+    columns = {**values, **{scale([q]).label: scale([q]).of(q.values) for q in quantities}}
+    count = len(next(iter(values.values())))
+    lanes = np.unique(np.linspace(0, count - 1, min(count, _LINES)).round().astype(int))
+    heights = {name: _height(x) for name, x in columns.items()}
+    colour = heights[scale([quantities[0]]).label]
+    with plots.style():
+        made, axes = plots.figure([["all"]], 3.6)
+        axis = axes["all"]
+        for lane in lanes:
+            line = [heights[name][lane] for name in columns]
+            shade = colormaps["viridis"](colour[lane]) if np.isfinite(colour[lane]) else "#bbbbbb"
+            axis.plot(range(len(line)), line, color=shade, linewidth=1.1, alpha=0.75, gid=f"lane-{lane}")
+        for i, (name, x) in enumerate(columns.items()):
+            axis.axvline(i, color="0.4", linewidth=0.8)
+            for height, value, side in ((1.03, np.nanmax(x), "bottom"), (-0.03, np.nanmin(x), "top")):
+                axis.text(i, height, f"{value:.4g}", ha="center", va=side, fontsize=7)
+            axis.text(i, -0.13, name, ha="center", va="top", fontsize=7, rotation=0, wrap=True)
+        axis.set(xlim=(-0.4, len(columns) - 0.6), ylim=(-0.3, 1.1))
+        axis.axis("off")
+        more = f" {len(lanes)} of {count} lanes." if len(lanes) < count else ""
+        caption = (
+            f"Each line is a lane, from what varied (left) to what came of it.{more} A click on a line shows its lane."
+        )
+        return plots.finish(made, "axes", caption, pdf=True)
+
+
+def _height(x: Array) -> Array:
+    """From 0 at the least value to 1 at the largest, on the axis that they want."""
+    finite = x[np.isfinite(x)]
+    at = np.log(x) if len(finite) and logarithmic(finite) else np.asarray(x, float)
+    low, high = (np.nanmin(at), np.nanmax(at)) if len(finite) else (0.0, 0.0)
+    return (at - low) / (high - low) if high > low else np.where(np.isfinite(at), 0.5, np.nan)
+
+
+def picked(found: Ensemble, lanes: NDArray[np.int64], names: Sequence[str]) -> LaneCurves:
+    """The trajectories of some lanes, thinned, for the page."""
+    pick = np.unique(np.linspace(0, len(found.t) - 1, _POINTS).round().astype(int))
+    units = {c.name: c.unit for c in found.columns}
+    curves = {int(lane): [[_brief(x) for x in found[name][i, pick]] for name in names] for i, lane in enumerate(lanes)}
+    about = {
+        int(lane): ", ".join(f"{path} = {x[i]:.6g}" for path, x in found.values.items()) for i, lane in enumerate(lanes)
+    }
+    columns = [f"{name} ({units[name]})" for name in names]
+    return LaneCurves([_brief(t) for t in found.t[pick]], columns, curves, about)
+
+
+def _brief(x: float) -> float | None:
+    return float(f"{x:.5g}") if np.isfinite(x) else None

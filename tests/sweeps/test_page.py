@@ -1,0 +1,86 @@
+"""The page of a sweep: cells and lines that are lanes, and the trajectories that they show."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck import Scenario, simulate
+from stribeck.sweeps import page
+from stribeck.sweeps.maps import whole_grid
+from tests.simulation.rig import needs_compiler
+
+pytest.importorskip("matplotlib")
+pytest.importorskip("pyarrow")
+pytestmark = [needs_compiler, pytest.mark.pictures]
+SCENARIO = Scenario(
+    law={"name": "lugre_majorant", "k_v": 1e6, "parameters": "canudas1995"}, plant={"mass": 1.0},
+    drive={"kind": "spring", "stiffness": 2.0, "signal": {"kind": "ramp", "rate": 0.1}},
+    solve={"t_end": 10.0}, output={"step": 0.05},
+)  # fmt: skip
+GRID = {
+    "law.parameters.F_s": np.repeat([1.2, 1.5, 1.8], 2), "plant.mass": np.tile([0.5, 2.0], 3)
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True)
+def _no_prints(monkeypatch):
+    """The pictures for the page alone, not those to print."""
+    monkeypatch.setattr("stribeck.report.plots.prints", lambda made, pdf: (b"png", b"pdf"))
+
+
+@pytest.fixture(params=["summary", "trajectories"])
+def written(request, tmp_path):
+    found = stribeck.sweep(SCENARIO, GRID, tmp_path / "out", summary=request.param == "summary")
+    page.write_sweep_page(found, "stribeck sweep")
+    return (tmp_path / "out" / "_report" / "report.html").read_text()
+
+
+def lanes_in(text, figure):
+    return re.findall(rf'id="{figure}-lane-(\d+)"', text)
+
+
+def test_every_lane_is_a_cell_of_each_map_and_shows_its_own_run(written):
+    cells = lanes_in(written, "map")
+    measures = len(cells) // 6
+    assert measures >= 3
+    assert sorted(cells) == sorted(map(str, list(range(6)) * measures))
+    kept = json.loads(re.search(r'class="picked-data">(.*?)</script>', written, re.S)[1])
+    assert sorted(map(int, kept["curves"])) == list(range(6))
+    for lane in (1, 4):
+        values = {path: float(x[lane]) for path, x in GRID.items()}
+        assert kept["about"][str(lane)] == ", ".join(f"{path} = {x:.6g}" for path, x in values.items())
+        solution = simulate(SCENARIO.with_changes(values))
+        for name, x in zip(kept["columns"], kept["curves"][str(lane)], strict=True):
+            column = name.split(" ")[0]
+            expected = np.interp(kept["t"], solution.t, solution[column])
+            # five figures each, and the last bits of lanes that slip in other company
+            assert np.max(abs(np.array(x) - expected)) <= 1e-4 * solution.peaks[column], column
+
+
+def test_more_numbers_have_parallel_axes(tmp_path):
+    rng = np.random.default_rng(0)
+    values = {**{path: rng.uniform(1.2, 1.8, 9) for path in GRID}, "drive.stiffness": rng.uniform(1.0, 3.0, 9)}
+    page.write_sweep_page(stribeck.sweep(SCENARIO, values, tmp_path / "out", summary=True))
+    text = (tmp_path / "out" / "_report" / "report.html").read_text()
+    assert sorted(lanes_in(text, "axes")) == [str(i) for i in range(9)]
+    assert not lanes_in(text, "map")
+
+
+def test_one_number_has_no_map_and_still_its_lanes(tmp_path):
+    page.write_sweep_page(stribeck.sweep(SCENARIO, {"plant.mass": [0.5, 1.0, 2.0]}, tmp_path / "out", summary=True))
+    text = (tmp_path / "out" / "_report" / "report.html").read_text()
+    assert "-lane-" not in text
+    assert len(json.loads(re.search(r'class="picked-data">(.*?)</script>', text, re.S)[1])["curves"]) == 3
+
+
+def test_what_is_a_grid():
+    along, up = whole_grid(GRID)
+    assert (along.tolist(), up.tolist()) == ([1.2, 1.5, 1.8], [0.5, 2.0])
+    assert whole_grid({"a": np.array([1.0, 2.0]), "b": np.array([1.0, 2.0])}) is None  # a diagonal
+    assert whole_grid({"a": np.array([1.0, 1.0]), "b": np.array([1.0, 2.0])}) is None  # a line
+    assert (
+        whole_grid({"a": np.array([1.0, 1.0, 2.0, 2.0]), "b": np.array([1.0, 1.0, 3.0, 4.0])}) is None
+    )  # twice the same
