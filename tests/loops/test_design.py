@@ -153,7 +153,7 @@ def test_mistakes_are_one_line(options, words):
 
 
 def test_what_is_no_loop():
-    with pytest.raises(InputError, match="drive.kind: 'force': must be 'pid'"):
+    with pytest.raises(InputError, match=r"drive\.kind: 'force': must be 'pid'"):
         design(Scenario({"law": law(), **_SINGLE}))
     data = axis()
     del data["controllers"]

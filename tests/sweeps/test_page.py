@@ -76,6 +76,15 @@ def test_one_number_has_no_map_and_still_its_lanes(tmp_path):
     assert len(json.loads(re.search(r'class="picked-data">(.*?)</script>', text, re.S)[1])["curves"]) == 3
 
 
+def test_of_slow_lanes_few_are_kept(tmp_path, monkeypatch):
+    monkeypatch.setattr(page, "_PATIENCE", 0.0)
+    masses = {"plant.mass": np.linspace(1.0, 2.0, 20)}
+    page.write_sweep_page(stribeck.sweep(SCENARIO, masses, tmp_path / "out", summary=True))
+    text = (tmp_path / "out" / "_report" / "report.html").read_text()
+    kept = json.loads(re.search(r'class="picked-data">(.*?)</script>', text, re.S)[1])
+    assert sorted(map(int, kept["curves"])) == [0, 3, 5, 8, 11, 14, 16, 19]
+
+
 def test_what_is_a_grid():
     along, up = whole_grid(GRID)
     assert (along.tolist(), up.tolist()) == ([1.2, 1.5, 1.8], [0.5, 2.0])

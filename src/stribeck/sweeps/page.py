@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import tempfile
+import time
 from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
@@ -32,6 +33,7 @@ _LANES_SHOWN = 8
 _ROWS_SHOWN = 60
 _PICKED = 100  # lanes whose trajectories the page keeps, at most
 _ROOM = 2_000_000  # rows of these
+_PATIENCE = 20.0  # s that simulating them may take
 _MOST = 200_000  # lanes in a plot: more show nothing new
 
 
@@ -87,8 +89,17 @@ def _write(sweep: Sweep, folder: Path, command: str) -> list[Path]:
 
 
 def _kept(sweep: Sweep) -> tuple[NDArray[np.int64], Ensemble]:
-    """Lanes whose trajectories the page keeps, simulated once more: all of a small sweep."""
-    count = min(len(sweep.lanes), _PICKED, max(_LANES_SHOWN, _ROOM // sweep.lanes.scenario.rows))
+    """Lanes whose trajectories the page keeps, simulated once more: all of a small sweep, few where a lane takes long."""
+    few = min(len(sweep.lanes), _LANES_SHOWN)
+    begun = time.monotonic()
+    lanes, found = _again(sweep, few)
+    each = (time.monotonic() - begun) / few
+    count = min(len(sweep.lanes), _PICKED, _ROOM // sweep.lanes.scenario.rows)
+    return _again(sweep, count) if count > few and each * count < _PATIENCE else (lanes, found)
+
+
+def _again(sweep: Sweep, count: int) -> tuple[NDArray[np.int64], Ensemble]:
+    """Some lanes, evenly from the first to the last, simulated once more."""
     lanes = np.unique(np.linspace(0, len(sweep.lanes) - 1, count).round().astype(np.int64))
     return lanes, simulate_ensemble(sweep.lanes.scenario, {path: x[lanes] for path, x in sweep.lanes.values.items()})
 
