@@ -7,12 +7,12 @@ import pytest
 
 from stribeck import Scenario
 from stribeck.loops.compensation import CompensationResult, _dithered
-from stribeck.loops.judge import _rest, judge
+from stribeck.loops.judge import Judgement, _rest, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.moves import reversal_errors
 from stribeck.loops.proof import proof
 from stribeck.loops.shaken import SHARE, swings
-from stribeck.loops.starts import _together, from_starts, kinds
+from stribeck.loops.starts import Start, _together, from_starts, kinds
 from stribeck.report.design import starts_sentence, unbeaten
 from tests.loops.axis import axis
 from tests.machine.machines import law
@@ -40,6 +40,14 @@ def test_what_it_does_depends_on_the_start():
     assert {j.verdict for j in kinds(found, own)} == {"quiet", "hunting"}
     assert "depends on the start: quiet in the file's run" in starts_sentence(found, own, "m")
     assert len(kinds([s for s in found if s.judgement.quiet], own)) == 1
+
+
+def test_a_cycle_without_a_period_is_told_without_one():
+    rest, uneven = Judgement("quiet", "a", 0.0, np.nan), Judgement("hunting", "a", 2e-6, np.nan)
+    found = [Start("a", 1e-3, 0.0, rest), Start("a", 2e-3, 0.0, uneven)]
+    told = starts_sentence(found, rest, "m")
+    assert "hunting by 2 µm from 2 mm off" in told
+    assert "nan" not in told
 
 
 def test_rest_is_measured_by_the_move_of_the_file():

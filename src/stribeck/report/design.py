@@ -186,7 +186,7 @@ def _starts(found: Design) -> Chapter:
     rows = []
     for s in found.starts:
         j = s.judgement
-        cycle = [human(j.amplitude, unit), human(j.period, "s")] if j.verdict == "hunting" else ["", ""]
+        cycle = [human(j.amplitude, unit), _period(j)] if j.verdict == "hunting" else ["", ""]
         rows.append([s.body, human(s.off, unit), human(s.speed, unit + "/s"), j.verdict, *cycle])
     text = [
         f"{starts_sentence(found.starts, found.judgement, unit).capitalize()}.",
@@ -211,9 +211,7 @@ def starts_sentence(starts: Sequence[Start], own: Judgement, unit: str) -> str:
             else f"from its target at {human(abs(first.speed), unit + '/s')}"
         )
         if kind.verdict == "hunting":
-            told.append(
-                f"hunting by {human(kind.amplitude, unit)} every {human(kind.period, 's')} {at} ({len(alike)} starts)"
-            )
+            told.append(f"hunting by {_cycle(kind, unit)} {at} ({len(alike)} starts)")
         else:
             told.append(f"{kind.verdict} {at} ({len(alike)} starts)")
     return f"it depends on the start: {own.verdict} in the file's run; {', '.join(told)}"
@@ -363,9 +361,17 @@ def sentence_of(j: Judgement, unit: str) -> str:
     """A judgement in one sentence."""
     text = f"{j.verdict}: it {_MEANING[j.verdict]}"
     if j.verdict == "hunting":
-        every = f" every {human(j.period, 's')}" if j.period == j.period else ""
-        text += f", {j.body} by {human(j.amplitude, unit)}{every}"
+        text += f", {j.body} by {_cycle(j, unit)}"
     return text
+
+
+def _cycle(j: Judgement, unit: str) -> str:
+    """How large a cycle is and, where that is regular, how long it takes."""
+    return human(j.amplitude, unit) + (f" every {_period(j)}" if _period(j) else "")
+
+
+def _period(j: Judgement) -> str:
+    return human(j.period, "s") if j.period == j.period else ""
 
 
 def second_lines(second: SecondOpinion, unit: str) -> list[str]:
