@@ -95,3 +95,16 @@ for call in (solution.to_pandas, lambda: stribeck.fit, lambda: stribeck.check(so
         "stribeck.fit needs scipy: pip install 'stribeck[fit]'",
         "a proof needs flint: pip install 'stribeck[check]'",
     ]
+
+
+def test_the_extra_for_pages_is_enough_for_pages(tmp_path):
+    pytest.importorskip("ziglang")
+    pytest.importorskip("bokeh")
+    others = tuple(package for package, extra in EXTRAS.items() if extra != "explore")
+    found = command(tmp_path, "explore", "lugre", "--law", "lugre", "--out", "page.html", blocked=others)
+    assert (found.returncode, found.stderr) == (0, "")
+    (tmp_path / "fit").mkdir()
+    (tmp_path / "fit" / "parameters.toml").write_text("")
+    found = command(tmp_path, "explore", "--report", "fit", blocked=others)
+    assert found.returncode == 2
+    assert found.stderr == "stribeck: the page of a fit needs scipy: pip install 'stribeck[fit]'\n"

@@ -10,7 +10,7 @@ import pytest
 
 from stribeck import Scenario, simulate
 from stribeck.explore import explorer_page
-from stribeck.explore.fitted import Beside
+from stribeck.explore.beside import Beside
 
 webdriver = pytest.importorskip("selenium.webdriver")
 CHROMIUM, DRIVER = shutil.which("chromium") or shutil.which("google-chrome"), shutil.which("chromedriver")

@@ -26,6 +26,7 @@ _EXTRA = {
     "paper": "paper",
     "explore": "explore",
 }
+_BEYOND = {"fit": ("logs",), "explore": ("fit", "logs")}  # extras that hold what the command's own does not
 _GRACE = 5.0  # s, to clear away what has been begun
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
@@ -93,7 +94,7 @@ def _status(arguments: list[str] | None) -> int:
         package = error.package if isinstance(error, MissingExtra) else (error.name or "").partition(".")[0]
         if package not in EXTRAS:
             raise
-        if isinstance(error, MissingExtra) and (command not in _EXTRA or error.extra == "logs"):
+        if isinstance(error, MissingExtra) and (command not in _EXTRA or error.extra in _BEYOND.get(command, ())):
             print(f"stribeck: {said(Line(str(error)), command)}", file=sys.stderr)
         else:
             extra = _EXTRA.get(command, EXTRAS[package])

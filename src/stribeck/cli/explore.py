@@ -8,7 +8,7 @@ from pathlib import Path
 from stribeck.cli import show
 from stribeck.errors import InputError
 from stribeck.explore import explore as write
-from stribeck.explore.fitted import Report
+from stribeck.explore.beside import Report
 from stribeck.explore.report import of_folder
 from stribeck.explore.variants import subject
 from stribeck.scenario import parse_assignment

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import cast
 
@@ -15,6 +13,7 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
+from stribeck.explore.beside import Beside, Report, short
 from stribeck.files import read_file
 from stribeck.identify import api, predict
 from stribeck.identify.actuator.coordinates import NEUTRAL
@@ -32,57 +31,29 @@ _PARTS = (0.03, 0.1, 0.3, 1.0)  # of the record, to which the start is fitted on
 _MOST = 6000  # rows of a record that a page shows, from its beginning
 
 
-@dataclass(frozen=True)
-class Beside:
-    """What was measured: where it is from, and each column against its times."""
-
-    about: str
-    columns: dict[str, tuple[Array, Array]]
-    given: tuple[str, ...] = ()  # those that drive the simulation, so that nothing is to be compared
-
-    def as_data(self) -> dict[str, object]:
-        """For the page: times that are even by their step alone."""
-        lists = {
-            name: {"t": _even(t) or _short(t), "x": _short(x, float(abs(x).max(initial=0)))}
-            for name, (t, x) in self.columns.items()
-        }
-        return {"about": self.about, "columns": lists, "given": self.given}
-
-
-def _even(t: Array) -> float | None:
-    step = float(t[-1]) / max(len(t) - 1, 1)
-    return step if step > 0 and np.allclose(t, step * np.arange(len(t)), rtol=0, atol=1e-6 * step) else None
-
-
-@dataclass(frozen=True)
-class Report:
-    """What a folder holds: the scenario; of a fit, the interval of each number by its path, and what was measured."""
-
-    scenario: Scenario
-    intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
-    measured: Beside | None = None
-
-
-def of_fit(folder: Path, trust: bool) -> Report:
-    """What was fitted to a record: the law along the measured motion, or under the measured force where the motion was fitted.
+def of_folder(folder: Path, trust: bool) -> Report:
+    """What ``stribeck fit --out`` left in a folder, of one body or of a machine.
 
     Raises:
-        InputError: the record is gone, or cannot be read as then.
+        InputError: files that it names are gone, or cannot be read as then.
     """
+    return _of_fit(folder, trust) if (folder / predict.FILE).exists() else _of_machine_fit(folder, trust)
+
+
+def _of_fit(folder: Path, trust: bool) -> Report:
+    """The law along the measured motion, or under the measured force where the motion was fitted."""
     model = predict.load(folder)
-    try:
-        kept = json.loads(read_file(folder / predict.FILE))
-        files = [folder / str(name) for name in kept["files"]]
-    except KeyError:
+    if not model.files:
         raise InputError(
             f"{arg('report')}: {show(str(folder))}: was written before records were named in it; must be fitted again"
-        ) from None
+        )
+    files = [folder / name for name in model.files]
     reading = ColumnNames(dict(model.columns), dict(model.units), model.force_gain)
     simulated = model.method != "static" and api.is_simulated([model.law], None)
     log = api.log_of(files, reading, Preparation(model.cutoff, None, simulated))
     first = next(log.runs())
     log = log.rows(slice(first.start, min(first.stop, first.start + _MOST)))
-    by_force = kept.get("output") in ("position", "velocity") and kept.get("drive") is None
+    by_force = model.output in ("position", "velocity") and model.drive is None
     scenario = _scenario(files[0].stem, model, log, by_force, trust)
     if by_force:
         scenario = _begun(scenario, log)
@@ -106,7 +77,7 @@ def _scenario(name: str, model: predict.FittedModel, log: Log, by_force: bool, t
     return Scenario(
         {
             "schema": 1, "name": name, "law": law, "plant": plant,
-            "drive": {**drive, "signal": {"kind": "points", "t": _short(t), "value": _short(value, float(abs(value).max()))}},
+            "drive": {**drive, "signal": {"kind": "points", "t": short(t), "value": short(value, float(abs(value).max()))}},
             "solve": {"t_end": float(t[-1])}, "output": {"step": float(log.step)},
         },
         folder=Path(), trust=trust,
@@ -172,12 +143,8 @@ def _ends(told: Mapping[str, object]) -> dict[str, tuple[float, float]]:
     return found
 
 
-def of_machine_fit(folder: Path, trust: bool) -> Report:
-    """The fitted machine in its first recording.
-
-    Raises:
-        InputError: a file is gone or cannot be read.
-    """
+def _of_machine_fit(folder: Path, trust: bool) -> Report:
+    """The fitted machine in its first recording."""
     kept = _toml(folder / "parameters.toml")
     logs = kept.get("logs")
     if not isinstance(logs, str) or not (folder / "machine.toml").is_file():
@@ -215,9 +182,3 @@ def _true(reading: Compared, value: Mapping[str, float]) -> tuple[Array, Array]:
     """A reading without what its sensor adds, where that was fitted."""
     of = {what: value.get(f"outputs.{reading.column}.{what}", neutral) for what, neutral in NEUTRAL.items()}
     return reading.t - of["delay"] - of["clock"] * reading.t, (reading.x - of["offset"]) / of["gain"]
-
-
-def _short(x: Array, size: float = 0.0) -> list[float]:
-    """Numbers in as few letters as keep nine figures of the largest."""
-    digits = 9 if size == 0 else 9 - int(np.floor(np.log10(size))) - 1
-    return [round(float(value), digits) for value in x]

@@ -15,8 +15,8 @@ from stribeck.codegen import source
 from stribeck.errors import InputError, arg, needed
 from stribeck.explore import wasm
 from stribeck.explore.appendix import CLAIMS, appendix, columns, machine_appendix, relations
+from stribeck.explore.beside import Beside
 from stribeck.explore.figures import figures, panels
-from stribeck.explore.fitted import Beside
 from stribeck.explore.machine import machine_data, machine_law, machine_panels, machine_sections
 from stribeck.explore.measured import measured
 from stribeck.explore.numbers import MOST_POINTS, numbers, of_law

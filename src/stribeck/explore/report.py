@@ -8,10 +8,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from stribeck.constants import show
-from stribeck.errors import InputError, arg
-from stribeck.explore.fitted import Report, of_fit, of_machine_fit
+from stribeck.errors import InputError, arg, needed
+from stribeck.explore.beside import Report
 from stribeck.files import read_file
-from stribeck.identify import predict
 from stribeck.scenario import Scenario
 
 
@@ -21,10 +20,10 @@ def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Repor
     Raises:
         InputError: the folder is no result of ``stribeck run`` or ``stribeck fit``, or files that it names are gone.
     """
-    if (folder / predict.FILE).exists():
-        found = of_fit(folder, trust)
-    elif (folder / "parameters.toml").exists():
-        found = of_machine_fit(folder, trust)
+    if (folder / "parameters.toml").exists():
+        with needed("the page of a fit", "fit"):
+            from stribeck.explore import fitted
+        found = fitted.of_folder(folder, trust)
     else:
         found = Report(_run(folder, trust))
     return replace(found, scenario=found.scenario.with_changes(changes)) if changes else found

@@ -40,6 +40,8 @@ class FittedModel:
         known: the error of the fit itself, for comparison.
         others: plainer models of the same record, by name.
         columns, units, force_gain, cutoff: how the record was read.
+        files: its files, seen from the folder of the fit; none in what older versions wrote.
+        output: what the simulation was to meet; ``drive``: what moved the body then, None for the measured force.
     """
 
     law: str
@@ -51,6 +53,9 @@ class FittedModel:
     units: dict[str, str]
     force_gain: str | float | None
     cutoff: float | None
+    files: tuple[str, ...] = ()
+    output: str = "force"
+    drive: dict[str, Any] | None = None
 
     @property
     def body(self) -> tuple[str, ...]:
@@ -145,6 +150,7 @@ def load(folder: Path | str) -> FittedModel:
     return FittedModel(
         law.name if ".py:" not in data["law"] else data["law"], str(data.get("method")), data["values"], data.get("fit", {}),
         others, data.get("columns", {}), data.get("units", {}), data.get("force_gain"), data.get("cutoff"),
+        tuple(map(str, data.get("files", ()))), str(data.get("output", "force")), data.get("drive"),
     )  # fmt: skip
 
 
