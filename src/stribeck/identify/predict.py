@@ -55,7 +55,7 @@ class FittedModel:
     cutoff: float | None
     files: tuple[str, ...] = ()
     output: str = "force"
-    drive: dict[str, Any] | None = None
+    drive: Mapping[str, object] | None = None
 
     @property
     def body(self) -> tuple[str, ...]:

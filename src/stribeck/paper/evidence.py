@@ -120,7 +120,7 @@ def dither() -> tuple[dict[str, dict[str, float]], FigureSvg]:
     """How far every law drifts under two loads that stay below F_s, and the picture."""
     teeth = [(second + part, force) for second in range(18) for part, force in ((0.0, 0.0), (0.95, 0.55))]
     loads: dict[str, Numbers] = {
-        "0.4 +- 0.25 N at 5 Hz": {"kind": "sine", "offset": 0.4, "amplitude": 0.25, "frequency": 5.0},
+        "0.4 ± 0.25 N at 5 Hz": {"kind": "sine", "offset": 0.4, "amplitude": 0.25, "frequency": 5.0},
         "0 to 0.55 N, 1 Hz sawtooth": {"kind": "points", "t": [t for t, _ in teeth], "value": [x for _, x in teeth]},
     }
     moved = {title: _load(BRISTLES, signal) for title, signal in loads.items()}

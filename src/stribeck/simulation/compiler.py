@@ -20,13 +20,13 @@ _FLAGS = (
     "-O3", "-fno-math-errno", "-fno-trapping-math", "-fno-signed-zeros", "-fassociative-math", "-freciprocal-math",
     "-fno-tree-vectorize", "-fPIC", "-shared", "-fvisibility=hidden",
 )  # fmt: skip
-# Passes that take a fifth of the compiler's time; one trajectory's code is as fast without, and its numbers differ by
-# rounding at most: in one of the report's 53 systems, in the others by no bit. Lanes are a little faster with them.
+# Passes that take much of the compiler's time; one trajectory's code is as fast without, and its numbers differ by
+# rounding at most. Lanes are a little faster with them.
 _FOR_ONE = ("-fno-schedule-insns2", "-fno-gcse", "-fno-ipa-cp")
 # Lanes are vectors from the start, and their exp rounds by adding a number and taking it away again.
 _FOR_LANES = ("-ftree-vectorize", "-fno-associative-math")
 # Copies of structs no wider than 16 bytes: wider ones leave the upper halves of registers in use, and then each call of
-# libm's exp, whose wrapper is of older instructions, costs tens of cycles more (half of the time of a sampled machine).
+# libm's exp, whose wrapper is of older instructions, waits for them.
 _NARROW = ("-mmove-max=128", "-mstore-max=128")
 _TIME_LIMIT = 120  # s
 

@@ -34,15 +34,14 @@ def whole_grid(values: Mapping[str, Array]) -> tuple[Array, Array] | None:
     return (along, up) if whole and len(x) <= _CELLS else None
 
 
-def heat_map(values: Mapping[str, Array], quantities: Sequence[Quantity]) -> FigureSvg:
-    """A cell a lane, coloured by each measure; its id in the SVG is ``lane-N``."""
+def heat_map(values: Mapping[str, Array], found: tuple[Array, Array], quantities: Sequence[Quantity]) -> FigureSvg:
+    """A cell a lane, coloured by each measure, over the values along both axes (:func:`whole_grid`); its id in the SVG is
+    ``lane-N``."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
     from matplotlib.patches import Rectangle
 
-    found = whole_grid(values)
-    assert found is not None
     (first, second), edges = values, [_edges(each) for each in found]
     with plots.style():
         layout = [[q.name for q in quantities[i : i + 2]] for i in range(0, len(quantities), 2)]

@@ -116,7 +116,8 @@ def _over_several(sweep: Sweep, rows: Rows) -> list[FigureSvg]:
     quantities = [_quantity(sweep, rows, name) for name in told]
     if not quantities or len(values) < 2:
         return []
-    return [heat_map(values, quantities) if whole_grid(values) is not None else parallel_axes(values, quantities)]
+    found = whole_grid(values)
+    return [parallel_axes(values, quantities) if found is None else heat_map(values, found, quantities)]
 
 
 def _shown(sweep: Sweep, rows: Rows) -> list[str]:

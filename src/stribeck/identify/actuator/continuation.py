@@ -32,8 +32,8 @@ def continued(
     problem: MachineProblem, u: Array, keep: Callable[[Array, float], None] | None, careful: bool = False
 ) -> tuple[Array, float]:
     """The point from where whole recordings can be fitted, or the one that follows them farthest; and the share of them
-    that is followed, 1 for all. ``careful``: part by part, each to
-    its best numbers, as chaotic motion asks for.
+    that is followed, 1 for all. ``careful``: part by part, each to its best
+    numbers, as chaotic motion asks for.
 
     Raises:
         Stopped: Ctrl-C; what was found so far went to ``keep``.

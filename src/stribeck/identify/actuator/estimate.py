@@ -181,7 +181,8 @@ def estimate(
     begin, many = dict(first or {}), starts > 1
     loose = _loosened(scenario)
     agreeing, others = 0, list[dict[str, float]]()
-    if not remembers(scenario, recordings) and many:
+    whole_only = remembers(scenario, recordings)
+    if not whole_only and many:
         rough = _roughly(loose, recordings, sought, named, noise, work)
         found = search(
             rough, starts, seed, _point(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH,
@@ -203,7 +204,7 @@ def estimate(
     if not found.stopped:
         found = replace(search(problem, 1, seed, found.u, _kept(problem, keep)), agreeing=found.agreeing)
     whole = BestPoint(problem, found.u, replace(found, agreeing=max(agreeing, found.agreeing)), notes, asked)
-    if found.stopped or remembers(scenario, recordings):
+    if found.stopped or whole_only:
         return _weighted(whole, given, keep)
     if not asked and whole.missed():
         whole = _in_stretches(scenario, recordings, sought, named, whole, begin, work, keep)

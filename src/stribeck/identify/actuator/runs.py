@@ -158,7 +158,7 @@ def recorded_run(
     problems += [
         f"log.{log}.inputs.{path}: no signal of the machine"
         for path in recording.inputs
-        if not (path.endswith("signal") and _exists(scenario.data, path.rpartition(".")[0]))
+        if not (path.endswith("signal") and _at(scenario, path.rpartition(".")[0]) is not None)
     ]
     if problems:
         raise InputError(problems)
@@ -172,14 +172,6 @@ def recorded_run(
     targets = [Compared(n, c.t, c.x) for n, c in rows_of(recording, begin, min(end, new.end + begin)).items()]
     piece = None if span is None else f"{begin:g}"
     return RecordedRun(recording.file, log, piece, new, [x for x in targets if len(x.t)], {}, recording.hold_out)
-
-
-def _exists(data: object, path: str) -> bool:
-    for word in path.split("."):
-        if not isinstance(data, dict) or word not in data:
-            return False
-        data = data[word]
-    return True
 
 
 def _step(recording: Recording) -> float:
@@ -201,9 +193,7 @@ def signal(scenario: Scenario, path: str, channel: Channel, begin: float, end: f
     first = max(int(np.searchsorted(t, begin, side="right")) - 1, 0)
     last = min(int(np.searchsorted(t, end)) + 1, len(t))
     t, x = t[first:last] - begin, x[first:last]
-    table = scenario.data
-    for word in path.split(".")[:-1]:
-        table = table.get(word, {}) if isinstance(table, dict) else {}
+    table = _at(scenario, path.rpartition(".")[0])
     kind = "spline" if isinstance(table, dict) and "feedforward" in table else "points"
     t, keep = np.unique(t, return_index=True)
     return {"kind": kind, "t": t.tolist(), "value": x[keep].tolist()}

@@ -146,7 +146,7 @@ def loops(found: Sequence[Any]) -> FigureSvg:
             rows = _some(len(x))
             plots.line(axes[name], 2, x[rows], loop["measured"][rows], "measured", linewidth=0.8)
             plots.line(axes[name], 1, x[rows], loop["fitted"][rows], "fitted")
-            axes[name].set_xlabel("position (um)")
+            axes[name].set_xlabel("position (µm)")
             axes[name].set_ylabel("friction (N)")
         plots.legend(made, axes[names[0]])
         return plots.finish(made, "loops", "Friction against position in small reversals.")
