@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 from collections.abc import Callable
-from ctypes import POINTER, c_double, c_int8, c_int64
+from ctypes import POINTER, c_int64
 from dataclasses import dataclass
 from threading import Thread
 from typing import Any
@@ -82,13 +82,11 @@ def lane_arrays(lanes: Variations) -> Arrays:
     numbers = {name: np.ascontiguousarray(x, float) for name, x in numbers.items()}
     batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)
     batch.queue_room, batch.noise_room = room, noise.shape[1]
-    batch.piece_restart = restart.ctypes.data_as(POINTER(c_int8))
     batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
-    for name, x in numbers.items():
-        setattr(batch, name, x.ctypes.data_as(POINTER(c_double)))
-    for name, i in integers.items():
-        setattr(batch, name, i.ctypes.data_as(POINTER(c_int64)))
-    return Arrays({**numbers, **integers, "piece_restart": restart}, batch)
+    arrays: dict[str, NDArray[Any]] = {**numbers, **integers, "piece_restart": restart}
+    for name, x in arrays.items():
+        setattr(batch, name, x.ctypes.data)
+    return Arrays(arrays, batch)
 
 
 def outcome(made: Arrays) -> Outcome:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable
-from ctypes import POINTER, c_double, c_int, c_int8, c_int32, c_int64
+from ctypes import POINTER, c_int, c_int64
 from dataclasses import dataclass
 
 import numpy as np
@@ -133,12 +133,9 @@ class _Solving:
         counts = {"sampled": np.zeros(held, np.int64), "acted": np.zeros(held, np.int64)}
         self._alive = doubles, counts, given.restart  # as long as the struct points to them
         self.run = run = Run()
-        for name, array in doubles.items():
-            setattr(run, name, array.ctypes.data_as(POINTER(c_double)))
-        for name, count in counts.items():
-            setattr(run, name, count.ctypes.data_as(POINTER(c_int64)))
-        run.piece_restart = given.restart.ctypes.data_as(POINTER(c_int8))
-        run.event_what = self.event_what.ctypes.data_as(POINTER(c_int32))
+        arrays = {**doubles, **counts, "piece_restart": given.restart, "event_what": self.event_what}
+        for name, array in arrays.items():
+            setattr(run, name, array.ctypes.data)
         for name, number in given.numbers.items():
             setattr(run, name, number)
         run.h = run.h_smallest = np.inf
