@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from stribeck.codegen import source
 from stribeck.errors import BuildError, note
 from stribeck.scenario import Scenario
-from stribeck.scenario.objects import Machine, scenario_of
-from stribeck.simulation import cache, compiler, fallback, native
+from stribeck.simulation import cache, compiler, native
 from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
+
+if TYPE_CHECKING:
+    from stribeck.scenario.objects import Machine
 
 
 def simulate(
@@ -42,7 +45,10 @@ def simulate(
     Raises:
         InputError: the file or the tables are no valid scenario.
     """
-    scenario = scenario_of(scenario, t_end, step, **solve)
+    if not isinstance(scenario, Scenario) or t_end is not None or step is not None or solve:
+        from stribeck.scenario.objects import scenario_of  # a file that is run needs no objects
+
+        scenario = scenario_of(scenario, t_end, step, **solve)
     started = perf_counter()
     library, built, build_seconds = None, False, 0.0
     chosen = compiler.find()
@@ -72,11 +78,12 @@ def simulate(
 def _solve(library: object, scenario: Scenario, progress: Callable[[float], None] | None) -> Result:
     import ctypes
 
-    result = (
-        native.solve(library, scenario, progress)
-        if isinstance(library, ctypes.CDLL)
-        else fallback.solve(scenario, progress)
-    )
+    if isinstance(library, ctypes.CDLL):
+        result = native.solve(library, scenario, progress)
+    else:
+        from stribeck.simulation import fallback
+
+        result = fallback.solve(scenario, progress)
     reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
     result.events.extend(scenario.rig.more_events(reached))
     return result
