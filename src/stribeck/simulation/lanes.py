@@ -83,10 +83,10 @@ def lane_arrays(lanes: Variations) -> Arrays:
     batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)
     batch.queue_room, batch.noise_room = room, noise.shape[1]
     batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
-    arrays: dict[str, NDArray[Any]] = {**numbers, **integers, "piece_restart": restart}
-    for name, x in arrays.items():
+    made = Arrays({**numbers, **integers, "piece_restart": restart}, batch)
+    for name, x in made.by_name.items():
         setattr(batch, name, x.ctypes.data)
-    return Arrays(arrays, batch)
+    return made
 
 
 def outcome(made: Arrays) -> Outcome:
