@@ -65,7 +65,7 @@ def _wanted_share(scenario: Scenario) -> float:
 def sampled_share(rtol: float) -> float:
     """What one step may err by under a sampled controller; export/templates/machine.c has it too."""
     low, high = _SAMPLED_SHARE
-    return min(max(low * (1e-6 / rtol) ** 0.35, low), high)
+    return float(min(max(low * (1e-6 / rtol) ** 0.35, low), high))
 
 
 def share_of(damping: Value) -> Value:

@@ -63,6 +63,8 @@ def simulate(
     if library is not None:
         for text in native.doubts(scenario):
             note(text)
+    for text in _remarks(scenario):
+        note(text)
     result = _solve(library, scenario, progress)
     result.stats.update(
         {"built": built, "build_seconds": build_seconds, "seconds": perf_counter() - started - build_seconds}
@@ -73,6 +75,23 @@ def simulate(
             for text in scenario.rig.settings[drive.name].remarks(scenario, solution, drive):
                 note(text)
     return solution
+
+
+def _remarks(scenario: Scenario) -> list[str]:
+    """What is allowed, and hardly what was meant."""
+    found, values = list[str](), scenario.values()
+    if scenario.rows == 1:
+        step, t_end = scenario.output.step, scenario.solve.t_end
+        found.append(f"output.step: {step:g}: is longer than solve.t_end = {t_end:g}: the output is one row, t = 0")
+    for contact in scenario.system.contacts:
+        law = scenario.rig.laws[contact.law_path].machine
+        for level in contact.levels:
+            excess = values.get((level.path, "F_c"), 0.0) - values.get((level.path, "F_s"), 0.0)
+            if excess > 0 and "F_s" in law:
+                f = (law["F_s"] - law["F_c"]) / excess
+                text = f"F_c grows more than F_s: from |force| = {f:.3g} on friction is less at rest than in motion"
+                found.append(f"{level.path}: {text}")
+    return found
 
 
 def _solve(library: object, scenario: Scenario, progress: Callable[[float], None] | None) -> Result:
