@@ -261,5 +261,5 @@ def without_contacts(fit: Fitting, contacts: Sequence[str]) -> tuple[Scenario, l
     }
     sought = [
         c for c in fit.sought if not any(p.startswith(tuple(f"contacts.{n}." for n in contacts)) for p in c.targets)
-    ]  # fmt: skip
+    ]
     return Scenario(data, folder=fit.scenario.folder), [replace(c) for c in sought]

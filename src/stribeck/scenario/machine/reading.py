@@ -18,7 +18,7 @@ from stribeck.machine.links import LinkElement
 from stribeck.machine.parts import (
     DrivePart,
     SignalUse,
-)  # fmt: skip
+)
 from stribeck.scenario import tables as common
 from stribeck.scenario.law import kind_of_table, no_table
 from stribeck.scenario.machine import tables
