@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from threading import Lock
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -23,6 +24,7 @@ Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that gr
 _FINER = 5
 _EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
 _LIBRARIES: dict[Equations, ctypes.CDLL] = {}
+_LOCK = Lock()
 
 
 @dataclass(frozen=True)
@@ -111,12 +113,17 @@ def library(scenario: Scenario) -> ctypes.CDLL:
         StribeckError: there is no C compiler, or it cannot build the system.
     """
     key = scenario.system
+    with _LOCK:
+        return _built(key)
+
+
+def _built(key: Equations) -> ctypes.CDLL:
     if key not in _LIBRARIES:
         chosen = compiler.find()
         if chosen is None:
             raise StribeckError("fitting a machine needs a C compiler ('stribeck doctor' says how to get one)")
         try:
-            _LIBRARIES[key], _ = cache.library(source(scenario.system, lanes=True), chosen.for_lanes(), lanes.check)
+            _LIBRARIES[key], _ = cache.library(source(key, lanes=True), chosen.for_lanes(), lanes.check)
         except (BuildError, OSError) as error:
             raise StribeckError(f"fitting a machine: its compiled form cannot be built: {error}") from None
     return _LIBRARIES[key]
