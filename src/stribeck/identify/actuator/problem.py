@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,7 +12,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.work import Work
-from stribeck.simulation.lanes import threads_of_this_machine
+from stribeck.simulation.lanes import are_elsewhere, threads_of_this_machine
 
 _ABOVE = 1e-6  # of F_c: how far F_s stays above it
 STEP = 2e-4  # of a coordinate, for slopes
@@ -102,28 +103,41 @@ class MachineProblem:
         """What is left at the points U."""
         U = np.atleast_2d(U)
         found = np.full((len(U), self.size), np.nan)
-        for k, run in enumerate(self.runs):
-            if only is not None and k not in only:
-                found[:, self.first[k] : self.first[k + 1]] = 0.0
-                continue
-            distinct, back = np.unique(U[:, self.concerns[k]], axis=0, return_inverse=True)
-            first = np.array([int(np.flatnonzero(back.reshape(-1) == i)[0]) for i in range(len(distinct))])
-            most = max(8, int(_MOST / max(run.scenario.rows, 1)))
-            own = [tie for tie in self.ties if tie.run == k]
-            parts = [self._of(run, k, U[first[i : i + most]], own) for i in range(0, len(first), most)]
-            rows, size = np.concatenate(parts)[back.reshape(-1)], run.size
-            found[:, self.first[k] : self.first[k + 1]] = rows[:, :size]
-            for n, tie in enumerate(own):
-                begin = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
-                at = int(self.first[-1]) + len(self.priors) + self.ties.index(tie)
-                found[:, at] = (rows[:, size + n] - begin) / (tie.share * self.noise[tie.of])
+        asked = [k for k in range(len(self.runs)) if only is None or k in only]
+        for k in set(range(len(self.runs))) - set(asked):
+            found[:, self.first[k] : self.first[k + 1]] = 0.0
+
+        def fill(k: int) -> None:
+            self._fill(k, U, found)
             self.work.check()
+
+        if len(asked) > 1 and are_elsewhere():
+            with ThreadPoolExecutor(len(asked)) as pool:
+                list(pool.map(fill, asked))
+        else:
+            for k in asked:
+                fill(k)
         for n, i in enumerate(self.priors):
             c = self.sought[i]
             assert c.prior is not None
             found[:, self.first[-1] + n] = [(c.outer(u) - c.prior[0]) / c.prior[1] for u in U[:, i]]
         self.work.tick()
         return found
+
+    def _fill(self, k: int, U: Array, found: Array) -> None:
+        """What is left of one run at the points, and where it ends."""
+        run, first = self.runs[k], int(self.first[k])
+        distinct, back = np.unique(U[:, self.concerns[k]], axis=0, return_inverse=True)
+        of_distinct = np.array([int(np.flatnonzero(back.reshape(-1) == i)[0]) for i in range(len(distinct))])
+        most = max(8, int(_MOST / max(run.scenario.rows, 1)))
+        own = [tie for tie in self.ties if tie.run == k]
+        parts = [self._of(run, k, U[of_distinct[i : i + most]], own) for i in range(0, len(distinct), most)]
+        rows = np.concatenate(parts)[back.reshape(-1)]
+        found[:, first : first + run.size] = rows[:, : run.size]
+        for n, tie in enumerate(own):
+            begin = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
+            at = int(self.first[-1]) + len(self.priors) + self.ties.index(tie)
+            found[:, at] = (rows[:, run.size + n] - begin) / (tie.share * self.noise[tie.of])
 
     def predicted(self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = ()) -> list[Array]:
         """The simulated columns of a run with its sensors' gains and offsets, and the columns ``ends`` where it ends."""
