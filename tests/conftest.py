@@ -26,6 +26,7 @@ THINNED = {
     "codegen/test_source.py::test_depends_on_the_system_alone": 10,
     "control/test_against_scipy.py::test_a_move_from_point_to_point": 0,
     "control/test_against_scipy.py::test_variants_on_a_sine": 3,
+    "explore/test_fitted.py::test_a_fitted_machine_is_shown_in_its_first_recording": 0,
     "export/controller/test_controller.py::test_processor_in_the_loop": 3,
     "export/test_c99.py::test_agrees_with_python": 4,
     "export/test_c99.py::test_check_names_the_bad_constant": 4,
@@ -35,6 +36,7 @@ THINNED = {
     "export/test_machines.py::test_fmu": 4,
     "export/test_stepping.py::test_the_step_is_that_of_the_exported_c": 4,
     "export/test_tools_document.py::test_python_control": 0,
+    "identify/actuator/test_chaos.py::test_a_chaotic_recording_has_intervals_that_hold_the_truth": 0,
     "identify/actuator/test_fit.py::test_a_column_in_degrees_or_of_the_wrong_sign_is_noticed": 0,
     "identify/actuator/test_mujoco_joints.py::test_each_joint_s_friction_is_found": 0,
     "identify/features/test_filtering.py::test_break_aways_of_a_few_samples_bias_no_interval": 0,
@@ -112,7 +114,9 @@ AS_USERS_COMPILE = {"analysis", "codegen", "control", "machine", "reference", "r
 # Elsewhere systems are compiled in a third of the time, and run slower; `make thorough` compiles all as a user's run.
 QUICKLY = "-O0"
 # Where one system is solved many times: in half the time, and a fifth slower.
-SOLVE_MUCH = {"loops": "-O1 -fexpensive-optimizations -fno-inline-functions-called-once"}
+SOLVE_MUCH = dict.fromkeys(
+    ("identify", "loops", "steepness"), "-O1 -fexpensive-optimizations -fno-inline-functions-called-once"
+)
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -17,15 +17,15 @@ LONG_FUNCTIONS: dict[str, str] = {}
 # Rooms that hold `Any`, how often at most, and what forces it there; there is none in the others.
 ANY: dict[str, tuple[int, str]] = {
     "analysis": (1, "a summary that is read again by its keys"),
-    "cli": (5, "summaries for JSON that are read again by their keys, to be printed"),
+    "cli": (4, "summaries for JSON that are read again by their keys, to be printed"),
     "exchange": (9, "the files of other programs, as JSON and XML hold them"),
     "explore": (8, "Bokeh's figures; numbers for the page"),
     "expressions": (
         8,
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
     ),
-    "identify": (43, "data frames and mappings of users; details for JSON; MuJoCo has no types"),
-    "laws": (7, "constants as users give them; what the exporters above give"),
+    "identify": (15, "data frames and mappings of users; MuJoCo has no types"),
+    "laws": (6, "constants as users give them; what the exporters above give"),
     "paper": (3, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
     "properties": (
@@ -33,7 +33,7 @@ ANY: dict[str, tuple[int, str]] = {
         "six names for what has no type of its own: flint's numbers, data for JSON, what NumPy broadcasts",
     ),
     "report": (8, "certificates as JSON; Matplotlib's options"),
-    "sweeps": (4, "columns of any type"),
+    "sweeps": (2, "columns of any type"),
     "scenario": (14, "Pydantic's models made at run time and its JSON Schema; a file's tables, as tomllib gives them"),
     "simulation": (9, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
     "": (7, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),

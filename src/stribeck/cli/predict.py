@@ -27,7 +27,8 @@ def predict(
     with show.progress("predict"):
         log = fitting.log_of(data, ColumnNames(names, units, gain), how)
         found = predicting.predict(model, log)
-    summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}, "files": []}
+    summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}}
+    files: list[str] = []
     if out is not None:
         from stribeck.identify.report import overlay
 
@@ -42,16 +43,16 @@ def predict(
         figures = overlay.figure("prediction", log.time, traces, ("measured", "predicted"))
         title = f"{model.law} on {', '.join(p.name for p in data)}"
         command = show.command_line()
-        summary["files"] = [overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, command)]
+        files = [overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, command)]
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
         return 0
     print(f"{model.law}, {model.method}: {len(log)} rows, {found.rest:.0%} at rest")
     for name, x in _errors(found).items():
         print(f"  {name:44}{percent(x, 3):>10}")
     for text in log.quality:
         print(f"  note: {text}")
-    for file in summary["files"]:
+    for file in files:
         print(f"  wrote {file}")
     return 0
 

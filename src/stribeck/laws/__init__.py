@@ -133,29 +133,25 @@ def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None)
     return {n: value for n, value in values.items() if n in PARAMETERS or n in own}
 
 
-def law(
-    name: str,
-    parameters: str | Path | Mapping[str, float] | None = None,
-    *,
-    rotary: bool | None = None,
-    **constants: float | str | None,
-) -> Law:
+def law(name: str, parameters: str | Path | Mapping[str, float] | None = None, **constants: float | str | None) -> Law:
     """A friction law with its constants.
 
     Args:
         name: a built-in law's name (:func:`builtin` lists them) or ``"FILE.py:NAME"`` for one of your own.
         parameters: the machine's parameters in SI units, as a mapping, as the name of a built-in set
             (``stribeck.parameters()`` lists them) or as the path of a set's file.
-        rotary: of what turns: N m in the place of N, rad in that of m; None: as the set says, else False.
         **constants: the law's own constants (``k_v=1e7``, ``smooth_abs="sqrt"``); they also override single parameters.
+            ``rotary=True``: of what turns, with N m in the place of N and rad in that of m; otherwise as the set says.
 
     Raises:
         InputError: an unknown law or set, or bad values; one line for each problem.
     """
-    found = find(name)
+    found, rotary = find(name), constants.pop("rotary", None)
+    if not isinstance(rotary, bool | None):
+        raise InputError(f"{arg('rotary')}: {show(rotary)}: must be True or False")
     if isinstance(parameters, str | Path):
         values, turns = parameters_for(found, str(parameters)), parameter_sets.load(str(parameters)).rotary
-        return found({**values, **constants}, turns if rotary is None else rotary)
+        return found({**values, **constants}, turns if rotary is None else bool(rotary))
     if parameters is not None and not isinstance(parameters, Mapping):
         must = "must be a table of numbers by name, or a set's name or file"
         raise InputError(f"{arg('parameters')}: {show(parameters)}: {must}, not {kind_of(parameters)}")
