@@ -31,6 +31,11 @@ class AsObject:
         """Every constant that is on; the machine's parameters, also those that the law does not use, first."""
         return {**self.machine, **self.p.numbers, **self.p.words}
 
+    def __setattr__(self, name: str, value: object) -> None:
+        if "rotary" in vars(self) and name != "rotary":  # which a reader finds out later
+            raise AttributeError(f"{name}: a law does not change; replace({name}=VALUE) makes another")
+        object.__setattr__(self, name, value)
+
     def __repr__(self) -> str:
         inside = "".join(f", {name}={x!r}" for name, x in self._numbers.items())
         return f"law({self.name!r}{inside}{', rotary=True' if self.rotary else ''})"
