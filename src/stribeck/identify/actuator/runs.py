@@ -11,13 +11,12 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
-from stribeck.codegen import source
 from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
 from stribeck.identify.actuator.bridges import bridged
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
-from stribeck.simulation import cache, compiler, lanes
+from stribeck.simulation import compiler, lanes
 from stribeck.simulation.places import machine_places
 from stribeck.simulation.variations import Variations, vary
 
@@ -122,11 +121,10 @@ def library(scenario: Scenario) -> ctypes.CDLL:
 
 def _built(key: Equations) -> ctypes.CDLL:
     if key not in _LIBRARIES:
-        chosen = compiler.find()
-        if chosen is None:
+        if compiler.find() is None:
             raise StribeckError("fitting a machine needs a C compiler ('stribeck doctor' says how to get one)")
         try:
-            _LIBRARIES[key], _ = cache.library(source(key, lanes=True), chosen.for_lanes(), lanes.check)
+            _LIBRARIES[key] = lanes.compiled(key)
         except (BuildError, OSError) as error:
             raise StribeckError(f"fitting a machine: its compiled form cannot be built: {error}") from None
     return _LIBRARIES[key]
