@@ -58,7 +58,7 @@ def write_overlay(
     ]
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / name
-    write_text(path, html(title, f"Stribeck {__version__}, {command}", introduction, chapters))
+    write_text(path, html(title, f"Stribeck {__version__}, {command}", introduction, chapters, command))
     return str(path)
 
 
