@@ -41,7 +41,7 @@ _STYLE: dict[str, Any] = {
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.limits": (-4, 6),
     "axes.formatter.useoffset": False,
     "axes.formatter.use_mathtext": False,
     "grid.color": "#dddddd",

@@ -19,7 +19,7 @@ from stribeck.report import chapters, plots
 from stribeck.report.cells import digits
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, LaneCurves, Table
-from stribeck.report.quantities import Quantity, human, scale
+from stribeck.report.quantities import Quantity, prefixed, scale
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.sweeps import tables as tables_of
@@ -104,10 +104,11 @@ def _write(sweep: Sweep, folder: Path, command: str) -> list[Path]:
 
 def _in_short(count: int, quantities: Sequence[Quantity]) -> str:
     """What came of all lanes, in one line and in units that a person would use."""
-    told = [
-        f"{q.name} {human(float(np.nanmin(q.values)), q.unit)} to {human(float(np.nanmax(q.values)), q.unit)}"
-        for q in quantities
-    ]
+    told = []
+    for q in quantities:
+        low, high = float(np.nanmin(q.values)), float(np.nanmax(q.values))
+        factor, unit = prefixed(q.unit, max(abs(low), abs(high)))
+        told.append(f"{q.name} {low / factor:.3g} to {high / factor:.3g} {unit}".rstrip())
     return f"{count} lanes: {', '.join(told)}." if told else f"{count} lanes."
 
 
