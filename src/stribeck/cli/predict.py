@@ -10,6 +10,7 @@ from stribeck.identify import predict as predicting
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.report.cells import percent
+from stribeck.report.quantities import human
 
 
 def predict(
@@ -38,6 +39,7 @@ def predict(
         }
         rows = [[name, percent(x, 3)] for name, x in _errors(found).items()]
         introduction = [
+            f"The predicted force is off by {percent(found.force_error, 3)}. "
             f"{model.law}, {model.method}, fitted to another record ({folder}), on {len(log)} rows of this one."
         ]
         figures = overlay.figure("prediction", log.time, traces, ("measured", "predicted"))
@@ -86,7 +88,13 @@ def validate(
 
         rows = [[name, f"{e['rms']:.4g} {e['unit']}, {percent(e['relative'], 3)}"] for name, e in found.errors.items()]
         figures = overlay.figure("validation", found.time, found.traces, ("measured", "simulated"))
-        introduction = [f"The scenario {loaded.name} against {data.name}, {len(found.time)} rows."]
+        off = [
+            f"{name} by {human(e['rms'], e['unit'])} (rms), at most {human(e['largest'], e['unit'])}"
+            for name, e in found.errors.items()
+        ]
+        introduction = [
+            f"Off: {'; '.join(off)}. {len(found.time)} rows of {data.name} beside the scenario {loaded.name}."
+        ]
         command = show.command_line()
         title = f"{loaded.name} against {data.name}"
         files = [overlay.write_overlay(out, "validation.html", title, introduction, rows, figures, command)]

@@ -65,7 +65,11 @@ def report(fit: MachineFit, command: str, title: str) -> str:
     chapters = [_numbers(fit), _errors(fit), *_others(fit), *[_log(log, i) for i, log in enumerate(fit.logs)]]
     chapters += [*_profiles(fit), *_relation(fit), _paste(fit)]
     return html(
-        title, about, [first, second if fit.status == "done" else "No intervals are given.", *fit.notes], chapters
+        title,
+        about,
+        [first, second if fit.status == "done" else "No intervals are given.", *fit.notes],
+        chapters,
+        command,
     )
 
 
