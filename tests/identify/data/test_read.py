@@ -1,6 +1,7 @@
 """Files, units and damaged data: what is read, what is said, what is refused."""
 
 import re
+from contextlib import nullcontext
 
 import h5py
 import numpy as np
@@ -322,6 +323,21 @@ def test_a_velocity_in_another_unit_than_the_position_is_refused(factor, tmp_pat
     noise = 0.5 * np.random.default_rng(0).standard_normal(len(T))
     np.savez(tmp_path / "log.npz", **{**columns, "v": 8 * np.cos(8 * T) + noise})
     assert len(load_log([tmp_path / "log.npz"], names)) > 0
+
+
+@pytest.mark.parametrize(("wrong", "factor"), [(False, 1.0), (True, 60 / (2 * np.pi))])
+def test_a_tachometer_s_zero_and_a_wrapped_angle_do_not_hide_the_unit(wrong, factor):
+    """A zero of 2 m/s on motion in one direction was taken for a wrong unit; rpm beside a wrapped angle, or a zero, passed."""
+    v = 1.5 + np.cos(8 * T)
+    x = 1.5 * T + np.sin(8 * T) / 8
+    for position, velocity in (
+        (x, v + 2),
+        (np.angle(np.exp(12j * x)) / 12, v),
+        (np.sin(8 * T) / 8, np.cos(8 * T) + 0.5),
+    ):
+        log = {"t": T, "x": position, "v": factor * velocity, "i": F}
+        with pytest.raises(InputError, match="times the slope") if wrong else nullcontext():
+            load_log([log], ColumnNames({**NAMES, "velocity": "v"}))
 
 
 def test_every_row_a_run_of_its_own_is_one_clear_line(tmp_path):
