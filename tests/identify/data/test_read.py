@@ -365,3 +365,17 @@ def test_a_clock_that_drifts_against_the_rows_is_found_again(period, off):
     assert f"changes once in {period / 1e-3:.5g} rows" in notes[0]
     inner = slice(100, -100)
     assert np.max(abs(columns["position"] - true)[inner]) < 9 / 8 * period**2 + off
+
+
+def test_single_forces_beyond_all_others_are_put_right_and_told_and_blows_stay():
+    """One row of 1e6 N turned a fit into a refusal: "force acts against the motion"."""
+    draw = np.random.default_rng(2)
+    force, hit = F + 0.1 * np.std(F) * draw.standard_normal(len(T)), np.array([120, 200, 311])
+    force[hit] += (1e6, -1e6, 50 * np.std(F))
+    log = load_log([{"t": T, "x": X, "i": force}], ColumnNames(NAMES))
+    assert abs(log.force).max() < 2 * abs(F).max()
+    assert any("force: 3 rows" in note and "does not answer" in note for note in log.quality)
+    struck = np.cos(8 * T) + 5.0 * (T[200] < T)  # the body is struck there
+    log = load_log([{"t": T, "v": struck, "i": np.where(np.arange(len(T)) == 200, 1e6, F)}],
+                   ColumnNames({**{k: n for k, n in NAMES.items() if k != "position"}, "velocity": "v"}))  # fmt: skip
+    assert abs(log.force).max() == 1e6
