@@ -52,7 +52,8 @@ def with_columns(system: Equations, columns: Callable[[], dict[str, Expr]]) -> s
     made = _Source(system, False)
     text = made.text()
     outputs = [(f"out[{i}]", node) for i, node in enumerate(columns().values())]
-    arguments = "const Parameters *p, const Segment *piece, real t, const real *x, real *out"
+    memory = ", const Memory *m" if made.memory else ""
+    arguments = f"const Parameters *p, const Segment *piece, real t, const real *x{memory}, real *out"
     return f"{text}\n\n{made.function('Every column of the output.', 'columns', arguments, outputs)}\n"
 
 

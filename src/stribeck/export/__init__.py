@@ -15,6 +15,7 @@ from stribeck.files import together, trouble, write_with
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.scenario.cascade import cascade_of
+from stribeck.scenario.counterpart import as_servo
 
 __all__ = ["PARTS", "TARGETS", "Target", "export"]
 
@@ -80,7 +81,8 @@ def export(
         step: the time step in s that the tool will take.
         self_test: also write a program that checks the rest (target ``c``).
         fmi: 2 or 3, the version of FMI (target ``fmu``).
-        controller: which of the machine's controllers (parts ``controller`` and ``compensator``); the only one unless given.
+        controller: which of the machine's controllers (parts ``controller``, ``compensator`` and ``cascade``); the only one
+            unless given.
         origin: where the parameters are from, for the header; built-in sets are recognised.
 
     Returns:
@@ -100,6 +102,8 @@ def export(
     chosen = TARGETS[target]
     if text := trouble(out, chosen.folder):
         raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
+    if part == "cascade" and scenario is not None:
+        scenario = as_servo(scenario, controller)
     if part == "machine":
         content, notes = _machine(law, target, scenario, step, self_test, origin, fmi)
     elif part in SAMPLED:

@@ -5,17 +5,17 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from threading import Lock
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
-from stribeck.codegen import source
 from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
-from stribeck.simulation import cache, compiler, lanes
+from stribeck.simulation import compiler, lanes
 from stribeck.simulation.places import machine_places
 from stribeck.simulation.variations import Variations, vary
 
@@ -23,6 +23,7 @@ Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that gr
 _FINER = 5
 _EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
 _LIBRARIES: dict[Equations, ctypes.CDLL] = {}
+_LOCK = Lock()
 
 
 @dataclass(frozen=True)
@@ -111,12 +112,16 @@ def library(scenario: Scenario) -> ctypes.CDLL:
         StribeckError: there is no C compiler, or it cannot build the system.
     """
     key = scenario.system
+    with _LOCK:
+        return _built(key)
+
+
+def _built(key: Equations) -> ctypes.CDLL:
     if key not in _LIBRARIES:
-        chosen = compiler.find()
-        if chosen is None:
+        if compiler.find() is None:
             raise StribeckError("fitting a machine needs a C compiler ('stribeck doctor' says how to get one)")
         try:
-            _LIBRARIES[key], _ = cache.library(source(scenario.system, lanes=True), chosen.for_lanes(), lanes.check)
+            _LIBRARIES[key] = lanes.compiled(key)
         except (BuildError, OSError) as error:
             raise StribeckError(f"fitting a machine: its compiled form cannot be built: {error}") from None
     return _LIBRARIES[key]
