@@ -60,12 +60,15 @@ def predict(
 
 
 def _errors(found: predicting.Predicted) -> dict[str, float | None]:
+    band = {} if found.band_error is None else {"the same in the fit's band": found.band_error}
+    own = "the fit's own, on its record" + (", in its band" if band else "")
     return {
-        "error of the force": found.force_error,
-        "the same against friction alone": found.friction_error,
-        "error of the force, rows at rest too": found.all_rows_error,
-        "for comparison: the fit's own, on its record": found.model.known.get("relative_force_error"),
+        "error of the force, every row in motion": found.force_error,
+        **band,
+        own: found.model.known.get("relative_force_error"),
         "the fit's, on parts left out of its record": found.model.known.get("cross_validated_error"),
+        "error against friction alone": found.friction_error,
+        "error of the force, rows at rest too": found.all_rows_error,
         **{f"{name}, fitted to the same record": x for name, x in found.others.items()},
     }
 

@@ -134,7 +134,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
     the candidates, so that nothing worse than they are is picked.
     """
     check_motion(log)
-    rows = rows_of(log, setting.decimate)
+    rows = rows_of(log, setting.decimate, to_choose=True)
     plain: dict[str, Settled] = {}
     failed: dict[str, str] = {}
     for law in _CANDIDATES:

@@ -19,6 +19,7 @@ from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.blockwise import solve_blocks
+from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
@@ -28,7 +29,7 @@ from stribeck.identify.statistics.sensor_noise import (
     again_with_force_noise,
     again_with_noise,
 )
-from stribeck.identify.statistics.stretches import at_least_by_blocks, by_windows
+from stribeck.identify.statistics.stretches import at_least_by_blocks, at_least_by_speed, by_windows
 from stribeck.identify.statistics.verdicts import (
     Noise,
     between_samples,
@@ -248,6 +249,8 @@ def _at_optimum(
         )
     elif isinstance(problem, MotionProblem):
         inner = at_least_by_blocks(problem, slopes, misfit, inner)
+    elif at.beyond and isinstance(problem, VelocityProblem):
+        inner = at_least_by_speed(problem, slopes, misfit, problem.log.velocity[problem.rows], inner)
     at = replace(at, inner=inner)
     if at.beyond and problem.law.has_z:
         notes.append(
