@@ -1,6 +1,7 @@
 """How Sphinx makes the documentation's site: ``make docs``."""
 
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -16,8 +17,8 @@ version = release = stribeck.__version__
 extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
-    "sphinx.ext.napoleon",
     "sphinx.ext.mathjax",
+    "sphinx.ext.napoleon",
     "sphinx_copybutton",
     "sphinx_gallery.gen_gallery",
     "commands",
@@ -35,7 +36,10 @@ autodoc_class_signature = "mixed"
 
 html_theme = "furo"
 html_title = "Stribeck"
-html_static_path = ["_static"]
+# MathJax in one file, from the package index: formulas are drawn where nothing can be fetched
+mathjax_file = Path(find_spec("sphinx-mathjax-offline").origin).parent / "static" / "mathjax" / "tex-svg.js"
+mathjax_path = mathjax_file.name
+html_static_path = ["_static", str(mathjax_file)]
 html_css_files = ["site.css"]
 copybutton_prompt_text = r"\$ "
 

@@ -141,6 +141,20 @@ def test_five_minutes(page, tmp_path, monkeypatch, capsys):
     capsys.readouterr()
 
 
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.stem)
+def test_every_formula_can_be_shown(page):
+    """By a reader of TeX other than the one that draws it on the site; and on one line, as a forge wants it."""
+    pytest.importorskip("sphinx")
+    from docutils.utils.math.latex2mathml import tex2mathml
+
+    text = re.sub(r"```.*?```|`[^`]*`", "", page.read_text(encoding="utf-8"), flags=re.S)
+    shown = re.findall(r"\$\$(.*?)\$\$", text, re.S)
+    inline = re.findall(r"(?<!\\)\$([^$]+)\$", re.sub(r"\$\$.*?\$\$", "", text, flags=re.S))
+    assert not [each for each in inline if "\n" in each or each != each.strip()]
+    for each in (*shown, *inline):
+        assert tex2mathml(each.strip(), as_block=each in shown), each
+
+
 # -- the gallery, notebooks, the site --------------------------------------------------------------------------------
 
 
@@ -201,5 +215,9 @@ def test_the_site_is_built_without_a_warning(tmp_path):
     assert "stribeck run" in (tmp_path / "site" / "commands.html").read_text(encoding="utf-8")
     reference = (tmp_path / "site" / "api.html").read_text(encoding="utf-8")
     assert "InputError" in reference
+    theory = (tmp_path / "site" / "theory.html").read_text(encoding="utf-8")
+    (drawn,) = re.findall(r'src="([^"]*tex-svg[^"?]*)', theory)
+    assert (tmp_path / "site" / drawn).is_file(), "formulas are drawn by what the site brings"
+    assert not re.findall(r'<script[^>]*src="https?:|<link[^>]*stylesheet[^>]*href="https?:', theory)
     assert "or what is made of it, for another tool" in reference
     assert list((tmp_path / "site" / "_downloads").rglob("p01_stick_slip.ipynb")), "no notebook to download"
