@@ -73,9 +73,6 @@ class Work:
     def each(self, what: Callable[[S], T], of: Iterable[S]) -> list[T | None]:
         """``what`` of each on all cores; None for those that were not reached when Ctrl-C ended the work."""
         items = list(of)
-        if len(items) == 1:
-            self.check()
-            return [what(items[0])]
         found: list[T | None] = [None] * len(items)
 
         def one(i: int) -> None:
