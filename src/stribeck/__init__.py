@@ -40,9 +40,10 @@ if TYPE_CHECKING:
         Sine,
         Spline,
         Step,
-    )  # fmt: skip
+    )
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
     from stribeck.steepness import Advice, advise
+    from stribeck.sweeps.far import on_cluster
     from stribeck.sweeps.job import sweep
 
 __all__ = [
@@ -51,7 +52,7 @@ __all__ = [
     "NotDifferentiable", "PointToPoint", "Points", "Ramp", "Scenario", "Sine", "Solution", "Spline", "Step",
     "StribeckError", "StribeckNote", "Verdict", "Verdicts", "advise", "allow_undetermined", "check",
     "check_all", "check_machine", "compare", "design", "export", "fit", "gains", "hunting", "law", "margins",
-    "parameters", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
+    "on_cluster", "parameters", "read_log", "simulate", "simulate_ensemble", "storage_interval", "sweep",
 ]  # fmt: skip
 
 # Public names and the modules they come from, imported at first use: 'import stribeck' itself costs nothing.
@@ -67,6 +68,7 @@ _HOME = {
     "gains": "stribeck.analysis.gains",
     "hunting": "stribeck.analysis.hunting",
     "sweep": "stribeck.sweeps.job",
+    "on_cluster": "stribeck.sweeps.far",
     "Constant": "stribeck.constants",
     **dict.fromkeys(("BristleLaw", "Claims", "Law"), "stribeck.laws.base"),
     **dict.fromkeys(("Verdict", "Verdicts", "check", "storage_interval"), "stribeck.properties"),

@@ -369,7 +369,7 @@ def test_command(file, tmp_path, capsys):
     said = capsys.readouterr()
     found = json.loads(said.out)
     assert found["parameters"]["drive"]["K_D"] == 80
-    assert "drive.sample_time" in said.err
+    assert "sample_time" in said.err
     assert "p->drive.K_D = R(80.0)" in (tmp_path / "out" / "cascade_lugre_sobczyk.c").read_text()
     assert _status(["export", "lugre_sobczyk", *words[1:], "--set", "drive.sample_time=2e-3", "--step", "1e-3"]) == 0
     assert "drive.sample_time = 0.002 s" in capsys.readouterr().err

@@ -14,6 +14,8 @@ from stribeck.cli import _status
 from stribeck.export.fmu import binaries
 from tests.export.harness import STRICT, need
 from tests.machine.machines import assert_balanced, law, machine
+from tests.machine.test_mistakes import edited
+from tests.machine.test_servo import SAMPLED, SERVO, as_machine
 
 PULL = {"kind": "points", "t": [0.0, 0.2, 0.2, 1.0], "value": [0.0, 0.1, 0.2, -0.2]}
 MOVE = {"kind": "point_to_point", "t": [0.1, 0.35, 0.45], "value": [0.0, 0.3, 0.1]}
@@ -128,6 +130,60 @@ def test_fmu(fmi, scenario, exact, tmp_path):
     close({n: found[n] for n in names}, {n: other[n] for n in names})
     with pytest.raises(Exception, match="fmi"):
         fmpy.simulate_fmu(str(path), **times, start_values={"bodies.a.mass": -1.0})
+
+
+@pytest.fixture(scope="module")
+def servo():
+    """A pneumatic servo as a machine: sampled, with an observer that adapts."""
+    changes = {**SAMPLED, "drive.adaptive": True, "solve.t_end": 0.3}
+    return Scenario(as_machine(edited(SERVO, changes)))
+
+
+@pytest.mark.parametrize("sampled", [False, True])
+def test_c_of_a_pressure_cascade(sampled, servo, tmp_path):
+    need("gcc")
+    scenario = servo if sampled else Scenario(as_machine(edited(SERVO, {"solve.t_end": 0.3})))
+    stribeck.export(scenario, "c", tmp_path)
+    words = ["gcc", *STRICT, "-O1", *map(str, tmp_path.glob("*.c")), "-o", str(tmp_path / "run"), "-lm"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    out = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=True).stdout
+    close(table(out), simulate(scenario))
+
+
+def test_fmu_and_python_of_a_pressure_cascade(servo, tmp_path):
+    """What a sampled controller remembers is shown between its samples, whoever integrates."""
+    need("gcc")
+    fmpy = pytest.importorskip("fmpy", reason="fmpy is not installed")
+    exact = simulate(servo)
+    (path,) = stribeck.export(servo, "fmu", tmp_path / "servo.fmu")
+    names = [c.name for c in exact.columns]
+    times = {"stop_time": 0.3, "output_interval": servo.output.step, "output": names}
+    found = fmpy.simulate_fmu(str(path), **times)
+    close({n: found[n] for n in names}, exact)
+    exchange = {"fmi_type": "ModelExchange", "solver": "CVode", "relative_tolerance": 1e-11, "record_events": False}
+    found = fmpy.simulate_fmu(str(path), **times, **exchange)
+    close({n: found[n] for n in names}, exact)
+    (path,) = stribeck.export(servo, "python", tmp_path / "rig.py")
+    spec = importlib.util.spec_from_file_location("servo_exported", path)
+    rig = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(rig)
+    close(rig.simulate(t_end=0.06), simulate(servo.replace({"solve.t_end": 0.06})))
+
+
+def test_the_pressure_cascade_of_a_machine_alone(tmp_path):
+    """The controller for firmware is that of the same servo as a file of schema 1."""
+    for name, data in {"one": SERVO, "many": as_machine(SERVO)}.items():
+        stribeck.export(Scenario(data), "c", tmp_path / name, part="cascade")
+    for file in (tmp_path / "one").iterdir():
+        assert (tmp_path / "many" / file.name).read_text() == file.read_text()
+    two = as_machine(SERVO)
+    with pytest.raises(stribeck.InputError, match=r"'axi': no such pressure cascade \(did you mean 'axis'\?\)"):
+        stribeck.export(Scenario(two), "c", tmp_path / "x", part="cascade", controller="axi")
+    with pytest.raises(stribeck.InputError, match="of a pressure cascade it is part 'cascade'"):
+        stribeck.export(Scenario(two), "c", tmp_path / "x", part="controller")
+    with pytest.raises(stribeck.InputError, match="part 'cascade' needs a controller of kind 'pressure_cascade'"):
+        stribeck.export(Scenario(EVERY), "c", tmp_path / "x", part="cascade")
 
 
 def test_python(scenario, tmp_path, capsys):

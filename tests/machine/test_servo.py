@@ -6,7 +6,7 @@ import tomllib
 import numpy as np
 import pytest
 
-from stribeck import InputError, Scenario, examples, simulate
+from stribeck import Scenario, examples, simulate
 from tests.machine.test_mistakes import GONE, edited, problems
 from tests.simulation.rig import needs_compiler
 
@@ -86,10 +86,3 @@ MISTAKES = {
 def test_a_mistake_is_one_line(name):
     changes, line = MISTAKES[name]
     assert problems(edited(MACHINE, changes)) == [line]
-
-
-def test_what_exports_no_cascade_of_a_machine_says_so(tmp_path):
-    from stribeck.export import export
-
-    with pytest.raises(InputError, match=r"controllers\.axis: part 'machine' does not take a pressure cascade"):
-        export(Scenario(MACHINE), "c", tmp_path)

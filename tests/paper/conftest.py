@@ -1,5 +1,6 @@
-"""The report, made once for all tests and workers."""
+"""The report, made once for all tests and workers; and single chapters of it, for tests that need no more."""
 
+import importlib
 import json
 import os
 import subprocess
@@ -11,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from stribeck.errors import EXTRAS
+from stribeck.report.page import html
 from tests.absent import site_without
 from tests.pages import Page
 
@@ -57,3 +59,15 @@ def report(tmp_path_factory, worker_id):
             assert done.returncode == 0, done.stderr
             (folder.parent / "paper-report.json").write_text(done.stdout)
     return Report(folder, json.loads((folder.parent / "paper-report.json").read_text()))
+
+
+@pytest.fixture
+def chapter(tmp_path):
+    """Makes one chapter that needs no other: its numbers, and its tables as a page shows them."""
+
+    def made(name):
+        done = importlib.import_module(f"stribeck.paper.{name}").chapter({})
+        (tmp_path / "report.html").write_text(html("", "", (), [done]), encoding="utf-8")
+        return Report(tmp_path, {"chapters": {done.key: done.numbers}})
+
+    return made

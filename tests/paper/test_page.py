@@ -16,6 +16,7 @@ def test_the_page_stands_alone(report):
     assert [name[:5] for name in figures if name.startswith("fig")] == [
         f"fig{n:02}" for n in (1, 2, 3, 4, 5, 6, 7, 8, 9, 10)
     ]
+    assert {"joint", "axis"} <= set(figures)
     assert figures == sorted(path.stem for path in (report.folder / "figures").glob("*.png"))
     assert page.count("<svg") == page.count("</svg>") == len(figures)
     fetched = re.findall(r'(?:src|href)="(?!#)([^"]+)"|url\((?!#)([^)]+)\)|@import', page)

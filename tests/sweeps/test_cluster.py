@@ -14,11 +14,13 @@ import numpy as np
 import pytest
 
 import stribeck
-from stribeck.errors import StribeckError, StribeckNote
+from stribeck.errors import InputError, StribeckError, StribeckNote
+from stribeck.identify.actuator import fit_machine
 from stribeck.sweeps import job as module
 from stribeck.sweeps import places, worker
 from stribeck.sweeps.job import Sweep
 from stribeck.sweeps.places import Store, place_of
+from tests.identify.actuator.recorded import body, logs, record
 from tests.simulation.rig import needs_compiler
 
 pytest.importorskip("distributed")
@@ -299,3 +301,59 @@ def test_paths_in_any_order(tmp_path):
 def test_places_of_paths_and_urls(tmp_path):
     assert isinstance(place_of(tmp_path), places.Folder)
     assert str(place_of(str(tmp_path))) == str(tmp_path)
+
+
+def bits(ensemble):
+    return {name: ensemble[name].tobytes() for name in ("y", "v", "F")}, ensemble.reason, ensemble.accepted.tolist()
+
+
+def test_lanes_of_an_ensemble_from_workers_of_which_one_is_killed(cluster):
+    """Numbers and reasons as this machine's, to the last bit; one lane may not be, and one fails."""
+    values = {"law.k_v": np.geomspace(1e6, 1e8, 66), "plant.mass": np.linspace(1.0, 2.0, 66)}
+    values["plant.mass"][7] = -1.0
+    here = stribeck.simulate_ensemble(scenario(), values)
+    killed = []
+
+    def kill(share):
+        if not killed:
+            killed.append(cluster.workers.pop())
+            with_group(killed[0], signal.SIGKILL)
+            cluster.worker()
+
+    with pytest.warns(StribeckNote, match="left out: tcp://.* has no C compiler"), stribeck.on_cluster(cluster.on):
+        there = stribeck.simulate_ensemble(scenario(), values, progress=kill)
+    assert killed
+    assert bits(there) == bits(here)
+    assert "plant.mass" in here.reason[7]
+
+
+def test_a_fit_of_a_machine_on_workers_finds_the_same_bits(cluster, tmp_path):
+    for i, amplitude in enumerate((3.0, 5.0)):
+        record(tmp_path / f"run{i}.csv", body(amplitude=amplitude), seed=i)
+    wanted = {
+        "contacts.guide.law.parameters.F_c": {"low": 0.1, "high": 10.0},
+        "bodies.a.mass": {"low": 0.2, "high": 5.0},
+    }
+    path = logs(tmp_path, ["run0.csv", "run1.csv"], wanted)
+    here = fit_machine(body(mass=2.0, F_c=0.5, F_s=1.3), path, starts=2, baselines=False)
+    with stribeck.on_cluster(cluster.on):
+        there = fit_machine(body(mass=2.0, F_c=0.5, F_s=1.3), path, starts=2, baselines=False)
+    assert there.to_json() == here.to_json()
+    assert there.status == "done"
+
+
+def test_lanes_whose_scheduler_goes_away(tmp_path):
+    with cluster_in(tmp_path / "cluster") as made:
+        made.worker()
+        with stribeck.on_cluster(made.on):
+            stribeck.simulate_ensemble(scenario(), {"plant.mass": [1.0, 2.0]})
+            with_group(made.scheduler, signal.SIGKILL)
+            with pytest.raises(StribeckError, match="the scheduler went away after 0 of 1 parts"):
+                stribeck.simulate_ensemble(scenario(), {"plant.mass": [1.0, 2.0]})
+    assert stribeck.simulate_ensemble(scenario(), {"plant.mass": [1.0]}).status == ["done"]  # here again
+
+
+@pytest.mark.parametrize("on", ["dask://", "ray"])
+def test_what_is_no_cluster(on):
+    with pytest.raises(InputError, match="on: "), stribeck.on_cluster(on):
+        pass

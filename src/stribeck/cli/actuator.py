@@ -15,7 +15,7 @@ from stribeck.scenario import Scenario, parse_assignment
 
 def fit(
     machine: Sequence[Path], logs: Path | None, laws: Sequence[str], assignments: Sequence[str], transfer: Path | None,
-    starts: int, seed: int, out: Path | None, json: bool,
+    starts: int, seed: int, out: Path | None, json: bool, on: str | None = None,
 ) -> int:  # fmt: skip
     """Read, fit, print, write."""
     if logs is None:
@@ -25,7 +25,7 @@ def fit(
     if out is not None:
         show.check_folder(out)
     scenario = Scenario.load(machine[0], dict(parse_assignment(text) for text in assignments))
-    with show.progress("fit") as tell:
+    with show.lanes_on(on), show.progress("fit") as tell:
         found = fit_machine(
             scenario, logs, laws=_laws(laws), transfer_to=transfer, starts=starts, seed=seed, progress=tell, folder=out
         )

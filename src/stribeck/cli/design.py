@@ -34,13 +34,16 @@ _KINDS = {
 }  # fmt: skip
 
 
-def run(path: Path, assignments: list[str], options: dict[str, Any], out: Path | None, json: bool, trust: bool) -> int:
+def run(
+    path: Path, assignments: list[str], options: dict[str, Any], out: Path | None, json: bool, trust: bool,
+    on: str | None = None,
+) -> int:  # fmt: skip
     """Judge the loop, print what was found, write the page."""
     scenario = show.load(path, assignments, trust)
     if out is not None:
         show.check_folder(out)
     journal = out / JOURNAL if out is not None and options.get("tune") else None
-    with show.stages(scenario.name) as tell:
+    with show.lanes_on(on), show.stages(scenario.name) as tell:
         found = design(scenario, tell=tell, journal=journal, **options)
     summary, files = found.to_json(), list[str]()
     if out is not None:

@@ -12,6 +12,7 @@ from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario, parse_assignment
 from stribeck.scenario.cascade import cascade_of
+from stribeck.scenario.counterpart import as_servo
 
 
 def export(
@@ -41,7 +42,7 @@ def export(
         part = "machine" if whole else "law"
     chosen: Law | None
     if part == "cascade":
-        chosen, rig = None, _controlled(law, parameters, assignments, rig)
+        chosen, rig = None, _controlled(law, parameters, assignments, rig, controller)
     elif part == "machine" or part in exports.SAMPLED:
         chosen, rig = None, _whole(part, law, parameters, contact, assignments, rig)
     else:
@@ -100,16 +101,16 @@ def _whole(
 
 
 def _controlled(
-    law: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None
+    law: str | None, parameters: str | None, assignments: list[str], rig: Scenario | None, controller: str | None
 ) -> Scenario | None:
-    """The scenario of a controller with the changes of --set; everything is taken from it."""
+    """The scenario of a pressure cascade with the changes of --set; everything is taken from it."""
     if parameters is not None:
         raise InputError(f"--parameters: {parameters!r}: must be left out: part 'cascade' has the scenario's constants")
     if rig is None:
         return None
-    rig = rig.with_changes(dict(parse_assignment(text) for text in assignments))
-    controller = cascade_of(rig)
-    if law is not None and controller is not None and law != (name := controller.law_name):
+    rig = as_servo(rig.with_changes(dict(parse_assignment(text) for text in assignments)), controller)
+    own = cascade_of(rig)
+    if law is not None and own is not None and law != (name := own.law_name):
         raise InputError(f"LAW: {law!r}: must be left out, or that of the scenario's [drive.observer], {name!r}")
     return rig
 

@@ -28,7 +28,8 @@ def predict(
     with show.progress("predict"):
         log = fitting.log_of(data, ColumnNames(names, units, gain), how)
         found = predicting.predict(model, log)
-    summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}, "files": []}
+    summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}}
+    files: list[str] = []
     if out is not None:
         from stribeck.identify.report import overlay
 
@@ -44,27 +45,30 @@ def predict(
         figures = overlay.figure("prediction", log.time, traces, ("measured", "predicted"))
         title = f"{model.law} on {', '.join(p.name for p in data)}"
         command = show.command_line()
-        summary["files"] = [overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, command)]
+        files = [overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, command)]
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
         return 0
     print(f"{model.law}, {model.method}: {len(log)} rows, {found.rest:.0%} at rest")
     for name, x in _errors(found).items():
         print(f"  {name:44}{percent(x, 3):>10}")
     for text in log.quality:
         print(f"  note: {text}")
-    for file in summary["files"]:
+    for file in files:
         print(f"  wrote {file}")
     return 0
 
 
 def _errors(found: predicting.Predicted) -> dict[str, float | None]:
+    band = {} if found.band_error is None else {"the same in the fit's band": found.band_error}
+    own = "the fit's own, on its record" + (", in its band" if band else "")
     return {
-        "error of the force": found.force_error,
-        "the same against friction alone": found.friction_error,
-        "error of the force, rows at rest too": found.all_rows_error,
-        "for comparison: the fit's own, on its record": found.model.known.get("relative_force_error"),
+        "error of the force, every row in motion": found.force_error,
+        **band,
+        own: found.model.known.get("relative_force_error"),
         "the fit's, on parts left out of its record": found.model.known.get("cross_validated_error"),
+        "error against friction alone": found.friction_error,
+        "error of the force, rows at rest too": found.all_rows_error,
         **{f"{name}, fitted to the same record": x for name, x in found.others.items()},
     }
 

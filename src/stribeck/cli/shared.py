@@ -33,6 +33,11 @@ ControllerName = Annotated[
     str | None, typer.Option("--controller", metavar="NAME", help="Which controller of a machine that has several.")
 ]
 
+On = Annotated[
+    str | None,
+    typer.Option("--on", metavar="CLUSTER", help="dask://HOST:PORT: a Dask cluster; dask: one of this machine."),
+]
+
 
 def _allow(allowed: bool) -> None:
     from stribeck.parameter_sets import allow_undetermined

@@ -6,7 +6,7 @@ import json
 import shlex
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,6 +58,15 @@ def check_file(option: str, path: Path) -> None:
     """
     if text := trouble(path, parents=False):
         raise InputError(f"{option}: {shown(str(path))}: {text}")
+
+
+def lanes_on(on: str | None) -> AbstractContextManager[None]:
+    """Within, lanes are solved by the workers of a cluster, where one is named."""
+    if on is None:
+        return nullcontext()
+    from stribeck.sweeps.far import on_cluster
+
+    return on_cluster(on)
 
 
 @contextmanager

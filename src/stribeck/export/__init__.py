@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+from stribeck import kinds
 from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, nearest, note
 from stribeck.export.request import Request, Target
@@ -15,6 +16,7 @@ from stribeck.files import together, trouble, write_with
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
 from stribeck.scenario.cascade import cascade_of
+from stribeck.scenario.counterpart import as_servo
 
 __all__ = ["PARTS", "TARGETS", "Target", "export"]
 
@@ -39,12 +41,8 @@ def targets() -> dict[str, Target]:
         if not folder.ispkg:
             continue
         package = importlib.import_module(f"{__name__}.{folder.name}")
-        if hasattr(package, "TARGET"):
-            modules = [package]
-        else:
-            modules = [
-                importlib.import_module(f"{package.__name__}.{m.name}") for m in pkgutil.iter_modules(package.__path__)
-            ]
+        whole = hasattr(package, "TARGET")
+        modules = [package] if whole else kinds.modules(package.__name__, package.__path__)
         for module in modules:
             if (target := getattr(module, "TARGET", None)) is not None:
                 found[target.name] = target
@@ -80,7 +78,8 @@ def export(
         step: the time step in s that the tool will take.
         self_test: also write a program that checks the rest (target ``c``).
         fmi: 2 or 3, the version of FMI (target ``fmu``).
-        controller: which of the machine's controllers (parts ``controller`` and ``compensator``); the only one unless given.
+        controller: which of the machine's controllers (parts ``controller``, ``compensator`` and ``cascade``); the only one
+            unless given.
         origin: where the parameters are from, for the header; built-in sets are recognised.
 
     Returns:
@@ -100,6 +99,8 @@ def export(
     chosen = TARGETS[target]
     if text := trouble(out, chosen.folder):
         raise InputError(f"{arg('out')}: {show(str(out))}: {text}")
+    if part == "cascade" and scenario is not None:
+        scenario = as_servo(scenario, controller)
     if part == "machine":
         content, notes = _machine(law, target, scenario, step, self_test, origin, fmi)
     elif part in SAMPLED:

@@ -6,7 +6,6 @@ import json
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +22,13 @@ from stribeck.identify.models import terms
 from stribeck.identify.models.columns import Columns, column
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.separable import Separable
+from stribeck.identify.models.static_problem import kept_rows, thinning
 from stribeck.identify.models.terms import OF_RECORD, TERMS
 from stribeck.identify.result import Fit, Prediction
 
 FILE = "fit.json"
 _FORMAT = 1
+_SHORTEST = 30  # rows that a run keeps behind the filter
 
 
 @dataclass(frozen=True)
@@ -46,7 +47,7 @@ class FittedModel:
 
     law: str
     method: str
-    values: dict[str, Any]
+    values: dict[str, float]
     known: dict[str, float | None]
     others: dict[str, tuple[str, dict[str, float]]]
     columns: dict[str, str]
@@ -69,7 +70,8 @@ class Predicted:
 
     Attributes:
         force_error: norm(residual)/norm(force) over the rows in motion; ``friction_error``: over norm(friction), which is
-            the force less the terms that are not friction; ``all_rows_error``: as the first, rows at rest too.
+            the force less the terms that are not friction; ``all_rows_error``: as the first, rows at rest too; ``band_error``:
+            as the first, both forces behind the filter of the fit, whose own error is told so; None without one.
         others: force errors of plainer models fitted to the same record.
         traces: measured and predicted force against time; ``friction``: the same for friction alone.
     """
@@ -78,21 +80,22 @@ class Predicted:
     force_error: float
     friction_error: float
     all_rows_error: float
+    band_error: float | None
     rest: float
     others: dict[str, float]
     traces: Prediction
     friction: Prediction
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """What ``stribeck predict --json`` prints."""
         return {
             "law": self.model.law, "method": self.model.method, "relative_force_error": self.force_error,
-            "friction_error": self.friction_error, "all_rows_error": self.all_rows_error, "rest": self.rest,
-            "fit": self.model.known, "others": self.others,
+            "friction_error": self.friction_error, "all_rows_error": self.all_rows_error, "band_error": self.band_error,
+            "rest": self.rest, "fit": self.model.known, "others": self.others,
         }  # fmt: skip
 
 
-def saved(fit: Fit, reading: Mapping[str, Any] | None = None) -> str:
+def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
     """The model of a fit as text for fit.json.
 
     Args:
@@ -113,7 +116,7 @@ def saved(fit: Fit, reading: Mapping[str, Any] | None = None) -> str:
                 "fit": {
                     "relative_force_error": fit.relative_force_error,
                     "cross_validated_error": fit.cross_validated_error,
-                    "friction_error": fit.details.get("friction_error"),
+                    "friction_error": fit.details.get("friction_error"), "decimation": fit.details.get("decimation"),
                 },
                 "others": others, "data_sha256": fit.data_hash, **(reading or {}),
             }
@@ -180,9 +183,19 @@ def predict(model: FittedModel, log: Log) -> Predicted:
     own = float(np.linalg.norm((log.force - force)[rows])) / max(size, 1e-300)
     every = np.ones(len(log), bool)
     return Predicted(
-        model, _error(log.force, force, rows), own, _error(log.force, force, every), float(np.mean(rest)), others,
-        traces, friction,
+        model, _error(log.force, force, rows), own, _error(log.force, force, every), _band_error(model, log, force, rest),
+        float(np.mean(rest)), others, traces, friction,
     )  # fmt: skip
+
+
+def _band_error(model: FittedModel, log: Log, force: Array, rest: NDArray[np.bool_]) -> float | None:
+    """The error of the force where both have passed the filter that the fit used, at the rows that it would keep."""
+    q = int(model.known.get("decimation") or 1)
+    if q < 2 or model.method != "static" or min(r.stop - r.start for r in log.runs()) < _SHORTEST * q:
+        return None
+    reduce = thinning(log, q)
+    moving = np.convolve(rest, np.ones(2 * q + 1), mode="same")[kept_rows(log, q)] < 0.5
+    return _error(reduce(log.force), reduce(force), moving) if moving.any() else None
 
 
 def beside(model: FittedModel, log: Log, without: Container[str] = ()) -> Array:
@@ -200,7 +213,7 @@ def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:
     return float(np.linalg.norm((measured - predicted)[rows])) / max(size, 1e-300)
 
 
-def _steady(law_name: str, values: Mapping[str, Any], log: Log) -> Array:
+def _steady(law_name: str, values: Mapping[str, float], log: Log) -> Array:
     """Friction at the speed of the moment, and the body's terms."""
     law = laws.find(law_name)
     own = {n: v for n, v in values.items() if n in law.constants()}

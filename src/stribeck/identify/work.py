@@ -8,11 +8,12 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import TypeVar
 
-from stribeck.simulation.lanes import threads_of_this_machine
+from stribeck.simulation.lanes import are_elsewhere, threads_of_this_machine
 
 T = TypeVar("T")
 S = TypeVar("S")
 _TYPICAL = 300  # simulations
+_MOST = 32  # ensembles that are asked of a cluster at once
 
 
 class Stopped(Exception):
@@ -72,6 +73,9 @@ class Work:
     def each(self, what: Callable[[S], T], of: Iterable[S]) -> list[T | None]:
         """``what`` of each on all cores; None for those that were not reached when Ctrl-C ended the work."""
         items = list(of)
+        if len(items) == 1:
+            self.check()
+            return [what(items[0])]
         found: list[T | None] = [None] * len(items)
 
         def one(i: int) -> None:
@@ -81,7 +85,8 @@ class Work:
             except Stopped:
                 return
 
-        pool = ThreadPoolExecutor(threads_of_this_machine())
+        # what others solve takes no core of this machine
+        pool = ThreadPoolExecutor(min(max(len(items), 1), _MOST) if are_elsewhere() else threads_of_this_machine())
         try:
             for future in [pool.submit(one, i) for i in range(len(items))]:
                 future.result()

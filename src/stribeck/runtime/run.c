@@ -38,6 +38,9 @@ static inline Segment present(const Run *run)
     double *fields = (double *)&piece;
     for (int i = 0; i < PIECE; i++) fields[i] = run->piece_rows[run->piece * PIECE + i];
     for (int i = 0; i < HELD; i++) fields[PIECE + i] = run->held[i];
+#if PIECE + HELD == 0
+    fields[0] = 0;
+#endif
     return piece;
 }
 

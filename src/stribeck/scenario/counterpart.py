@@ -1,4 +1,4 @@
-"""A law on a single body (``schema = 1``) with the names and tables of a machine (``schema = 2``)."""
+"""A law on a single body (``schema = 1``) as a machine (``schema = 2``), and a machine's pressure cascade as the former."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from copy import deepcopy
 
 from stribeck.constants import show
-from stribeck.errors import InputError
+from stribeck.control.cascade import PressureCascade
+from stribeck.errors import InputError, arg, nearest
 from stribeck.plants import Mass
 from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import Scenario
@@ -36,6 +37,42 @@ def as_machine(scenario: Scenario) -> Scenario:
     contact = {"from": BODY, "law": data["law"]}
     given = {
         "schema": 2, "name": scenario.name, **tables, "contacts": {CONTACT: contact},
+        "solve": {"t_end": scenario.solve.t_end}, "output": {"step": scenario.output.step},
+    }  # fmt: skip
+    return Scenario(given, folder=scenario.folder, trust=True)
+
+
+def as_servo(scenario: Scenario, controller: str | None = None) -> Scenario:
+    """A pressure cascade of a machine with its piston and its friction as a file of schema 1, as which it is read.
+
+    Args:
+        scenario: the machine; a file of schema 1 stays as it is.
+        controller: which pressure cascade; the only one unless given.
+
+    Raises:
+        InputError: the machine has no such controller, or several and none was named.
+    """
+    if scenario.rig.single:
+        return scenario
+    machine = scenario.rig.machine
+    known = [drive.name for drive in machine.drives]
+    if not known:
+        raise InputError(
+            f"{arg('scenario')}: {scenario.name!r}: part 'cascade' needs a controller of kind 'pressure_cascade'"
+        )
+    if controller is None and len(known) > 1:
+        raise InputError(f"{arg('controller')}: missing: must be given (one of {', '.join(known)})")
+    if controller is not None and controller not in known:
+        raise InputError(
+            f"{arg('controller')}: {show(controller)}: no such pressure cascade{nearest(controller, known)}"
+        )
+    drive = next(each for each in machine.drives if each.name == (controller or known[0]))
+    data = deepcopy(scenario.data)
+    table = {n: x for n, x in data["controllers"][drive.name].items() if n != "on"}
+    contact = next(x for x in machine.contacts if x.span.start == drive.on and x.span.end is None)
+    given = {
+        "schema": 1, "name": scenario.name, "law": data["contacts"][contact.name]["law"],
+        "plant": data["bodies"][drive.on], "drive": {**table, "kind": PressureCascade.kind},
         "solve": {"t_end": scenario.solve.t_end}, "output": {"step": scenario.output.step},
     }  # fmt: skip
     return Scenario(given, folder=scenario.folder, trust=True)

@@ -12,13 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
-from stribeck.codegen import source
 from stribeck.drives.base import Column
 from stribeck.equations import SLIP_AND_STICK
 from stribeck.errors import BuildError, InputError, StribeckError, arg, nearest
 from stribeck.scenario import Scenario, memory
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
-from stribeck.simulation import cache, compiler, lanes
+from stribeck.simulation import lanes
 from stribeck.simulation.result import failure
 from stribeck.simulation.single import simulate
 from stribeck.simulation.solution import Solution
@@ -229,14 +228,10 @@ def _solver(variations: Variations | LaneByLane, device: str, threads: int) -> _
 
 def _library(scenario: Scenario) -> ctypes.CDLL | None:
     """The compiled system for lanes; None where it cannot be built."""
-    chosen = compiler.find()
-    if chosen is None:
-        return None
     try:
-        library, _ = cache.library(source(scenario.system, lanes=True), chosen.for_lanes(), lanes.check)
+        return lanes.compiled(scenario.system)
     except (BuildError, OSError):
         return None  # the single runs will say why
-    return library
 
 
 def _one_by_one(found: _Lanes, threads: int, progress: Callable[[float], None] | None) -> dict[str, Array]:

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import ctypes
 import os
-from collections.abc import Callable
-from ctypes import POINTER, c_double, c_int8, c_int64
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from ctypes import POINTER, c_int64
 from dataclasses import dataclass
+from hashlib import sha256
 from threading import Thread
 from typing import Any
 
@@ -14,12 +16,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
+from stribeck.codegen import source
+from stribeck.equations import Equations
+from stribeck.errors import BuildError
+from stribeck.simulation import cache, compiler
 from stribeck.simulation.layout import declare, struct_fields
 from stribeck.simulation.native import step_share
 from stribeck.simulation.result import held_back
 from stribeck.simulation.variations import Variations
 
 Integers = NDArray[np.int64]
+Progress = Callable[[float], None]
 
 _COUNTS = ("rows_reached", "status", "accepted", "rejected", "happened")
 
@@ -38,6 +45,24 @@ class Outcome:
     states: Array
     t_reached: Array
     counts: dict[str, Integers]
+
+    @property
+    def digest(self) -> str:
+        """Of every bit."""
+        found = sha256()
+        for x in (self.states, self.t_reached, *(self.counts[name] for name in _COUNTS)):
+            found.update(np.ascontiguousarray(x).tobytes())
+        return found.hexdigest()
+
+    @classmethod
+    def joined(cls, parts: Sequence[Outcome]) -> Outcome:
+        """The lanes of all parts, one after the other."""
+        states, t_reached = (np.concatenate([getattr(x, name) for x in parts]) for name in ("states", "t_reached"))
+        return cls(states, t_reached, {name: np.concatenate([x.counts[name] for x in parts]) for name in _COUNTS})
+
+
+Elsewhere = Callable[[ctypes.CDLL, Variations, "Progress | None"], Outcome]
+_elsewhere: list[Elsewhere] = []
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -82,13 +107,11 @@ def lane_arrays(lanes: Variations) -> Arrays:
     numbers = {name: np.ascontiguousarray(x, float) for name, x in numbers.items()}
     batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)
     batch.queue_room, batch.noise_room = room, noise.shape[1]
-    batch.piece_restart = restart.ctypes.data_as(POINTER(c_int8))
     batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
-    for name, x in numbers.items():
-        setattr(batch, name, x.ctypes.data_as(POINTER(c_double)))
-    for name, i in integers.items():
-        setattr(batch, name, i.ctypes.data_as(POINTER(c_int64)))
-    return Arrays({**numbers, **integers, "piece_restart": restart}, batch)
+    made = Arrays({**numbers, **integers, "piece_restart": restart}, batch)
+    for name, x in made.by_name.items():
+        setattr(batch, name, x.ctypes.data)
+    return made
 
 
 def outcome(made: Arrays) -> Outcome:
@@ -97,9 +120,42 @@ def outcome(made: Arrays) -> Outcome:
     return Outcome(found["out"], found["t_reached"], {name: found[name] for name in _COUNTS})
 
 
-def solve(
-    library: ctypes.CDLL, lanes: Variations, threads: int, progress: Callable[[float], None] | None = None
-) -> Outcome:
+def compiled(system: Equations) -> ctypes.CDLL:
+    """A system for lanes.
+
+    Raises:
+        BuildError: there is no C compiler, or it cannot build the system.
+        OSError: the cache cannot be written.
+    """
+    chosen = compiler.find()
+    if chosen is None:
+        raise BuildError("there is no C compiler")
+    return cache.library(source(system, lanes=True), chosen.for_lanes(), check)[0]
+
+
+def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
+    """Integrate every lane: here, or where :func:`solved_by` says."""
+    if _elsewhere:
+        return _elsewhere[-1](library, lanes, progress)
+    return solve_here(library, lanes, threads, progress)
+
+
+@contextmanager
+def solved_by(other: Elsewhere) -> Iterator[None]:
+    """Within, whatever thread asks, lanes are solved by ``other``; its numbers must be those of :func:`solve_here`."""
+    _elsewhere.append(other)
+    try:
+        yield
+    finally:
+        _elsewhere.remove(other)
+
+
+def are_elsewhere() -> bool:
+    """Whether lanes are solved elsewhere, where more may be asked for at once than this machine has cores."""
+    return bool(_elsewhere)
+
+
+def solve_here(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
     """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
     made = lane_arrays(lanes)
     _run(library, made.batch, made.by_name["turn"], threads, progress)

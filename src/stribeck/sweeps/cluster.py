@@ -1,21 +1,26 @@
-"""A sweep on a Dask cluster: its parts are sent out as numbers, and what comes back is written here or by the workers."""
+"""A Dask cluster: work is sent out in parts, as numbers and text, and goes to another worker where one dies or cannot do it."""
 
 from __future__ import annotations
 
 import os
 from collections import Counter, deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Generic, TypeVar
 
 from stribeck.errors import InputError, StribeckError, arg, needed, note
 from stribeck.simulation import compiler
 from stribeck.sweeps import worker
+from stribeck.sweeps.worker import Answer
 
 if TYPE_CHECKING:
     from distributed import Client, Future
 
     from stribeck.sweeps.job import Sweep
+
+A = TypeVar("A", bound=Answer)
+# What a part is for a worker: a function of a module of ours, and numbers and texts for it.
+Call = tuple[Callable[..., A], tuple[object, ...]]
 
 _LOOK = 2.0  # s: how often workers that came or went are looked for
 _DEATHS = 5  # times that the scheduler gives up a part whose workers died: then it is the part that kills them
@@ -35,12 +40,42 @@ def run_on(on: str, job: Sweep, todo: list[int], tell: Callable[[float], None]) 
         InputError: ``on`` is something else, or there is no scheduler.
         StribeckError: the scheduler went away, no worker can make the parts, or a part killed its workers.
     """
+    done = 0
+
+    def call(part: int) -> Call[worker.Made]:
+        numbers = {path: x.tobytes() for path, x in job.values_of(part).items()}
+        return worker.part, (order, first_lane, numbers, job.lanes_of_part(part)[0], job.name(part))
+
+    def take(part: int, made: worker.Made) -> None:
+        nonlocal done
+        data = made["data"]
+        if data is not None:
+            job.place.put(job.name(part), lambda beside: beside.write_bytes(data))
+        job.written(part, made["sha256"])
+        first, end = job.lanes_of_part(part)
+        done += end - first
+        tell(done)
+
+    with connected(on) as workers:
+        order = job.order.to_text(job.order.probe(job.values_of(0)))
+        first_lane = {path: x[:1].tobytes() for path, x in job.values_of(0).items()}
+        workers.do(todo, call, take)
+
+
+@contextmanager
+def connected(on: str) -> Iterator[Workers]:
+    """The workers of a cluster.
+
+    Raises:
+        InputError: ``on`` is neither ``dask`` nor ``dask://HOST:PORT``, or there is no scheduler.
+        StribeckError: there is no C compiler here.
+    """
     if compiler.find() is None:
         raise StribeckError(
             f"{arg('on')} {on}: without a C compiler here a cluster's numbers would differ in their last bits"
         )
     with _client(on) as client:
-        _Run(client, on, job, todo, tell).run()
+        yield Workers(client, on)
 
 
 @contextmanager
@@ -67,33 +102,77 @@ def _client(on: str) -> Iterator[Client]:
         yield client
 
 
-class _Run:
-    """The parts in hand, and which workers may have them."""
+class Workers:
+    """The workers of a cluster, and which of them make other bits than this machine and may have nothing.
 
-    def __init__(self, client: Client, on: str, job: Sweep, todo: list[int], tell: Callable[[float], None]) -> None:
-        self.client, self.on, self.job, self.tell = client, on, job, tell
-        self.order = job.order.to_text(job.order.probe(job.values_of(0)))
-        self.first_lane = {path: x[:1].tobytes() for path, x in job.values_of(0).items()}
-        self.todo, self.total = deque(todo), len(todo)
-        self.hand: dict[Future[worker.Made], tuple[int, frozenset[str] | None]] = {}
+    Attributes:
+        client: of Dask; ``on``: how the cluster was named.
+        refused: why a worker is left out, by its address.
+    """
+
+    def __init__(self, client: Client, on: str) -> None:
+        self.client, self.on = client, on
         self.refused: dict[str, str] = {}
+
+    def do(self, todo: Iterable[int], call: Callable[[int], Call[A]], take: Callable[[int, A], None]) -> None:
+        """Have every part made.
+
+        Args:
+            call: the work of a part; its answer has ``refused`` where this worker cannot do it.
+            take: is given each part and what came back of it, in the order in which they come.
+
+        Raises:
+            StribeckError: the scheduler went away, no worker can make the parts, or a part killed its workers.
+        """
+        _Parts(self, deque(todo), call, take).run()
+
+    def threads(self) -> dict[str, int]:
+        """The threads of each worker that there is now."""
+        scheduler = self.client.scheduler
+        try:  # asked anew: what the client keeps is at times without its workers
+            told = self.client.sync(scheduler.identity, n_workers=-1) if scheduler is not None else {}
+        except OSError:
+            told = {}
+        return {address: int(each["nthreads"]) for address, each in told.get("workers", {}).items()}
+
+    def leave_out(self, address: str, why: str) -> None:
+        """Send nothing to a worker any more."""
+        if address not in self.refused:
+            note(f"{arg('on')} {self.on}: left out: {address} {why}")
+        self.refused[address] = why
+
+
+class _Parts(Generic[A]):
+    """The parts in hand."""
+
+    def __init__(
+        self, workers: Workers, todo: deque[int], call: Callable[[int], Call[A]], take: Callable[[int, A], None]
+    ) -> None:
+        self.workers, self.client, self.on = workers, workers.client, workers.on
+        self.todo, self.total, self.call, self.take = todo, len(todo), call, take
+        self.hand: dict[Future[A], tuple[int, frozenset[str] | None]] = {}
         self.deaths: Counter[int] = Counter()
-        self.lanes = self.parts = 0
+        self.done = 0
         self.waiting = False
 
     def run(self) -> None:
-        """Until every part is written."""
+        """Until every part is taken."""
         try:
             while self.todo or self.hand:
-                self._send(self._workers())
+                if self.client.status != "running":
+                    raise self._gone()
+                self._send(self.workers.threads())
                 for future in self._finished():
                     self._take(future)
         except Exception as error:  # what a client says whose scheduler dies under it depends on the moment
             if isinstance(error, StribeckError) or self.client.status == "running":
                 raise
             raise self._gone() from None
+        finally:  # Ctrl-C, or a part that failed: nobody waits for the others
+            for future in self.hand:
+                future.cancel(force=True)
 
-    def _finished(self) -> set[Future[worker.Made]]:
+    def _finished(self) -> set[Future[A]]:
         """The parts of those in hand that came to an end, within a while."""
         import distributed
 
@@ -104,52 +183,39 @@ class _Run:
         except distributed.CancelledError:
             return {future for future in self.hand if future.status != "pending"}
 
-    def _workers(self) -> dict[str, int]:
-        """The threads of each worker that there is now.
-
-        Raises:
-            StribeckError: the scheduler went away.
-        """
-        if self.client.status != "running":
-            raise self._gone()
-        found = self.client.scheduler_info(n_workers=-1).get("workers", {})
-        return {address: int(each["nthreads"]) for address, each in found.items()}
-
     def _gone(self) -> StribeckError:
-        text = f"the scheduler went away after {self.parts} of {self.total} parts; the same command goes on from there"
+        text = f"the scheduler went away after {self.done} of {self.total} parts; the same command goes on from there"
         return StribeckError(f"{arg('on')} {self.on}: {text}")
 
     def _send(self, workers: dict[str, int]) -> None:
         """Hand out parts, to workers that have not refused."""
-        may = {address: n for address, n in workers.items() if address not in self.refused}
+        refused = self.workers.refused
+        may = {address: n for address, n in workers.items() if address not in refused}
         if not workers and not self.waiting:
             note(
-                f"{arg('on')} {self.on}: no worker at present; waiting for one ({self.parts} of {self.total} parts done)"
+                f"{arg('on')} {self.on}: no worker at present; waiting for one ({self.done} of {self.total} parts done)"
             )
         self.waiting = not workers
-        if self.refused and not may and not self.hand:
-            reasons = "; ".join(f"{address} {why}" for address, why in self.refused.items())
+        if refused and not may and not self.hand:
+            reasons = "; ".join(f"{address} {why}" for address, why in refused.items())
             raise StribeckError(f"{arg('on')} {self.on}: no worker can make these numbers: {reasons}")
         for future, (part, only) in list(self.hand.items()):
             if only is not None and not only & may.keys():  # those that it may go to are gone
                 self.hand.pop(future)
                 future.cancel(force=True)
                 self.todo.appendleft(part)
-        if self.refused and not may:
+        if refused and not may:
             return
         room = _AHEAD * max(sum(may.values()), 1) - len(self.hand)
-        only = frozenset(may) if self.refused else None
+        only = frozenset(may) if refused else None
         while self.todo and room > 0:
             part = self.todo.popleft()
-            numbers = {path: x.tobytes() for path, x in self.job.values_of(part).items()}
-            future = self.client.submit(
-                worker.part, self.order, self.first_lane, numbers, self.job.lanes_of_part(part)[0], self.job.name(part),
-                pure=False, workers=sorted(only) if only else None,
-            )  # fmt: skip
+            what, given = self.call(part)
+            future = self.client.submit(what, *given, pure=False, workers=sorted(only) if only else None)
             self.hand[future] = (part, only)
             room -= 1
 
-    def _take(self, future: Future[worker.Made]) -> None:
+    def _take(self, future: Future[A]) -> None:
         """What came of a part."""
         from distributed import KilledWorker
 
@@ -166,21 +232,14 @@ class _Run:
                 raise StribeckError(f"{arg('on')} {self.on}: {text}")
             self.deaths[part] += 1
             if self.deaths[part] >= _DEATHS:
-                text = f"part {part} lost its worker again and again; {self.parts} of {self.total} parts are written"
+                text = f"part {part} lost its worker again and again; {self.done} of {self.total} parts are done"
                 raise StribeckError(f"{arg('on')} {self.on}: {text}")
             self.todo.appendleft(part)
             return
         made = future.result()
         if why := made.get("refused"):
-            if made["worker"] not in self.refused:
-                note(f"{arg('on')} {self.on}: left out: {made['worker']} {why}")
-            self.refused[made["worker"]] = why
+            self.workers.leave_out(made["worker"], str(why))
             self.todo.appendleft(part)
             return
-        data = made["data"]
-        if data is not None:
-            self.job.place.put(self.job.name(part), lambda beside: beside.write_bytes(data))
-        self.job.written(part, made["sha256"])
-        first, end = self.job.lanes_of_part(part)
-        self.parts, self.lanes = self.parts + 1, self.lanes + end - first
-        self.tell(self.lanes)
+        self.take(part, made)
+        self.done += 1

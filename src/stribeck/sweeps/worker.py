@@ -1,7 +1,8 @@
-"""What a worker of a cluster does: it is sent a scenario as text and numbers, builds it once, and makes parts of a sweep.
+"""What a worker of a cluster does: it is sent a scenario as text and numbers, builds it once, and makes parts of a sweep or
+solves lanes of a fit or a design.
 
-Its numbers must be those of the machine that asks, to the last bit: each worker first makes the first lane's file and
-compares its digest with the one that it was sent.
+Its numbers must be those of the machine that asks, to the last bit: each worker first makes the first lane (of a sweep its
+file) and compares its digest with the one that it was sent.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ import base64
 import json
 import tempfile
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from pathlib import Path
@@ -23,7 +25,9 @@ from stribeck.errors import StribeckError, one_line
 from stribeck.files import sha256_of
 from stribeck.scenario import Scenario
 from stribeck.scenario.moved import with_files
-from stribeck.simulation import compiler, simulate_ensemble
+from stribeck.simulation import compiler, lanes, simulate_ensemble
+from stribeck.simulation.lanes import Integers, Outcome
+from stribeck.simulation.variations import Variations
 from stribeck.sweeps import tables
 from stribeck.sweeps.places import Store
 from stribeck.version import __version__
@@ -33,7 +37,7 @@ _folders: list[tempfile.TemporaryDirectory[str]] = []  # of files that scenarios
 
 
 class _Told(TypedDict):
-    """The keys of an order's text (:meth:`Order.to_text`)."""
+    """The keys of a text: of an order (:meth:`Order.to_text`), or of lanes (:func:`lanes_text`)."""
 
     stribeck: str
     data: dict[str, object]
@@ -42,20 +46,33 @@ class _Told(TypedDict):
     as_csv: bool
     url: str | None
     probe: str
+    shift: dict[str, float]
 
 
 class Refused(Exception):
     """This worker cannot make the numbers that are asked for."""
 
 
-class Made(TypedDict, total=False):
-    """What comes back of a part: its digest, and its bytes where the worker did not put them in place itself; or why this
-    worker, by its address, cannot make it."""
+class Answer(TypedDict, total=False):
+    """What comes back of a part, or why this worker, by its address, cannot make it."""
+
+    refused: str
+    worker: str
+
+
+class Made(Answer, total=False):
+    """The digest of a part's file, and its bytes where the worker did not put them in place itself."""
 
     sha256: str
     data: bytes | None
-    refused: str
-    worker: str
+
+
+class SolvedLanes(Answer, total=False):
+    """What became of some lanes: the fields of :class:`stribeck.simulation.lanes.Outcome`."""
+
+    states: Array
+    t_reached: Array
+    counts: dict[str, Integers]
 
 
 @dataclass(frozen=True)
@@ -77,12 +94,8 @@ class Order:
 
     def to_text(self, probe: str) -> str:
         """As JSON, with the digest of the first lane's file."""
-        data, files = with_files(self.scenario.data, self.scenario.folder)
-        contents = {name: base64.b64encode(content).decode() for name, content in files.items()}
-        return json.dumps({
-            "stribeck": __version__, "data": data, "files": contents, "summary": self.summary, "as_csv": self.as_csv,
-            "url": self.url, "probe": probe,
-        })  # fmt: skip
+        how = {"summary": self.summary, "as_csv": self.as_csv, "url": self.url, "probe": probe}
+        return json.dumps({**_of_scenario(self.scenario), **how})
 
     def write(
         self,
@@ -119,9 +132,7 @@ def part(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes], fir
         with _building:
             order = _built(text, tuple(first_lane.items()))
     except Refused as why:
-        from distributed import get_worker
-
-        return {"refused": str(why), "worker": str(get_worker().address)}
+        return {"refused": str(why), "worker": _address()}
     write = partial(order.write, values=_values(numbers), first=first, threads=1)
     if order.url is not None:
         return {"sha256": Store(order.url).put(name, write), "data": None}
@@ -131,8 +142,69 @@ def part(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes], fir
         return {"sha256": sha256_of(path), "data": path.read_bytes()}
 
 
+def lanes_text(scenario: Scenario, shift: Mapping[str, float], probe: str) -> str:
+    """What some lanes share, as JSON, with the digest of what becomes of the first."""
+    return json.dumps({**_of_scenario(scenario), "shift": dict(shift), "probe": probe})
+
+
+def some_lanes(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes]) -> SolvedLanes:
+    """Solve some lanes.
+
+    Args:
+        text: of :func:`lanes_text`.
+        first_lane: the values by path, float64, of the lane whose digest the text has.
+        numbers: those of the lanes.
+    """
+    try:
+        with _building:
+            solve = _solver(text, tuple(first_lane.items()))
+    except Refused as why:
+        return {"refused": str(why), "worker": _address()}
+    found = solve(_values(numbers))
+    return {"states": found.states, "t_reached": found.t_reached, "counts": found.counts}
+
+
+def _address() -> str:
+    from distributed import get_worker
+
+    return str(get_worker().address)
+
+
 def _values(numbers: Mapping[str, bytes]) -> dict[str, Array]:
     return {path: np.frombuffer(x, np.float64) for path, x in numbers.items()}
+
+
+def _of_scenario(scenario: Scenario) -> dict[str, object]:
+    """A scenario with the files that it names, and the version of its equations."""
+    data, files = with_files(scenario.data, scenario.folder)
+    contents = {name: base64.b64encode(content).decode() for name, content in files.items()}
+    return {"stribeck": __version__, "data": data, "files": contents}
+
+
+@contextmanager
+def _scenario_of(given: _Told) -> Iterator[Scenario]:
+    """The scenario of a text. What is done with it must make the same numbers, or the text is refused; the files that it
+    names stay while the process lives.
+
+    Raises:
+        Refused: this worker's numbers would not be the same.
+    """
+    if given["stribeck"] != __version__:
+        raise Refused(f"has Stribeck {__version__}, not {given['stribeck']}")
+    if compiler.find() is None:
+        raise Refused("has no C compiler")
+    kept = tempfile.TemporaryDirectory(prefix="stribeck-")
+    try:
+        for name, content in given["files"].items():
+            (Path(kept.name) / name).write_bytes(base64.b64decode(content))
+        yield Scenario(given["data"], folder=Path(kept.name), trust=True)
+    except (StribeckError, OSError) as error:
+        kept.cleanup()
+        raise Refused(f"cannot build it: {one_line(str(error))}") from None
+    except BaseException:
+        kept.cleanup()
+        raise
+    _folders.append(kept)
 
 
 @lru_cache(maxsize=8)
@@ -143,30 +215,30 @@ def _built(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
         Refused: this worker's numbers would not be the same.
     """
     given: _Told = json.loads(text)
-    if given["stribeck"] != __version__:
-        raise Refused(f"has Stribeck {__version__}, not {given['stribeck']}")
-    if compiler.find() is None:
-        raise Refused("has no C compiler")
-    kept = tempfile.TemporaryDirectory(prefix="stribeck-")
-    try:
-        order = _checked(given, Path(kept.name), _values(dict(first_lane)))
-    except BaseException:
-        kept.cleanup()
-        raise
-    _folders.append(kept)
+    with _scenario_of(given) as scenario:
+        order = Order(scenario, given["summary"], given["as_csv"], given["url"])
+        _compare(order.probe(_values(dict(first_lane))), given)
     return order
 
 
-def _checked(given: _Told, folder: Path, first_lane: dict[str, Array]) -> Order:
-    """The order of a text, with the files that it names in a folder, once it makes the bits that are asked for."""
-    for name, content in given["files"].items():
-        (folder / name).write_bytes(base64.b64decode(content))
-    try:
-        scenario = Scenario(given["data"], folder=folder, trust=True)
-        order = Order(scenario, given["summary"], given["as_csv"], given["url"])
-        probe = order.probe(first_lane)
-    except (StribeckError, OSError) as error:
-        raise Refused(f"cannot build it: {one_line(str(error))}") from None
+@lru_cache(maxsize=256)  # of a fit, one for each recording and stretch
+def _solver(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Callable[[Mapping[str, Array]], Outcome]:
+    """What solves lanes of a text, once a process.
+
+    Raises:
+        Refused: this worker's numbers would not be the same.
+    """
+    given: _Told = json.loads(text)
+    with _scenario_of(given) as scenario:
+        library, shift = lanes.compiled(scenario.system), given["shift"]
+
+        def solve(values: Mapping[str, Array]) -> Outcome:
+            return lanes.solve_here(library, Variations(scenario, values, shift), 1)
+
+        _compare(solve(_values(dict(first_lane))).digest, given)
+    return solve
+
+
+def _compare(probe: str, given: _Told) -> None:
     if probe != given["probe"]:
         raise Refused("makes other bits than this machine (another processor, compiler or pyarrow)")
-    return order

@@ -1,6 +1,7 @@
 """Files, units and damaged data: what is read, what is said, what is refused."""
 
 import re
+from contextlib import nullcontext
 
 import h5py
 import numpy as np
@@ -324,6 +325,21 @@ def test_a_velocity_in_another_unit_than_the_position_is_refused(factor, tmp_pat
     assert len(load_log([tmp_path / "log.npz"], names)) > 0
 
 
+@pytest.mark.parametrize(("wrong", "factor"), [(False, 1.0), (True, 60 / (2 * np.pi))])
+def test_a_tachometer_s_zero_and_a_wrapped_angle_do_not_hide_the_unit(wrong, factor):
+    """A zero of 2 m/s on motion in one direction was taken for a wrong unit; rpm beside a wrapped angle, or a zero, passed."""
+    v = 1.5 + np.cos(8 * T)
+    x = 1.5 * T + np.sin(8 * T) / 8
+    for position, velocity in (
+        (x, v + 2),
+        (np.angle(np.exp(12j * x)) / 12, v),
+        (np.sin(8 * T) / 8, np.cos(8 * T) + 0.5),
+    ):
+        log = {"t": T, "x": position, "v": factor * velocity, "i": F}
+        with pytest.raises(InputError, match="times the slope") if wrong else nullcontext():
+            load_log([log], ColumnNames({**NAMES, "velocity": "v"}))
+
+
 def test_every_row_a_run_of_its_own_is_one_clear_line(tmp_path):
     np.savez(tmp_path / "log.npz", t=T, x=X, i=F, r=np.arange(len(T)))
     with pytest.raises(InputError, match="no piece without a gap has 50 rows"):
@@ -349,3 +365,17 @@ def test_a_clock_that_drifts_against_the_rows_is_found_again(period, off):
     assert f"changes once in {period / 1e-3:.5g} rows" in notes[0]
     inner = slice(100, -100)
     assert np.max(abs(columns["position"] - true)[inner]) < 9 / 8 * period**2 + off
+
+
+def test_single_forces_beyond_all_others_are_put_right_and_told_and_blows_stay():
+    """One row of 1e6 N turned a fit into a refusal: "force acts against the motion"."""
+    draw = np.random.default_rng(2)
+    force, hit = F + 0.1 * np.std(F) * draw.standard_normal(len(T)), np.array([120, 200, 311])
+    force[hit] += (1e6, -1e6, 50 * np.std(F))
+    log = load_log([{"t": T, "x": X, "i": force}], ColumnNames(NAMES))
+    assert abs(log.force).max() < 2 * abs(F).max()
+    assert any("force: 3 rows" in note and "does not answer" in note for note in log.quality)
+    struck = np.cos(8 * T) + 5.0 * (T[200] < T)  # the body is struck there
+    log = load_log([{"t": T, "v": struck, "i": np.where(np.arange(len(T)) == 200, 1e6, F)}],
+                   ColumnNames({**{k: n for k, n in NAMES.items() if k != "position"}, "velocity": "v"}))  # fmt: skip
+    assert abs(log.force).max() == 1e6

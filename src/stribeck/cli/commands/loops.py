@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import ControllerName, Json, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.cli.shared import ControllerName, Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app
 
 
 @app.command(epilog="Example: stribeck gains servo.toml --out gains")
@@ -57,6 +57,7 @@ def design(
         bool, typer.Option("--compensations/--no-compensations", help="Compare what may be done against friction.")
     ] = True,
     seed: Annotated[int, typer.Option("--seed", metavar="N", help="Of the samples and of the search.")] = 0,
+    on: On = None,
     set_: Set = None,
     trust: Trust = False,
     out: Out = None,
@@ -70,7 +71,7 @@ def design(
         "vary": vary or [], "tune": tune.split(",") if tune else [], "uncertainty_file": uncertainty, "controller": controller,
         "compensations": compensations, "seed": seed, "map": map_ or [],
     }  # fmt: skip
-    return command.run(scenario, set_ or [], options, out, json, trust)
+    return command.run(scenario, set_ or [], options, out, json, trust, on)
 
 
 @app.command(epilog="Example: stribeck hunting machine.toml")

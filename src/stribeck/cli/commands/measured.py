@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.cli.shared import Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.errors import InputError
 
 # Columns of a record.
 Data = Annotated[
@@ -112,6 +113,7 @@ def fit(
     drive: Drive = None,
     logs: Logs = None,
     transfer: Transfer = None,
+    on: On = None,
     out: Out = None,
     json: Json = False,
 ) -> int:
@@ -120,9 +122,12 @@ def fit(
     if logs is not None or transfer is not None:
         from stribeck.cli import actuator
 
-        return actuator.fit(data, logs, law or [], set_ or [], transfer, starts, seed, out, json)
+        return actuator.fit(data, logs, law or [], set_ or [], transfer, starts, seed, out, json, on)
     from stribeck.cli import fit as work
     from stribeck.identify.options import FitOptions
+
+    if on is not None:
+        raise InputError(f"--on: {on!r}: goes with --logs: the fit of one body to a log has no lanes to send out")
 
     columns = {
         "time": time, "position": position, "velocity": velocity, "acceleration": acceleration, "force": force,

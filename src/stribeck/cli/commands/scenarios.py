@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.cli.shared import Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app
 
 
 @app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
@@ -87,10 +87,7 @@ def sweep(
     device: Annotated[
         str, typer.Option("--device", metavar="cpu|cuda", help="cuda: a GPU, one lane a thread.")
     ] = "cpu",
-    on: Annotated[
-        str | None,
-        typer.Option("--on", metavar="CLUSTER", help="dask://HOST:PORT: a Dask cluster; dask: one of this machine."),
-    ] = None,
+    on: On = None,
     trust: Trust = False,
     json: Json = False,
     _undetermined: Undetermined = False,

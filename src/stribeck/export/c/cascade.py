@@ -225,7 +225,7 @@ def notes(request: Request) -> list[str]:
     if cascade.period is None:
         found.append(
             "the scenario's controller is continuous, and its proof covers no sampling: "
-            "drive.sample_time simulates what is exported"
+            "sample_time simulates what is exported"
         )
     elif step is not None and step != cascade.period:
         found.append(f"{arg('step')}: {step:g} s: the scenario simulates drive.sample_time = {cascade.period:g} s")

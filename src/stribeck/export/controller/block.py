@@ -277,7 +277,9 @@ def block_of(
     """
     if scenario is None or scenario.rig.single or not scenario.rig.machine.controllers:
         given = "" if scenario is None else f"{scenario.name!r}: "
-        raise InputError(f"{arg('scenario')}: {given}part '{part}' needs a machine (schema = 2) with a controller")
+        servo = scenario is not None and scenario.rig.machine.drives and "; of a pressure cascade it is part 'cascade'"
+        text = f"part '{part}' needs a machine (schema = 2) with a controller{servo or ''}"
+        raise InputError(f"{arg('scenario')}: {given}{text}")
     rig = scenario.rig
     known = [each.name for each in rig.machine.controllers]
     if controller is None and len(known) > 1:

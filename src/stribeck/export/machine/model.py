@@ -62,9 +62,6 @@ class MachineModel:
         if scenario is None or scenario.rig.single:
             given = "" if scenario is None else f"{scenario.name!r}: "
             raise InputError(f"{arg('scenario')}: {given}part 'machine' needs a machine (schema = 2)")
-        if drives := scenario.system.drives:
-            text = "part 'machine' does not take a pressure cascade; of a file of schema 1 part 'cascade' exports it"
-            raise InputError(f"{drives[0].path}: {text}")
         self.scenario, self.rig, self.origin = scenario, scenario.rig, origin
         self.machine: MachineSystem = with_inputs(scenario.rig.machine)
 
@@ -223,7 +220,7 @@ def _unit_of(machine: MachineSystem, use: SignalUse) -> str:
     if section == "motors":
         return "V"
     if section == "controllers":
-        (each,) = (each for each in machine.controllers if each.name == name)
-        return "rad" if machine.rotary(each.measures) else "m"
+        bodies = {each.name: each.measures for each in machine.controllers} | {x.name: x.on for x in machine.drives}
+        return "rad" if machine.rotary(bodies[name]) else "m"
     (link,) = (each for each in machine.links if each.name == name)
     return "rad" if machine.rotary(link.span.end) else "m"

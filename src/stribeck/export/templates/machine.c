@@ -30,7 +30,7 @@ static const double NOISE[] = { /* standard normal numbers, one a sample */
 struct {{ P }} {
     Run run;
     double constants[PARAMETERS], acting[PARAMETERS];
-    double x[N], atol[N], row[N + HELD], held[HELD + 1], memory[MEMORY + 1], queue[(HELD + 1) * ROOM];
+    double x[N], atol[N], row[N + HELD + SHOWN], held[HELD + 1], memory[MEMORY + 1], queue[(HELD + 1) * ROOM];
     double none[WATCHES + 1];
     int64_t sampled[HELD + 1], acted[HELD + 1];
     int begun;
@@ -62,9 +62,13 @@ void {{ P }}_start({{ P }} *m)
 
 void {{ P }}_tolerance({{ P }} *m, double rtol)
 {
-    const double least = {{ rtol }} / {{ wanted }} * rtol < 1e-13 ? 1e-13 * {{ wanted }} / {{ rtol }} : rtol;
-    m->run.rtol = {{ rtol }} / {{ wanted }} * least;
-    for (int i = 0; i < N; i++) m->atol[i] = TOLERANCES[i] / {{ wanted }} * least;
+{% if held %}
+    const double share = fmin(fmax(0.1 * pow(1e-6 / rtol, 0.35), 0.1), 0.5); /* that one step may err by */
+{% else %}
+    const double share = {{ rtol }} / {{ wanted }}; /* that one step may err by */
+{% endif %}
+    m->run.rtol = fmax(share * rtol, 1e-13);
+    for (int i = 0; i < N; i++) m->atol[i] = TOLERANCES[i] / {{ rtol }} * m->run.rtol;
 }
 
 /* The pointers of a machine that may have been copied. */
@@ -99,13 +103,6 @@ const char *{{ P }}_wrong(const {{ P }} *m)
     return NULL;
 }
 
-static Segment piece_of(const {{ P }} *m)
-{
-    {{ P }} copy = *m;
-    bind(&copy);
-    return present(&copy.run);
-}
-
 /* Constants that were changed, inputs among them, act from now on. */
 static void take_constants({{ P }} *m)
 {
@@ -133,15 +130,6 @@ int {{ P }}_advance({{ P }} *m, double t)
     m->run.t_end = t;
     m->run.attempts_left = {{ max_steps }};
     return stribeck_advance(&m->run);
-}
-
-void {{ P }}_rates(const {{ P }} *m, double out[{{ P | upper }}_STATES])
-{
-    const Segment piece = piece_of(m);
-    const Parameters *p = (const Parameters *)m->constants;
-    Coefficients c;
-    prepare(p, &c);
-    rates(p, &c, &piece, m->run.t, m->x, out);
 }
 
 /* When a signal goes on, or a controller samples or acts, the next time. */
@@ -175,6 +163,25 @@ double {{ P }}_happen({{ P }} *m, double t)
     return next_of(m, p);
 }
 
+/* A machine as it is now: one that has not begun has taken the samples of its start. */
+static void settle(const {{ P }} *m, {{ P }} *now)
+{
+    *now = *m;
+    bind(now);
+    if (!now->begun) {{ P }}_happen(now, m->run.t);
+}
+
+void {{ P }}_rates(const {{ P }} *m, double out[{{ P | upper }}_STATES])
+{
+    {{ P }} now;
+    settle(m, &now);
+    const Segment piece = present(&now.run);
+    const Parameters *p = (const Parameters *)now.constants;
+    Coefficients c;
+    prepare(p, &c);
+    rates(p, &c, &piece, now.run.t, now.x, out);
+}
+
 void {{ P }}_at({{ P }} *m, double t) { m->run.t = t; }
 double {{ P }}_time(const {{ P }} *m) { return m->run.t; }
 double *{{ P }}_states({{ P }} *m) { return m->x; }
@@ -182,6 +189,8 @@ double *{{ P }}_constants({{ P }} *m) { return m->constants; }
 
 void {{ P }}_columns(const {{ P }} *m, double out[{{ P | upper }}_COLUMNS])
 {
-    const Segment piece = piece_of(m);
-    columns((const Parameters *)m->constants, &piece, m->run.t, m->x, out);
+    {{ P }} now;
+    settle(m, &now);
+    const Segment piece = present(&now.run);
+    columns((const Parameters *)now.constants, &piece, now.run.t, now.x,{{ " (const Memory *)now.memory," if memory }} out);
 }

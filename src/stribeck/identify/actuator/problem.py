@@ -17,6 +17,7 @@ _ABOVE = 1e-6  # of F_c: how far F_s stays above it
 STEP = 2e-4  # of a coordinate, for slopes
 _SPEED = float(np.sqrt(12 / 12**3))  # deviation of a speed from twelve samples, in those of one over their distance
 _MOST = 4e6  # numbers held at once
+_REMEMBERED = 4e6  # numbers of points that were simulated before
 
 
 @dataclass(frozen=True)
@@ -70,11 +71,13 @@ class MachineProblem:
     def __post_init__(self) -> None:
         self.low, self.high = (np.array([c.bounds[i] for c in self.sought]) for i in (0, 1))
         self.concerns = [np.array([_belongs(c, run) for c in self.sought], bool) for run in self.runs]
+        self._seen: list[dict[bytes, Array]] = [{} for _ in self.runs]
         sizes = [run.size for run in self.runs]
         self.first = np.concatenate([[0], np.cumsum(sizes)]).astype(int)
         self.priors = [i for i, c in enumerate(self.sought) if c.prior is not None]
         self.ties = ties(self.runs, self.sought) if self.tied else []
         self.size = int(self.first[-1]) + len(self.priors) + len(self.ties)
+        self._ends = [[tie for tie in self.ties if tie.run == k] for k in range(len(self.runs))]
         self._pairs = self._above()
 
     def _above(self) -> list[tuple[int, int | float]]:
@@ -98,26 +101,26 @@ class MachineProblem:
                         row[int(j)] = self.sought[int(j)].inner(self.sought[i].outer(row[i]) / (1 + 2 * _ABOVE))
         return U
 
-    def residuals(self, U: Array, only: Sequence[int] | None = None) -> Array:
-        """What is left at the points U."""
+    def residuals(self, U: Array) -> Array:
+        """What is left at the points U; the runs are simulated beside each other."""
         U = np.atleast_2d(U)
         found = np.full((len(U), self.size), np.nan)
-        for k, run in enumerate(self.runs):
-            if only is not None and k not in only:
-                found[:, self.first[k] : self.first[k + 1]] = 0.0
-                continue
-            distinct, back = np.unique(U[:, self.concerns[k]], axis=0, return_inverse=True)
-            first = np.array([int(np.flatnonzero(back.reshape(-1) == i)[0]) for i in range(len(distinct))])
-            most = max(8, int(_MOST / max(run.scenario.rows, 1)))
-            own = [tie for tie in self.ties if tie.run == k]
-            parts = [self._of(run, k, U[first[i : i + most]], own) for i in range(0, len(first), most)]
-            rows, size = np.concatenate(parts)[back.reshape(-1)], run.size
-            found[:, self.first[k] : self.first[k + 1]] = rows[:, :size]
-            for n, tie in enumerate(own):
-                begin = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
+        longest = sorted(range(len(self.runs)), key=lambda k: -self.runs[k].scenario.rows)
+        simulated = self.work.each(lambda k: self._simulated(k, U), longest)
+        self.work.check()
+        for k, rows in zip(longest, simulated, strict=True):
+            assert rows is not None
+            run, at = self.runs[k], int(self.first[k])
+            begin = 0
+            for target in run.targets:
+                size = len(target.t)
+                found[:, at : at + size] = (rows[:, begin : begin + size] - target.x) / self.noise[target.column]
+                at, begin = at + size, begin + size
+            for tie in self._ends[k]:
+                there = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
                 at = int(self.first[-1]) + len(self.priors) + self.ties.index(tie)
-                found[:, at] = (rows[:, size + n] - begin) / (tie.share * self.noise[tie.of])
-            self.work.check()
+                found[:, at] = (rows[:, begin] - there) / (tie.share * self.noise[tie.of])
+                begin += 1
         for n, i in enumerate(self.priors):
             c = self.sought[i]
             assert c.prior is not None
@@ -125,7 +128,9 @@ class MachineProblem:
         self.work.tick()
         return found
 
-    def predicted(self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = ()) -> list[Array]:
+    def predicted(
+        self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = (), threads: int | None = None
+    ) -> list[Array]:
         """The simulated columns of a run with its sensors' gains and offsets, and the columns ``ends`` where it ends."""
         values: dict[str, Array] = {}
         sensors: dict[tuple[str, str], Array] = {}
@@ -144,7 +149,7 @@ class MachineProblem:
             column: (sensors.get((column, "delay")), sensors.get((column, "clock")))
             for column, what in sensors if what in ("delay", "clock")
         }  # fmt: skip
-        found = run.predict(values, delays, self.threads, ends)
+        found = run.predict(values, delays, threads or self.threads, ends)
         for target, x in zip(run.targets, found, strict=False):
             gain, offset = (sensors.get((target.column, what)) for what in ("gain", "offset"))
             if gain is not None:
@@ -153,10 +158,22 @@ class MachineProblem:
                 x += offset[:, None]
         return found
 
-    def _of(self, run: RecordedRun, k: int, U: Array, ties: Sequence[Seam]) -> Array:
-        found = self.predicted(run, k, U, [tie.column for tie in ties])
-        parts = [(x - t.x) / self.noise[t.column] for t, x in zip(run.targets, found, strict=False)]
-        return np.concatenate([*parts, *found[len(parts) :]], axis=1)
+    def _simulated(self, k: int, U: Array) -> Array:
+        """The columns that a run is compared in, one after the other, and where it ends those that are tied, at the points
+        U: each point once, and those that were simulated a while ago not again."""
+        run, seen = self.runs[k], self._seen[k]
+        keys = [row.tobytes() for row in np.ascontiguousarray(U[:, self.concerns[k]])]
+        new = [i for key, i in {key: i for i, key in enumerate(keys)}.items() if key not in seen]
+        most = max(8, int(_MOST / max(run.scenario.rows, 1)))
+        threads = -(-self.threads // min(len(self.runs), self.threads))
+        here: dict[bytes, Array] = {key: seen[key] for key in keys if key in seen}
+        for first in range(0, len(new), most):
+            some = new[first : first + most]
+            columns = self.predicted(run, k, U[some], [tie.column for tie in self._ends[k]], threads)
+            here |= zip((keys[i] for i in some), np.concatenate(columns, axis=1), strict=True)
+        room = int(_REMEMBERED / (len(self.runs) * max(run.size, 1)))
+        self._seen[k] = dict(list({**seen, **here}.items())[-room:]) if room else {}
+        return np.array([here[key] for key in keys])
 
     def slopes(self, U: Array, step: Array) -> tuple[Array, Array]:
         """Residuals (points, numbers) and Jacobians (points, numbers, coordinates) by differences to the side that is
@@ -170,7 +187,7 @@ class MachineProblem:
         all_ = np.repeat(U, n + 1, axis=0).reshape(len(U), n + 1, n)
         for i in range(n):
             all_[:, i + 1, i] += side[:, i] * step[i]
-        found = self.residuals(all_.reshape(-1, n)).reshape(len(U), n + 1, -1)
+        found = self.residuals(all_.reshape(len(U) * (n + 1), n)).reshape(len(U), n + 1, -1)
         J = np.empty((len(U), self.size, n))
         for i in range(n):
             J[:, :, i] = (found[:, i + 1] - found[:, 0]) / (side[:, i] * step[i])[:, None]

@@ -18,6 +18,10 @@ _GAP = 5.5  # steps without a sample that end a run
 _BLOCK = 1_000_000
 _ALIKE = 0.95  # correlation of the ways made, by the position and by the velocity
 _OFF = 1.5  # times each other: more is another unit
+_SPIKE, _RARE = 3.0, 0.02  # times the usual force: what no friction comes to; of the rows: more is no fault of a sensor
+_AROUND = 3  # rows to each side that a spike stands out of
+_ANSWER = 4.0  # times the usual change of the speed
+_WRAPPED = 0.4  # of the position's range, from a row to the next: a turn is over
 _STUCK = 50  # samples of one and the same value, while the others move
 _AT_LIMIT = 5  # samples in a row at the largest or smallest value
 LARGEST = 1e30  # of a value in SI units, and its inverse of a column's largest: squares of them stay numbers
@@ -83,6 +87,8 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
         )
     runs = _pieces(columns, new_run | gaps, number, notes)
     _agree(columns, runs, number)
+    if "force" in columns:
+        _without_spikes(columns, number, notes)
     off = max(_jitter(time[r]) for r in runs)
     even = off <= _EVEN
     if not even:
@@ -96,7 +102,8 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
 def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
     """Refuse a measured velocity that is another multiple of the position's slope: a sign or a unit is wrong.
 
-    Way made over fifty rows is compared, in which noise counts little.
+    Way made over fifty rows is compared, in which noise counts little: as it is, and less its mean, which a tachometer's
+    zero does not touch. Where a wrapped angle jumps nothing is compared.
 
     Raises:
         InputError: naming the factor.
@@ -107,19 +114,66 @@ def _agree(columns: dict[str, Array], runs: list[slice], number: str) -> None:
     for r in runs:
         time, x, v = (columns[name][r] for name in ("time", "position", "velocity"))
         way = np.append(0.0, np.cumsum((v[1:] + v[:-1]) / 2 * np.diff(time)))
-        ways.append(np.diff(x[:: FEWEST - 1]))
-        sums.append(np.diff(way[:: FEWEST - 1]))
+        jumps = np.flatnonzero(abs(np.diff(x)) > _WRAPPED * np.ptp(x))
+        whole = np.diff(np.searchsorted(jumps, np.arange(0, len(x), FEWEST - 1))) == 0
+        ways.append(np.diff(x[:: FEWEST - 1])[whole])
+        sums.append(np.diff(way[:: FEWEST - 1])[whole])
     measured, summed = np.concatenate(ways), np.concatenate(sums)
+    if len(measured) < 2:
+        return
+    found = [_ratio(measured, summed), _ratio(measured - measured.mean(), summed - summed.mean())]
+    ratios = [x for x in found if x is not None]
+    if ratios and not any(1 / _OFF < x < _OFF for x in ratios):
+        raise InputError(
+            f"{arg('velocity')}: {number}: is {ratios[-1]:.3g} times the slope of the position; a sign or a unit is wrong "
+            f"({arg('units')}), or it is another body's: leave out {arg('position')} then"
+        )
+
+
+def _ratio(measured: Array, summed: Array) -> float | None:
+    """How many times the one is the other, where the two are alike."""
     size = float(np.linalg.norm(measured)) * float(np.linalg.norm(summed))
     alike = float(measured @ summed)
     if size == 0.0 or abs(alike) < _ALIKE * size:
+        return None
+    return float(np.linalg.norm(summed)) / float(np.linalg.norm(measured)) * float(np.sign(alike))
+
+
+def _without_spikes(columns: dict[str, Array], number: str, notes: list[str]) -> None:
+    """Put straight lines in place of single forces far beyond all others, which the motion does not answer: a plug, a bit.
+
+    A blow of a hammer moves the body, and stays.
+    """
+    force = columns["force"]
+    thin = force[:: max(len(force) // _BLOCK, 1)]
+    middle = float(np.median(thin))
+    usual = float(np.quantile(abs(thin - middle), 0.95))
+    far = np.flatnonzero(abs(force - middle) > _SPIKE * usual)
+    if usual == 0.0 or not 0 < len(far) < _RARE * len(force):
         return
-    ratio = float(np.linalg.norm(summed)) / float(np.linalg.norm(measured)) * float(np.sign(alike))
-    if not 1 / _OFF < ratio < _OFF:
-        raise InputError(
-            f"{arg('velocity')}: {number}: is {ratio:.3g} times the slope of the position; a sign or a unit is wrong "
-            f"({arg('units')}), or it is another body's: leave out {arg('position')} then"
+    inside = far[(far > _AROUND) & (far < len(force) - _AROUND - 1)]
+    beside = np.concatenate([np.arange(-_AROUND, 0), np.arange(1, _AROUND + 1)])
+    alone = abs(force[inside] - np.median(force[inside[:, None] + beside], axis=1)) > _SPIKE * usual
+    moved = abs(_change(columns, inside))
+    every = np.arange(_AROUND + 1, len(force) - _AROUND - 1, max(len(force) // 100_000, 1))
+    spikes = inside[alone & (moved <= _ANSWER * float(np.quantile(abs(_change(columns, every)), 0.95)))]
+    if len(spikes):
+        largest = float(np.max(abs(force[spikes])))
+        notes.append(
+            f"{number}: force: {len(spikes)} rows of up to {largest:.3g} beyond all others ({usual:.3g} about the middle), which "
+            f"the motion does not answer (first at {columns['time'][spikes[0]]:.6g} s): straight lines in their place"
         )
+        kept = np.delete(np.arange(len(force)), spikes)
+        columns["force"] = force.copy()
+        columns["force"][spikes] = np.interp(spikes, kept, force[kept])
+
+
+def _change(columns: dict[str, Array], rows: NDArray[np.intp]) -> Array:
+    """By how much the velocity is another after each of these rows than before."""
+    if "velocity" in columns:
+        return columns["velocity"][rows + 2] - columns["velocity"][rows - 2]
+    x = columns["position"]
+    return (x[rows + 3] - x[rows + 1]) - (x[rows - 1] - x[rows - 3])
 
 
 def _pieces(columns: dict[str, Array], breaks: Mask, number: str, notes: list[str]) -> list[slice]:

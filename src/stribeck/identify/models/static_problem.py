@@ -22,6 +22,7 @@ _MOST_ROWS = 25_000
 _MOST_RAW = 100_000  # rows of a record: more tell nothing new
 _BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
 _FEW = 400  # rows: fewer do not show a bend of the curve, however little of the force's power lies in them
+_FEW_TO_CHOOSE = 3000  # rows where laws are chosen: a filter rounds off the sign, by which they differ
 _FEWEST = 150  # rows that a band lowered for the mass's sake leaves
 _FEWEST_ROWS = 20  # that are fitted at all
 _MOVES = 0.015  # of the mass: what half the band may change it by
@@ -58,8 +59,11 @@ class Rows:
         return self._columns[key]
 
 
-def rows_of(log: Log, decimate: int | None = None) -> Rows:
+def rows_of(log: Log, decimate: int | None = None, to_choose: bool = False) -> Rows:
     """The rows that a static fit of a record compares.
+
+    Args:
+        to_choose: laws are to be chosen from: a wider band, as another record is met at all frequencies.
 
     Raises:
         InputError: hardly one is left.
@@ -80,7 +84,7 @@ def rows_of(log: Log, decimate: int | None = None) -> Rows:
     if decimate:
         q, why = decimate, f"one row in {decimate} is fitted"
     else:
-        q, why = _by_effect(log, *decimation(log), rest)
+        q, why = _by_effect(log, *decimation(log, _FEW_TO_CHOOSE if to_choose else _FEW), rest)
     kept = kept_rows(log, q)
     if decimate and len(kept) < _FEWEST_ROWS:
         raise InputError(f"{arg('decimate')}: {decimate}: leaves {len(kept)} rows; must leave {_FEWEST_ROWS} or more")
@@ -90,8 +94,8 @@ def rows_of(log: Log, decimate: int | None = None) -> Rows:
     return Rows(log, source, q, [why, *notes], kept, np.where(near[kept], 0.0, 1.0), rest)
 
 
-def decimation(log: Log) -> tuple[int, str]:
-    """By what the rate can be lowered and still hold the force's band; and why."""
+def decimation(log: Log, few: int = _FEW) -> tuple[int, str]:
+    """By what the rate can be lowered and still hold the force's band, and so many rows; and why."""
     longest = max(log.runs(), key=lambda r: r.stop - r.start)
     x = log.force[longest.start : min(longest.stop, longest.start + (1 << 18))]
     f, p = signal.welch(x - x.mean(), 1 / log.step, nperseg=min(len(x), 4096))
@@ -99,7 +103,7 @@ def decimation(log: Log) -> tuple[int, str]:
     band = max(float(f[np.searchsorted(share, _POWER_KEPT)]), float(f[1]))
     q = max((r for r in _RATES if r <= max(0.4 / (band * log.step), 1)), default=1)
     shortest = min(r.stop - r.start for r in log.runs())
-    while q > 1 and (shortest < 30 * q or len(log) < _FEW * q):
+    while q > 1 and (shortest < 30 * q or len(log) < few * q):
         q = _RATES[_RATES.index(q) - 1]
     while len(log) / q > _MOST_ROWS and q < _RATES[-1]:
         q = next(r for r in _RATES if r > q)

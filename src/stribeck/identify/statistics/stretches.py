@@ -16,6 +16,8 @@ from scipy.stats import t as student
 
 from stribeck.arrays import Array
 from stribeck.identify.models.motion_problem import MotionProblem
+from stribeck.identify.models.problem import Problem
+from stribeck.identify.statistics.clusters import by_speed, half_widths
 from stribeck.identify.statistics.profiles import THRESHOLD
 
 _FEWEST_WINDOWS = 8  # beyond the number of constants
@@ -42,6 +44,15 @@ def at_least_by_blocks(problem: MotionProblem, slopes: Array, misfit: Array, inn
     by_blocks = sandwich(problem, slopes, misfit, [slice(a, b) for a, b in pairwise(edges)])
     more = np.sqrt(np.maximum(np.diag(by_blocks) / np.maximum(np.diag(inner), 1e-300), 1.0))
     more[problem.shared :] = 1.0
+    return np.asarray(inner * np.outer(more, more))
+
+
+def at_least_by_speed(problem: Problem, slopes: Array, misfit: Array, v: Array, inner: Array) -> Array:
+    """The covariance of a fit of the force that leaves more than noise, raised for the constants that bands of speed tell
+    apart: what the law lacks, or nobody sampled, hangs on the speed, and a model of the residuals' memory does not see it."""
+    half = half_widths(slopes, misfit, by_speed(v, np.ones(len(v))), False)
+    more = np.maximum(half / np.sqrt(THRESHOLD * np.maximum(np.diag(inner), 1e-300)), 1.0)
+    more[[c.nuisance for c in problem.coordinates]] = 1.0
     return np.asarray(inner * np.outer(more, more))
 
 

@@ -8,17 +8,18 @@ minimum it agrees with it (Chandler and Bate, Biometrika 94(1):167-183, 2007).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
 
 from stribeck.arrays import Array
+from stribeck.identify.details import SeenNoise
 from stribeck.identify.features.filtering import filter_bias, sampling
 from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
 from stribeck.identify.methods.blockwise import solve_blocks
+from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
@@ -28,7 +29,7 @@ from stribeck.identify.statistics.sensor_noise import (
     again_with_force_noise,
     again_with_noise,
 )
-from stribeck.identify.statistics.stretches import at_least_by_blocks, by_windows
+from stribeck.identify.statistics.stretches import at_least_by_blocks, at_least_by_speed, by_windows
 from stribeck.identify.statistics.verdicts import (
     Noise,
     between_samples,
@@ -71,7 +72,7 @@ class ConfidenceIntervals:
     covariance: Array
     profiles: dict[str, Profile]
     notes: tuple[str, ...]
-    noise: dict[str, Any]
+    noise: SeenNoise
 
 
 def judge(
@@ -225,9 +226,9 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     stretch = np.array([c.outer(u[k]) if c.log else c.scale for k, c in enumerate(problem.coordinates)])
     outer = (at.inner * np.outer(stretch, stretch))[np.ix_(at.own, at.own)]
     notes += widened(problem, estimates, bias, at.inner)
-    noise = {"standard_deviation": at.deviation, "memory": len(at.memory)}
+    seen: SeenNoise = {"standard_deviation": at.deviation, "memory": len(at.memory)}
     curves = {problem.coordinates[k].name: ends[k][2] for k in at.own if k in ends}
-    return ConfidenceIntervals(u, estimates, names, outer, curves, tuple(notes), noise)
+    return ConfidenceIntervals(u, estimates, names, outer, curves, tuple(notes), seen)
 
 
 def _at_optimum(
@@ -248,6 +249,8 @@ def _at_optimum(
         )
     elif isinstance(problem, MotionProblem):
         inner = at_least_by_blocks(problem, slopes, misfit, inner)
+    elif at.beyond and isinstance(problem, VelocityProblem):
+        inner = at_least_by_speed(problem, slopes, misfit, problem.log.velocity[problem.rows], inner)
     at = replace(at, inner=inner)
     if at.beyond and problem.law.has_z:
         notes.append(
