@@ -24,7 +24,7 @@ extensions = [
     "commands",
     "explorer",
 ]
-exclude_patterns = ["_build", "gallery", "made/gallery/*.ipynb", "made/gallery/*.py", "sg_execution_times.rst", "made/gallery/sg_execution_times.rst"]
+exclude_patterns = ["_build", "gallery", "made/gallery/*.ipynb", "made/gallery/*.py", "**sg_execution_times.rst"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
