@@ -24,7 +24,7 @@ extensions = [
     "commands",
     "explorer",
 ]
-exclude_patterns = ["_build", "gallery", "made/gallery/*.ipynb", "made/gallery/*.py", "sg_execution_times.rst"]
+exclude_patterns = ["_build", "gallery", "made/gallery/*.ipynb", "made/gallery/*.py", "**sg_execution_times.rst"]
 source_suffix = {".md": "markdown", ".rst": "restructuredtext"}
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
@@ -50,6 +50,7 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "remove_config_comments": True,
     "show_memory": False,
+    "write_computation_times": False,
     "show_signature": False,
     "min_reported_time": 1e9,
     "image_srcset": [],

@@ -1,6 +1,7 @@
 """The directive ``explorer``: a live page of ``stribeck explore`` within a page of the site.
 
-Its argument is what follows ``stribeck explore``: a built-in example or a law, and options.
+Its argument is what follows ``stribeck explore``: a built-in example or a law, and options. A last word such as
+``#law.parameters.F_s=1`` is the setting with which the page begins, as in a copied link.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ class Explorer(SphinxDirective):
     def run(self) -> list[nodes.Node]:
         """What stands in its place."""
         words = shlex.split(self.arguments[0])
+        start = words.pop() if words[-1].startswith("#") else ""
         if (example := EXAMPLES / f"{words[0]}.toml").is_file():
             words[0] = str(example)
         if find_spec("ziglang") is None or find_spec("bokeh") is None:
@@ -42,8 +44,8 @@ class Explorer(SphinxDirective):
             subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         up = "../" * self.env.docname.count("/")
         text = (
-            f'<p><a href="{up}explorers/{name}">Open the live explorer on a page of its own</a></p>\n'
-            f'<iframe class="explorer" loading="lazy" title="live explorer" src="{up}explorers/{name}"></iframe>'
+            f'<p><a href="{up}explorers/{name}{start}">Open the live explorer on a page of its own</a></p>\n'
+            f'<iframe class="explorer" loading="lazy" title="live explorer" src="{up}explorers/{name}{start}"></iframe>'
         )
         return [nodes.raw("", text, format="html")]
 

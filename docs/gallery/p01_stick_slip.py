@@ -3,7 +3,8 @@ Stick-slip: a body on a slowly pulled spring
 ============================================
 
 Pull a body by a soft spring at a steady, small speed, and it does not follow steadily: it sticks until the spring
-has been wound up to the break-away force F_s, then slips. Drag F_s in the explorer below and see stick-slip begin.
+has been wound up to the break-away force F_s, then slips. The explorer below begins with F_s as low as F_c, where the body
+follows smoothly: drag F_s to the right and see stick-slip begin.
 """
 
 import matplotlib.pyplot as plt
@@ -27,4 +28,4 @@ below.set(xlabel="time in s", ylabel="friction in N")
 print("slips at", [f"{t:.2f} s" for t in solution.events["slip"]])
 
 # %%
-# .. explorer:: stick_slip --law lugre --law lugre_majorant --law coulomb_viscous
+# .. explorer:: stick_slip --law lugre --law lugre_majorant --law coulomb_viscous #law.parameters.F_s=1

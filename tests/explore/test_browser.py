@@ -170,6 +170,20 @@ def test_a_long_run_shows_its_progress_and_can_be_left(page):
     assert page.execute_script("return window.stribeck.result.columns.t.at(-1)") == pytest.approx(40.0)
 
 
+def test_what_a_link_sets_is_in_sight_and_stick_slip_begins_as_F_s_is_dragged(browser, made):
+    browser.get("about:blank")
+    browser.get(f"{made.as_uri()}#law.parameters.F_s=1")
+    settle(browser)
+    low, high = browser.execute_script(
+        "const r = (e) => e.getBoundingClientRect(), box = r(document.getElementById('controls'));"
+        "const at = r(document.getElementById('n-law.parameters.F_s')); return [at.top - box.top, box.bottom - at.bottom]"
+    )
+    assert min(low, high) > 0
+    assert "stick" not in browser.find_element("id", "status").text
+    slide(browser, "law.parameters.F_s", 0.55)
+    assert browser.find_element("id", "status").text.startswith("Sticks and slips")
+
+
 def test_a_ghost_stays(page):
     page.find_element("id", "keep").click()
     slide(page, "law.parameters.F_s", 0.6)

@@ -188,8 +188,8 @@ function arrived({ data: { id, result, share, error } }) {
   if (id !== flying.id) return;
   if (share !== undefined) { progress(share); return; }
   flying.id = 0;
-  answer(result, error);
   window.stribeck.idle = !flying.pending;
+  answer(result, error); // not idle before all panels are drawn
   pump();
 }
 
@@ -379,5 +379,7 @@ async function begin() {
   worker.onerror = (event) => complain(`The solver cannot run here: ${event.message}`);
   worker.postMessage({ layout: data.layout });
   choose(state.law);
+  const [first] = Object.keys(state.values), field = first && document.getElementById(`n-${first}`)?.closest(".number");
+  if (field) $("controls").scrollTop += field.getBoundingClientRect().top - $("controls").getBoundingClientRect().top - 40; // what a link set is in sight
 }
 begin().catch((error) => complain(`This browser cannot show the page: ${error.message ?? error}`));

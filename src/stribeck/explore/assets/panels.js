@@ -110,28 +110,47 @@ function missed(result) {
 }
 const divide = (list, factor) => factor === 1 ? Float64Array.from(list) : Float64Array.from(list, (x) => x / factor);
 
+// Panels in sight are drawn at once; the others one by one when the hand rests, so that a slider stays quick.
+const REST = 60; // ms
+const waiting = { panels: [], timer: 0 };
+
 function draw(result) {
-  const ghost = state.ghost;
-  const scales = {};
-  for (const name of Object.keys(data.panels)) if (name !== "energy") scales[name] = fill(name, result, ghost);
+  const ghost = state.ghost, names = Object.keys(data.panels);
   if (data.panels.energy) {
     energy(result);
     if (ghost && ghost.columns && model("energy-ghost")) energy(ghost, true);
-    fill("energy", result, ghost);
   }
-  for (const [panel, { marks }] of Object.entries(data.panels)) {
-    for (const kind of marks.length ? ["slip", "stick"] : []) {
-      const source = model(`${panel}-${kind}`), found = { x: [], y: [] };
-      for (const column of marks) {
-        const element = column.includes(".") ? column.slice(0, column.lastIndexOf(".")) : "";
-        for (const t of happened(result, element, kind)) { found.x.push(t); found.y.push(at(result, column, t) / scales[panel][1]); }
-      }
-      source.data = found;
+  const seen = Object.fromEntries(["trajectories", ...names].map((id) => [id, inSight(document.getElementById(id))]));
+  const now = names.filter((name) => seen[document.getElementById(name) ? name : "trajectories"]);
+  for (const name of now) one(name, result, ghost);
+  clearTimeout(waiting.timer);
+  waiting.panels = names.filter((name) => !now.includes(name));
+  const next = () => {
+    if (waiting.panels.length) one(waiting.panels.shift(), result, ghost);
+    if (waiting.panels.length) waiting.timer = setTimeout(next);
+    else window.stribeck.idle = !flying.pending && !flying.id;
+  };
+  window.stribeck.idle = false;
+  waiting.timer = setTimeout(next, waiting.panels.length ? REST : 0);
+}
+function inSight(element) {
+  if (!element) return false;
+  const { top, bottom } = element.getBoundingClientRect();
+  return bottom > 0 && top < innerHeight;
+}
+function one(name, result, ghost) {
+  const [, factor] = fill(name, result, ghost), { marks } = data.panels[name];
+  for (const kind of marks.length ? ["slip", "stick"] : []) {
+    const source = model(`${name}-${kind}`), found = { x: [], y: [] };
+    for (const column of marks) {
+      const element = column.includes(".") ? column.slice(0, column.lastIndexOf(".")) : "";
+      for (const t of happened(result, element, kind)) { found.x.push(t); found.y.push(at(result, column, t) / factor); }
     }
+    source.data = found;
   }
-  if (!result.curve) return;
+  if (name !== "curve" || !result.curve) return;
   const { v, F } = result.curve, last = v.length - 1;
-  model("curve-point").data = { x: [v[last]], y: [F[last] / scales.curve[1]] };
+  model("curve-point").data = { x: [v[last]], y: [F[last] / factor] };
 }
 
 function happened(result, element, kind) { // when: data.watched names what the solver's numbers mean
