@@ -67,7 +67,7 @@ def experiment(seed: int) -> dict[str, object]:
     rows = {
         n: {"truth": truth[n], "value": p.value, "low": p.low, "high": p.high, "verdict": p.verdict}
         for n, p in found.parameters.items()
-    }  # fmt: skip
+    }
     return {"seed": seed, "status": found.status, "seconds": time.process_time() - begin, "numbers": rows}
 
 

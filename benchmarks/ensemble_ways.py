@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import atexit
 import math
 import os
+import shutil
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
@@ -15,6 +19,7 @@ from measure import Seconds, timed, version
 from numpy.typing import NDArray
 from peers import MOST_STEPS, diffrax_rows
 from problems import stick_slip
+from prototype import Missing, PrototypeOfLanes
 
 import stribeck
 from stribeck.codegen import source
@@ -35,6 +40,7 @@ ONE, ALL, NARROW, SCALAR = (
     "stribeck, scalar loop",
 )
 DIFFRAX = "diffrax vmap"
+PROTOTYPE = "C++ prototype, 1 thread"
 PROBLEM = stick_slip(SECONDS, STEP)
 NOTHING = Seconds(0.0, 0.0)
 
@@ -194,6 +200,19 @@ def odeint() -> Solve:
     return solve
 
 
+def prototype() -> Solve:
+    """The C++ prototype in vectors of 8."""
+    folder = tempfile.mkdtemp()
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    made = PrototypeOfLanes(Path(folder))
+
+    def solve(rtol: float, atol: float, count: int) -> Run:
+        varied = values(count)
+        return lambda: made.solve(varied["law.k_v"], varied["law.parameters.F_s"], PROBLEM.times, rtol, atol)
+
+    return solve
+
+
 def diffrax(way: Way) -> Solve:
     """diffrax Kvaerno3 over all lanes at once by jax.vmap; compiled here."""
     rows = diffrax_rows(PROBLEM, "Kvaerno3")
@@ -234,6 +253,10 @@ def ways(quick: bool) -> tuple[list[Way], dict[str, str]]:
         found.insert(2, Way(NARROW, "compiled without AVX-512, vectors of 4", own_narrow, LANES // share, like=ONE))
     else:
         missing[NARROW] = f"the compiler without AVX-512 makes vectors of {narrow}"
+    try:
+        found.insert(1, Way(PROTOTYPE, "the prototype's lanes of 8, no events", prototype(), LANES // share))
+    except Missing as error:
+        missing[PROTOTYPE] = str(error)
     makers: list[tuple[str, str, str, int, Callable[[Way], Solve]]] = [
         ("numbalsoda", "numbalsoda", "LSODA lane by lane, equations compiled", 80 // share, lambda way: numbalsoda()),
         (

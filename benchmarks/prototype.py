@@ -47,22 +47,12 @@ class Prototype:
     """The compiled prototype. It starts at t = START from rest, with w = sigma_0 z and one absolute tolerance."""
 
     def __init__(self, folder: Path, flags: tuple[str, ...]) -> None:
-        sources = Path(os.environ.get("STRIBECK_PROTOTYPE", Path(__file__).parents[2] / "shared" / "prototypes"))
-        compiler = os.environ.get("CXX") or shutil.which("g++")
-        if not (sources / "core.hpp").is_file():
-            raise Missing("its sources are not here (set STRIBECK_PROTOTYPE to their folder)")
-        if compiler is None:
-            raise Missing("there is no g++")
-        name = f"prototype-{len(flags)}"
-        code, library = folder / f"{name}.cpp", folder / f"{name}.so"
+        code = folder / f"prototype-{len(flags)}.cpp"
         code.write_text(_WRAPPER)
-        command = [compiler, *flags, "-fPIC", "-shared", f"-I{sources}", "-o", str(library), str(code)]
-        result = subprocess.run(command, capture_output=True, text=True, check=False)
-        if result.returncode != 0:
-            raise Missing(f"it does not compile: {result.stderr.strip().partition(chr(10))[0]}")
+        library = _compiled(code, folder, flags)
         self._times, self._step = job.LIMIT_CYCLE.times, job.LIMIT_CYCLE.scenario.output.step
         pointer = POINTER(c_double)
-        self._run = ctypes.CDLL(str(library)).prototype
+        self._run = library.prototype
         self._run.restype = c_int
         self._run.argtypes = [
             pointer, c_double, c_double, c_double, c_double, c_double, c_int, c_double, pointer, pointer, c_int,
@@ -79,6 +69,60 @@ class Prototype:
         if status != 0:
             raise ArithmeticError(f"the prototype failed with status {status}")
         return out[:, 0]
+
+
+class PrototypeOfLanes:
+    """The compiled prototype of the ensemble: vectors of 8, one thread, no events, one absolute tolerance. With
+    -ffast-math it does not come to an end."""
+
+    def __init__(self, folder: Path) -> None:
+        flags = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-DINL")
+        self._run = _compiled(_sources() / "simdi.cpp", folder, flags).ens_simd
+        pointer = POINTER(c_double)
+        self._run.restype = ctypes.c_int64
+        self._run.argtypes = [
+            c_int, pointer, pointer, c_double, c_double, c_double, c_double, c_int, c_double, pointer, c_int,
+        ]  # fmt: skip
+
+    def solve(
+        self, k_v: NDArray[np.float64], F_s: NDArray[np.float64], times: NDArray[np.float64], rtol: float, atol: float
+    ) -> NDArray[np.float64]:
+        """y of every lane at the times."""
+        k_v, F_s, out = np.ascontiguousarray(k_v), np.ascontiguousarray(F_s), np.zeros((len(k_v), len(times)))
+        step = float(times[1] - times[0])
+        self._run(
+            len(k_v),
+            _pointer(k_v),
+            _pointer(F_s),
+            times[-1],
+            rtol,
+            atol,
+            FIRST_STEP,
+            len(times),
+            step,
+            _pointer(out),
+            1,
+        )
+        return out
+
+
+def _sources() -> Path:
+    found = Path(os.environ.get("STRIBECK_PROTOTYPE", Path(__file__).parents[2] / "shared" / "prototypes"))
+    if not (found / "core.hpp").is_file():
+        raise Missing("its sources are not here (set STRIBECK_PROTOTYPE to their folder)")
+    return found
+
+
+def _compiled(code: Path, folder: Path, flags: tuple[str, ...]) -> ctypes.CDLL:
+    compiler = os.environ.get("CXX") or shutil.which("g++")
+    if compiler is None:
+        raise Missing("there is no g++")
+    library = folder / f"{code.stem}.so"
+    command = [compiler, *flags, "-fPIC", "-shared", f"-I{_sources()}", "-o", str(library), str(code)]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        raise Missing(f"it does not compile: {result.stderr.strip().partition(chr(10))[0]}")
+    return ctypes.CDLL(str(library))
 
 
 def _pointer(array: NDArray[np.float64]) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -17,15 +18,15 @@ LONG_FUNCTIONS: dict[str, str] = {}
 # Rooms that hold `Any`, how often at most, and what forces it there; there is none in the others.
 ANY: dict[str, tuple[int, str]] = {
     "analysis": (1, "a summary that is read again by its keys"),
-    "cli": (5, "summaries for JSON that are read again by their keys, to be printed"),
+    "cli": (4, "summaries for JSON that are read again by their keys, to be printed"),
     "exchange": (9, "the files of other programs, as JSON and XML hold them"),
     "explore": (8, "Bokeh's figures; numbers for the page"),
     "expressions": (
         8,
         "`Value`, declared once for all rooms: a number, array, node or tensor of any library, which no type covers",
     ),
-    "identify": (43, "data frames and mappings of users; details for JSON; MuJoCo has no types"),
-    "laws": (7, "constants as users give them; what the exporters above give"),
+    "identify": (15, "data frames and mappings of users; MuJoCo has no types"),
+    "laws": (6, "constants as users give them; what the exporters above give"),
     "paper": (3, "numbers of chapters and tables of machines, read again by their keys"),
     "parameter_sets": (1, "a file's tables"),
     "properties": (
@@ -33,7 +34,7 @@ ANY: dict[str, tuple[int, str]] = {
         "six names for what has no type of its own: flint's numbers, data for JSON, what NumPy broadcasts",
     ),
     "report": (8, "certificates as JSON; Matplotlib's options"),
-    "sweeps": (4, "columns of any type"),
+    "sweeps": (2, "columns of any type"),
     "scenario": (14, "Pydantic's models made at run time and its JSON Schema; a file's tables, as tomllib gives them"),
     "simulation": (9, "SciPy's solver and CuPy; statistics read by their keys; a file's tables"),
     "": (7, "data frames and mappings of users; `stribeck.NAME`; a signal's piece or its constants"),
@@ -57,11 +58,21 @@ def relative(path: Path) -> str:
     return path.relative_to(SOURCE).as_posix()
 
 
+@cache
+def tree(path: Path) -> ast.Module:
+    """The file, parsed once for all tests."""
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+@cache
+def nodes(path: Path) -> list[ast.AST]:
+    return list(ast.walk(tree(path)))
+
+
 def functions(path: Path) -> list[tuple[str, int]]:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
     return [
         (f"{relative(path)}:{node.name}", (node.end_lineno or 0) - node.lineno + 1)
-        for node in ast.walk(tree)
+        for node in nodes(path)
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
     ]
 
@@ -81,7 +92,7 @@ def test_functions_are_short():
 def test_private_names_stay_in_their_module():
     found = set()
     for path in FILES:
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        for node in nodes(path):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("stribeck"):
                 found |= {
                     f"{relative(path)}: {node.module}.{name.name}"
@@ -94,7 +105,7 @@ def test_private_names_stay_in_their_module():
 def test_a_class_has_a_name_of_its_own():
     where: dict[str, list[str]] = {}
     for path in FILES:
-        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+        for node in tree(path).body:
             if isinstance(node, ast.ClassDef) and not relative(path).startswith(APART):
                 where.setdefault(node.name, []).append(relative(path))
     found = {name: files for name, files in where.items() if len(files) > 1 and not name.startswith("_")}
@@ -108,10 +119,9 @@ def test_a_function_imported_by_its_bare_name_is_the_only_one_so_imported():
     for path in FILES:
         if relative(path).startswith(APART):
             continue
-        tree = ast.parse(path.read_text(encoding="utf-8"))
         here = ".".join(("stribeck", *path.relative_to(SOURCE).with_suffix("").parts)).removesuffix(".__init__")
-        defined |= {(here, n.name) for n in tree.body if isinstance(n, ast.FunctionDef)}
-        froms = [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and here != "stribeck"]
+        defined |= {(here, n.name) for n in tree(path).body if isinstance(n, ast.FunctionDef)}
+        froms = [n for n in nodes(path) if isinstance(n, ast.ImportFrom) and here != "stribeck"]
         imported |= {(n.module or "", name.name) for n in froms for name in n.names if not name.asname}
     homes: dict[str, list[str]] = {}
     for home, name in sorted(defined & imported):
@@ -128,8 +138,7 @@ def test_any_stands_where_something_forces_it():
     count: dict[str, int] = {}
     for path in FILES:
         room = relative(path).partition("/")[0] if "/" in relative(path) else ""
-        nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-        count[room] = count.get(room, 0) + sum(isinstance(n, ast.Name) and n.id == "Any" for n in nodes)
+        count[room] = count.get(room, 0) + sum(isinstance(n, ast.Name) and n.id == "Any" for n in nodes(path))
     found = {room: n for room, n in count.items() if n}
     assert not (new := {r: n for r, n in found.items() if n > ANY.get(r, (0, ""))[0]}), f"more than allowed: {new}"
     assert not (old := set(ANY) - set(found)), f"no longer needed: {old}"

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
         Sine,
         Spline,
         Step,
-    )  # fmt: skip
+    )
     from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
     from stribeck.steepness import Advice, advise
     from stribeck.sweeps.far import on_cluster

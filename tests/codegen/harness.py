@@ -28,8 +28,8 @@ EXPORT void test_solve(const Parameters *p, const double *s, double t, const dou
     Factors fac;
     prepare(p, &c);
     jacobian(p, &c, &piece, t, x, &jac, df_dt);
-    factorise(p, &c, &jac, shift, &fac);
-    solve(p, &c, &jac, shift, &fac, right, k);
+    factorise(p, &c, &jac, shift, 1 / shift, &fac);
+    solve(p, &c, &jac, shift, 1 / shift, &fac, right, k);
 }
 
 /* n steps of length h, accepted whatever their error: no step control. */

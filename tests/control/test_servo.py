@@ -171,7 +171,7 @@ BAD = {
     "kind": ({"plant__kind": "mass"}, "plant.kind: 'mass': must be 'pneumatic'"),
     "energy": ({"output__energy": True}, "output.energy: true: must be false"),
     "times": ({"drive__signal": {**MOVES, "t": [0.0, 1.0, 1.0, 3.0]}}, "drive.signal.t[2]: 1.0: times must increase"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("name", BAD)

@@ -23,7 +23,7 @@ from tests.export.harness import (
     law,
     need,
     program,
-)  # fmt: skip
+)
 from tests.laws.test_claims import make
 
 EPS, EPS_FLOAT = 2.0**-52, 2.0**-23

@@ -94,3 +94,30 @@ def test_a_law_of_ones_own_in_a_contact():
     made = st.Machine(st.Body("a", mass=1.0), st.Contact("c", "a", Own(p)), st.Load.signal("p", "a", st.Sine(2.0, 1.0)))
     assert made.scenario(1.0).law.values["F_c"] == 1.0
     assert "a.y" in made.show() or "mass 1 kg" in made.show()
+
+
+def test_a_law_does_not_change():
+    """An attribute that nobody reads would be taken for a change."""
+    made = st.law("lugre", parameters="canudas1995")
+    with pytest.raises(AttributeError, match=r"F_s: a law does not change; replace\(F_s=VALUE\) makes another"):
+        made.F_s = 2.0
+    assert made.replace(F_s=2.0).p.F_s == 2.0
+
+
+@needs_compiler
+def test_what_is_hardly_meant_is_said():
+    constants = {"sigma_0": 1e5, "sigma_1": 300.0, "sigma_2": 0.4, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
+    push = {"on": "a", "kind": "signal", "signal": {"kind": "ramp", "rate": 1.0}}
+    contact = {
+        "from": "a",
+        "law": {"name": "lugre", "parameters": constants},
+        "loads": [{"force": "p", "F_c": 0.5, "F_s": 0.1}],
+    }
+    data = {"schema": 2, "bodies": {"a": {"mass": 1.0}}, "contacts": {"c": contact}, "loads": {"p": push},
+            "solve": {"t_end": 1.0}, "output": {"step": 2.0}}  # fmt: skip
+    with pytest.warns(st.StribeckNote) as said:
+        assert len(st.simulate(data).t) == 1
+    assert [str(each.message) for each in said] == [
+        "output.step: 2: is longer than solve.t_end = 1: the output is one row, t = 0",
+        "contacts.c.loads.0: F_c grows more than F_s: from |force| = 1.25 on friction is less at rest than in motion",
+    ]

@@ -28,7 +28,7 @@ def exponential(x: str) -> Any:
 DEFINITIONS = [
     ["n0", exponential("v")],
     ["n1", ["div", ["add", "1", ["mul", "1/2", "n0"]], SIGMA_0]],
-]  # fmt: skip
+]
 LUGRE = ["sub", "v", ["mul", ["div", ["abs", "v"], "n1"], "z"]]
 FORCE = ["add", ["add", ["mul", SIGMA_0, "z"], ["mul", SIGMA_1, "dz_dt"]], ["mul", SIGMA_2, "v"]]
 STRIBECK = [exponential("u"), "range", "0", "1"]

@@ -92,7 +92,7 @@ FALSE = {
     "no elastic range": (by_hand.drift_free, ("data", "z_0"), "0"),
     "another format": (by_hand.bounded, ("format",), 2),
     "a name defined anew": (by_hand.bounded, ("definitions", 0, 0), "v"),
-}  # fmt: skip
+}
 
 
 @pytest.mark.parametrize("what", FALSE)

@@ -55,7 +55,7 @@ def test_every_law(law):
         (RUBBED, {"drive.signal.amplitude": [2e-3, 0.5e-3, 5e-3], "law.parameters.v_s": [1e-3, 1e-3, 2e-3]}),
     ],
     ids=["ramp", "law", "step", "pid", "sine", "velocity"],
-)  # fmt: skip
+)
 def test_everything_that_can_vary(data, values):
     found = assert_as_alone(data, {path: np.array(x) for path, x in values.items()})
     assert found["y"].shape == (3, Scenario(data).rows)

@@ -2,6 +2,7 @@
 
 import json
 import re
+from html import unescape
 
 import numpy as np
 import pytest
@@ -42,22 +43,53 @@ def lanes_in(text, figure):
     return re.findall(rf'id="{figure}-lane-(\d+)"', text)
 
 
+def panels_of(text, figure):
+    return json.loads(unescape(re.search(rf'aria-label="{figure}"[^>]* data-axes="([^"]*)"', text)[1]))
+
+
+def kept_in(text):
+    return json.loads(re.search(r'class="picked-data">(.*?)</script>', text, re.S)[1])
+
+
 def test_every_lane_is_a_cell_of_each_map_and_shows_its_own_run(written):
-    cells = lanes_in(written, "map")
-    measures = len(cells) // 6
-    assert measures >= 3
-    assert sorted(cells) == sorted(map(str, list(range(6)) * measures))
-    kept = json.loads(re.search(r'class="picked-data">(.*?)</script>', written, re.S)[1])
+    kept, panels = kept_in(written), panels_of(written, "map")
+    assert sorted(kept["cells"]) == list(range(6))
+    assert len(panels) >= 3
+    peak = next(panel for panel in panels if panel["title"] == "largest |F| (N)")
+    assert (len(peak["cells"]["x"]), len(peak["cells"]["y"])) == (4, 3)
     assert sorted(map(int, kept["curves"])) == list(range(6))
     for lane in (1, 4):
         values = {path: float(x[lane]) for path, x in GRID.items()}
-        assert kept["about"][str(lane)] == ", ".join(f"{path} = {x:.6g}" for path, x in values.items())
         solution = simulate(SCENARIO.with_changes(values))
+        cell = kept["cells"].index(lane)
+        assert peak["cells"]["values"][cell] == pytest.approx(solution.peaks["F"], rel=1e-3)
+        for k, side in enumerate("xy"):  # the cell is where its lane's values are
+            at = [cell % 3, cell // 3][k]
+            low, high = peak["cells"][side][at : at + 2]
+            assert low < list(values.values())[k] < high
+        assert kept["about"][str(lane)].startswith(", ".join(f"{path} = {x:.6g}" for path, x in values.items()) + ": ")
+        assert f"largest |F| {solution.peaks['F']:.3g} N" in kept["about"][str(lane)]
         for name, x in zip(kept["columns"], kept["curves"][str(lane)], strict=True):
             column = name.split(" ")[0]
+            factor = 1e3 if "(m" in name and "(m)" not in name and "(m/" not in name else 1
             expected = np.interp(kept["t"], solution.t, solution[column])
             # five figures each, and the last bits of lanes that slip in other company
-            assert np.max(abs(np.array(x) - expected)) <= 1e-4 * solution.peaks[column], column
+            assert np.max(abs(np.array(x) / factor - expected)) <= 1e-4 * solution.peaks[column], column
+
+
+def test_many_cells_are_an_image_and_the_page_stays_small(tmp_path, monkeypatch):
+    monkeypatch.setattr("stribeck.sweeps.page._PICKED", 8)
+    monkeypatch.setattr("stribeck.sweeps.page._PATIENCE", 0.0)
+    grid = {
+        "plant.mass": np.repeat(np.linspace(0.5, 2, 24), 24),
+        "law.parameters.F_s": np.tile(np.linspace(1.1, 2, 24), 24),
+    }
+    short = SCENARIO.with_changes({"solve.t_end": 0.5})
+    page.write_sweep_page(stribeck.sweep(short, grid, tmp_path / "out", summary=True))
+    text = (tmp_path / "out" / "_report" / "report.html").read_text()
+    assert len(text) < 700_000  # 1.7 MB with a shape a cell
+    assert kept_in(text)["cells"][1] == 24  # from below: the next cell has the next mass
+    assert len(panels_of(text, "map")[0]["cells"]["values"]) == 576
 
 
 def test_more_numbers_have_parallel_axes(tmp_path):
@@ -66,14 +98,15 @@ def test_more_numbers_have_parallel_axes(tmp_path):
     page.write_sweep_page(stribeck.sweep(SCENARIO, values, tmp_path / "out", summary=True))
     text = (tmp_path / "out" / "_report" / "report.html").read_text()
     assert sorted(lanes_in(text, "axes")) == [str(i) for i in range(9)]
-    assert not lanes_in(text, "map")
+    assert all("largest |F|" in about for about in kept_in(text)["about"].values())
+    assert 'aria-label="map"' not in text
 
 
 def test_one_number_has_no_map_and_still_its_lanes(tmp_path):
     page.write_sweep_page(stribeck.sweep(SCENARIO, {"plant.mass": [0.5, 1.0, 2.0]}, tmp_path / "out", summary=True))
     text = (tmp_path / "out" / "_report" / "report.html").read_text()
     assert "-lane-" not in text
-    assert len(json.loads(re.search(r'class="picked-data">(.*?)</script>', text, re.S)[1])["curves"]) == 3
+    assert len(kept_in(text)["curves"]) == 3
 
 
 def test_of_slow_lanes_few_are_kept(tmp_path, monkeypatch):
@@ -81,8 +114,7 @@ def test_of_slow_lanes_few_are_kept(tmp_path, monkeypatch):
     masses = {"plant.mass": np.linspace(1.0, 2.0, 20)}
     page.write_sweep_page(stribeck.sweep(SCENARIO, masses, tmp_path / "out", summary=True))
     text = (tmp_path / "out" / "_report" / "report.html").read_text()
-    kept = json.loads(re.search(r'class="picked-data">(.*?)</script>', text, re.S)[1])
-    assert sorted(map(int, kept["curves"])) == [0, 3, 5, 8, 11, 14, 16, 19]
+    assert sorted(map(int, kept_in(text)["curves"])) == [0, 3, 5, 8, 11, 14, 16, 19]
 
 
 def test_what_is_a_grid():

@@ -20,7 +20,7 @@ from stribeck.expressions.graph import ONE, symbol, total_derivative
 from stribeck.laws.base import Law
 from stribeck.simulation import Solution
 
-RISE = 1e-9  # of V(0): what is less is the solver's
+_RISE = 1e-9  # of V(0): what is less is the solver's
 _TOLERANCE = 1e-6  # of the largest |dV/dt|
 
 
@@ -42,7 +42,7 @@ class Along:
     @property
     def rises(self) -> NDArray[np.bool_]:
         """True in the rows after which V rises by more than 1e-9 V(0), and by more than the solver's noise."""
-        return np.append(np.diff(self.V) > max(RISE * self.V[0], self.noise), False)
+        return rises(self.V, self.noise)
 
     @property
     def excess(self) -> NDArray[np.bool_]:
@@ -60,6 +60,11 @@ class Along:
             "rise_times": spans(self.t, self.rises), "excess_times": spans(self.t, self.excess),
             "saturated_times": spans(self.t, self.saturated),
         }  # fmt: skip
+
+
+def rises(V: Array, noise: float = 0.0) -> NDArray[np.bool_]:
+    """True in the rows after which V rises by more than 1e-9 V(0), and by more than ``noise`` in J."""
+    return np.append(np.diff(V) > max(_RISE * V[0], noise), False)
 
 
 def along(solution: Solution) -> Along:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import io
 import os
 import signal
@@ -27,6 +28,15 @@ _EXTRA = {
     "explore": "explore",
 }
 _BEYOND = {"fit": ("logs",), "explore": ("fit", "logs")}  # extras that hold what the command's own does not
+_LINEAR_ALGEBRA = (
+    "fit",
+    "predict",
+    "validate",
+    "rig",
+    "design",
+    "paper",
+)  # commands that may solve large linear systems
+_YOUNG = 50_000  # objects made between two looks for garbage: a start makes many, and all of them stay
 _GRACE = 5.0  # s, to clear away what has been begun
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
@@ -48,6 +58,11 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     _see_to_the_end(watched)
     # pydantic asks every installed package whether it is a plugin of its, which takes as long as a run
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
+    if (
+        _command(arguments) not in _LINEAR_ALGEBRA
+    ):  # its threads take an eighth of a short run to begin, and have no work
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    gc.set_threshold(_YOUNG, 20, 100)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # names of files need not be text

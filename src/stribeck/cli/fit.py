@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from stribeck.cli import show
 from stribeck.cli.text import say
@@ -13,6 +12,7 @@ from stribeck.errors import InputError
 from stribeck.identify import api as fitting
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
+from stribeck.identify.details import Candidate
 from stribeck.identify.log import Log
 from stribeck.identify.options import FitOptions
 from stribeck.identify.result import Estimate, Fit
@@ -42,21 +42,22 @@ def fit(
         if tell is not None:
             tell(_READ)
         result = fitting.fit_log(log, laws, options, _rest_of(tell))
+    written: list[str] = []
     summary = result.to_json()
     summary["data"] = {
         "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
     }  # fmt: skip
-    summary["files"] = []
     if out is not None:
         from stribeck.identify.report.files import write_fit
 
         command = show.command_line()
-        summary["files"] = write_fit(result, log, out, command, ", ".join(p.name for p in data))
-        summary["files"].append(_save(result, data, columns, how, options, out))
+        written = write_fit(result, log, out, command, ", ".join(p.name for p in data))
+        written.append(_save(result, data, columns, how, options, out))
+    summary["files"] = written
     if json:
         show.print_json(summary)
     else:
-        _print(result, log, summary["files"])
+        _print(result, log, written)
     stopped = (result.best if isinstance(result, Choice) else result).status == "stopped"
     return 130 if stopped else 0
 
@@ -153,7 +154,7 @@ def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:
         print(f"  wrote {file}")
 
 
-def _print_candidates(candidates: list[dict[str, Any]]) -> None:
+def _print_candidates(candidates: Sequence[Candidate]) -> None:
     told = ", ".join(f"{c['name']} {percent(c['cross_validated_error'], 3)}" for c in candidates)
     print(f"error on data left out: {told}")
 

@@ -12,7 +12,7 @@ def paper(out: Path, json: bool) -> int:
     """Write the report and say which file to open."""
     show.check_folder(out)
     with show.stages("report") as tell:
-        summary = report.write(out, tell)
+        summary = report.write(out, tell, show.command_line())
     if json:
         show.print_json(summary)
     else:

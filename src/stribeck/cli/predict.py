@@ -10,6 +10,7 @@ from stribeck.identify import predict as predicting
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
 from stribeck.report.cells import percent
+from stribeck.report.quantities import human
 
 
 def predict(
@@ -27,7 +28,8 @@ def predict(
     with show.progress("predict"):
         log = fitting.log_of(data, ColumnNames(names, units, gain), how)
         found = predicting.predict(model, log)
-    summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}, "files": []}
+    summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}}
+    files: list[str] = []
     if out is not None:
         from stribeck.identify.report import overlay
 
@@ -37,21 +39,22 @@ def predict(
         }
         rows = [[name, percent(x, 3)] for name, x in _errors(found).items()]
         introduction = [
+            f"The predicted force is off by {percent(found.force_error, 3)}. "
             f"{model.law}, {model.method}, fitted to another record ({folder}), on {len(log)} rows of this one."
         ]
         figures = overlay.figure("prediction", log.time, traces, ("measured", "predicted"))
         title = f"{model.law} on {', '.join(p.name for p in data)}"
         command = show.command_line()
-        summary["files"] = [overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, command)]
+        files = [overlay.write_overlay(out, "prediction.html", title, introduction, rows, figures, command)]
     if json:
-        show.print_json(summary)
+        show.print_json({**summary, "files": files})
         return 0
     print(f"{model.law}, {model.method}: {len(log)} rows, {found.rest:.0%} at rest")
     for name, x in _errors(found).items():
         print(f"  {name:44}{percent(x, 3):>10}")
     for text in log.quality:
         print(f"  note: {text}")
-    for file in summary["files"]:
+    for file in files:
         print(f"  wrote {file}")
     return 0
 
@@ -88,7 +91,13 @@ def validate(
 
         rows = [[name, f"{e['rms']:.4g} {e['unit']}, {percent(e['relative'], 3)}"] for name, e in found.errors.items()]
         figures = overlay.figure("validation", found.time, found.traces, ("measured", "simulated"))
-        introduction = [f"The scenario {loaded.name} against {data.name}, {len(found.time)} rows."]
+        off = [
+            f"{name} by {human(e['rms'], e['unit'])} (rms), at most {human(e['largest'], e['unit'])}"
+            for name, e in found.errors.items()
+        ]
+        introduction = [
+            f"Off: {'; '.join(off)}. {len(found.time)} rows of {data.name} beside the scenario {loaded.name}."
+        ]
         command = show.command_line()
         title = f"{loaded.name} against {data.name}"
         files = [overlay.write_overlay(out, "validation.html", title, introduction, rows, figures, command)]

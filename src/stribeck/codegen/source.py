@@ -14,6 +14,7 @@ from stribeck.codegen.elimination import eliminate
 from stribeck.equations import Equations
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, C, Writer
 from stribeck.expressions.graph import (
+    ONE,
     ZERO,
     Expr,
     is_zero,
@@ -28,7 +29,7 @@ _RESERVED = (
     | C_FUNCTIONS
     | frozenset(
         """
-    p c t x dx piece jac fac shift df_dt
+    p c t x dx piece jac fac shift inv_shift df_dt
     abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
     floor_of piece_ w dw m u which noise memory timing sample watch moved_energy
     N WATCHES WATCHED CURVED PIECE HELD SHOWN MOVED LANES BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
@@ -118,12 +119,13 @@ class _Source:
                  *((f"df_dt[{i}]", node) for i, node in enumerate(self.by_time))],
             ),
             self.function(
-                "Factors of shift I - J.", "factorise", f"{_COMMON}, const Jacobian *jac, real shift, Factors *fac",
+                "Factors of shift I - J.", "factorise",
+                f"{_COMMON}, const Jacobian *jac, real shift, real inv_shift, Factors *fac",
                 [(f"fac->{name}", node) for name, node in self.factors.items()],
             ),
             self.function(
                 "Solve (shift I - J) k = r.", "solve",
-                f"{_COMMON}, const Jacobian *jac, real shift, const Factors *fac, const real *right, real *k",
+                f"{_COMMON}, const Jacobian *jac, real shift, real inv_shift, const Factors *fac, const real *right, real *k",
                 [(f"k[{i}]", node) for i, node in enumerate(solution)],
             ),
             *self._watching(),
@@ -224,6 +226,8 @@ class _Source:
         cheap = entry.op in ("constant", "symbol") or (entry.op == "neg" and entry.args[0].op in ("constant", "symbol"))
         if cheap or is_zero(entry):
             return entry
+        if entry is ONE / symbol("shift"):  # the step's length times a constant: known without a division
+            return symbol("inv_shift")
         for other, known in self.factors.items():
             if known is entry:
                 return symbol(f"factor.{other}")
@@ -297,7 +301,7 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
             **{f"jacobian.{n}": f"jac->{n}" for n in self.jacobian},
             **{f"factor.{n}": f"fac->{n}" for n in self.factors},
             **{f"right.{n}": f"right[{i}]" for i, n in enumerate(self.names)},
-            "t": "t", "shift": "shift", "noise": "noise",
+            "t": "t", "shift": "shift", "inv_shift": "inv_shift", "noise": "noise",
         }  # fmt: skip
         local = dict(zip(self.names, self.c_names, strict=True))
         used = {str(node.value) for node in ordered(e for _, e in outputs) if node.op == "symbol"}

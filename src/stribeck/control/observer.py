@@ -45,7 +45,7 @@ class Adaptation:
         "range": Constant(
             "", "each parameter stays within its known value divided and multiplied by this", above=1, default=4.0
         ),
-    }  # fmt: skip
+    }
 
 
 @dataclass(frozen=True)

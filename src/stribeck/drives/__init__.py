@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-
+from stribeck import kinds as find
 from stribeck.drives.base import Drive
 
 __all__ = ["KINDS", "Drive"]
@@ -14,13 +12,8 @@ _LISTED_FIRST = ("force", "spring", "pid", "velocity")
 
 def kinds() -> dict[str, type[Drive]]:
     """Every drive of the package by its kind."""
-    files = {m.name for m in pkgutil.iter_modules(__path__)}
-    found: dict[str, type[Drive]] = {}
-    for name in (*_LISTED_FIRST, *sorted(files - {*_LISTED_FIRST, "base"})):
-        module = importlib.import_module(f"{__name__}.{name}")
-        own = (x for x in vars(module).values() if isinstance(x, type) and x.__module__ == module.__name__)
-        found |= {drive.kind: drive for drive in own if issubclass(drive, Drive)}
-    return found
+    modules = find.modules(__name__, __path__, _LISTED_FIRST, ("base",))
+    return {drive.kind: drive for module in modules for drive in find.classes(module, Drive)}
 
 
 KINDS = kinds()

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from types import ModuleType
 
+from stribeck import kinds
 from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, nearest, note
 from stribeck.export.request import Request, Target
@@ -40,12 +41,8 @@ def targets() -> dict[str, Target]:
         if not folder.ispkg:
             continue
         package = importlib.import_module(f"{__name__}.{folder.name}")
-        if hasattr(package, "TARGET"):
-            modules = [package]
-        else:
-            modules = [
-                importlib.import_module(f"{package.__name__}.{m.name}") for m in pkgutil.iter_modules(package.__path__)
-            ]
+        whole = hasattr(package, "TARGET")
+        modules = [package] if whole else kinds.modules(package.__name__, package.__path__)
         for module in modules:
             if (target := getattr(module, "TARGET", None)) is not None:
                 found[target.name] = target

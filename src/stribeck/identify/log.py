@@ -68,7 +68,7 @@ class Log:
             digest.update(np.ascontiguousarray(column).view(np.uint8).data)
         return digest.hexdigest()
 
-    def columns(self) -> dict[str, NDArray[Any]]:
+    def columns(self) -> dict[str, Array | NDArray[np.int32]]:
         """The columns that are there, by name."""
         return {name: getattr(self, name) for name in _COLUMNS if getattr(self, name) is not None}
 

@@ -6,7 +6,6 @@ import json
 from collections.abc import Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,7 +52,7 @@ class FittedModel:
 
     law: str
     method: str
-    values: dict[str, Any]
+    values: dict[str, float]
     known: dict[str, float | None]
     others: dict[str, tuple[str, dict[str, float]]]
     columns: dict[str, str]
@@ -92,7 +91,7 @@ class Predicted:
     traces: Prediction
     friction: Prediction
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """What ``stribeck predict --json`` prints."""
         return {
             "law": self.model.law, "method": self.model.method, "relative_force_error": self.force_error,
@@ -101,7 +100,7 @@ class Predicted:
         }  # fmt: skip
 
 
-def saved(fit: Fit, reading: Mapping[str, Any] | None = None) -> str:
+def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
     """The model of a fit as text for fit.json.
 
     Args:
@@ -255,7 +254,7 @@ def _error(measured: Array, predicted: Array, rows: NDArray[np.bool_]) -> float:
     return float(np.linalg.norm((measured - predicted)[rows])) / max(size, 1e-300)
 
 
-def _steady(law_name: str, values: Mapping[str, Any], log: Log) -> Array:
+def _steady(law_name: str, values: Mapping[str, float], log: Log) -> Array:
     """Friction at the speed of the moment, and the body's terms."""
     law = laws.find(law_name)
     own = {n: v for n, v in values.items() if n in law.constants()}

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from html import escape
-from typing import Any
 
 import numpy as np
 
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError
+from stribeck.identify.details import FitDetails
 from stribeck.laws.base import Law
 
 _TOLD = (
@@ -115,7 +115,7 @@ class Fit:
     profiles: Mapping[str, Profile] = field(default_factory=dict)
     prediction: Prediction | None = None
     notes: tuple[str, ...] = ()
-    details: dict[str, Any] = field(default_factory=dict)
+    details: FitDetails = field(default_factory=lambda: FitDetails())
     status: str = "done"
 
     def __repr__(self) -> str:
@@ -175,8 +175,9 @@ class Fit:
         found = laws.find(self.law)
         return found({n: v for n, v in {**self.fixed, **self.used, **self.values}.items() if n in found.constants()})
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """What ``stribeck fit --json`` prints."""
+        told: Mapping[str, object] = {**self.details}
         return {
             "law": self.law,
             "method": self.method,
@@ -189,7 +190,7 @@ class Fit:
             "relative_force_error": self.relative_force_error,
             "cross_validated_error": self.cross_validated_error,
             "unidentified": list(self.unidentified),
-            **{name: self.details[name] for name in _TOLD if self.details.get(name) is not None},
+            **{name: told[name] for name in _TOLD if told.get(name) is not None},
             "data_hash": self.data_hash,
             "notes": list(self.notes),
         }

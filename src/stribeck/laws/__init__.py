@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-import importlib
 import inspect
-import pkgutil
-import sys
-import threading
 from collections.abc import Mapping
 from functools import lru_cache
-from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 
-from stribeck import parameter_sets
+from stribeck import kinds, parameter_sets
 from stribeck.constants import kind_of, show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.expressions.ops import Value
-from stribeck.files import read_file
 from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
 
 __all__ = [
@@ -27,29 +21,18 @@ __all__ = [
     "table", "trouble",
 ]  # fmt: skip
 
-_loading = threading.RLock()  # another thread must not meet a module that is half loaded
-_OF_FILE = "_stribeck_user_"  # how the modules of users' files are called
 _LISTED_FIRST = ("lugre", "elastoplastic", "dahl", "static")
 
 
 @lru_cache(maxsize=1)
 def builtin() -> dict[str, type[Law]]:
     """Every law of the package by name."""
-    files = {m.name for m in pkgutil.iter_modules(__path__)}
-    ordered = [*_LISTED_FIRST, *sorted(files - set(_LISTED_FIRST))]
-    found: dict[str, type[Law]] = {}
-    for name in ordered:
-        found.update(_laws_of(importlib.import_module(f"{__name__}.{name}")))
-    return found
+    modules = kinds.modules(__name__, __path__, _LISTED_FIRST)
+    return {name: law for module in modules for name, law in _laws_of(module).items()}
 
 
 def _laws_of(module: ModuleType) -> dict[str, type[Law]]:
-    return {
-        value.name: value
-        for key, value in vars(module).items()
-        if isinstance(value, type) and issubclass(value, Law) and value.__module__ == module.__name__
-        and not key.startswith("_") and value not in (Law, BristleLaw, StaticLaw)
-    }  # fmt: skip
+    return {law.name: law for law in kinds.classes(module, Law) if law not in (BristleLaw, StaticLaw)}
 
 
 _in_memory: dict[str, type[Law]] = {}  # laws that a program defined, by the name that their tables carry
@@ -62,7 +45,7 @@ def table(law: Law) -> dict[str, object]:
     """
     kind = type(law)
     name = kind.name
-    if kind.__module__.startswith(_OF_FILE):
+    if kinds.of_a_file(kind):
         name = f"{inspect.getfile(kind)}:{kind.__name__}"
     elif builtin().get(name) is not kind:
         name = f"{kind.__module__}:{kind.__qualname__}"
@@ -91,23 +74,8 @@ def find(name: object, folder: Path | None = None) -> type[Law]:
     return builtin()[name]
 
 
-def load_module(name: str, folder: Path | None) -> tuple[ModuleType, Path, str]:
-    """The module, the path and the name behind ``FILE.py:NAME``.
-
-    Raises:
-        InputError: the file cannot be read or does not load.
-    """
-    file, _, wanted = name.rpartition(":")
-    path = (folder or Path()) / file
-    try:
-        text = read_file(path)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{name!r}: cannot read {path}: {getattr(error, 'strerror', None) or error}") from None
-    return _module(name, path, text), path, wanted
-
-
 def _from_file(name: str, folder: Path | None) -> type[Law]:
-    module, path, wanted = load_module(name, folder)
+    module, path, wanted = kinds.load_module(name, folder)
     laws = _laws_of(module)
     by_class = {cls.__name__: cls for cls in laws.values()}
     if wanted in laws or wanted in by_class:
@@ -115,27 +83,6 @@ def _from_file(name: str, folder: Path | None) -> type[Law]:
     if isinstance(getattr(module, wanted, None), type):
         raise InputError(f"{name!r}: {wanted} is no law: it must be derived from BristleLaw, StaticLaw or Law")
     raise InputError(f"{name!r}: {path} has no law '{wanted}' (it has {', '.join(by_class) or 'none'})")
-
-
-def _module(name: str, path: Path, text: bytes) -> ModuleType:
-    """The module of a user's file: these very bytes, executed once; no byte code that lies beside them is taken."""
-    # the content is part of the name: an edited file is loaded anew
-    module_name = f"{_OF_FILE}{sha256(str(path.resolve()).encode() + b'|' + text).hexdigest()[:16]}"
-    with _loading:
-        if module_name not in sys.modules:
-            module = ModuleType(module_name)
-            module.__file__ = str(path)
-            sys.modules[module_name] = module
-            try:
-                exec(compile(text, str(path), "exec", dont_inherit=True), module.__dict__)
-            except BaseException as error:
-                del sys.modules[module_name]
-                if isinstance(error, InputError):
-                    raise InputError([f"{name!r}: {path}: {problem}" for problem in error.problems]) from error
-                if not isinstance(error, Exception | SystemExit):
-                    raise
-                raise InputError(f"{name!r}: {path} does not load: {type(error).__name__}: {error}") from error
-    return sys.modules[module_name]
 
 
 def _force_in_floats(law: Law, v: float, z: float) -> Value:
@@ -194,15 +141,18 @@ def law(name: str, parameters: str | Path | Mapping[str, float] | None = None, *
         parameters: the machine's parameters in SI units, as a mapping, as the name of a built-in set
             (``stribeck.parameters()`` lists them) or as the path of a set's file.
         **constants: the law's own constants (``k_v=1e7``, ``smooth_abs="sqrt"``); they also override single parameters.
+            ``rotary=True``: of what turns, with N m in the place of N and rad in that of m; otherwise as the set says.
 
     Raises:
         InputError: an unknown law or set, or bad values; one line for each problem.
     """
-    found = find(name)
+    found, rotary = find(name), constants.pop("rotary", None)
+    if not isinstance(rotary, bool | None):
+        raise InputError(f"{arg('rotary')}: {show(rotary)}: must be True or False")
     if isinstance(parameters, str | Path):
-        values, rotary = parameters_for(found, str(parameters)), parameter_sets.load(str(parameters)).rotary
-        return found({**values, **constants}, rotary)
+        values, turns = parameters_for(found, str(parameters)), parameter_sets.load(str(parameters)).rotary
+        return found({**values, **constants}, turns if rotary is None else bool(rotary))
     if parameters is not None and not isinstance(parameters, Mapping):
         must = "must be a table of numbers by name, or a set's name or file"
         raise InputError(f"{arg('parameters')}: {show(parameters)}: {must}, not {kind_of(parameters)}")
-    return found({**(parameters or {}), **constants})
+    return found({**(parameters or {}), **constants}, bool(rotary))

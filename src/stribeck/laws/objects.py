@@ -31,17 +31,23 @@ class AsObject:
         """Every constant that is on; the machine's parameters, also those that the law does not use, first."""
         return {**self.machine, **self.p.numbers, **self.p.words}
 
+    def __setattr__(self, name: str, value: object) -> None:
+        if "rotary" in vars(self) and name != "rotary":  # which a reader finds out later
+            raise AttributeError(f"{name}: a law does not change; replace({name}=VALUE) makes another")
+        object.__setattr__(self, name, value)
+
     def __repr__(self) -> str:
         inside = "".join(f", {name}={x!r}" for name, x in self._numbers.items())
-        return f"law({self.name!r}{inside})"
+        return f"law({self.name!r}{inside}{', rotary=True' if self.rotary else ''})"
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, AsObject):
             return NotImplemented
-        return type(self) is type(other) and self._numbers == other._numbers
+        same = type(self) is type(other) and self.rotary == other.rotary
+        return same and self._numbers == other._numbers
 
     def __hash__(self) -> int:
-        return hash((type(self), *vars(self.p).items()))
+        return hash((type(self), self.rotary, *vars(self.p).items()))
 
     def replace(self, **constants: float | str | None) -> Self:
         """The same law with other values of some constants: ``law.replace(F_s=2.0)``; None turns an optional one off.

@@ -176,7 +176,7 @@ def _sliding(scenario: Scenario) -> Array:
             state[f"{body.name}.y"] = 10 * share * max([0.0, *gaps])
     arrays = {name: np.array([x]) for name, x in state.items()}
     held = {name: np.zeros(1) for name in machine.held}
-    columns = rig.columns(np.zeros(1), arrays, held, scenario.end)
+    columns = rig.columns(np.zeros(1), arrays, held, rig.pieces(scenario.end))
     for contact in machine.contacts:
         if contact.law.has_z:
             w = float(np.ravel(columns[f"{contact.name}.w"])[0])

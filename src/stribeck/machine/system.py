@@ -30,7 +30,7 @@ from stribeck.machine.parts import (
     SignalUse,
     Span,
     joined,
-)  # fmt: skip
+)
 from stribeck.machine.sampled import sampled_states, samples_of
 
 _FACTOR = {

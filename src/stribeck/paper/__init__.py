@@ -6,7 +6,7 @@ import importlib
 import os
 import pkgutil
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from multiprocessing import parent_process
 from pathlib import Path
 from threading import Thread
@@ -14,6 +14,7 @@ from typing import Any
 
 from stribeck.files import together, write_columns, write_json
 from stribeck.report.page import Chapter, html
+from stribeck.report.quantities import human
 from stribeck.version import __version__
 
 # In the order of the report; other modules of this folder that have a chapter come after them.
@@ -43,12 +44,15 @@ _INTRODUCTION = (
 )
 
 
-def write(folder: Path, progress: Callable[[float, str], None] | None = None) -> dict[str, Any]:
+def write(
+    folder: Path, progress: Callable[[float, str], None] | None = None, command: str = "stribeck paper"
+) -> dict[str, Any]:
     """Compute every chapter and write report.html, figures/*.svg and *.png, data/*.parquet and summary.json.
 
     Args:
         folder: where they go.
         progress: told the share of the chapters done and a word on it, as each is done.
+        command: what the page's button copies.
 
     Returns:
         The summary.
@@ -65,7 +69,7 @@ def write(folder: Path, progress: Callable[[float, str], None] | None = None) ->
         for chapter in chapters:
             if chapter.data:
                 write_columns(_new(place / "data" / f"{chapter.key}.parquet"), chapter.data)
-        page = html(TITLE, f"Made by Stribeck {__version__}.", _INTRODUCTION, chapters)
+        page = html(TITLE, f"Made by Stribeck {__version__}.", [_in_short(chapters), *_INTRODUCTION], chapters, command)
         (place / "report.html").write_text(page, encoding="utf-8")
         names = [str(path.relative_to(place)) for path in sorted(place.rglob("*")) if path.is_file()]
         names = ["report.html", *(name for name in names if name != "report.html"), "summary.json"]
@@ -77,6 +81,17 @@ def write(folder: Path, progress: Callable[[float, str], None] | None = None) ->
         }
         write_json(place / "summary.json", summary)
     return summary
+
+
+def _in_short(chapters: Sequence[Chapter]) -> str:
+    """What the figures show, in one line and in units that a person would use."""
+    numbers = {chapter.key: chapter.numbers for chapter in chapters}
+    cycle = numbers["limit_cycle"]
+    verdicts = [str(verdict) for verdict in numbers["statements"].values()]
+    return (
+        f"LuGre under PID hunts with {human(cycle['amplitude']['lugre'], 'm')} every {human(cycle['period']['lugre'], 's')}; "
+        f"of {len(verdicts)} statements of the paper {sum(v.startswith('confirmed') for v in verdicts)} are confirmed."
+    )
 
 
 def _new(path: Path) -> Path:

@@ -14,6 +14,7 @@ from stribeck.paper.statements import passivity_cycle
 from stribeck.properties.cycles import integrate
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg
+from stribeck.report.quantities import human
 from stribeck.scenario import Scenario
 from stribeck.steepness.search import with_k_v
 from stribeck.steepness.steady import Creep
@@ -85,7 +86,7 @@ def unbounded() -> FigureSvg:
                     solve={"t_end": distance / speed}, output={"step": distance / speed / 400},
                 )
             )  # fmt: skip
-            plots.line(axes["way"], i, 1e3 * run["y"], run["z"] / Z, f"{speed:.0e} m/s")
+            plots.line(axes["way"], i, 1e3 * run["y"], run["z"] / Z, human(speed, "m/s"))
         for axis in axes.values():
             axis.axhline(1.0, color=plots.GREY, linewidth=1.0, label="Z = F_s/sigma_0")
         plots.logarithmic(axes["limit"])

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from stribeck import examples
-from stribeck.analysis.lyapunov import RISE
+from stribeck.analysis.lyapunov import rises
 from stribeck.arrays import Array
 from stribeck.paper.common import Done, record, solve
 from stribeck.report import plots
@@ -102,7 +102,7 @@ def _last(s: Solution) -> float:
 
 
 def _rises(s: Solution) -> int:
-    return int(np.sum(np.diff(s["V"]) > RISE * s["V"][0]))
+    return int(rises(s["V"]).sum())
 
 
 def _text(

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import importlib
-import pkgutil
-
+from stribeck import kinds as find
 from stribeck.plants.base import Plant
 from stribeck.plants.mass import Mass
 
@@ -13,13 +11,8 @@ __all__ = ["KINDS", "Mass", "Plant"]
 
 def kinds() -> dict[str, type[Plant]]:
     """Every plant of the package by its kind, the single body first."""
-    files = {m.name for m in pkgutil.iter_modules(__path__)} - {"base", "mass"}
-    found: dict[str, type[Plant]] = {Mass.kind: Mass}
-    for name in sorted(files):
-        module = importlib.import_module(f"{__name__}.{name}")
-        own = (x for x in vars(module).values() if isinstance(x, type) and x.__module__ == module.__name__)
-        found |= {plant.kind: plant for plant in own if issubclass(plant, Plant)}
-    return found
+    modules = find.modules(__name__, __path__, ("mass",), ("base",))
+    return {plant.kind: plant for module in modules for plant in find.classes(module, Plant)}
 
 
 KINDS = kinds()

@@ -42,7 +42,11 @@ def write_check(verdicts: Verdicts, folder: Path, margins: Margins | None = None
     found += [*replays_chapter(replays, "replays", "The counterexamples"), chapters.of_law(law)]
     holds = [name.replace("_", "-") for name, v in verdicts.properties.items() if v.holds]
     limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if law.rotary else 'm/s'}" if verdicts.v_max else ""
-    introduction = [f"Proved{limit}: {', '.join(holds) or 'none of the five properties'}."]
+    fails, open_ = (
+        [n.replace("_", "-") for n, v in verdicts.properties.items() if v.holds is x] for x in (False, None)
+    )
+    others = [f"{word}: {', '.join(names)}." for word, names in (("Refuted", fails), ("Undecided", open_)) if names]
+    introduction = [" ".join([f"Proved{limit}: {', '.join(holds) or 'none of the five properties'}.", *others])]
     paths = [path for figure in (curve, *replays) for path in write_figure(figure, folder)]
     return [*paths, chapters.write_page(folder, f"What {law.name} guarantees", introduction, found, command)]
 

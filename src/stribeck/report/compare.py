@@ -12,6 +12,7 @@ from stribeck.report import chapters, overview
 from stribeck.report.cells import percent
 from stribeck.report.files import write_figure, write_summary, write_table
 from stribeck.report.page import Chapter, FigureSvg, Table
+from stribeck.report.quantities import human
 
 _LONGEST = 100  # characters of a label in a file's name
 
@@ -32,7 +33,7 @@ def write_comparison(comparison: Comparison, folder: Path, summary: dict[str, ob
 
 
 def _page(comparison: Comparison, figure: FigureSvg, folder: Path, command: str) -> Path:
-    reference, *others = comparison.solutions
+    reference = next(iter(comparison.solutions))
     names = compared(comparison.solutions[reference].scenario)
     units = {c.name: c.unit for c in comparison.solutions[reference].columns}
     rows = [
@@ -53,8 +54,19 @@ def _page(comparison: Comparison, figure: FigureSvg, folder: Path, command: str)
         found += [chapters.of_law(s.scenario.law, f"law-{i}") for i, s in enumerate(comparison.solutions.values())]
     else:
         found += chapters.of_laws(comparison.solutions[reference].scenario)
-    introduction = [f"{', '.join(others)} beside {reference}."]
+    introduction = [_in_short(comparison, reference, names[0], units[names[0]])]
     return chapters.write_page(
         folder, f"{comparison.name}: {len(comparison.solutions)} laws", introduction,
         [*found, chapters.of_scenario(comparison.solutions[reference].scenario)], command,
     )  # fmt: skip
+
+
+def _in_short(comparison: Comparison, reference: str, name: str, unit: str) -> str:
+    """How far the others are from the reference, in one line and in units that a person would use."""
+    told = []
+    for label, columns in comparison.deviations.items():
+        largest, share = columns[name]["max"], columns[name]["max_relative"]
+        told.append(
+            f"{label} by up to {'?' if largest is None else human(largest, unit)} ({percent(share)} of its peak)"
+        )
+    return f"From {reference}, {name} differs: {', '.join(told)}." if told else f"{reference} alone."

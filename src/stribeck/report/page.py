@@ -58,13 +58,15 @@ class LaneCurves:
 
     Attributes:
         t: times, s.
-        columns: names with units; ``curves``: for each lane its columns; ``about``: what each lane is.
+        columns: names with units; ``curves``: for each lane its columns; ``about``: what each lane is and what came of it.
+        cells: the lanes of a map's cells, row by row from below.
     """
 
     t: Sequence[float | None]
     columns: Sequence[str]
     curves: Mapping[int, Sequence[Sequence[float | None]]]
     about: Mapping[int, str]
+    cells: Sequence[int] = ()
 
     @property
     def text(self) -> str:
@@ -99,9 +101,18 @@ def html(title: str, about: str, introduction: Sequence[str], chapters: Sequence
     with needed("a page"):
         import jinja2
 
-    template = files("stribeck.report").joinpath("page.html").read_text(encoding="utf-8")
+    template, script, lanes = (
+        files("stribeck.report").joinpath(name).read_text(encoding="utf-8")
+        for name in ("page.html", "page.js", "lanes.js")
+    )
     environment = jinja2.Environment(autoescape=True, trim_blocks=True, undefined=jinja2.StrictUndefined)
     environment.filters["whole"] = _whole
     return environment.from_string(template).render(
-        title=title, about=about, introduction=introduction, chapters=chapters, command=command
+        title=title,
+        about=about,
+        introduction=introduction,
+        chapters=chapters,
+        command=command,
+        script=script,
+        lanes=lanes,
     )

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from stribeck.arrays import Array
 from stribeck.errors import needed
 from stribeck.report.page import FigureSvg
+from stribeck.report.readout import marked
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +41,7 @@ _STYLE: dict[str, Any] = {
     "axes.spines.right": False,
     "axes.grid": True,
     "axes.axisbelow": True,
-    "axes.formatter.limits": (-3, 4),
+    "axes.formatter.limits": (-4, 6),
     "axes.formatter.useoffset": False,
     "axes.formatter.use_mathtext": False,
     "grid.color": "#dddddd",
@@ -80,7 +81,8 @@ def figure(layout: Sequence[Sequence[str]], height: float) -> tuple[Figure, dict
 
 
 def svg(made: Figure) -> str:
-    """The figure as SVG text; the same figure gives the same text. Call within :func:`style`."""
+    """The figure as SVG text, from which a page can read values; the same figure gives the same text. Call within
+    :func:`style`."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
 
     buffer = io.StringIO()
@@ -88,8 +90,9 @@ def svg(made: Figure) -> str:
     if (layout := made.get_layout_engine()) is not None:
         layout.execute(made)  # once, and not for every format
         made.set_layout_engine("none")
+    told = marked(made)
     made.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None})
-    return buffer.getvalue()
+    return buffer.getvalue().replace("<svg ", f"<svg {told} ", 1) if told else buffer.getvalue()
 
 
 def thin(x: Array, y: Array) -> tuple[Array, Array]:

@@ -55,7 +55,7 @@ def prefixed(unit: str, largest: float) -> tuple[float, str]:
 def human(x: float, unit: str) -> str:
     """A number of three digits in a unit that keeps it short: ``0.0642`` m is ``64.2 mm``."""
     factor, name = prefixed(unit, abs(x))
-    return f"{x / factor:.3g} {name}"
+    return f"{x / factor:.3g} {name}".rstrip()
 
 
 def scale(shown: Iterable[Quantity], plain: bool = False) -> Scale:

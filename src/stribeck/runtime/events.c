@@ -3,9 +3,32 @@
 enum { MOST_EVENTS = 16 }; /* of one step */
 
 #if WATCHES > 0
+/* Where in (s0, s1] the quartic with these Bernstein coefficients, of which one change of sign, passes through zero:
+   Newton's method, and bisection where that leaves the interval. */
+static double only_root(const double b[5], double s0, double s1)
+{
+    const int rises = b[4] >= 0;
+    double low = 0, high = 1, u = b[0] / (b[0] - b[4]);
+    for (int i = 1; (high - low) * (s1 - s0) >= 1e-14; i++) {
+        double w[5];
+        for (int q = 0; q < 5; q++) w[q] = b[q];
+        for (int row = 1; row < 4; row++)
+            for (int q = 0; q < 5 - row; q++) w[q] += u * (w[q + 1] - w[q]);
+        const double value = w[0] + u * (w[1] - w[0]), next = u - value / (4 * (w[1] - w[0]));
+        if ((value >= 0) == rises)
+            high = u;
+        else
+            low = u;
+        if (fabs(next - u) * (s1 - s0) < 1e-15) return s0 + u * (s1 - s0); /* as near as rounding lets it be */
+        u = next > low && next < high && i % 4 ? next : 0.5 * (low + high); /* a triple root is not halved by Newton */
+    }
+    return s0 + high * (s1 - s0);
+}
+
 /* Find every s in (s0, s1] where the quartic with Bernstein coefficients b passes through zero, in order; b's first and
    last values lie at s0 and s1. A polynomial stays between its coefficients, so an interval without a change of sign
-   among them holds no root, and one with a single change holds exactly one (Descartes). */
+   among them holds no root, and one with a single change holds exactly one (Descartes). Without ``found``, where they
+   are is not asked. */
 static int crossings(const double b[5], double noise, double s0, double s1, int depth, double *found, int8_t *rises,
                      int count)
 {
@@ -13,9 +36,9 @@ static int crossings(const double b[5], double noise, double s0, double s1, int 
     for (int i = 0; i < 4; i++) changes += (b[i] >= 0) != (b[i + 1] >= 0);
     for (int i = 0; i < 5; i++) flat &= fabs(b[i]) <= noise; /* rounding has signs of its own */
     if (changes == 0 || count >= MOST_EVENTS / 2) return count;
-    if (flat || depth > 50 || (changes == 1 && s1 - s0 < 1e-14)) {
+    if (changes == 1 || flat || depth > 50) {
         if ((b[0] >= 0) != (b[4] >= 0)) {
-            found[count] = s1;
+            if (found) found[count] = flat || changes > 1 ? s1 : only_root(b, s0, s1);
             rises[count++] = b[4] >= 0;
         }
         return count;
@@ -55,7 +78,8 @@ static inline void bernstein_of_values(const double f[5], double b[5])
     b[4] = f[4];
 }
 
-/* Where a quartic passes +threshold and -threshold, as shares of the step in order, and what happens there; how many. */
+/* Where a quartic passes +threshold and -threshold, as shares of the step in order, and what happens there; how many.
+   Without ``s``, only what happens, in no order. */
 static int events_within(double threshold, const double b[5], double *s, int8_t *what)
 {
     double lowest = b[0], highest = b[0], largest = threshold, shifted[5];
@@ -71,9 +95,9 @@ static int events_within(double threshold, const double b[5], double *s, int8_t 
     int count = crossings(shifted, noise, 0, 1, 0, s, what, 0);
     const int upper = count;
     for (int i = 0; i < 5; i++) shifted[i] = -b[i] - threshold;
-    count += crossings(shifted, noise, 0, 1, 0, s + upper, what + upper, 0);
+    count += crossings(shifted, noise, 0, 1, 0, s ? s + upper : s, what + upper, 0);
     for (int i = 0; i < count; i++) what[i] = (int8_t)((i < upper ? 0 : AT_MINUS) | !what[i]);
-    for (int i = 1; i < count; i++) { /* two sorted lists into one */
+    for (int i = 1; s && i < count; i++) { /* two sorted lists into one */
         const double si = s[i];
         const int8_t wi = what[i];
         int at = i;

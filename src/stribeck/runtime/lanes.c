@@ -295,9 +295,9 @@ static void restart(const Batch *b, Lanes *l)
         }
 }
 
-/* What happened to single lanes in a step: rows to write, events, samples, breakpoints, failures. */
-static void attend(const Batch *b, Lanes *l, mask rows, mask events, mask last, mask failed, mask good, real h,
-                   real t_new, real error, real k[STAGES][N], const real *x_new, const real w[5][WATCHES + 1])
+/* What happened to single lanes in a step: rows to write, samples, breakpoints, failures. */
+static void attend(const Batch *b, Lanes *l, mask rows, mask last, mask failed, mask good, real h, real t_new, real error,
+                   real k[STAGES][N], const real *x_new)
 {
     for (int lane = 0; lane < LANES; lane++) {
         if (failed[lane]) {
@@ -307,24 +307,6 @@ static void attend(const Batch *b, Lanes *l, mask rows, mask events, mask last, 
         }
         const double t_before = last[lane] ? l->t_stop[lane] * (1 - SAME_TIME) : INFINITY;
         if (rows[lane]) write_rows(b, l, lane, h[lane], t_new[lane], t_before, k, x_new);
-#if WATCHES > 0
-        if (events[lane])
-            for (int j = 0; j < WATCHES; j++) {
-                double s[MOST_EVENTS], q[5];
-                int8_t what[MOST_EVENTS];
-                if (!(l->threshold[j][lane] > 0)) continue;
-                if (IS_CURVED[j]) {
-                    const double f[5] = {w[0][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], w[4][j][lane]};
-                    bernstein_of_values(f, q);
-                } else
-                    bernstein_of_dense(w[0][j][lane], w[4][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], q);
-                const int count = events_within(l->threshold[j][lane], q, s, what);
-                for (int e = 0; e < count; e++) count_event(b, l, lane, j, what[e]);
-            }
-#else
-        (void)events;
-        (void)w;
-#endif
 #if HELD > 0
         if (good[lane])
             take_samples(b, l, lane, h[lane], last[lane] ? t_before : t_new[lane] * (1 - SAME_TIME), k, x_new);
@@ -344,7 +326,7 @@ static void attend(const Batch *b, Lanes *l, mask rows, mask events, mask last, 
 #if WATCHES > 0
 /* Where a watched quantity may pass its threshold in a step; w holds its ends and, between them, the coefficients of its
    dense output, or its values at equal distances where it is no linear function of the states. */
-static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], const real *x_new, real w[5][WATCHES + 1])
+static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], const real *x_new, real w[5][WATCHES])
 {
     real d[3][N];
     mask events = l->accepted & 0;
@@ -392,6 +374,24 @@ static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], cons
     }
     return events;
 }
+
+/* Count what happened in a step. */
+static void count_events(const Batch *b, const Lanes *l, mask events, const real w[5][WATCHES])
+{
+    for (int lane = 0; lane < LANES; lane++)
+        for (int j = 0; events[lane] && j < WATCHES; j++) {
+            double q[5];
+            int8_t what[MOST_EVENTS];
+            if (!(l->threshold[j][lane] > 0)) continue;
+            if (IS_CURVED[j]) {
+                const double f[5] = {w[0][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], w[4][j][lane]};
+                bernstein_of_values(f, q);
+            } else
+                bernstein_of_dense(w[0][j][lane], w[4][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], q);
+            const int count = events_within(l->threshold[j][lane], q, NULL, what);
+            for (int e = 0; e < count; e++) count_event(b, l, lane, j, what[e]);
+        }
+}
 #endif
 
 /* Solve trajectories of the batch until none is left; several threads may do so at once. */
@@ -400,8 +400,7 @@ EXPORT void stribeck_solve_batch(const Batch *b)
     Lanes lanes = {.alive = 0}, *l = &lanes;
     for (int lane = 0; lane < LANES; lane++) l->index[lane] = -1;
     for (int lane = 0; lane < LANES; lane++) refill(b, l, lane);
-    real k[STAGES][N], x_new[N], f0[N], df_dt[N], w[5][WATCHES + 1];
-    for (int q = 0; q < 5; q++) w[q][WATCHES] = splat(0);
+    real k[STAGES][N], x_new[N], f0[N], df_dt[N];
     Jacobian jac;
     int anew = 1;
     while (l->alive > 0 && !__atomic_load_n(&b->turn[2], __ATOMIC_RELAXED)) {
@@ -420,20 +419,21 @@ EXPORT void stribeck_solve_batch(const Batch *b)
         factor = choose(l->held & (factor > 1), splat(1), factor);
         const real grown = h * choose(good, factor, choose(finite, plain, splat(0.1)));
         const real next_h = choose(good & last, larger(l->h, grown), grown);
-        mask events = good & 0;
-#if WATCHES > 0
-        events = good & look_out(l, h, t_new, k, x_new, w);
-#endif
         const mask rows = good & (t_new >= l->row_t), ends = good & last;
         const mask tried = l->accepted + l->rejected;
         const mask failed = (~good & ((l->t + next_h * 0.25 <= l->t) | (next_h < 1e-290))) | (tried >= b->most_attempts);
+#if WATCHES > 0 /* apart from the rest, which comes often: this branch hardly ever does, and the other need not wait for it */
+        real w[5][WATCHES];
+        const mask events = good & ~failed & look_out(l, h, t_new, k, x_new, w);
+        if (any(events)) count_events(b, l, events, (const real(*)[WATCHES])w);
+#endif
         l->accepted -= good; /* true is -1 */
         l->rejected -= ~good;
         l->h = next_h;
         l->held = ~good;
         l->last_h = choose(good, h, l->last_h);
         l->last_root = choose(good, remembered(root), l->last_root);
-        mask attention = rows | events | ends | failed;
+        mask attention = rows | ends | failed;
 #if HELD > 0
         for (int lane = 0; lane < LANES; lane++) {
             if (good[lane] && l->after_output[lane]) {
@@ -447,7 +447,7 @@ EXPORT void stribeck_solve_batch(const Batch *b)
         }
 #endif
         if (any(attention)) {
-            attend(b, l, rows, events, ends, failed, good, h, t_new, error, k, x_new, (const real(*)[WATCHES + 1])w);
+            attend(b, l, rows, ends, failed, good, h, t_new, error, k, x_new);
             for (int lane = 0; lane < LANES; lane++) anew |= l->restart[lane];
         }
         const mask moves = good & ~ends & ~failed; /* the others were moved, or given another trajectory, above */

@@ -112,8 +112,8 @@ static inline real attempt(const real *atol, double rtol, const Parameters *p, c
                            const real *x, real h, real k[STAGES][N], real *x_new)
 {
     Factors fac;
-    const real shift = 1 / (GAMMA * h), inv_h = 1 / h;
-    factorise(p, c, jac, shift, &fac);
+    const real inv_h = 1 / h, shift = inv_h * (1 / GAMMA), inv_shift = h * GAMMA;
+    factorise(p, c, jac, shift, inv_shift, &fac);
     UNROLL for (int s = 0; s < STAGES; s++)
     {
         real right[N];
@@ -134,7 +134,7 @@ static inline real attempt(const real *atol, double rtol, const Parameters *p, c
         }
         if (TIME[s] != 0)
             for (int i = 0; i < N; i++) right[i] += TIME[s] * h * df_dt[i];
-        solve(p, c, jac, shift, &fac, right, k[s]);
+        solve(p, c, jac, shift, inv_shift, &fac, right, k[s]);
     }
     for (int i = 0; i < N; i++) x_new[i] += k[STAGES - 1][i];
     return scaled_square(atol, rtol, x, x_new, k[STAGES - 1]);
@@ -150,7 +150,7 @@ static inline real growth(real root) { return smaller(splat(5.0), larger(splat(0
 static inline real predictive_growth(real root, real h, real last_root, real last_h)
 {
     const real factor = growth(root);
-    return smaller(factor, larger(splat(0.2), factor * (root / last_root) * (h / last_h)));
+    return smaller(factor, larger(splat(0.2), factor * ((root * h) / (last_root * last_h))));
 }
 
 /* The step's root as the next one is to see it: no error counts as less than 1e-2 of the tolerance. */

@@ -229,6 +229,10 @@ class Scenario:
 
     def pieces(self) -> Pieces:
         """The signals as a table of pieces."""
+        return self._pieces
+
+    @cached_property
+    def _pieces(self) -> Pieces:
         return self.rig.pieces(self.end)
 
     def thresholds(self) -> list[float]:
@@ -241,7 +245,7 @@ class Scenario:
 
     def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array] | None = None) -> dict[str, Value]:
         """Every column of the output by name, from the states (and what controllers held) at the times t."""
-        return self.rig.columns(t, states, held or {}, self.end)
+        return self.rig.columns(t, states, held or {}, self._pieces)
 
     def values(self) -> dict[tuple[str, str], float]:
         """The system's run-time constants by (group, name)."""
@@ -252,7 +256,11 @@ class Scenario:
 
         With ``rig`` it is that of the same machine with other values.
         """
-        return self._atol((self.rig if rig is None else rig).natural())
+        return dict(self._own_atol) if rig is None else self._atol(rig.natural())
+
+    @cached_property
+    def _own_atol(self) -> dict[str, float]:
+        return self._atol(self.rig.natural())
 
     def _atol(self, natural: dict[str, Value]) -> dict[str, float]:
         return {n: self.solve.atol.get(n, _ATOL_SHARE * self.solve.rtol * x) for n, x in natural.items()}

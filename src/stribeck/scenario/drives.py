@@ -11,7 +11,7 @@ from pydantic import Field
 from stribeck import control, drives, plants
 from stribeck.constants import show
 from stribeck.errors import InputError
-from stribeck.laws.own import find_class
+from stribeck.kinds import find_class
 from stribeck.scenario.cascade import CascadeSettings
 from stribeck.scenario.parts import Settings
 from stribeck.scenario.tables import Fields, StrictTable, made, number

@@ -364,7 +364,7 @@ _SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
 
 def scenario_of(
     given: Machine | Scenario | str | Path | Mapping[str, object], t_end: float | None, step: float | None, **solve: Any
-) -> Scenario:  # fmt: skip
+) -> Scenario:
     """The scenario that ``simulate`` is given, with other times if these are given.
 
     Raises:

@@ -179,9 +179,9 @@ class Rig:
 
     # -- the columns of the output ---------------------------------------------------------------------------------
 
-    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], t_end: float) -> dict[str, Value]:
+    def columns(self, t: Array, states: dict[str, Array], held: dict[str, Array], pieces: Pieces) -> dict[str, Value]:
         """Every column of the output by name, from the states and what controllers held at the times t."""
-        rows = self.pieces(t_end).at(t)
+        rows = pieces.at(t)
         segment = {name: rows[:, i] for i, name in enumerate(self.machine.piece_fields)}
         return evaluate(self.machine, self.values, segment | held, t, states)
 

@@ -21,7 +21,7 @@ from stribeck.errors import BuildError, note
 from stribeck.files import sha256_of
 from stribeck.simulation.compiler import Compiler
 
-_loaded: dict[str, ctypes.CDLL] = {}
+_loaded: dict[tuple[str, str], ctypes.CDLL] = {}  # by the compiler's key and the source
 
 
 def folder() -> Path:
@@ -47,16 +47,17 @@ def library(
         BuildError: the compiler failed, or what it built does not pass the check.
         OSError: what it built cannot be loaded.
     """
-    key = sha256(f"{compiler.key}\0{source}".encode()).hexdigest()[:32]
-    if key in _loaded:
-        return _loaded[key], False
+    both = compiler.key, source
+    if both in _loaded:
+        return _loaded[both], False
+    key = sha256("\0".join(both).encode()).hexdigest()[:32]
     check = check or (lambda library: None)
     found = _from_disk(key, check)
     if found is not None:
-        _loaded[key] = found
+        _loaded[both] = found
         return found, False
-    _loaded[key] = _build(key, source, compiler, check)
-    return _loaded[key], True
+    _loaded[both] = _build(key, source, compiler, check)
+    return _loaded[both], True
 
 
 def distrusted(home: Path) -> str | None:

@@ -89,6 +89,29 @@ def find() -> Compiler | None:
 
     ``STRIBECK_CC=none`` turns compilation off.
     """
+    asked = tuple(map(os.environ.get, ("STRIBECK_CC", "CC", "PATH")))
+    known = _found.get(asked)
+    if known is None or known[1] != _state(known[0].command[0]):
+        chosen = _search()
+        if chosen is None:
+            return None
+        known = _found[asked] = chosen, _state(chosen.command[0])
+    return known[0]
+
+
+# What was found where, while its file stays as it was: the search takes longer than many a simulation.
+_found: dict[tuple[str | None, ...], tuple[Compiler, tuple[int, int] | None]] = {}
+
+
+def _state(path: str) -> tuple[int, int] | None:
+    try:
+        state = os.stat(path)  # noqa: PTH116 (a third of the time of a Path)
+    except OSError:
+        return None
+    return state.st_size, state.st_mtime_ns
+
+
+def _search() -> Compiler | None:
     for variable in ("STRIBECK_CC", "CC"):
         if words := os.environ.get(variable, "").split():
             if words == ["none"]:
@@ -109,10 +132,10 @@ def find() -> Compiler | None:
 def _from_path(path: str, options: list[str]) -> Compiler:
     try:
         real = Path(path).resolve()
-        state = real.stat()
-        identity = f"{real} {state.st_size} {state.st_mtime_ns}"  # cheaper than asking for its version
     except OSError:
-        identity = path
+        real = Path(path)
+    state = _state(path)
+    identity = path if state is None else f"{real} {state[0]} {state[1]}"  # cheaper than asking for its version
     return Compiler((path, *options), " ".join((identity, *options)))
 
 

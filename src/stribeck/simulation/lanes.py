@@ -6,7 +6,7 @@ import ctypes
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from ctypes import POINTER, c_double, c_int8, c_int64
+from ctypes import POINTER, c_int64
 from dataclasses import dataclass
 from hashlib import sha256
 from threading import Thread
@@ -107,13 +107,11 @@ def lane_arrays(lanes: Variations) -> Arrays:
     numbers = {name: np.ascontiguousarray(x, float) for name, x in numbers.items()}
     batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)
     batch.queue_room, batch.noise_room = room, noise.shape[1]
-    batch.piece_restart = restart.ctypes.data_as(POINTER(c_int8))
     batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
-    for name, x in numbers.items():
-        setattr(batch, name, x.ctypes.data_as(POINTER(c_double)))
-    for name, i in integers.items():
-        setattr(batch, name, i.ctypes.data_as(POINTER(c_int64)))
-    return Arrays({**numbers, **integers, "piece_restart": restart}, batch)
+    made = Arrays({**numbers, **integers, "piece_restart": restart}, batch)
+    for name, x in made.by_name.items():
+        setattr(batch, name, x.ctypes.data)
+    return made
 
 
 def outcome(made: Arrays) -> Outcome:

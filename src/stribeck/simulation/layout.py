@@ -4,25 +4,22 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from ctypes import CDLL, POINTER, Structure, c_double, c_int8, c_int32, c_int64, sizeof
+from ctypes import CDLL, Structure, c_double, c_int8, c_int32, c_int64, c_void_p, sizeof
 from importlib.resources import files
 
 from stribeck.errors import BuildError
 
-_TYPES: dict[str, tuple[type, type]] = {  # a number, and a pointer to such
-    "double": (c_double, POINTER(c_double)), "int64_t": (c_int64, POINTER(c_int64)),
-    "int32_t": (c_int32, POINTER(c_int32)), "int8_t": (c_int8, POINTER(c_int8)),
-}  # fmt: skip
+_TYPES: dict[str, type] = {"double": c_double, "int64_t": c_int64, "int32_t": c_int32, "int8_t": c_int8}
 
 
 def struct_fields(file: str, struct: str) -> list[tuple[str, type]]:
-    """Names and types of a struct in ``runtime/FILE``, in its order, for ctypes."""
+    """Names and types of a struct in ``runtime/FILE``, in its order, for ctypes: a pointer is an address."""
     text = files("stribeck.runtime").joinpath(file).read_text(encoding="utf-8")
     (body,) = re.findall(rf"typedef struct {{([^}}]*)}} {struct};", text)
     found: list[tuple[str, type]] = []
     for line in re.sub(r"/\*.*?\*/", "", body, flags=re.DOTALL).split(";"):
         kind, _, names = line.replace("const ", "").strip().partition(" ")
-        found += [(name.strip(" *"), _TYPES[kind]["*" in name]) for name in names.split(",") if kind]
+        found += [(name.strip(" *"), c_void_p if "*" in name else _TYPES[kind]) for name in names.split(",") if kind]
     return found
 
 

@@ -5,14 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 from stribeck.codegen import source
 from stribeck.errors import BuildError, note
 from stribeck.scenario import Scenario
-from stribeck.scenario.objects import Machine, scenario_of
-from stribeck.simulation import cache, compiler, fallback, native
+from stribeck.simulation import cache, compiler, native
 from stribeck.simulation.result import Result
 from stribeck.simulation.solution import Solution
+
+if TYPE_CHECKING:
+    from stribeck.scenario.objects import Machine
 
 
 def simulate(
@@ -42,7 +45,10 @@ def simulate(
     Raises:
         InputError: the file or the tables are no valid scenario.
     """
-    scenario = scenario_of(scenario, t_end, step, **solve)
+    if not isinstance(scenario, Scenario) or t_end is not None or step is not None or solve:
+        from stribeck.scenario.objects import scenario_of  # a file that is run needs no objects
+
+        scenario = scenario_of(scenario, t_end, step, **solve)
     started = perf_counter()
     library, built, build_seconds = None, False, 0.0
     chosen = compiler.find()
@@ -57,6 +63,8 @@ def simulate(
     if library is not None:
         for text in native.doubts(scenario):
             note(text)
+    for text in _remarks(scenario):
+        note(text)
     result = _solve(library, scenario, progress)
     result.stats.update(
         {"built": built, "build_seconds": build_seconds, "seconds": perf_counter() - started - build_seconds}
@@ -69,14 +77,32 @@ def simulate(
     return solution
 
 
+def _remarks(scenario: Scenario) -> list[str]:
+    """What is allowed, and hardly what was meant."""
+    found, values = list[str](), scenario.values()
+    if scenario.rows == 1:
+        step, t_end = scenario.output.step, scenario.solve.t_end
+        found.append(f"output.step: {step:g}: is longer than solve.t_end = {t_end:g}: the output is one row, t = 0")
+    for contact in scenario.system.contacts:
+        law = scenario.rig.laws[contact.law_path].machine
+        for level in contact.levels:
+            excess = values.get((level.path, "F_c"), 0.0) - values.get((level.path, "F_s"), 0.0)
+            if excess > 0 and "F_s" in law:
+                f = (law["F_s"] - law["F_c"]) / excess
+                text = f"F_c grows more than F_s: from |force| = {f:.3g} on friction is less at rest than in motion"
+                found.append(f"{level.path}: {text}")
+    return found
+
+
 def _solve(library: object, scenario: Scenario, progress: Callable[[float], None] | None) -> Result:
     import ctypes
 
-    result = (
-        native.solve(library, scenario, progress)
-        if isinstance(library, ctypes.CDLL)
-        else fallback.solve(scenario, progress)
-    )
+    if isinstance(library, ctypes.CDLL):
+        result = native.solve(library, scenario, progress)
+    else:
+        from stribeck.simulation import fallback
+
+        result = fallback.solve(scenario, progress)
     reached = scenario.end if result.reason is None else max(len(result.states) - 1, 0) * scenario.output.step
     result.events.extend(scenario.rig.more_events(reached))
     return result

@@ -66,10 +66,12 @@ class Solution:
         states = {state.name: self.states[:, i] for i, state in enumerate(self.scenario.system.states)}
         with np.errstate(all="ignore"):
             found = self.scenario.columns(self.t, states, self.held)
-        return {
-            column.name: np.array(np.broadcast_to(np.asarray(found[column.name], float), self.t.shape))
-            for column in self.columns
-        }
+        return {column.name: self._filled(found[column.name]) for column in self.columns}
+
+    def _filled(self, value: object) -> Array:
+        """A column's own array, of one number where nothing in it varies."""
+        given = np.array(value, float)
+        return given if given.shape == self.t.shape else np.array(np.broadcast_to(given, self.t.shape))
 
     def __getitem__(self, name: str) -> Array:
         if name == "t":

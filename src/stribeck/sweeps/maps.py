@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg, LaneCurves
-from stribeck.report.quantities import Quantity, scale
+from stribeck.report.quantities import Quantity, human, scale
 from stribeck.simulation import Ensemble
 
+Lanes = tuple[NDArray[np.int64], Ensemble]  # some lanes by number, and their trajectories
 _CELLS = 4096  # of a heat map
+_DRAWN = 600  # cells of a figure that are drawn each by itself; more are an image
 _LINES = 400  # of a picture with parallel axes
 _POINTS = 240  # of a trajectory
 
@@ -34,15 +36,18 @@ def whole_grid(values: Mapping[str, Array]) -> tuple[Array, Array] | None:
     return (along, up) if whole and len(x) <= _CELLS else None
 
 
-def heat_map(values: Mapping[str, Array], found: tuple[Array, Array], quantities: Sequence[Quantity]) -> FigureSvg:
-    """A cell a lane, coloured by each measure, over the values along both axes (:func:`whole_grid`); its id in the SVG is
-    ``lane-N``."""
-    from matplotlib import colormaps
-    from matplotlib.cm import ScalarMappable
-    from matplotlib.colors import Normalize
-    from matplotlib.patches import Rectangle
+def cell_lanes(values: Mapping[str, Array], found: tuple[Array, Array]) -> NDArray[np.int64]:
+    """The lanes of the cells of a whole grid (:func:`whole_grid`), row by row from below."""
+    i, j = (np.searchsorted(along, x) for along, x in zip(found, values.values(), strict=True))
+    lanes = np.empty(len(i), np.int64)
+    lanes[j * len(found[0]) + i] = np.arange(len(i))
+    return lanes
 
+
+def heat_map(values: Mapping[str, Array], found: tuple[Array, Array], quantities: Sequence[Quantity]) -> FigureSvg:
+    """A cell a lane, coloured by each measure, over the values along both axes (:func:`whole_grid`)."""
     (first, second), edges = values, [_edges(each) for each in found]
+    order = cell_lanes(values, found)
     with plots.style():
         layout = [[q.name for q in quantities[i : i + 2]] for i in range(0, len(quantities), 2)]
         if len(layout) > 1 and len(layout[-1]) == 1:
@@ -50,19 +55,15 @@ def heat_map(values: Mapping[str, Array], found: tuple[Array, Array], quantities
         made, axes = plots.figure(layout, 2.7 * len(layout))
         for quantity in quantities:
             axis, shown = axes[quantity.name], scale([quantity])
-            z = shown.of(quantity.values)
-            norm = Normalize(np.nanmin(z), np.nanmax(z) if np.nanmax(z) > np.nanmin(z) else np.nanmin(z) + 1)
-            colour = colormaps["viridis"]
-            places = [np.searchsorted(found[k], values[path]) for k, path in enumerate((first, second))]
-            for lane, (i, j) in enumerate(zip(*places, strict=True)):
-                low, wide = (edges[0][i], edges[1][j]), (np.diff(edges[0])[i], np.diff(edges[1])[j])
-                face = colour(norm(z[lane])) if np.isfinite(z[lane]) else "#bbbbbb"
-                axis.add_patch(Rectangle(low, *wide, facecolor=face, edgecolor="none", gid=f"lane-{lane}"))
-            axis.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]], xlabel=first, ylabel=second, title=shown.label)
+            z = np.ma.masked_invalid(shown.of(quantity.values)[order].reshape(len(found[1]), -1))
+            axis.set_facecolor("#bbbbbb")
+            axis.grid(False)
+            drawn = axis.pcolormesh(*edges, z, cmap="viridis", rasterized=len(order) * len(quantities) > _DRAWN)
+            axis.set(xlabel=first, ylabel=second, title=shown.label)
             for log, name in ((logarithmic(found[0]), "x"), (logarithmic(found[1]), "y")):
                 if log:
                     getattr(axis, f"set_{name}scale")("log")
-            made.colorbar(ScalarMappable(norm, colour), ax=axis)
+            made.colorbar(drawn, ax=axis)
         caption = f"What came of each lane over {first} and {second}; grey: nothing to show. A click on a cell shows its lane."
         return plots.finish(made, "map", caption, pdf=True)
 
@@ -75,13 +76,18 @@ def _edges(centres: Array) -> Array:
     return np.exp(found) if logarithmic(centres) else found
 
 
+def drawn_lanes(count: int) -> NDArray[np.int64]:
+    """The lanes that parallel axes show."""
+    return np.unique(np.linspace(0, count - 1, min(count, _LINES)).round().astype(np.int64))
+
+
 def parallel_axes(values: Mapping[str, Array], quantities: Sequence[Quantity]) -> FigureSvg:
     """An axis for each varied number and each measure, and a line a lane, coloured by the first measure."""
     from matplotlib import colormaps
 
     columns = {**values, **{scale([q]).label: scale([q]).of(q.values) for q in quantities}}
     count = len(next(iter(values.values())))
-    lanes = np.unique(np.linspace(0, count - 1, min(count, _LINES)).round().astype(int))
+    lanes = drawn_lanes(count)
     heights = {name: _height(x) for name, x in columns.items()}
     colour = heights[scale([quantities[0]]).label]
     with plots.style():
@@ -113,16 +119,28 @@ def _height(x: Array) -> Array:
     return (at - low) / (high - low) if high > low else np.where(np.isfinite(at), 0.5, np.nan)
 
 
-def picked(found: Ensemble, lanes: NDArray[np.int64], names: Sequence[str]) -> LaneCurves:
+def picked(kept: Sequence[Lanes], names: Sequence[str]) -> LaneCurves:
     """The trajectories of some lanes, thinned, for the page."""
-    pick = np.unique(np.linspace(0, len(found.t) - 1, _POINTS).round().astype(int))
-    units = {c.name: c.unit for c in found.columns}
-    curves = {int(lane): [[_brief(x) for x in found[name][i, pick]] for name in names] for i, lane in enumerate(lanes)}
-    about = {
-        int(lane): ", ".join(f"{path} = {x[i]:.6g}" for path, x in found.values.items()) for i, lane in enumerate(lanes)
+    _, first = kept[0]
+    pick = np.unique(np.linspace(0, len(first.t) - 1, _POINTS).round().astype(int))
+    units = {c.name: c.unit for c in first.columns}
+    scales = {name: scale([Quantity(name, units[name], "", e[name]) for _, e in kept]) for name in names}
+    curves = {
+        int(lane): [[_brief(x) for x in scales[name].of(found[name][i, pick])] for name in names]
+        for lanes, found in kept
+        for i, lane in enumerate(lanes)
     }
-    columns = [f"{name} ({units[name]})" for name in names]
-    return LaneCurves([_brief(t) for t in found.t[pick]], columns, curves, about)
+    return LaneCurves([_brief(t) for t in first.t[pick]], [scales[name].label for name in names], curves, {})
+
+
+def lane_words(values: Mapping[str, Array], quantities: Sequence[Quantity], lanes: NDArray[np.int64]) -> dict[int, str]:
+    """What some lanes are, and what came of them, in words."""
+    found = {}
+    for lane in lanes.tolist():
+        came = [f"{q.name} {human(float(q.values[lane]), q.unit)}" for q in quantities if np.isfinite(q.values[lane])]
+        varied = ", ".join(f"{path} = {x[lane]:.6g}" for path, x in values.items())
+        found[lane] = f"{varied}: {', '.join(came)}" if came else varied
+    return found
 
 
 def _brief(x: float) -> float | None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import shutil
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -17,13 +18,23 @@ from stribeck.arrays import Array
 from stribeck.report import chapters, plots
 from stribeck.report.cells import digits
 from stribeck.report.files import write_figure
-from stribeck.report.page import Chapter, FigureSvg, Table
-from stribeck.report.quantities import Quantity, scale
+from stribeck.report.page import Chapter, FigureSvg, LaneCurves, Table
+from stribeck.report.quantities import Quantity, prefixed, scale
 from stribeck.scenario import Scenario
-from stribeck.simulation import Ensemble, Solution, simulate, simulate_ensemble
+from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.sweeps import tables as tables_of
 from stribeck.sweeps.job import Sweep
-from stribeck.sweeps.maps import heat_map, logarithmic, parallel_axes, picked, whole_grid
+from stribeck.sweeps.maps import (
+    Lanes,
+    cell_lanes,
+    drawn_lanes,
+    heat_map,
+    lane_words,
+    logarithmic,
+    parallel_axes,
+    picked,
+    whole_grid,
+)  # fmt: skip
 from stribeck.sweeps.places import Folder, fetched
 
 Rows = Mapping[str, NDArray[Any]]  # what came of the lanes, by column
@@ -34,6 +45,7 @@ _ROWS_SHOWN = 60
 _PICKED = 100  # lanes whose trajectories the page keeps, at most
 _ROOM = 2_000_000  # rows of these
 _PATIENCE = 20.0  # s that simulating them may take
+_DOTS = 2000  # of a figure that are drawn each by itself; more are an image
 _MOST = 200_000  # lanes in a plot: more show nothing new
 
 
@@ -66,58 +78,94 @@ def _write(sweep: Sweep, folder: Path, command: str) -> list[Path]:
     figures: list[FigureSvg] = []
     tables: list[Table] = []
     text = [f"{len(sweep.lanes)} lanes; what varied: {', '.join(sweep.lanes.values)}."]
-    lanes, kept = _kept(sweep)
-    rows = _read(sweep) if sweep.summary else _measured_here(sweep, kept) if len(lanes) == len(sweep.lanes) else {}
-    over = _over_several(sweep, rows) if rows else []
+    kept = _kept(sweep)
+    rows = _read(sweep) if sweep.summary else _measured_here(sweep, kept)
+    quantities = [_quantity(sweep, rows, name) for name in _shown(sweep, rows)]
+    over = _over_several(sweep, quantities)
     if rows:
         figures = [_measures(sweep, rows)]
         tables = [_table(sweep, rows)]
         if len(sweep.lanes) > _ROWS_SHOWN:
             text.append(f"The first {_ROWS_SHOWN} lanes; the files have all of them.")
-    shown = _some(sweep)
-    if shown:
-        figures.append(_lanes(sweep, shown))
+    figures.append(_lanes(sweep, *kept[0]))
     folder.mkdir(exist_ok=True)
     paths = [path for figure in (*over, *figures) for path in write_figure(figure, folder)]
-    trajectories = picked(kept, lanes, list(dict.fromkeys(_columns(sweep.lanes.scenario))))
+    trajectories = _picked(sweep, kept, quantities)
     found = [Chapter("pick", "Pick a lane", text[:1], figures=over, picked=trajectories), *chapters.plots(figures)]
     found.append(Chapter("lanes", "The lanes", text[1:], tables))
     scenario = sweep.lanes.scenario
     found += [*chapters.of_laws(scenario), chapters.of_scenario(scenario)]
-    introduction = ["Files of numbers: part-*" + (".csv" if sweep.as_csv else ".parquet") + " beside this folder."]
+    introduction = [
+        _in_short(len(sweep.lanes), quantities),
+        "Files of numbers: part-*" + (".csv" if sweep.as_csv else ".parquet") + " beside this folder.",
+    ]
     return [*paths, chapters.write_page(folder, f"{scenario.name}: a sweep", introduction, found, command)]
 
 
-def _kept(sweep: Sweep) -> tuple[NDArray[np.int64], Ensemble]:
-    """Lanes whose trajectories the page keeps, simulated once more: all of a small sweep, few where a lane takes long."""
-    few = min(len(sweep.lanes), _LANES_SHOWN)
+def _in_short(count: int, quantities: Sequence[Quantity]) -> str:
+    """What came of all lanes, in one line and in units that a person would use."""
+    told = []
+    for q in quantities:
+        low, high = float(np.nanmin(q.values)), float(np.nanmax(q.values))
+        factor, unit = prefixed(q.unit, max(abs(low), abs(high)))
+        told.append(f"{q.name} {low / factor:.3g} to {high / factor:.3g} {unit}".rstrip())
+    return f"{count} lanes: {', '.join(told)}." if told else f"{count} lanes."
+
+
+def _picked(sweep: Sweep, kept: Sequence[Lanes], quantities: Sequence[Quantity]) -> LaneCurves:
+    """What the page keeps of lanes, and says of these and of those that are lines or cells."""
+    values, names = sweep.lanes.values, list(dict.fromkeys(_columns(sweep.lanes.scenario)))
+    found, grid = picked(kept, names), whole_grid(values)
+    if len(values) > 1 and grid is None:
+        lanes = np.union1d(drawn_lanes(len(sweep.lanes)), list(found.curves))
+    else:
+        lanes = np.array(sorted(found.curves))
+    order = cell_lanes(values, grid).tolist() if grid is not None else []
+    return replace(found, about=lane_words(values, quantities, lanes), cells=order)
+
+
+def _kept(sweep: Sweep) -> list[Lanes]:
+    """Lanes whose trajectories the page keeps, simulated once more: some from the first to the last, and then all of a
+    small sweep, or few more where a lane takes long."""
+    few = _spread(sweep, _LANES_SHOWN)
     begun = time.monotonic()
-    lanes, found = _again(sweep, few)
-    each = (time.monotonic() - begun) / few
-    count = min(len(sweep.lanes), _PICKED, _ROOM // sweep.lanes.scenario.rows)
-    return _again(sweep, count) if count > few and each * count < _PATIENCE else (lanes, found)
+    kept = [_again(sweep, few)]
+    each = (time.monotonic() - begun) / len(few)
+    more = np.setdiff1d(_spread(sweep, min(_PICKED, _ROOM // sweep.lanes.scenario.rows)), few)
+    return [*kept, _again(sweep, more)] if len(more) and each * len(more) < _PATIENCE else kept
 
 
-def _again(sweep: Sweep, count: int) -> tuple[NDArray[np.int64], Ensemble]:
-    """Some lanes, evenly from the first to the last, simulated once more."""
-    lanes = np.unique(np.linspace(0, len(sweep.lanes) - 1, count).round().astype(np.int64))
+def _spread(sweep: Sweep, count: int) -> NDArray[np.int64]:
+    """Some lanes, evenly from the first to the last."""
+    return np.unique(np.linspace(0, len(sweep.lanes) - 1, min(count, len(sweep.lanes))).round().astype(np.int64))
+
+
+def _again(sweep: Sweep, lanes: NDArray[np.int64]) -> Lanes:
     return lanes, simulate_ensemble(sweep.lanes.scenario, {path: x[lanes] for path, x in sweep.lanes.values.items()})
 
 
-def _measured_here(sweep: Sweep, found: Ensemble) -> Rows:
-    wanted = ("lane", *sweep.lanes.values, *_measured(sweep.lanes.scenario))
-    return {name: values for name, _, _, values in tables_of.summary(found, 0) if name in wanted}
+def _measured_here(sweep: Sweep, kept: Sequence[Lanes]) -> Rows:
+    """The measures of all lanes from those that were simulated again; none where these are but some."""
+    if sum(len(lanes) for lanes, _ in kept) < len(sweep.lanes):
+        return {}
+    order = np.argsort(np.concatenate([lanes for lanes, _ in kept]))
+    tables = [{name: x for name, _, _, x in tables_of.summary(found, 0)} for _, found in kept]
+    measured = {
+        name: np.concatenate([table[name] for table in tables])[order]
+        for name in (*sweep.lanes.values, *_measured(sweep.lanes.scenario))
+        if name in tables[0]
+    }
+    return {"lane": np.arange(len(order)), **measured}
 
 
-def _over_several(sweep: Sweep, rows: Rows) -> list[FigureSvg]:
+def _over_several(sweep: Sweep, quantities: Sequence[Quantity]) -> list[FigureSvg]:
     """A heat map over two numbers, or parallel axes of more."""
     values = dict(sweep.lanes.values)
-    told = [name for name in _shown(sweep, rows) if np.isfinite(rows[name]).mean() > 0.5]
-    quantities = [_quantity(sweep, rows, name) for name in told]
-    if not quantities or len(values) < 2:
+    often = [q for q in quantities if np.isfinite(q.values).mean() > 0.5]
+    if not often or len(values) < 2:
         return []
     found = whole_grid(values)
-    return [parallel_axes(values, quantities) if found is None else heat_map(values, found, quantities)]
+    return [parallel_axes(values, often) if found is None else heat_map(values, found, often)]
 
 
 def _shown(sweep: Sweep, rows: Rows) -> list[str]:
@@ -127,6 +175,8 @@ def _shown(sweep: Sweep, rows: Rows) -> list[str]:
 def _quantity(sweep: Sweep, rows: Rows, measure: str) -> Quantity:
     columns = {c.name: c for c in sweep.lanes.scenario.system.columns}
     column = columns.get(measure.partition("_")[2])
+    if measure == "amplitude":
+        column = columns[_columns(sweep.lanes.scenario)[0]]
     unit = column.of_motion(sweep.lanes.scenario.rotary).unit if column else _UNITS.get(measure, "")
     return Quantity(_WORDS.get(measure, measure), unit, "", rows[measure].astype(float))
 
@@ -168,10 +218,14 @@ def _measures(sweep: Sweep, rows: Rows) -> FigureSvg:
             other = next((p for p in paths if p != path), None)
             if other is None:
                 order = np.argsort(x)
-                axis.plot(x[order], y[order], "o-", color=plots.COLOURS[2], markersize=3)
+                dense = len(pick) * len(axes) > _DOTS
+                axis.plot(x[order], y[order], "-" if dense else "o-", color=plots.COLOURS[2], markersize=3)
             else:
                 values = rows[other][pick]
-                dots = axis.scatter(x, y, c=values, s=9, cmap="viridis", norm="log" if logarithmic(values) else None)
+                dots = axis.scatter(
+                    x, y, c=values, s=9, cmap="viridis", norm="log" if logarithmic(values) else None,
+                    rasterized=len(pick) * len(axes) > _DOTS,
+                )  # fmt: skip
                 made.colorbar(dots, ax=axis, label=other)
             if logarithmic(x):
                 axis.set_xscale("log")
@@ -181,45 +235,31 @@ def _measures(sweep: Sweep, rows: Rows) -> FigureSvg:
         return plots.finish(made, "sweep", caption, pdf=True)
 
 
-_UNITS = {"period": "s", "amplitude": "m"}
+_UNITS = {"period": "s"}
 _WORDS = {
     "peak_F": "largest |F|", "final_y": "y at the end", "amplitude": "amplitude of y", "slips": "slips",
     "period": "period of y",
 }  # fmt: skip
 
 
-def _some(sweep: Sweep) -> dict[str, Solution]:
-    """Some lanes, from the first to the last, simulated once more for their plots."""
-    lanes = np.unique(np.linspace(0, len(sweep.lanes) - 1, _LANES_SHOWN).round().astype(int))
-    found = {}
-    for lane in lanes:
-        values = {path: float(x[lane]) for path, x in sweep.lanes.values.items()}
-        try:
-            solution = simulate(sweep.lanes.scenario.with_changes(values))
-        except ValueError:  # values that no scenario may have: the lane failed
-            continue
-        found[", ".join(f"{path.rpartition('.')[2]} = {x:.4g}" for path, x in values.items())] = solution
-    return found
-
-
-def _lanes(sweep: Sweep, shown: Mapping[str, Solution]) -> FigureSvg:
+def _lanes(sweep: Sweep, lanes: NDArray[np.int64], found: Ensemble) -> FigureSvg:
     from matplotlib import colormaps
 
-    colours = colormaps["viridis"](np.linspace(0, 0.9, len(shown)))
+    colours = colormaps["viridis"](np.linspace(0, 0.9, len(lanes)))
+    labels = [
+        ", ".join(f"{path.rpartition('.')[2]} = {x[lane]:.4g}" for path, x in sweep.lanes.values.items())
+        for lane in lanes
+    ]
+    known = {c.name: c for c in found.columns}
     with plots.style():
         names = list(dict.fromkeys(_columns(sweep.lanes.scenario)))
         made, axes = plots.figure([[name] for name in names], 5.4)
+        of_t = scale([Quantity("t", "s", "time", found.t)])
         for name, axis in axes.items():
-            columns = [
-                Quantity(name, c.unit, c.meaning, s[name]) for s in shown.values() for c in s.columns if c.name == name
-            ]
-            of_y = scale(columns)
-            of_t = scale([Quantity("t", "s", "time", s.t) for s in shown.values()])
-            for (label, solution), colour in zip(shown.items(), colours, strict=True):
-                axis.plot(
-                    *plots.thin(of_t.of(solution.t), of_y.of(solution[name])), color=colour, label=label, linewidth=1
-                )
-            axis.set(xlabel=of_t.label, ylabel=of_y.label, title=columns[0].meaning)
-        if len(shown) > 1:
+            of_y = scale([Quantity(name, known[name].unit, known[name].meaning, found[name])])
+            for label, colour, y in zip(labels, colours, found[name], strict=True):
+                axis.plot(*plots.thin(of_t.of(found.t), of_y.of(y)), color=colour, label=label, linewidth=1)
+            axis.set(xlabel=of_t.label, ylabel=of_y.label, title=known[name].meaning)
+        if len(lanes) > 1:
             plots.legend(made, axes[names[0]])
-        return plots.finish(made, "lanes", f"{len(shown)} of the lanes, from the first (dark) to the last.", pdf=True)
+        return plots.finish(made, "lanes", f"{len(lanes)} of the lanes, from the first (dark) to the last.", pdf=True)

@@ -57,6 +57,15 @@ def test_one_load_cannot_tell_how_the_level_depends_on_it(tmp_path):
     assert set(found.correlated[0]["names"]) == {F_C, gain}
 
 
+def test_friction_alone_may_be_sought(recordings):
+    """The machine without friction, which is compared, then has no number left."""
+    data = body(F_c=0.8, F_s=1.3)
+    data["bodies"]["a"]["initial"] = {"y": 0.0, "v": 0.0}
+    found = fit_machine(data, logs(recordings, ["run0.csv"], {F_C: WANTED[F_C]}), starts=2)
+    assert found.parameters[F_C].low < 1.0 < found.parameters[F_C].high
+    assert found.baselines["no friction"]["fitted"] > 5 * found.error(held_out=False)
+
+
 def test_mistakes_in_the_file_are_told_line_by_line(recordings):
     entry = {
         "file": "run0.csv", "outputs": {"a.q": "y", "a.v": {"column": "z", "unit": "furlong"}}, "known": {"bodies.a.mass": "x"},

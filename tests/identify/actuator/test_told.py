@@ -1,6 +1,7 @@
 """What is told beside the numbers: clocks that drift, another unit, the files."""
 
 import numpy as np
+import pytest
 
 from stribeck.identify.actuator import fit_machine
 from tests.identify.actuator.recorded import body, logs, record
@@ -35,3 +36,20 @@ def test_the_one_recording_that_is_in_other_units_is_named(tmp_path):
     assert found.status == "missed"
     assert "each recording by itself: bad.csv cannot be followed, the others can" in found.notes
     assert any(n.startswith("loads.push.signal: with its column times 0.001") for n in found.notes), found.notes
+
+
+@pytest.mark.parametrize("off", [1e-3, 5e-2])
+def test_the_sensor_of_one_recording_that_errs_is_named(tmp_path, off):
+    record(tmp_path / "good.csv", body(amplitude=3.0))
+    record(tmp_path / "bad.csv", body(amplitude=5.0), change=lambda x: {**x, "y": x["y"] + off})
+    start = {"bodies.a.initial.y": 0.0, "bodies.a.initial.v": 0.0}
+    path = logs(tmp_path, [{"file": f"{name}.csv", "known": start} for name in ("good", "bad")], WANTED)
+    told = fit_machine(body(), path, starts=1, baselines=False)
+    assert {p.verdict for p in told.parameters.values()} == {"not judged"}  # the numbers would move
+    assert any("bad.csv: a.y: its offset" in n and "log.1.outputs.a.y.offset" in n for n in told.notes), told.notes
+    entries = [{"file": f"{name}.csv", "known": start} for name in ("good", "bad")]
+    offset = {"log.1.outputs.a.y.offset": {"low": -0.1, "high": 0.1}}
+    found = fit_machine(body(), logs(tmp_path, entries, WANTED | offset), starts=1, baselines=False)
+    p = found.parameters["log.1.outputs.a.y.offset"]
+    assert p.low < off < p.high
+    assert found.parameters[MASS].low < 1.0 < found.parameters[MASS].high

@@ -126,7 +126,7 @@ def check(
         alien = {"LAW": law, "--parameters": parameters, "--all": every, "--margins": margins, "--level": level}
         return check_machine.check(
             scenario, set_ or [], v_max, force or [], json, trust, verify, out, certificate, alien
-        )  # fmt: skip
+        )
     from stribeck.cli import check as command
 
     if force:

@@ -62,9 +62,13 @@ void {{ P }}_start({{ P }} *m)
 
 void {{ P }}_tolerance({{ P }} *m, double rtol)
 {
-    const double least = {{ rtol }} / {{ wanted }} * rtol < 1e-13 ? 1e-13 * {{ wanted }} / {{ rtol }} : rtol;
-    m->run.rtol = {{ rtol }} / {{ wanted }} * least;
-    for (int i = 0; i < N; i++) m->atol[i] = TOLERANCES[i] / {{ wanted }} * least;
+{% if held %}
+    const double share = fmin(fmax(0.1 * pow(1e-6 / rtol, 0.35), 0.1), 0.5); /* that one step may err by */
+{% else %}
+    const double share = {{ rtol }} / {{ wanted }}; /* that one step may err by */
+{% endif %}
+    m->run.rtol = fmax(share * rtol, 1e-13);
+    for (int i = 0; i < N; i++) m->atol[i] = TOLERANCES[i] / {{ rtol }} * m->run.rtol;
 }
 
 /* The pointers of a machine that may have been copied. */

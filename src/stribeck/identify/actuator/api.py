@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,11 @@ from threadpoolctl import threadpool_limits
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
-from stribeck.identify.actuator import checks, choice, judge, transfer
+from stribeck.identify.actuator import checks, choice, gaps, judge, sensors, transfer
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
-from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, traces
+from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, prepared, traces
 from stribeck.identify.actuator.kept import Kept
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Logs, read_logs
 from stribeck.identify.actuator.result import LogResult, MachineFit, Picked
 from stribeck.identify.actuator.runs import recorded_run
@@ -156,12 +158,12 @@ class Fitting:
             reason = "Ctrl-C: the best numbers so far, without intervals; the same command goes on from here"
         elif missed:
             status, reason = "missed", f"the machine does not follow its recordings ({'; '.join(missed)}): no intervals"
-            notes += checks.hypotheses(best)
+            notes += self.suspected(best)
         coarse = beyond_noise(best.problem, best.u, best.found.agreeing) if status == "done" else []
         if coarse:
             why = "the model errs, or there is a better minimum: no intervals (more starts, or another law, may help)"
             notes.append(f"{'; '.join(coarse)}: {why}")
-            notes += checks.hypotheses(best)
+            notes += self.suspected(best)
         grown = [] if coarse or status != "done" else beyond_solver(best.problem, best.u)
         notes += grown
         try:
@@ -181,6 +183,22 @@ class Fitting:
         if not self.held:
             result.notes.append("no recording is held out (hold_out = true): the errors are those of the fit itself")
         return result
+
+    def suspected(self, best: BestPoint) -> list[str]:
+        """What may be wrong with the recordings that are not followed."""
+        lacking = gaps.unknown(best.problem, best.u)
+        return lacking or sensors.tried(best) or checks.hypotheses(self.unbroken(best))
+
+    def unbroken(self, best: BestPoint) -> MachineProblem:
+        """The problem of whole recordings, where nobody asked for stretches: what one that errs does to all that follows
+        shows which it is."""
+        if not best.windowed or any(r.window for _, r in self.fitted):
+            return best.problem
+        sought = [c for c in best.problem.sought if not c.nuisance]
+        runs, own = prepared(
+            self.scenario, self.fitted, {c.name for c in sought} | {p for c in sought for p in c.targets}
+        )
+        return replace(best.problem, runs=runs, sought=[*sought, *own], noise=dict(best.problem.noise), tied=False)
 
     def errors(self, best: BestPoint, values: dict[str, float]) -> list[LogResult]:
         """Each recording against what the numbers make of it."""

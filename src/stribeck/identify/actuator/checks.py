@@ -8,17 +8,15 @@ from itertools import chain
 
 import numpy as np
 
-from stribeck.arrays import Array
+from stribeck.identify.actuator.bridges import GAP
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.estimate import POOR, BestPoint, leftovers
-from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
+from stribeck.identify.actuator.estimate import POOR, leftovers
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
 
-_GAP = 1.6  # sample times: a longer one lacks a sample
 _SHORT = 0.7  # of the others' length
 _TAIL = 0.02
 _FACTORS = {
@@ -26,8 +24,6 @@ _FACTORS = {
     1e3: "thousands", np.pi / 30: "revolutions per minute", 2 * np.pi: "revolutions",
 }  # fmt: skip
 _LIKE = 0.1  # of a factor: how near a measured one is taken for it
-_SURE = 4.5  # deviations
-_MATTERS = 0.02  # of a column's remaining error
 _CLOCK = 0.05
 _RECORDED = 8  # values of a signal: fewer were not recorded
 _STEPS, _ROUGHLY = 10, 1e-3  # of a search that only asks whether a recording can be followed
@@ -53,14 +49,14 @@ def before(logs: Logs, scenario: Scenario) -> list[str]:
 def _gaps(r: Recording) -> list[str]:
     gaps = np.diff(r.t)
     step = float(np.median(gaps))
-    long = gaps > _GAP * step
+    long = gaps > GAP * step
     if not long.any():
         return []
     missing = int(np.sum(np.rint(gaps[long] / step) - 1))
     at = float(r.t[:-1][long][0])
     return [
         f"{r.file}: {missing} samples are missing in {int(long.sum())} gaps (first after {at:.4g} s, longest "
-        f"{gaps.max():.3g} s); inputs go straight across them, and nothing is compared there"
+        f"{gaps.max():.3g} s); inputs cross them smoothly, and nothing is compared there"
     ]
 
 
@@ -122,12 +118,11 @@ def _alone(whole: MachineProblem, run: RecordedRun) -> tuple[float, list[Machine
     return _worst(MachineProblem([run], sought, whole.noise), None), sought
 
 
-def hypotheses(best: BestPoint) -> list[str]:
+def hypotheses(whole: MachineProblem) -> list[str]:
     """What would let the machine follow its recordings: a column in other units, of the other sign, of another clock.
 
     Each recording is tried by itself: where one alone cannot be followed, it is that one whose columns are looked at.
     """
-    whole = best.problem
     shortest: dict[int, RecordedRun] = {}
     for each in whole.runs:
         if each.log not in shortest or each.scenario.end < shortest[each.log].scenario.end:
@@ -210,60 +205,3 @@ def _worst(problem: MachineProblem, starts: int | None) -> float:
     """The largest share that is left of a column's changes."""
     found = search(problem, starts or 4, 0, steps=_STEPS, small=_ROUGHLY)
     return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values())
-
-
-def after(best: BestPoint, s: Spread) -> list[str]:
-    """Sensors' delays, clocks, gains and offsets that are not sought, but that the residuals show."""
-    problem, u = best.problem, best.u
-    r = problem.residuals(u[None])[0]
-    sought = {c.output for c in problem.sought}
-    told = []
-    for column in problem.noise:
-        extra = _sensor(problem, u, column)
-        for what, slopes in extra.items():
-            if (column, what) in sought:
-                continue
-            J = np.column_stack([s.J, slopes])
-            size = float(slopes @ slopes)
-            if size <= 0:
-                continue
-            covariance = inverse(J)
-            move = -(covariance @ (J.T @ r))
-            value, left = float(move[-1]), r + J @ move  # what is left with it
-            lags, _, _ = remembered(problem, left)
-            wide = float(
-                np.sqrt(max((covariance @ scores(problem, left, J, lags) @ covariance)[-1, -1], covariance[-1, -1]))
-            )
-            fall = 1 - float(left @ left) / float(r @ r)
-            if abs(value) > _SURE * wide and fall > _MATTERS:
-                told.append(
-                    (fall, f"{column}: {_words(what, value, wide)}; seek outputs.{column}.{what} if that can be")
-                )
-    told.sort(reverse=True)
-    return [text for _, text in told[:1]]  # the others may be its shadows
-
-
-def _words(what: str, value: float, wide: float) -> str:
-    said = f"{abs(value):.3g} +- {2 * wide:.2g}"
-    if what == "clock":
-        return f"its clock drifts from that of the drive, by {said} s in a second"
-    if what == "delay":
-        return f"it comes {said} s {'late' if value > 0 else 'early'}"
-    return f"its {what} seems to be {value:+.3g} +- {2 * wide:.2g} off"
-
-
-def _sensor(problem: MachineProblem, u: Array, column: str) -> dict[str, Array]:
-    """The slopes of the residuals by a column's delay, clock, gain and offset."""
-    found = {what: np.zeros(problem.size) for what in ("clock", "delay", "gain", "offset")}
-    for k, run in enumerate(problem.runs):
-        at, begin = int(problem.first[k]), float(run.piece) if run.piece else 0.0
-        for target, x in zip(run.targets, problem.predicted(run, k, u[None]), strict=True):
-            if target.column == column and len(target.t) > 2:
-                rows, noise = slice(at, at + len(target.t)), problem.noise[column]
-                rate = np.gradient(x[0], target.t)
-                found["delay"][rows] = -rate / noise
-                found["clock"][rows] = -rate * (target.t + begin) / noise
-                found["gain"][rows] = x[0] / noise
-                found["offset"][rows] = 1 / noise
-            at += len(target.t)
-    return found

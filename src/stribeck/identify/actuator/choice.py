@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -91,7 +91,7 @@ def with_laws(
 
 
 def _constants(
-    path: str, old: Mapping[str, Any], law: type[Law], sought: Sequence[MachineCoordinate], speed: float
+    path: str, old: Mapping[str, object], law: type[Law], sought: Sequence[MachineCoordinate], speed: float
 ) -> tuple[dict[str, object], list[MachineCoordinate]]:
     """Values for the constants that a law has beside the old one's, and coordinates for those that matter."""
     parameters = old.get("parameters", {})
@@ -261,5 +261,5 @@ def without_contacts(fit: Fitting, contacts: Sequence[str]) -> tuple[Scenario, l
     }
     sought = [
         c for c in fit.sought if not any(p.startswith(tuple(f"contacts.{n}." for n in contacts)) for p in c.targets)
-    ]  # fmt: skip
+    ]
     return Scenario(data, folder=fit.scenario.folder), [replace(c) for c in sought]

@@ -178,6 +178,7 @@ def estimate(
     noise, given = first_noise([r for _, r in recordings])
     asked = any(r.window for _, r in recordings)
     notes: list[str] = []
+    starts = starts if sought else 1  # the machine without friction may have nothing that is sought
     begin, many = dict(first or {}), starts > 1
     loose = _loosened(scenario)
     agreeing, others = 0, list[dict[str, float]]()

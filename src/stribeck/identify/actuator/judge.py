@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator import advise, checks
+from stribeck.identify.actuator import advise, gaps, sensors
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles, spread
@@ -37,14 +37,16 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
     problem = best.problem
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     if not trusted:
-        why = "no interval: the fit was stopped, or does not follow the recordings"
-        blank = {
-            c.name: Parameter(c.outer(best.u[i]), None, None, unit(scenario, c), "not judged", why)
-            for i, c in enumerate(problem.sought) if not c.nuisance
-        }  # fmt: skip
-        return JudgedParameters(best, blank)
+        return _blank(best, scenario, "no interval: the fit was stopped, or does not follow the recordings", [])
     for _ in range(_AGAIN):
         s = spread(problem, best.u)
+        if lacking := gaps.unknown(problem, best.u, s):
+            return _blank(best, scenario, "no interval: samples of the inputs are missing (see the notes)", lacking)
+        told_of, moves = sensors.seen(best, s)
+        if moves:
+            return _blank(
+                best, scenario, "no interval: a sensor errs by what would move the numbers (see the notes)", told_of
+            )
         ends = profiles(problem, best.u, s, asked)
         lower = next((e.lower for e in ends.values() if e.lower is not None), None)
         if lower is None:
@@ -61,8 +63,17 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
     result = JudgedParameters(
         best, found, told, ([names[k] for k in asked], relation), _widened(s, problem.sought, asked)
     )
-    result.notes += checks.after(best, s)
+    result.notes += told_of
     return result
+
+
+def _blank(best: BestPoint, scenario: Scenario, why: str, notes: list[str]) -> JudgedParameters:
+    """The parameters without intervals."""
+    found = {
+        c.name: Parameter(c.outer(best.u[i]), None, None, unit(scenario, c), "not judged", why)
+        for i, c in enumerate(best.problem.sought) if not c.nuisance
+    }  # fmt: skip
+    return JudgedParameters(best, found, notes=notes)
 
 
 def _parameter(best: BestPoint, scenario: Scenario, s: Spread, k: int, ends: Ends) -> Parameter:

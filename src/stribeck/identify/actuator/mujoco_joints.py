@@ -22,6 +22,8 @@ from stribeck.scenario import Scenario
 if TYPE_CHECKING:
     from stribeck.identify.actuator.result import MachineFit
 
+MuJoCo = Any  # its modules, models and data: it has no types
+
 _STEEP = 500.0  # the smooth sign is complete at this share of the speeds
 _ROOM = 1e-4  # of the largest torque: the least friction that is looked for
 _EVEN = 0.01  # of a step: how far samples may be off an even grid
@@ -66,7 +68,7 @@ class Joint:
 
 
 def from_mujoco(
-    model: Any, log: Any, *, positions: Mapping[str, str] | None = None, torques: Mapping[str, str] | None = None,
+    model: MuJoCo, log: Any, *, positions: Mapping[str, str] | None = None, torques: Mapping[str, str] | None = None,
     time: str = "t", cutoff: float | None = None, window: float = 1.0, hold_out: Sequence[int] = (),
 ) -> dict[str, Joint]:  # fmt: skip
     """Each joint of a MuJoCo model whose torque was recorded, as a machine of one body with its recordings.
@@ -102,7 +104,7 @@ def from_mujoco(
     return {name: _joint(name, found, window, hold_out) for name in driven}
 
 
-def _model(mujoco: Any, model: Any) -> Any:
+def _model(mujoco: MuJoCo, model: MuJoCo) -> MuJoCo:
     """The model without friction, contacts and limits: a copy."""
     import copy
 
@@ -125,7 +127,7 @@ class _Motion:
     """One recording: the joints' positions, their torques, and what inverse dynamics say of each."""
 
     def __init__(
-        self, mujoco: Any, model: Any, data: Any, number: int, time: str, positions: Mapping[str, str],
+        self, mujoco: MuJoCo, model: MuJoCo, data: MuJoCo, number: int, time: str, positions: Mapping[str, str],
         torques: Mapping[str, str], cutoff: float | None,
     ) -> None:  # fmt: skip
         self.file = f"log {number}" if is_table(data) else Path(data).name
@@ -153,7 +155,7 @@ class _Motion:
         self.inertia: dict[str, Array] = {}
         self._invert(mujoco, model, cutoff)
 
-    def _invert(self, mujoco: Any, model: Any, cutoff: float | None) -> None:
+    def _invert(self, mujoco: MuJoCo, model: MuJoCo, cutoff: float | None) -> None:
         """Speeds, accelerations, and each joint's own inertia and rigid-body torque."""
         step = float(np.median(np.diff(self.t)))
         rows = np.stack([self.t, *self.position.values(), *self.torque.values()])

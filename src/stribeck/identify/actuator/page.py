@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import tomli_w
 
+from stribeck.arrays import Array
 from stribeck.files import finite, seen_from, write_text
 from stribeck.identify.actuator.intervals import THRESHOLD
 from stribeck.identify.actuator.result import LogResult, MachineFit, Parameter
@@ -16,6 +17,9 @@ from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.report.plots import figure, finish, legend, line, style, thin
 from stribeck.scenario.moved import moved
 from stribeck.version import __version__
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 _ZOOM = 0.15  # of a recording: the part shown larger
 _PROFILES = 12
@@ -61,7 +65,11 @@ def report(fit: MachineFit, command: str, title: str) -> str:
     chapters = [_numbers(fit), _errors(fit), *_others(fit), *[_log(log, i) for i, log in enumerate(fit.logs)]]
     chapters += [*_profiles(fit), *_relation(fit), _paste(fit)]
     return html(
-        title, about, [first, second if fit.status == "done" else "No intervals are given.", *fit.notes], chapters
+        title,
+        about,
+        [first, second if fit.status == "done" else "No intervals are given.", *fit.notes],
+        chapters,
+        command,
     )
 
 
@@ -135,7 +143,7 @@ def _log(log: LogResult, i: int) -> Chapter:
     return Chapter(f"log{i}", f"{log.file}{' (held out)' if log.held_out else ''}", [], [], [drawn])
 
 
-def _zoom(t: Any, x: Any) -> slice:
+def _zoom(t: Array, x: Array) -> slice:
     """The part of a record in which most happens."""
     width = max(int(_ZOOM * len(t)), 2)
     busy = np.abs(np.diff(np.diff(x), prepend=0.0))
@@ -162,7 +170,7 @@ def _profiles(fit: MachineFit) -> list[Chapter]:
     return [Chapter("profiles", "Profiles", text, [], [drawn])]
 
 
-def _profile(axis: Any, name: str, p: Parameter) -> None:
+def _profile(axis: Axes, name: str, p: Parameter) -> None:
     x, rise = np.array(p.profile).T
     axis.plot(x, rise, "o-", color="#0072B2", markersize=2.5)
     near = x[rise < _HIGHEST]

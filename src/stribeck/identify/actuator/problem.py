@@ -187,7 +187,7 @@ class MachineProblem:
         all_ = np.repeat(U, n + 1, axis=0).reshape(len(U), n + 1, n)
         for i in range(n):
             all_[:, i + 1, i] += side[:, i] * step[i]
-        found = self.residuals(all_.reshape(-1, n)).reshape(len(U), n + 1, -1)
+        found = self.residuals(all_.reshape(len(U) * (n + 1), n)).reshape(len(U), n + 1, -1)
         J = np.empty((len(U), self.size, n))
         for i in range(n):
             J[:, :, i] = (found[:, i + 1] - found[:, 0]) / (side[:, i] * step[i])[:, None]

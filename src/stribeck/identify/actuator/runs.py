@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from stribeck.arrays import Array
 from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
+from stribeck.identify.actuator.bridges import bridged
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.simulation import compiler, lanes
@@ -47,6 +48,8 @@ class RecordedRun:
     start: dict[str, float] = field(default_factory=dict)  # initial values that differ from the file's
     held_out: bool = False
     shift: dict[str, float] = field(default_factory=dict)  # what is added to other states where a stretch begins
+    otherwise: Scenario | None = None  # with gaps of the inputs crossed in the other way
+    doubt: float = 0.0  # how far inputs may be off in gaps, by how far they are otherwise
 
     @property
     def size(self) -> int:
@@ -149,8 +152,11 @@ def recorded_run(
     begin, end = span or (0.0, float(recording.t[-1]))
     changes: dict[str, object] = dict(recording.known)
     problems = []
+    otherwise, doubt = dict[str, object](), 0.0
     for path, channel in recording.inputs.items():
-        changes[path] = signal(scenario, path, channel, begin, end)
+        changes[path], own = signal(scenario, path, channel, begin, end)
+        if own > 0:
+            otherwise[path], doubt = signal(scenario, path, channel, begin, end, True)[0], max(doubt, own)
     if begin > 0:
         changes |= _signals_later(scenario, recording, begin)
     known = [c.name for c in scenario.rig.machine.columns]
@@ -176,7 +182,9 @@ def recorded_run(
         raise InputError([f"log.{log} ({recording.file}): {line}" for line in error.problems]) from None
     targets = [Compared(n, c.t, c.x) for n, c in rows_of(recording, begin, min(end, new.end + begin)).items()]
     piece = None if span is None else f"{begin:g}"
-    return RecordedRun(recording.file, log, piece, new, [x for x in targets if len(x.t)], {}, recording.hold_out)
+    there = [x for x in targets if len(x.t)]
+    other = new.with_changes(otherwise) if otherwise else None
+    return RecordedRun(recording.file, log, piece, new, there, {}, recording.hold_out, {}, other, doubt)
 
 
 def _step(recording: Recording) -> float:
@@ -191,17 +199,21 @@ def _step(recording: Recording) -> float:
     return step / 2
 
 
-def signal(scenario: Scenario, path: str, channel: Channel, begin: float, end: float) -> dict[str, object]:
-    """What was recorded as a signal of the machine, from ``begin`` on."""
+def signal(
+    scenario: Scenario, path: str, channel: Channel, begin: float, end: float, other: bool = False
+) -> tuple[dict[str, object], float]:
+    """What was recorded as a signal of the machine, from ``begin`` on; and how far it may be off in gaps, by how far
+    the ``other`` way to cross them is from it."""
     good = np.isfinite(channel.x) & np.isfinite(channel.t)
     t, x = channel.t[good], channel.x[good]
+    t, keep = np.unique(t, return_index=True)
+    whole = bridged(t, x[keep], other)
+    t, x = whole.t, whole.x
     first = max(int(np.searchsorted(t, begin, side="right")) - 1, 0)
     last = min(int(np.searchsorted(t, end)) + 1, len(t))
-    t, x = t[first:last] - begin, x[first:last]
     table = _at(scenario, path.rpartition(".")[0])
     kind = "spline" if isinstance(table, dict) and "feedforward" in table else "points"
-    t, keep = np.unique(t, return_index=True)
-    return {"kind": kind, "t": t.tolist(), "value": x[keep].tolist()}
+    return {"kind": kind, "t": (t[first:last] - begin).tolist(), "value": x[first:last].tolist()}, whole.doubt
 
 
 def later(signal: object, by: float) -> dict[str, object] | None:

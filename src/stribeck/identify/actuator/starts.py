@@ -47,7 +47,11 @@ def begun(
     told: set[str] = set()
     for column, channel in recording.outputs.items():
         name, _, what = column.rpartition(".")
-        if what != "y" or not _free(scenario, name) or f"outputs.{column}.offset" in named:
+        if (
+            what != "y"
+            or not _free(scenario, name)
+            or {f"outputs.{column}.offset", f"log.{log}.outputs.{column}.offset"} & named
+        ):
             continue
         moves = {b: f for b, f in scenario.rig.carried(name).items() if b not in told}
         told |= set(moves)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
 from stribeck.arrays import Array
+from stribeck.identify.details import FileLevel
 from stribeck.identify.methods.static_start import StaticModel
 from stribeck.identify.models.columns import column
 from stribeck.identify.models.separable import Minimum, Separable
@@ -22,7 +22,7 @@ _NORMAL = 1.96
 _FEWEST_ROWS = 30
 
 
-def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[dict[str, object]]:
+def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[FileLevel]:
     """The level F_c of each file on its own, and as the law predicts it from the others, with 95 % intervals.
 
     All files share the rest of the model: a pressure's area, the offset, viscous friction. What the levels scatter by about
@@ -38,10 +38,10 @@ def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[dict[str, 
     there = [k for k in range(len(files)) if int(np.sum(part == k)) >= _FEWEST_ROWS]
     own, spread = _own(whole, solution.values, part, there)
     varying = [n for n in whole.terms if TERMS[n].level]
-    found: list[dict[str, object]] = []
+    found: list[FileLevel] = []
     for i, k in enumerate(there):
         means = {n: float(np.mean(column(n, log)[of_row == k])) for n in varying}
-        row: dict[str, object] = {
+        row: FileLevel = {
             "file": files[k],
             "level": float(own[i]),
             "at": means,
@@ -54,7 +54,7 @@ def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[dict[str, 
     return found
 
 
-def _with_intervals(found: list[dict[str, Any]], spread: Array, numbers: int) -> None:
+def _with_intervals(found: list[FileLevel], spread: Array, numbers: int) -> None:
     """Ends of each level: its own spread, and the scatter of all levels about what the others predict."""
     missed = np.array([r["level"] - r["predicted"] for r in found if "predicted" in r])
     free = len(missed) - numbers
@@ -107,9 +107,7 @@ def _in_blocks(sign: Array, missed: Array, w: Array) -> float:
     return float(np.sqrt(BLOCKS / (BLOCKS - 1) * np.sum(scores**2)) / max(float(s @ s), 1e-300))
 
 
-def _predicted(
-    whole: Separable, solution: Minimum, out: NDArray[np.bool_], means: Mapping[str, float]
-) -> dict[str, float]:
+def _predicted(whole: Separable, solution: Minimum, out: NDArray[np.bool_], means: Mapping[str, float]) -> FileLevel:
     """The level that the fit to the other files gives for this one, at the same shape of the curve."""
     from stribeck.identify.statistics.static_intervals import linearised
 

@@ -60,7 +60,7 @@ class Solved:
 
 def solve_blocks(
     problem: Blocks, start: Array, tolerance: float, evaluations: int, held: Collection[int] = ()
-) -> Solved:  # fmt: skip
+) -> Solved:
     """The point of least squares that is reached from a start, within the bounds.
 
     Args:

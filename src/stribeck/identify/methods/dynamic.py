@@ -120,7 +120,7 @@ def cross_validated(problem: VelocityProblem, point: Array, log: Log, folds: int
 
 def judged_of(
     problem: Problem, optimum: Optimum, log: Log, profiles: bool, noise: Noise, work: Work
-) -> uncertainty.ConfidenceIntervals:  # fmt: skip
+) -> uncertainty.ConfidenceIntervals:
     """What is known at an optimum; the bare values where Ctrl-C comes before that is clear."""
     try:
         return uncertainty.judge(problem, optimum.point, log, profiles, noise, work)

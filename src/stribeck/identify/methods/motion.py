@@ -10,6 +10,7 @@ from threadpoolctl import threadpool_limits
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, StribeckError, arg
+from stribeck.identify.details import FitDetails
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_of, judged_of
 from stribeck.identify.methods.horizons import first_values, follow
@@ -242,7 +243,7 @@ class _Search:
         assert misfit is not None
         unit = "m" if self.output == "position" else "m/s"
         missed = f"the {self.output} is missed by {np.sqrt(np.mean(misfit**2)):.3g} {unit} rms"
-        details = {
+        details: FitDetails = {
             **found.details,
             "output": self.output,
             "output_error": float(np.linalg.norm(misfit) / np.linalg.norm(problem.measured)),
@@ -252,7 +253,7 @@ class _Search:
         return replace(found, details=details, notes=(note, *found.notes))
 
 
-def _trace(problem: MotionProblem | RigProblem, u: Array, output: str) -> dict[str, object]:
+def _trace(problem: MotionProblem | RigProblem, u: Array, output: str) -> dict[str, Array]:
     """The measured and the simulated output, row by row."""
     log = problem.log
     measured = raw(log, output)

@@ -14,6 +14,7 @@ import numpy as np
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
+from stribeck.identify.details import MeasuredLoop
 from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log
@@ -179,7 +180,7 @@ def _without(law: type[laws.Law], log: Log, sizes: Sizes, given: dict[str, float
     )  # fmt: skip
 
 
-def _shown(fit: Fit, cut: Log) -> list[dict[str, object]]:
+def _shown(fit: Fit, cut: Log) -> list[MeasuredLoop]:
     """Measured and fitted loops for the report."""
     p = fit.prediction
     assert p is not None

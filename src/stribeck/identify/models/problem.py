@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import SimpleNamespace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -227,7 +227,7 @@ class Problem(ABC):
                 ends[free] = c.rows.stop
         return lanes + shared
 
-    def describe(self, u: Array) -> dict[str, Any]:
+    def describe(self, u: Array) -> dict[str, float]:
         """Values that belong to the machine, by name."""
         names = {c.name for c in self.coordinates if c.nuisance}
         return {name: value for name, value in self.values(u).items() if name not in names}

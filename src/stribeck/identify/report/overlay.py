@@ -11,6 +11,7 @@ from stribeck.arrays import Array
 from stribeck.files import write_text
 from stribeck.report import plots
 from stribeck.report.page import Chapter, FigureSvg, Table, html
+from stribeck.report.quantities import Quantity, scale
 from stribeck.version import __version__
 
 _ZOOM = 0.1  # of the record
@@ -34,12 +35,17 @@ def figure(
             layout = [[row] for label in traces for row in (label, f"{label} residual")]
             made, axes = plots.figure(layout, 1.7 * len(layout) + 0.4)
             for label, (unit, measured, other) in traces.items():
+                of_y, of_r = (
+                    scale([Quantity(of, unit, "", x[rows]) for x in shown])
+                    for of, shown in ((label, (measured, other)), ("residual", (measured - other,)))
+                )
                 for i, x, word in ((2, measured, words[0]), (1, other, words[1])):
-                    plots.line(axes[label], i, *plots.thin(time[rows], x[rows]), word, linewidth=0.9)
-                axes[label].set_ylabel(f"{label} ({unit})")
+                    plots.line(axes[label], i, *plots.thin(time[rows], of_y.of(x[rows])), word, linewidth=0.9)
+                axes[label].set_ylabel(of_y.label)
                 left = axes[f"{label} residual"]
-                left.plot(*plots.thin(time[rows], (measured - other)[rows]), color=plots.COLOURS[2], linewidth=0.7)
-                left.set_ylabel(f"residual ({unit})")
+                rest = of_r.of((measured - other)[rows])
+                left.plot(*plots.thin(time[rows], rest), color=plots.COLOURS[2], linewidth=0.7)
+                left.set_ylabel(of_r.label)
             axes[layout[-1][0]].set_xlabel("t (s)")
             plots.legend(made, axes[next(iter(traces))])
             text = "The whole record" if not part else "The tenth of it in which they differ most"
@@ -58,7 +64,7 @@ def write_overlay(
     ]
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / name
-    write_text(path, html(title, f"Stribeck {__version__}, {command}", introduction, chapters))
+    write_text(path, html(title, f"Stribeck {__version__}, {command}", introduction, chapters, command))
     return str(path)
 
 

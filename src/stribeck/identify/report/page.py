@@ -170,7 +170,7 @@ def _levels(fit: Fit) -> list[Chapter]:
 
 
 def _loops(fit: Fit) -> list[Chapter]:
-    loops: Sequence[object] = fit.details.get("loops", ())
+    loops = fit.details.get("loops", ())
     if not len(loops):
         return []
     text = ["Small reversals, in which the contact mostly holds, measured and as simulated along the measured motion."]

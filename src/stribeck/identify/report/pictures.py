@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from stribeck.arrays import Array
+from stribeck.identify.details import FileLevel, MeasuredLoop
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.report.traces import inner_rows
@@ -103,7 +103,7 @@ def curve(fit: Fit, log: Log) -> FigureSvg:
         return plots.finish(made, "curve", "Measured friction and the fitted law at held speeds.")
 
 
-def levels(rows: Sequence[Any]) -> FigureSvg:
+def levels(rows: Sequence[FileLevel]) -> FigureSvg:
     """The friction level of each file against what it depends on."""
     name = next(iter(rows[0]["at"]))
     role = name.removeprefix("F_c_by_")
@@ -112,18 +112,16 @@ def levels(rows: Sequence[Any]) -> FigureSvg:
     with plots.style():
         made, axes = plots.figure([["levels"]], 3.0)
         axis = axes["levels"]
-        kinds = (
-            ("level", "low", "high", "its own", 0, 0.0),
-            ("predicted", "predicted_low", "predicted_high", "predicted", 1, 0.01),
-        )
-        for key, low, high, label, colour, aside in kinds:
-            if key in rows[0]:
-                y = np.array([r[key] for r in rows])
-                bars = np.array([[r[key] - r[low] for r in rows], [r[high] - r[key] for r in rows]])
-                where = x + aside * float(np.ptp(x))
-                axis.errorbar(
-                    where, y, bars, fmt="os"[colour], color=plots.COLOURS[colour], label=label, capsize=3, markersize=4
-                )
+        kinds = [("its own", [(r["low"], r["level"], r["high"]) for r in rows])]
+        if "predicted" in rows[0]:
+            others = [(r["predicted_low"], r["predicted"], r["predicted_high"]) for r in rows]
+            kinds.append(("predicted", others))
+        for i, (label, numbers) in enumerate(kinds):
+            low, y, high = np.array(numbers).T
+            where = x + 0.01 * i * float(np.ptp(x))
+            axis.errorbar(
+                where, y, [y - low, high - y], fmt="os"[i], color=plots.COLOURS[i], label=label, capsize=3, markersize=4
+            )
         axis.set_xlabel(f"{role} ({unit})")
         axis.set_ylabel("F_c (N)")
         plots.legend(made, axis)
@@ -132,7 +130,7 @@ def levels(rows: Sequence[Any]) -> FigureSvg:
         )
 
 
-def loops(found: Sequence[Any]) -> FigureSvg:
+def loops(found: Sequence[MeasuredLoop]) -> FigureSvg:
     """The longest hysteresis loops, measured and fitted."""
     chosen = sorted(found, key=lambda loop: -float(np.ptp(loop["position"])))[:_LOOPS]
     with plots.style():

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +21,7 @@ _EDGE = 1.2  # periods of the filter's cut-off: what its ends spoil
 _UNITS = {"position": "m", "velocity": "m/s", "friction": "N"}
 
 
-def trace(fit: Fit) -> tuple[str, Mapping[str, Any]] | None:
+def trace(fit: Fit) -> tuple[str, Mapping[str, Array]] | None:
     """The name of what was fitted and its columns, or None."""
     if "output_trace" in fit.details:
         return str(fit.details["output"]), fit.details["output_trace"]

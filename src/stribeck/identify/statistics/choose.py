@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, TypedDict
+from typing import TypedDict
 
 import numpy as np
 
 from stribeck import laws
 from stribeck.errors import InputError, StribeckError, arg
+from stribeck.identify.details import AddedTerm, Candidate, FitDetails
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, settle
 from stribeck.identify.models import terms
@@ -69,7 +70,7 @@ class Choice:
             for name, fit in self.fits.items()
         ]  # fmt: skip
 
-    def to_json(self) -> dict[str, Any]:
+    def to_json(self) -> dict[str, object]:
         """The picked law's fit, with the table."""
         return {**self.best.to_json(), "laws": self.table(), "reason": self.reason, "failed": self.failed}
 
@@ -145,7 +146,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
         raise InputError([f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()])
     start = min(plain, key=lambda n: plain[n].left_out.error)
     best, steps = _forward(rows, start, plain[start], tell, steepness=False)
-    wider: dict[str, tuple[Settled, list[dict[str, object]]]] = {start: (best, steps)}
+    wider: dict[str, tuple[Settled, list[AddedTerm]]] = {start: (best, steps)}
     for law, narrow in plain.items():
         if law != start and narrow.setting.body != best.setting.body:
             try:
@@ -160,7 +161,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
     for name, each in settled.items():
         law = name.removesuffix(", selected")
         fit = finished(rows, each, profiles=name == picked)
-        details = {**fit.details, "candidates": [*plainer, _row("this fit", each)]}
+        details: FitDetails = {**fit.details, "candidates": [*plainer, _row("this fit", each)]}
         if name != law:
             details["selection"] = wider[law][1]
         fits[name] = replace(fit, details=details)
@@ -171,7 +172,7 @@ def _differs(one: Settled, other: Settled) -> bool:
     return (tuple(one.setting.body), one.setting.free) != (tuple(other.setting.body), other.setting.free)
 
 
-def baselines(rows: Rows, setting: Setting) -> list[dict[str, Any]]:
+def baselines(rows: Rows, setting: Setting) -> list[Candidate]:
     """What least squares and a tanh-Stribeck curve come to on the same parts, with the asked-for terms only."""
     found = []
     for name, law in BASELINES.items():
@@ -189,10 +190,12 @@ def baselines(rows: Rows, setting: Setting) -> list[dict[str, Any]]:
     return found
 
 
-def _row(name: str, at: Settled) -> dict[str, object]:
-    told = {**_step("", at), "name": name, "numbers": at.left_out.parameters, "law": at.model.law.name}
-    del told["added"]
-    return {**told, "values": _numbers(at)}
+def _row(name: str, at: Settled) -> Candidate:
+    errors = _step("", at)
+    return {
+        "name": name, "law": at.model.law.name, "numbers": at.left_out.parameters, "values": _numbers(at),
+        "cross_validated_error": errors["cross_validated_error"], "relative_force_error": errors["relative_force_error"],
+    }  # fmt: skip
 
 
 def _numbers(at: Settled) -> dict[str, float]:
@@ -201,7 +204,7 @@ def _numbers(at: Settled) -> dict[str, float]:
 
 def _forward(
     rows: Rows, law: str, best: Settled, tell: Callable[[float], None] | None, steepness: bool = True
-) -> tuple[Settled, list[dict[str, object]]]:
+) -> tuple[Settled, list[AddedTerm]]:
     steps = [_step("(as asked)", best)]
     while True:
         trials: dict[str, Settled] = {}
@@ -271,7 +274,7 @@ def _for_law(setting: Setting, law: str) -> Setting:
     return replace(setting, fixed={n: v for n, v in setting.fixed.items() if n in own or n in TERMS}, free=None)
 
 
-def _step(name: str, at: Settled) -> dict[str, object]:
+def _step(name: str, at: Settled) -> AddedTerm:
     whole, w = at.model.whole, at.model.whole.weight > 0
     missed = (whole.force - whole.force_at(at.solution.values))[w]
     return {

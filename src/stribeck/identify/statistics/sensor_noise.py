@@ -38,7 +38,7 @@ def again_with_noise(problem: Problem, u: Array) -> tuple[Array, Array]:
 
 def _moved(
     problem: VelocityProblem, u: Array, measured: str, deviation: float, draw: np.random.Generator
-) -> Array | None:  # fmt: skip
+) -> Array | None:
     """The step of Gauss and Newton from the optimum to that with more noise."""
     log = problem.log
     assert log.bandwidth is not None

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
+from stribeck.identify.details import FitDetails
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.rest import held_force
@@ -46,7 +46,7 @@ class StaticConfidenceIntervals:
     covariance: Array
     profiles: dict[str, Profile]
     notes: tuple[str, ...]
-    details: dict[str, object]
+    details: FitDetails
 
 
 @dataclass(frozen=True)
@@ -139,9 +139,7 @@ def static_intervals(
     return StaticConfidenceIntervals(estimates, at.names, matrix, curves, tuple(notes), details)
 
 
-def _half_widths(
-    rows: Rows, model: StaticModel, solution: Minimum, at: Linear
-) -> tuple[Array, list[str], dict[str, Any]]:
+def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> tuple[Array, list[str], FitDetails]:
     """Half intervals (inner): the widest of noise with memory, parts of the record and bands of speed; and the filter's."""
     count = len(at.names)
     if not count:
@@ -175,7 +173,7 @@ def _half_widths(
         f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, bias, half, at.log, strict=True) if log and s > h
     ]:
         notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
-    details = {
+    details: FitDetails = {
         "intervals_over": parts.what,
         "misfit_share": share,
         "filter_bias": dict(zip(at.names, bias.tolist(), strict=True)),

@@ -8,12 +8,12 @@ minimum it agrees with it (Chandler and Bate, Biometrika 94(1):167-183, 2007).
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_toeplitz
 
 from stribeck.arrays import Array
+from stribeck.identify.details import SeenNoise
 from stribeck.identify.features.filtering import filter_bias, sampling
 from stribeck.identify.features.guess import Sizes, sizes_of
 from stribeck.identify.features.what_to_measure import experiment_for
@@ -72,7 +72,7 @@ class ConfidenceIntervals:
     covariance: Array
     profiles: dict[str, Profile]
     notes: tuple[str, ...]
-    noise: dict[str, Any]
+    noise: SeenNoise
 
 
 def judge(
@@ -226,9 +226,9 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     stretch = np.array([c.outer(u[k]) if c.log else c.scale for k, c in enumerate(problem.coordinates)])
     outer = (at.inner * np.outer(stretch, stretch))[np.ix_(at.own, at.own)]
     notes += widened(problem, estimates, bias, at.inner)
-    noise = {"standard_deviation": at.deviation, "memory": len(at.memory)}
+    seen: SeenNoise = {"standard_deviation": at.deviation, "memory": len(at.memory)}
     curves = {problem.coordinates[k].name: ends[k][2] for k in at.own if k in ends}
-    return ConfidenceIntervals(u, estimates, names, outer, curves, tuple(notes), noise)
+    return ConfidenceIntervals(u, estimates, names, outer, curves, tuple(notes), seen)
 
 
 def _at_optimum(

@@ -101,7 +101,7 @@ def presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -
 
 def effect(
     problem: Problem, name: str, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Sizes, noise: Noise
-) -> str:  # fmt: skip
+) -> str:
     """What the advised experiment would do to the 95 % interval, in words."""
     inverse = problem if isinstance(problem, VelocityProblem) else getattr(problem, "inverse", None)
     if inverse is None:

@@ -23,7 +23,7 @@ from stribeck.machine.parts import (
     MotorPart,
     SignalUse,
     Span,
-)  # fmt: skip
+)
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import tables as common
 from stribeck.scenario.law import LawReader, no_table, unknown

@@ -9,16 +9,16 @@ from typing import Any, TypeVar
 
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
+from stribeck.kinds import find_class
 from stribeck.laws.base import Law
 from stribeck.laws.form import Form
-from stribeck.laws.own import find_class
 from stribeck.machine import controllers
 from stribeck.machine.element import Element
 from stribeck.machine.links import LinkElement
 from stribeck.machine.parts import (
     DrivePart,
     SignalUse,
-)  # fmt: skip
+)
 from stribeck.scenario import tables as common
 from stribeck.scenario.law import kind_of_table, no_table
 from stribeck.scenario.machine import tables

@@ -1,0 +1,174 @@
+const copy = document.getElementById("copy");
+if (copy) {
+  copy.hidden = false;
+  copy.onclick = async () => {
+    try { await navigator.clipboard.writeText(copy.dataset.command); copy.textContent = "copied"; } catch { copy.textContent = copy.dataset.command; }
+  };
+}
+// Pictures: + and - or Ctrl and the wheel zoom where the pointer is, dragging moves, Escape or a double click shows all.
+for (const svg of document.querySelectorAll("figure svg[viewBox]")) {
+  const whole = svg.getAttribute("viewBox").split(/[ ,]+/).map(Number);
+  let box = [...whole], at = null;
+  const show = () => { svg.setAttribute("viewBox", box.join(" ")); svg.classList.toggle("zoomed", box[2] < whole[2] * 0.999); };
+  const all = () => { box = [...whole]; show(); };
+  const zoom = (factor, x, y) => {
+    const frame = svg.getBoundingClientRect(), wide = Math.min(whole[2], Math.max(whole[2] / 200, box[2] * factor)), share = wide / box[2];
+    const [u, v] = x === undefined ? [0.5, 0.5] : [(x - frame.left) / frame.width, (y - frame.top) / frame.height];
+    box = [box[0] + u * box[2] * (1 - share), box[1] + v * box[3] * (1 - share), wide, box[3] * share];
+    if (wide >= whole[2]) box = [...whole];
+    show();
+  };
+  svg.tabIndex = 0;
+  svg.addEventListener("wheel", (e) => { if (e.ctrlKey || e.metaKey) { e.preventDefault(); zoom(e.deltaY > 0 ? 1.25 : 0.8, e.clientX, e.clientY); } }, { passive: false });
+  svg.addEventListener("dblclick", (e) => (svg.classList.contains("zoomed") ? all() : zoom(0.33, e.clientX, e.clientY)));
+  svg.addEventListener("pointerdown", (e) => { if (svg.classList.contains("zoomed")) { at = [e.clientX, e.clientY]; svg.setPointerCapture(e.pointerId); } });
+  svg.addEventListener("pointermove", (e) => {
+    if (!at) return;
+    const frame = svg.getBoundingClientRect();
+    box[0] -= (e.clientX - at[0]) / frame.width * box[2]; box[1] -= (e.clientY - at[1]) / frame.height * box[3];
+    at = [e.clientX, e.clientY];
+    show();
+  });
+  svg.addEventListener("pointerup", () => { at = null; });
+  svg.addEventListener("keydown", (e) => { if (e.key === "+") zoom(0.8); else if (e.key === "-") zoom(1.25); else if (e.key === "Escape") all(); });
+  window.addEventListener("beforeprint", all);
+}
+const within = (a) => { const row = a?.closest("ol"); if (row && row.scrollWidth > row.clientWidth) row.scrollLeft = a.offsetLeft - row.offsetLeft - 20; };
+const links = new Map([...document.querySelectorAll("nav a")].map((a) => [a.hash.slice(1), a]));
+const seen = new IntersectionObserver((entries) => {
+  for (const { isIntersecting, target } of entries) if (isIntersecting) { for (const [id, a] of links) a.classList.toggle("here", id === target.id); within(links.get(target.id)); }
+}, { rootMargin: "0px 0px -70% 0px" });
+document.querySelectorAll("section").forEach((section) => seen.observe(section));
+
+// Values: the pointer, or the arrows left and right, read the curves of the panel where they are, off the drawing itself.
+const tip = document.body.appendChild(Object.assign(document.createElement("div"), { className: "tip", hidden: true }));
+tip.setAttribute("role", "status");
+const short = (v) => { const n = Number(v.toPrecision(4)), size = Math.abs(n); return (n && (size < 1e-3 || size >= 1e6) ? n.toExponential() : String(n)).replaceAll("-", "\u2212"); };
+const POWERS = { p: -12, n: -9, "\u00b5": -6, m: -3, "": 0, k: 3, M: 6, G: 9 };
+function united(value, unit) { // in the prefix that keeps the number short; no kilometres, kiloseconds
+  const [, prefix, base, rest] = /^([pn\u00b5mkMG]?)(m|s|N|J|V|Pa|rad|W|A|Hz)((?:[ /].*)?)$/.exec(unit) ?? [];
+  if (!base || !value) return `${short(value)}${unit ? ` ${unit}` : ""}`;
+  const si = value * 10 ** POWERS[prefix], known = Object.entries(POWERS).filter(([, power]) => power <= 0 || !["m", "s", "rad", "V"].includes(base)).reverse();
+  const [best, power] = known.find(([, p]) => Math.abs(si) >= 0.5 * 10 ** p) ?? known.at(-1);
+  return `${short(si / 10 ** power)} ${best}${base}${rest}`;
+}
+function valued(scale, share) {
+  const [a, b] = scale.ends;
+  if (scale.kind === "log") return a * (b / a) ** share;
+  if (scale.kind === "asinh") { const [p, q] = [Math.asinh(a / scale.width), Math.asinh(b / scale.width)]; return scale.width * Math.sinh(p + (q - p) * share); }
+  return a + (b - a) * share;
+}
+function drawn(scale, value) { // no finer than a drawing shows
+  if (!scale.ends) return value;
+  if (scale.kind) return Number(value.toPrecision(3));
+  const grain = 10 ** Math.floor(Math.log10(Math.abs(scale.ends[1] - scale.ends[0]) / 2000));
+  return Math.round(value / grain) * grain;
+}
+function said(scale, value, label = scale.label) {
+  const [, name, unit] = /^(.*?)(?: \(([^()]*)\))?(?:, .*)?$/.exec(label) ?? ["", label, ""];
+  const word = scale?.words?.reduce((p, q) => (Math.abs(q[0] - value) < Math.abs(p[0] - value) ? q : p))[1];
+  return `${name ? `${name} = ` : ""}${word ?? united(drawn(scale, value), unit ?? "")}`;
+}
+function points(element) { // of a line, null where it is interrupted; of single marks, each between interruptions
+  const line = [...element.querySelectorAll("path")].find((path) => !path.closest("defs"));
+  if (!line) return [...element.querySelectorAll("use")].flatMap((use) => [[Number(use.getAttribute("x")), Number(use.getAttribute("y"))], null]);
+  return [...(line.getAttribute("d") ?? "").matchAll(/([ML])\s*([-\d.e]+)[ ,]+([-\d.e]+)/g)].flatMap(([, kind, x, y]) => (kind === "M" ? [null, [Number(x), Number(y)]] : [[Number(x), Number(y)]]));
+}
+function read(svg) {
+  const panels = JSON.parse(svg.dataset.axes), known = new Map(), name = svg.dataset.name ?? svg.getAttribute("aria-label");
+  for (const panel of panels) { // panels that share an axis have its name once
+    panel.x.label ||= panels.find((p) => p.x.label && p.box[0] === panel.box[0] && String(p.x.ends) === String(panel.x.ends))?.x.label ?? "";
+    panel.y.label ||= panels.find((p) => p.y.label && p.box[1] === panel.box[1] && String(p.y.ends) === String(panel.y.ends))?.y.label ?? panel.title;
+  }
+  let at = null;
+  const mark = document.createElementNS("http://www.w3.org/2000/svg", "circle");
+  mark.setAttribute("class", "reading");
+  const curves = (panel) => {
+    if (!known.has(panel)) {
+      known.set(panel, panel.lines.flatMap(([id, label]) => {
+        const element = document.getElementById(`${name}-${id}`), all = element ? points(element) : [];
+        const real = all.filter(Boolean), rising = real.length > 2 && real.length === all.length - 1 && real.every((p, i) => !i || p[0] >= real[i - 1][0]);
+        const colour = element && getComputedStyle(element.querySelector("path:not(defs path), use") ?? element);
+        return label || (real.length > 2 && panel.lines.every((each) => !each[1])) ? [{ label, all, rising, colour: colour && (colour.stroke === "none" ? colour.fill : colour.stroke) }] : [];
+      }));
+    }
+    return known.get(panel);
+  };
+  const inside = ([x, y, wide, high], p) => p[0] >= x - 1 && p[0] <= x + wide + 1 && p[1] >= y - 1 && p[1] <= y + high + 1;
+  const value = (panel, which, p) => { const [x, y, wide, high] = panel.box; return valued(panel[which], which === "x" ? (p[0] - x) / wide : 1 - (p[1] - y) / high); };
+  const nearest = (curve, box, [x, y]) => {
+    let best = null;
+    const take = (p) => { const far = Math.hypot(p[0] - x, p[1] - y); if (inside(box, p) && (!best || far < best.far)) best = { p, far, curve }; };
+    curve.all.forEach((q, i) => {
+      if (!q) return;
+      const p = curve.all[i - 1];
+      if (!p) return take(q);
+      const [dx, dy] = [q[0] - p[0], q[1] - p[1]], long = dx * dx + dy * dy, s = long ? Math.min(1, Math.max(0, ((x - p[0]) * dx + (y - p[1]) * dy) / long)) : 0;
+      take([p[0] + s * dx, p[1] + s * dy]);
+    });
+    return best;
+  };
+  const crossing = (curve, box, x, y) => {
+    const found = curve.all.findIndex((p, i) => p && i && curve.all[i - 1] && curve.all[i - 1][0] <= x && p[0] >= x);
+    if (found < 0) return null;
+    const [p, q] = [curve.all[found - 1], curve.all[found]], s = q[0] > p[0] ? (x - p[0]) / (q[0] - p[0]) : 0, here = [x, p[1] + s * (q[1] - p[1])];
+    return inside(box, here) ? { p: here, far: Math.abs(here[1] - y), curve } : null;
+  };
+  const lines = (panel, p) => {
+    const own = curves(panel).flatMap((curve) => (curve.rising ? crossing(curve, panel.box, ...p) : nearest(curve, panel.box, p)) ?? []).sort((a, b) => a.far - b.far);
+    if (!own.length) return { words: [[said(panel.x, value(panel, "x", p))], [said(panel.y, value(panel, "y", p))]] };
+    const rows = own[0].curve.rising ? own.filter((each) => each.curve.rising).slice(0, 8) : own.slice(0, 1), many = curves(panel).length > 1;
+    const words = rows.map((each) => [many && each.curve.label ? `${each.curve.label}: ${said(panel.y, value(panel, "y", each.p)).split(" = ").pop()}` : said(panel.y, value(panel, "y", each.p)), many ? each.curve.colour : ""]);
+    return { words: [[said(panel.x, value(panel, "x", own[0].p))], ...words], mark: own[0] };
+  };
+  const show = (x, y) => {
+    const panel = panels.find((each) => inside(each.box, at)), place = panel?.cells && cellAt(panel, at);
+    if (!panel) return hide();
+    const found = place ? { words: [[said({}, place.x, panel.x.label)], [said({}, place.y, panel.y.label)], [place.value === null ? "nothing to show" : said({}, place.value, panel.title)]] } : lines(panel, at);
+    mark.remove();
+    if (found.mark) {
+      mark.setAttribute("cx", found.mark.p[0]); mark.setAttribute("cy", found.mark.p[1]); mark.setAttribute("r", 3);
+      mark.style.stroke = found.mark.curve.colour;
+      svg.append(mark);
+    }
+    tip.replaceChildren(...found.words.map(([text, colour]) => {
+      const row = Object.assign(document.createElement("div"), { textContent: text });
+      if (colour) row.style.borderLeft = `3px solid ${colour}`;
+      return row;
+    }));
+    tip.hidden = false;
+    tip.style.left = `${Math.max(4, Math.min(x + 14, innerWidth - tip.offsetWidth - 8))}px`;
+    tip.style.top = `${y + tip.offsetHeight + 24 > innerHeight ? y - tip.offsetHeight - 10 : y + 14}px`;
+  };
+  const hide = () => { tip.hidden = true; mark.remove(); };
+  const over = (e) => { const p = new DOMPoint(e.clientX, e.clientY).matrixTransform(svg.getScreenCTM().inverse()); at = [p.x, p.y]; show(e.clientX, e.clientY); };
+  svg.addEventListener("pointermove", over);
+  svg.addEventListener("pointerdown", over);
+  svg.addEventListener("pointerleave", (e) => { if (e.pointerType !== "touch") hide(); });
+  svg.addEventListener("blur", hide);
+  svg.addEventListener("keydown", (e) => {
+    if (e.key === "Escape") return hide();
+    const way = { ArrowLeft: -1, ArrowRight: 1 }[e.key];
+    if (!way) return;
+    e.preventDefault();
+    let k = at ? panels.findIndex((each) => inside(each.box, at)) : -1;
+    if (k < 0) { k = 0; at = [panels[0].box[0], panels[0].box[1] + panels[0].box[3] / 2]; }
+    at[0] += way * panels[k].box[2] / 50;
+    if (!inside(panels[k].box, at)) {
+      const [x, y, wide, high] = panels[(k + way + panels.length) % panels.length].box;
+      at = [way > 0 ? x : x + wide, y + high / 2];
+    }
+    const p = new DOMPoint(...at).matrixTransform(svg.getScreenCTM());
+    show(p.x, p.y);
+  });
+  window.addEventListener("beforeprint", hide);
+}
+function cellAt({ box: [x, y, wide, high], cells, ...panel }, p) { // of a map: where, which in its order, and its value
+  const find = (edges, value) => edges.findIndex((edge, i) => i && (value - edges[i - 1]) * (value - edge) <= 0) - 1;
+  const middle = (scale, [a, b]) => (scale.kind === "log" ? Math.sqrt(a * b) : (a + b) / 2);
+  const [i, j] = [find(cells.x, valued(panel.x, (p[0] - x) / wide)), find(cells.y, valued(panel.y, 1 - (p[1] - y) / high))];
+  if (i < 0 || j < 0) return null;
+  const n = j * (cells.x.length - 1) + i;
+  return { n, x: middle(panel.x, cells.x.slice(i, i + 2)), y: middle(panel.y, cells.y.slice(j, j + 2)), value: cells.values[n] };
+}
+document.querySelectorAll("figure svg[data-axes]").forEach(read);

@@ -1,0 +1,46 @@
+"""Inputs with missing samples: crossed as the samples around tell, and no interval where they do not."""
+
+import numpy as np
+import pytest
+
+from stribeck.identify.actuator import fit_machine
+from stribeck.identify.actuator.bridges import bridged
+from tests.identify.actuator.recorded import body, logs, record
+
+F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
+WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
+
+
+def without(begin, end):
+    return lambda table: {name: np.delete(x, slice(begin, end)) for name, x in table.items()}
+
+
+def test_a_gap_is_crossed_as_the_samples_around_tell():
+    t = np.linspace(0.0, 2.0, 401)
+    x = np.sin(20 * t)
+    some = np.r_[0:100, 108:401]
+    found = bridged(t[some], x[some])
+    straight = abs(np.interp(t, t[some], x[some]) - x).max()
+    assert abs(np.interp(t, found.t, found.x) - x).max() < 0.05 * straight
+    assert 0 < found.doubt < 0.1  # and it is known how well
+    rng = np.random.default_rng(0)
+    noise = rng.standard_normal(401)
+    assert bridged(t[some], noise[some]).doubt > 0.3
+    whole = bridged(t, x)
+    assert len(whole.t) == 401
+    assert whole.doubt == 0.0
+
+
+@pytest.mark.parametrize(("end", "sure"), [(122, True), (180, False)])
+def test_missing_samples_cost_no_truth(tmp_path, end, sure):
+    """One of two recordings is 2 or 60 samples short; across 60 nobody knows what drove it."""
+    record(tmp_path / "a.csv", body(amplitude=5.0, step=0.0025))
+    record(tmp_path / "b.csv", body(amplitude=4.0, step=0.0025), seed=1, change=without(120, end))
+    found = fit_machine(body(), logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=1, baselines=False)
+    verdicts = {p.verdict for p in found.parameters.values()}
+    assert verdicts == ({"found"} if sure else {"not judged"}), found.notes
+    if sure:
+        for name in (F_C, MASS):
+            assert found.parameters[name].low < 1.0 < found.parameters[name].high
+    else:
+        assert any("b.csv: samples of its inputs are missing" in note for note in found.notes)
