@@ -111,3 +111,28 @@ def test_a_machine_is_refused_in_a_line(stribeck, tmp_path):
     found = stribeck("validate", examples.path("belt"), "--log", tmp_path / "log.csv", "--time", "t", "--position", "y")
     assert (found.status, found.out) == (2, "")
     assert "is a machine; must be a law on a single body" in found.err
+
+
+@pytest.mark.parametrize(
+    ("part", "value", "told"),
+    [
+        ("values", {"F_c": "x"}, "values.F_c: must be"), ("values", {"F_c": [1]}, "values.F_c: must be"),
+        ("values", {"mass": None}, "values.mass: must be a number"), ("others", [1], "others: is not"),
+        ("others", {"a": "b"}, "others: is not"), ("columns", [1], "columns: is not"), ("units", {"v": 3}, "units: is not"),
+        ("cutoff", "x", "cutoff: is not"), ("cutoff", -4, "cutoff: is not"), ("force_gain", [1], "force_gain: is not"),
+        ("fit", [1], "fit: is not"), ("files", 3, "files: is not"), ("method", [1], "method: is not"),
+    ],
+)  # fmt: skip
+def test_a_fit_s_file_that_was_tampered_with_is_refused_in_a_line(stribeck, fitted, tmp_path, part, value, told):
+    data = json.loads((fitted / "out" / "fit.json").read_text())
+    (tmp_path / "fit.json").write_text(json.dumps({**data, part: value}))
+    found = stribeck("predict", fitted / "none.csv", "--fit", tmp_path)
+    assert (found.status, found.out) == (2, "")
+    assert told in found.err
+
+
+@pytest.mark.parametrize("words", [("--cutoff", "nan"), ("--cutoff", "-1"), ("--set", "mass=nan")])
+def test_numbers_that_are_none_are_refused_without_a_law_too(stribeck, tmp_path, words):
+    found = stribeck("fit", record(tmp_path / "log.csv"), *COLUMNS, *words)
+    assert (found.status, found.out) == (2, "")
+    assert found.err.startswith(words[0]) or "mass" in found.err.splitlines()[0]

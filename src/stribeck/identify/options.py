@@ -87,7 +87,7 @@ class FitOptions:
         if self.method not in (None, "static") or self.free:
             option = "free" if self.free else "method"
             raise InputError(f"{arg(option)}: needs {arg('law')}: without one, static laws are compared")
-        if wrong := self.wrong_mass():
+        if wrong := [*self.wrong_mass(), *self._wrong_terms()]:
             raise InputError(wrong)
 
     def wrong_mass(self) -> list[str]:
@@ -109,17 +109,20 @@ class FitOptions:
             for name, value in self.constants.items()
             if name in found and (text := found[name].problem(value))
         ]
-        problems += [
-            f"{arg(f'constants.{name}')}: {show(value)}: must be a number of at most {LARGEST:g}"
-            for name, value in self.constants.items()
-            if name in TERMS and (isinstance(value, str) or not abs(value) <= LARGEST)
-        ]
+        problems += self._wrong_terms()
         problems += [
             f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"
             for name in self.free
             if name in found and found[name].choices
         ]
         return problems
+
+    def _wrong_terms(self) -> list[str]:
+        return [
+            f"{arg(f'constants.{name}')}: {show(value)}: must be a number of at most {LARGEST:g}"
+            for name, value in self.constants.items()
+            if name in TERMS and (isinstance(value, str) or not abs(value) <= LARGEST)
+        ]
 
     def _only_static(self) -> list[str]:
         given = {"select": bool(self.select), "decimate": self.decimate, "robust": self.robust}

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from stribeck import laws
 from stribeck.arrays import Array
+from stribeck.constants import Constant
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.files import finite
 from stribeck.identify.data.filters import shifted
@@ -22,12 +23,16 @@ from stribeck.identify.models import terms
 from stribeck.identify.models.columns import Columns, column
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.separable import Separable
-from stribeck.identify.models.static_problem import kept_rows, thinning
+from stribeck.identify.models.static_problem import RATES, kept_rows, thinning
 from stribeck.identify.models.terms import OF_RECORD, TERMS
 from stribeck.identify.result import Fit, Prediction
 
 FILE = "fit.json"
 _FORMAT = 1
+_PARTS = {
+    "law": "text", "method": "text", "values": "table", "fit": "numbers", "others": "models", "columns": "texts",
+    "units": "texts", "force_gain": "gain", "cutoff": "frequency", "files": "files", "output": "text", "drive": "drive",
+}  # fmt: skip
 _SHORTEST = 30  # rows that a run keeps behind the filter
 
 
@@ -125,6 +130,40 @@ def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
     )  # fmt: skip
 
 
+def _of_kind(value: object, kind: str) -> bool:
+    """Whether a part of the file is text, a number, or a table or list of such."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    return {
+        "text": isinstance(value, str),
+        "gain": value is None or isinstance(value, str) or number,
+        "frequency": value is None or (number and value >= 0),  # type: ignore[operator]
+        "table": isinstance(value, dict),
+        "texts": isinstance(value, dict) and all(isinstance(x, str) for x in value.values()),
+        "numbers": isinstance(value, dict) and all(x is None or isinstance(x, int | float) for x in value.values()),
+        "files": isinstance(value, list) and all(isinstance(x, str) for x in value),
+        "drive": value is None or isinstance(value, dict),
+        "models": isinstance(value, dict)
+        and all(
+            isinstance(x, dict) and isinstance(x.get("law"), str) and isinstance(x.get("values"), dict)
+            for x in value.values()
+        ),
+    }[kind]
+
+
+def _wrong(law: str, known: Mapping[str, Constant], values: Mapping[str, object]) -> list[str]:
+    """What is wrong with the values of a model."""
+    found = []
+    for name, value in values.items():
+        if name in known:
+            text = known[name].problem(value)
+        elif name in TERMS:
+            text = "" if _of_kind({"": value}, "numbers") and value is not None else "must be a number"
+        else:
+            text = f"neither a constant of {law} nor a term"
+        found += [f"{name}: {text}"] if text else []
+    return found
+
+
 def load(folder: Path | str) -> FittedModel:
     """The model that ``fit --out`` left in a folder.
 
@@ -141,15 +180,17 @@ def load(folder: Path | str) -> FittedModel:
         ) from None
     except (UnicodeDecodeError, ValueError, RecursionError):
         raise InputError(f"{arg('fit')}: '{path}': is not JSON") from None
-    if not isinstance(data, dict) or data.get("format") != _FORMAT or not isinstance(data.get("values"), dict):
+    if not isinstance(data, dict) or data.get("format") != _FORMAT or not {"values", "law"} <= set(data):
         raise InputError(f"{arg('fit')}: '{path}': is no model of a fit (of format {_FORMAT})")
-    law = laws.find(str(data.get("law")))
-    wrong = [n for n in data["values"] if n not in law.constants() and n not in TERMS]
-    if wrong:
-        raise InputError(
-            [f"{arg('fit')}: '{path}': values.{n}: neither a constant of {law.name} nor a term" for n in wrong]
-        )
+    if wrong := [n for n, of in _PARTS.items() if n in data and not _of_kind(data[n], of)]:
+        raise InputError([f"{arg('fit')}: '{path}': {n}: is not what a fit writes there" for n in wrong])
+    law = laws.find(data["law"])
     others = {n: (o["law"], o["values"]) for n, o in data.get("others", {}).items()}
+    wrong = [f"values.{text}" for text in _wrong(law.name, law.constants(), data["values"])]
+    for name, (each, values) in others.items():
+        wrong += [f"others.{name}.{text}" for text in _wrong(each, laws.find(each).constants(), values)]
+    if wrong:
+        raise InputError([f"{arg('fit')}: '{path}': {text}" for text in wrong])
     return FittedModel(
         law.name if ".py:" not in data["law"] else data["law"], str(data.get("method")), data["values"], data.get("fit", {}),
         others, data.get("columns", {}), data.get("units", {}), data.get("force_gain"), data.get("cutoff"),
@@ -190,8 +231,8 @@ def predict(model: FittedModel, log: Log) -> Predicted:
 
 def _band_error(model: FittedModel, log: Log, force: Array, rest: NDArray[np.bool_]) -> float | None:
     """The error of the force where both have passed the filter that the fit used, at the rows that it would keep."""
-    q = int(model.known.get("decimation") or 1)
-    if q < 2 or model.method != "static" or min(r.stop - r.start for r in log.runs()) < _SHORTEST * q:
+    q = int(min(model.known.get("decimation") or 1, 1e9))
+    if q not in RATES or q < 2 or model.method != "static" or min(r.stop - r.start for r in log.runs()) < _SHORTEST * q:
         return None
     reduce = thinning(log, q)
     moving = np.convolve(rest, np.ones(2 * q + 1), mode="same")[kept_rows(log, q)] < 0.5

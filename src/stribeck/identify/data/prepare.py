@@ -102,6 +102,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
                 f"position and velocity only at {cutoff:.3g} Hz, as a simulation averages their noise out and needs abrupt "
                 "reversals"
             )
+    elif not cutoff >= 0:
+        raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be a frequency in Hz, or 0 for no filter")
     elif cutoff > 0:
         if cutoff >= 0.5 / step:
             raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")

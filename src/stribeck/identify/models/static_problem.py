@@ -17,7 +17,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.models.columns import Columns, Reduce
 
 _POWER_KEPT = 0.999  # of the force's, by the band that is fitted
-_RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+RATES = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 _MOST_ROWS = 25_000
 _MOST_RAW = 100_000  # rows of a record: more tell nothing new
 _BLOCKS, _SHORTEST_BLOCK = 24, 600  # stretches of a run; rows of one
@@ -101,12 +101,12 @@ def decimation(log: Log, few: int = _FEW) -> tuple[int, str]:
     f, p = signal.welch(x - x.mean(), 1 / log.step, nperseg=min(len(x), 4096))
     share = np.cumsum(p) / max(float(np.sum(p)), 1e-300)
     band = max(float(f[np.searchsorted(share, _POWER_KEPT)]), float(f[1]))
-    q = max((r for r in _RATES if r <= max(0.4 / (band * log.step), 1)), default=1)
+    q = max((r for r in RATES if r <= max(0.4 / (band * log.step), 1)), default=1)
     shortest = min(r.stop - r.start for r in log.runs())
     while q > 1 and (shortest < 30 * q or len(log) < few * q):
-        q = _RATES[_RATES.index(q) - 1]
-    while len(log) / q > _MOST_ROWS and q < _RATES[-1]:
-        q = next(r for r in _RATES if r > q)
+        q = RATES[RATES.index(q) - 1]
+    while len(log) / q > _MOST_ROWS and q < RATES[-1]:
+        q = next(r for r in RATES if r > q)
     return q, f"{100 * _POWER_KEPT:g} % of the force's power lies below {band:.3g} Hz: one row in {q} is fitted"
 
 
@@ -117,7 +117,7 @@ def _by_effect(log: Log, q: int, why: str, rest: NDArray[np.bool_]) -> tuple[int
     smaller in a lower band is no such noise: the law, or the start of a run, does that.
     """
     shortest = min(r.stop - r.start for r in log.runs())
-    allowed = [r for r in _RATES if r >= q and len(log) / r >= _FEWEST and shortest >= 30 * r]
+    allowed = [r for r in RATES if r >= q and len(log) / r >= _FEWEST and shortest >= 30 * r]
     before: tuple[int, float] | None = None
     for rate in allowed:
         mass, share = _mass_at(log, rate, rest)
