@@ -18,7 +18,10 @@ _GAP = 5.5  # steps without a sample that end a run
 _BLOCK = 1_000_000
 _ALIKE = 0.95  # correlation of the ways made, by the position and by the velocity
 _OFF = 1.5  # times each other: more is another unit
-_SPIKE, _RARE = 10.0, 0.02  # times the usual force: what no friction comes to; of the rows: more is no fault of a sensor
+_SPIKE, _RARE = (
+    10.0,
+    0.02,
+)  # times the usual force: what no friction comes to; of the rows: more is no fault of a sensor
 _AROUND = 3  # rows to each side that a spike stands out of
 _ANSWER = 4.0  # times the usual change of the speed
 _WRAPPED = 0.4  # of the position's range, from a row to the next: a turn is over
