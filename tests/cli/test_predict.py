@@ -136,3 +136,24 @@ def test_numbers_that_are_none_are_refused_without_a_law_too(stribeck, tmp_path,
     found = stribeck("fit", record(tmp_path / "log.csv"), *COLUMNS, *words)
     assert (found.status, found.out) == (2, "")
     assert found.err.startswith(words[0]) or "mass" in found.err.splitlines()[0]
+
+
+def test_a_strangers_fit_executes_no_law_from_elsewhere(stribeck, fitted, tmp_path, monkeypatch):
+    """A fit.json is a file like any other: what it names outside its folder and the current one is not executed."""
+    for name in ("away", "here", "fit"):
+        (tmp_path / name).mkdir()
+    mine = "from pathlib import Path\nfrom stribeck.laws.static import CoulombViscous as Mine\n"
+    (tmp_path / "away" / "mine.py").write_text(f"{mine}Path(r'{tmp_path}', 'executed').touch()\n")
+    told = json.loads((fitted / "out" / "fit.json").read_text())
+    monkeypatch.chdir(tmp_path / "here")
+    for key in (
+        {"law": f"{tmp_path}/away/mine.py:Mine"},
+        {"others": {"x": {"law": "../away/mine.py:Mine", "values": {}}}},
+    ):
+        (tmp_path / "fit" / "fit.json").write_text(json.dumps({**told, **key}))
+        found = stribeck("predict", fitted / "train.csv", "--fit", tmp_path / "fit")
+        assert (found.status, found.out) == (2, "")
+        assert all(word in found.err for word in ("would be executed", "--trust"))
+        assert not (tmp_path / "executed").exists()
+    stribeck("predict", fitted / "train.csv", "--fit", tmp_path / "fit", "--trust")
+    assert (tmp_path / "executed").exists()

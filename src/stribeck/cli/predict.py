@@ -14,10 +14,11 @@ from stribeck.report.quantities import human
 
 
 def predict(
-    data: list[Path], folder: Path, columns: ColumnNames, cutoff: float | None, out: Path | None, json: bool
-) -> int:
+    data: list[Path], folder: Path, columns: ColumnNames, cutoff: float | None, out: Path | None, json: bool,
+    trust: bool = False,
+) -> int:  # fmt: skip
     """Read the record as the fit's was read, predict its force, print the errors."""
-    model = predicting.load(folder)
+    model = predicting.load(folder, trust)
     if out is not None:
         show.check_folder(out)
     simulated = model.method != "static" and fitting.is_simulated([model.law], None)

@@ -42,7 +42,7 @@ def of_folder(folder: Path, trust: bool) -> Report:
 
 def _of_fit(folder: Path, trust: bool) -> Report:
     """The law along the measured motion, or under the measured force where the motion was fitted."""
-    model = predict.load(folder)
+    model = predict.load(folder, trust)
     if not model.files:
         raise InputError(
             f"{arg('report')}: {show(str(folder))}: was written before records were named in it; must be fitted again"

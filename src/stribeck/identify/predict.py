@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from stribeck import laws
 from stribeck.arrays import Array
-from stribeck.constants import Constant
+from stribeck.constants import Constant, show
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.files import finite
 from stribeck.identify.data.filters import shifted
@@ -26,6 +26,7 @@ from stribeck.identify.models.separable import Separable
 from stribeck.identify.models.static_problem import RATES, kept_rows, thinning
 from stribeck.identify.models.terms import OF_RECORD, TERMS
 from stribeck.identify.result import Fit, Prediction
+from stribeck.scenario.trust import elsewhere, in_a_file
 
 FILE = "fit.json"
 _FORMAT = 1
@@ -164,11 +165,15 @@ def _wrong(law: str, known: Mapping[str, Constant], values: Mapping[str, object]
     return found
 
 
-def load(folder: Path | str) -> FittedModel:
+def load(folder: Path | str, trust: bool = False) -> FittedModel:
     """The model that ``fit --out`` left in a folder.
 
+    Args:
+        trust: execute laws in files (``FILE.py:NAME``) wherever these lie, and not only in the current folder, in the
+            fit's or below them.
+
     Raises:
-        InputError: there is none, or it is not whole.
+        InputError: there is none, it is not whole, or it names a law elsewhere.
     """
     path = Path(folder)
     path = path / FILE if path.is_dir() else path
@@ -184,6 +189,10 @@ def load(folder: Path | str) -> FittedModel:
         raise InputError(f"{arg('fit')}: '{path}': is no model of a fit (of format {_FORMAT})")
     if wrong := [n for n, of in _PARTS.items() if n in data and not _of_kind(data[n], of)]:
         raise InputError([f"{arg('fit')}: '{path}': {n}: is not what a fit writes there" for n in wrong])
+    if not trust and (strange := _strange(data["law"], data.get("others", {}), path.parent)):
+        text = "lies elsewhere, and a law is a program that would be executed"
+        remedy = "must be in the current folder, in the fit's or below them, or allowed with trust=True (--trust)"
+        raise InputError([f"{arg('fit')}: '{path}': {show(name)}: {text}: {remedy}" for name in strange])
     law = laws.find(data["law"])
     others = {n: (o["law"], o["values"]) for n, o in data.get("others", {}).items()}
     wrong = [f"values.{text}" for text in _wrong(law.name, law.constants(), data["values"])]
@@ -196,6 +205,13 @@ def load(folder: Path | str) -> FittedModel:
         others, data.get("columns", {}), data.get("units", {}), data.get("force_gain"), data.get("cutoff"),
         tuple(map(str, data.get("files", ()))), str(data.get("output", "force")), data.get("drive"),
     )  # fmt: skip
+
+
+def _strange(law: str, others: Mapping[str, Mapping[str, str]], folder: Path) -> list[str]:
+    """Laws in files that a fit's model may not have executed unasked: it may come from a stranger."""
+    told = [law, *(other["law"] for other in others.values())]
+    files = {name: Path(name.rpartition(":")[0]) for name in dict.fromkeys(told) if in_a_file(name)}
+    return [name for name, file in files.items() if elsewhere(file, Path()) and elsewhere(file, folder)]
 
 
 def predict(model: FittedModel, log: Log) -> Predicted:

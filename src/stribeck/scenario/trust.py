@@ -47,11 +47,12 @@ def problems(data: Mapping[str, object], folder: Path, trusted: Iterable[str]) -
     return [
         (path, f"{show(name)}: {text}: {remedy}")
         for path, name in named(data).items()
-        if name not in trusted and _elsewhere(folder / name.rpartition(":")[0], folder)
+        if name not in trusted and elsewhere(folder / name.rpartition(":")[0], folder)
     ]
 
 
-def _elsewhere(file: Path, folder: Path) -> bool:
+def elsewhere(file: Path, folder: Path) -> bool:
+    """Whether a file lies neither in a folder nor below it."""
     try:
         return not file.resolve().is_relative_to(folder.resolve())
     except (OSError, ValueError, RuntimeError):

@@ -156,6 +156,7 @@ def predict(
     pressure: Pressure = None,
     unit: Unit = None,
     cutoff: Annotated[float | None, typer.Option("--cutoff", metavar="HZ", help="Of the motion's filter.")] = None,
+    trust: Trust = False,
     out: Out = None,
     json: Json = False,
 ) -> int:
@@ -166,7 +167,7 @@ def predict(
     columns = {
         "time": time, "position": position, "velocity": velocity, "force": force, "load": load, "pressure": pressure,
     }  # fmt: skip
-    return command.predict(data, fit, words.columns(columns, unit or [], force_gain), cutoff, out, json)
+    return command.predict(data, fit, words.columns(columns, unit or [], force_gain), cutoff, out, json, trust)
 
 
 @app.command(epilog="Example: stribeck validate rig.toml --log log.csv --time t --position y")
