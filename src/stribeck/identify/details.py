@@ -76,7 +76,6 @@ class FitDetails(TypedDict, total=False):
     intervals_over: str
     misfit_share: float
     filter_bias: dict[str, float]
-    held_force: float
     noise: SeenNoise
     search: str
     output: str

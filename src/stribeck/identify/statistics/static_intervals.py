@@ -116,8 +116,6 @@ def static_intervals(
         ).tolist()
         first, last = (end if np.isfinite(end) and 1e-12 < abs(end / x) < 1e12 else None for end in ends) if x else ends
         if why := verdicts.get(name):
-            held = details.get("held_force") if name == "F_s" else None
-            first, last = (held, None) if held and x < held else (first, last)
             estimates[name] = Estimate(
                 None, first, last, unit, False, why, experiment_for(name, values, sizes), float(x)
             )
