@@ -52,7 +52,7 @@ def steps(library, scenario, h, n, inside=0.5):
     ones, zero, dense = np.ones(len(x)), np.zeros(3), np.empty((n, len(x)))
     run = Run(rtol=1.0)
     for name, array in {"parameters": parameters, "atol": ones, "x": x, "piece_rows": zero}.items():
-        setattr(run, name, pointer(array))
+        setattr(run, name, array.ctypes.data)
     d = ctypes.c_double
     library.test_steps(ctypes.byref(run), d(h), ctypes.c_int(n), d(inside), pointer(dense))
     return dense
