@@ -78,6 +78,8 @@ def test_mistakes():
         st.simulate(rig())
     with pytest.raises(st.InputError, match=r"links\.gear\.ratio: 0: must be"):
         st.simulate(rig().replace({"links.gear.ratio": 0}), t_end=1.0)
+    with pytest.raises(st.InputError, match=r"bodies\.armm\.inertia: bodies has no 'armm'.*'arm'"):
+        rig().replace({"bodies.armm.inertia": 0.4})
 
 
 def test_a_law_of_ones_own_in_a_contact():

@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from stribeck import laws, parameter_sets
-from stribeck.errors import InputError, arg, note
+from stribeck.errors import InputError, arg, nearest, note
 from stribeck.laws.base import PARAMETERS
 
 _DEEPEST = 8
+_ELEMENTS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
 _LAW_NAME = re.compile(r"(.+\.)?law\.name")
 _INSIDE = ".parameters."
 
@@ -67,6 +68,7 @@ def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: P
     not have, and says so; likewise ``drive.observer.name``.
     """
     new = plain_table(data)
+    _refuse_strange_elements(new, changes)
     renamed = [path for path in changes if _LAW_NAME.fullmatch(path)]
     for path in renamed:
         _set(new, path, changes[path])
@@ -82,6 +84,25 @@ def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: P
             continue
         _set(new, path, plain(changes[path], path))
     return new
+
+
+def _refuse_strange_elements(data: Mapping[str, object], changes: Mapping[str, object]) -> None:
+    """A misspelt name would make another body, which nothing would tell.
+
+    Raises:
+        InputError: a path leads into an element that there is not.
+    """
+    problems = []
+    for path in changes:
+        kind, name, *inside = (*path.split("."), "")
+        there = data.get(kind)
+        if kind not in _ELEMENTS or not any(inside) or not isinstance(there, dict):
+            continue
+        if name not in there and f"{kind}.{name}" not in changes:
+            has = nearest(name, there) or f" (it has {', '.join(there)})"
+            problems.append(f"{path}: {kind} has no {name!r}{has}")
+    if problems:
+        raise InputError(problems)
 
 
 def unfolds(path: str) -> bool:

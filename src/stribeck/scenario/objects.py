@@ -325,7 +325,12 @@ class Machine:
         return f"<Machine {self.name}: {'; '.join(sections)}>"
 
     def replace(self, changes: Mapping[str, object]) -> Machine:
-        """The same machine with other values at some paths: ``{"bodies.arm.inertia": 0.4}``."""
+        """The same machine with other values at some paths: ``{"bodies.arm.inertia": 0.4}``; a path of two words with a table
+        adds an element.
+
+        Raises:
+            InputError: a path leads into an element that the machine does not have.
+        """
         new = object.__new__(Machine)
         new._set(changed(self._data, changes, self._folder), self._parts, self._folder)
         return new
