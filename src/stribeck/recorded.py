@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
-from zipfile import is_zipfile
 
 import numpy as np
 from numpy.typing import NDArray
@@ -330,6 +329,8 @@ def _hdf5(path: Path) -> dict[str, object]:
 
 
 def _npz(path: Path) -> Source:
+    from zipfile import is_zipfile
+
     if not is_zipfile(path):
         raise InputError(f"{arg('data')}: '{path}': is no NPZ file")
     with np.load(path, allow_pickle=False) as data:

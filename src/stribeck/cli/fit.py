@@ -34,7 +34,7 @@ def fit(
     json: bool,
 ) -> int:
     """Read the log, fit, print the estimates, write what was asked for."""
-    how = Preparation(cutoff, trim, fitting.is_simulated(laws, options.method))
+    how = fitting.preparation(laws, options, cutoff, trim)
     if out is not None:
         show.check_folder(out)
     with show.progress("fit") as tell:
@@ -48,11 +48,13 @@ def fit(
         "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
     }  # fmt: skip
     if out is not None:
+        from stribeck.files import together
         from stribeck.identify.report.files import write_fit
 
-        command = show.command_line()
-        written = write_fit(result, log, out, command, ", ".join(p.name for p in data))
-        written.append(_save(result, data, columns, how, options, out))
+        with together(out, last="parameters.toml") as place:
+            names = write_fit(result, log, place, show.command_line(), ", ".join(p.name for p in data))
+            names.append(_save(result, data, columns, how, options, out, place))
+        written = [str(out / name) for name in names]
     summary["files"] = written
     if json:
         show.print_json(summary)
@@ -68,18 +70,20 @@ def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | 
 
 
 def _save(
-    result: Fit | Choice, data: list[Path], columns: ColumnNames, how: Preparation, options: FitOptions, out: Path
-) -> str:
-    """Write what ``stribeck predict`` and ``stribeck explore --report`` need; the path."""
+    result: Fit | Choice, data: list[Path], columns: ColumnNames, how: Preparation, options: FitOptions, out: Path,
+    place: Path,
+) -> str:  # fmt: skip
+    """Write what ``stribeck predict`` and ``stribeck explore --report`` need from ``out`` to a place; the file's name."""
     from stribeck.files import seen_from, write_text
     from stribeck.identify import predict
 
     reading = {
         "files": [seen_from(out, path) for path in data], "columns": columns.names, "units": columns.units,
         "force_gain": columns.force_gain, "cutoff": how.cutoff, "output": options.output, "drive": options.drive,
+        "published": how.published,
     }  # fmt: skip
-    write_text(out / predict.FILE, predict.saved(result.best if isinstance(result, Choice) else result, reading))
-    return str(out / predict.FILE)
+    write_text(place / predict.FILE, predict.saved(result.best if isinstance(result, Choice) else result, reading))
+    return predict.FILE
 
 
 def drive(text: str | None) -> dict[str, object] | None:

@@ -50,7 +50,7 @@ def _of_fit(folder: Path, trust: bool) -> Report:
     files = [folder / name for name in model.files]
     reading = ColumnNames(dict(model.columns), dict(model.units), model.force_gain)
     simulated = model.method != "static" and api.is_simulated([model.law], None)
-    log = api.log_of(files, reading, Preparation(model.cutoff, None, simulated))
+    log = api.log_of(files, reading, Preparation(model.cutoff, None, simulated, model.published))
     first = next(log.runs())
     log = log.rows(slice(first.start, min(first.stop, first.start + _MOST)))
     by_force = model.output in ("position", "velocity") and model.drive is None

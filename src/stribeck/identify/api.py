@@ -86,7 +86,7 @@ def fit(
         output, drive,
     )  # fmt: skip
     of_file = ColumnNames({**(columns or {}), **named}, dict(units or {}), force_gain)
-    log = log_of(data, of_file, Preparation(cutoff, trim, is_simulated(names, method)))
+    log = log_of(data, of_file, preparation(names, options, cutoff, trim))
     return fit_log(log, names, options, progress)
 
 
@@ -115,6 +115,11 @@ def fit_log(
 def is_simulated(names: Sequence[str], method: str | None) -> bool:
     """Whether a fit of these laws simulates them."""
     return method in ("presliding", "dynamic") or (method is None and any(laws.find(name).has_z for name in names))
+
+
+def preparation(names: Sequence[str], options: FitOptions, cutoff: float | None, trim: int | None) -> Preparation:
+    """How a fit of these laws reads its record."""
+    return Preparation(cutoff, trim, is_simulated(names, options.method), list(names) == [PLAIN] and not options.select)
 
 
 def read_log(

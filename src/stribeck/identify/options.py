@@ -68,7 +68,7 @@ class FitOptions:
         Raises:
             InputError: constants, the mass or options that the method has not; a line for each problem.
         """
-        if problems := [*self._wrong_constants(law), *self.wrong_mass()]:
+        if problems := [*self._wrong_constants(law), *self.wrong_mass(), *self._wrong_folds()]:
             raise InputError(problems)
         method = self.method_for(laws.find(law))
         if method != "static" and (wrong := self._only_static()):
@@ -87,8 +87,11 @@ class FitOptions:
         if self.method not in (None, "static") or self.free:
             option = "free" if self.free else "method"
             raise InputError(f"{arg(option)}: needs {arg('law')}: without one, static laws are compared")
-        if wrong := [*self.wrong_mass(), *self._wrong_terms()]:
+        if wrong := [*self.wrong_mass(), *self._wrong_terms(), *self._wrong_folds()]:
             raise InputError(wrong)
+
+    def _wrong_folds(self) -> list[str]:
+        return [] if self.folds >= 2 else [f"{arg('folds')}: {self.folds}: must be at least 2"]
 
     def wrong_mass(self) -> list[str]:
         """What is wrong with the mass."""

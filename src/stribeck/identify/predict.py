@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Container, Mapping
+from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
+from typing import TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,7 @@ from stribeck.constants import Constant, show
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.files import finite
 from stribeck.identify.data.filters import shifted
+from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
@@ -30,11 +33,33 @@ from stribeck.scenario.trust import elsewhere, in_a_file
 
 FILE = "fit.json"
 _FORMAT = 1
-_PARTS = {
-    "law": "text", "method": "text", "values": "table", "fit": "numbers", "others": "models", "columns": "texts",
-    "units": "texts", "force_gain": "gain", "cutoff": "frequency", "files": "files", "output": "text", "drive": "drive",
-}  # fmt: skip
 _SHORTEST = 30  # rows that a run keeps behind the filter
+
+
+def _text(x: object) -> bool:
+    return isinstance(x, str)
+
+
+def _number(x: object) -> TypeGuard[float]:
+    return isinstance(x, int | float) and not isinstance(x, bool) and abs(x) <= LARGEST
+
+
+def _model(x: object) -> bool:
+    return isinstance(x, dict) and _text(x.get("law")) and isinstance(x.get("values"), dict)
+
+
+def _table_of(known: Callable[[object], bool]) -> Callable[[object], bool]:
+    return lambda x: isinstance(x, dict) and all(map(known, x.values()))
+
+
+# What each part of the file must be.
+_PARTS: dict[str, Callable[[object], bool]] = {
+    "law": _text, "method": _text, "values": lambda x: isinstance(x, dict), "others": _table_of(_model),
+    "fit": _table_of(lambda x: x is None or _number(x)), "columns": _table_of(_text), "units": _table_of(_text),
+    "force_gain": lambda x: x is None or _text(x) or _number(x), "cutoff": lambda x: x is None or (_number(x) and x >= 0),
+    "files": lambda x: isinstance(x, list) and all(map(_text, x)), "output": _text,
+    "drive": lambda x: x is None or isinstance(x, dict), "published": lambda x: isinstance(x, bool),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -49,6 +74,7 @@ class FittedModel:
         columns, units, force_gain, cutoff: how the record was read.
         files: its files, seen from the folder of the fit; none in what older versions wrote.
         output: what the simulation was to meet; ``drive``: what moved the body then, None for the measured force.
+        published: whether the record's last rows were kept, as in the published procedure.
     """
 
     law: str
@@ -63,6 +89,7 @@ class FittedModel:
     files: tuple[str, ...] = ()
     output: str = "force"
     drive: Mapping[str, object] | None = None
+    published: bool = False
 
     @property
     def body(self) -> tuple[str, ...]:
@@ -105,7 +132,8 @@ def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
     """The model of a fit as text for fit.json.
 
     Args:
-        reading: the record's files, columns, units, force_gain and cutoff; the output and the drive of its simulation.
+        reading: the record's files, columns, units, force_gain and cutoff; whether its ends were kept; the output and the
+            drive of its simulation.
     """
     law = laws.find(fit.law)
     values = {**fit.fixed, **fit.used}
@@ -131,26 +159,6 @@ def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
     )  # fmt: skip
 
 
-def _of_kind(value: object, kind: str) -> bool:
-    """Whether a part of the file is text, a number, or a table or list of such."""
-    number = isinstance(value, int | float) and not isinstance(value, bool)
-    return {
-        "text": isinstance(value, str),
-        "gain": value is None or isinstance(value, str) or number,
-        "frequency": value is None or (number and value >= 0),  # type: ignore[operator]
-        "table": isinstance(value, dict),
-        "texts": isinstance(value, dict) and all(isinstance(x, str) for x in value.values()),
-        "numbers": isinstance(value, dict) and all(x is None or isinstance(x, int | float) for x in value.values()),
-        "files": isinstance(value, list) and all(isinstance(x, str) for x in value),
-        "drive": value is None or isinstance(value, dict),
-        "models": isinstance(value, dict)
-        and all(
-            isinstance(x, dict) and isinstance(x.get("law"), str) and isinstance(x.get("values"), dict)
-            for x in value.values()
-        ),
-    }[kind]
-
-
 def _wrong(law: str, known: Mapping[str, Constant], values: Mapping[str, object]) -> list[str]:
     """What is wrong with the values of a model."""
     found = []
@@ -158,10 +166,18 @@ def _wrong(law: str, known: Mapping[str, Constant], values: Mapping[str, object]
         if name in known:
             text = known[name].problem(value)
         elif name in TERMS:
-            text = "" if _of_kind({"": value}, "numbers") and value is not None else "must be a number"
+            text = None if _number(value) else f"must be a number of at most {LARGEST:g}"
         else:
             text = f"neither a constant of {law} nor a term"
+        if not text and isinstance(value, int | float) and not abs(value) <= LARGEST:
+            text = f"{value:.4g}: must be at most {LARGEST:g}"
         found += [f"{name}: {text}"] if text else []
+    given = SimpleNamespace(**values)
+    for relation in () if found else laws.find(law).relations:
+        if all(isinstance(values.get(n), int | float) for n in (relation.key, *relation.needs)) and not relation.holds(
+            given
+        ):
+            found.append(f"{relation.key}: {values[relation.key]:.6g}: must be {relation.allowed}")
     return found
 
 
@@ -187,7 +203,7 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
         raise InputError(f"{arg('fit')}: '{path}': is not JSON") from None
     if not isinstance(data, dict) or data.get("format") != _FORMAT or not {"values", "law"} <= set(data):
         raise InputError(f"{arg('fit')}: '{path}': is no model of a fit (of format {_FORMAT})")
-    if wrong := [n for n, of in _PARTS.items() if n in data and not _of_kind(data[n], of)]:
+    if wrong := [n for n, holds in _PARTS.items() if n in data and not holds(data[n])]:
         raise InputError([f"{arg('fit')}: '{path}': {n}: is not what a fit writes there" for n in wrong])
     if not trust and (strange := _strange(data["law"], data.get("others", {}), path.parent)):
         text = "lies elsewhere, and a law is a program that would be executed"
@@ -195,7 +211,7 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
         raise InputError([f"{arg('fit')}: '{path}': {show(name)}: {text}: {remedy}" for name in strange])
     law = laws.find(data["law"])
     others = {n: (o["law"], o["values"]) for n, o in data.get("others", {}).items()}
-    wrong = [f"values.{text}" for text in _wrong(law.name, law.constants(), data["values"])]
+    wrong = [f"values.{text}" for text in _wrong(data["law"], law.constants(), data["values"])]
     for name, (each, values) in others.items():
         wrong += [f"others.{name}.{text}" for text in _wrong(each, laws.find(each).constants(), values)]
     if wrong:
@@ -203,7 +219,8 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
     return FittedModel(
         law.name if ".py:" not in data["law"] else data["law"], str(data.get("method")), data["values"], data.get("fit", {}),
         others, data.get("columns", {}), data.get("units", {}), data.get("force_gain"), data.get("cutoff"),
-        tuple(map(str, data.get("files", ()))), str(data.get("output", "force")), data.get("drive"),
+        tuple(data.get("files", ())), data.get("output", "force"), data.get("drive"),
+        data.get("published", False),
     )  # fmt: skip
 
 
@@ -247,7 +264,7 @@ def predict(model: FittedModel, log: Log) -> Predicted:
 
 def _band_error(model: FittedModel, log: Log, force: Array, rest: NDArray[np.bool_]) -> float | None:
     """The error of the force where both have passed the filter that the fit used, at the rows that it would keep."""
-    q = int(min(model.known.get("decimation") or 1, 1e9))
+    q = int(model.known.get("decimation") or 1)
     if q not in RATES or q < 2 or model.method != "static" or min(r.stop - r.start for r in log.runs()) < _SHORTEST * q:
         return None
     reduce = thinning(log, q)

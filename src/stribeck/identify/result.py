@@ -115,7 +115,7 @@ class Fit:
     profiles: Mapping[str, Profile] = field(default_factory=dict)
     prediction: Prediction | None = None
     notes: tuple[str, ...] = ()
-    details: FitDetails = field(default_factory=lambda: FitDetails())
+    details: FitDetails = field(default_factory=FitDetails)
     status: str = "done"
 
     def __repr__(self) -> str:

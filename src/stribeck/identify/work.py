@@ -13,7 +13,7 @@ from stribeck.simulation.lanes import are_elsewhere, threads_of_this_machine
 T = TypeVar("T")
 S = TypeVar("S")
 _TYPICAL = 300  # simulations
-_MOST = 32  # ensembles that are asked of a cluster at once
+_MOST = 32  # things done at once while a cluster solves the lanes: they only wait for it
 
 
 class Stopped(Exception):
@@ -71,7 +71,8 @@ class Work:
             raise Stopped
 
     def each(self, what: Callable[[S], T], of: Iterable[S]) -> list[T | None]:
-        """``what`` of each on all cores; None for those that were not reached when Ctrl-C ended the work."""
+        """``what`` of each on all cores, or many at once where a cluster solves the lanes; None for those that were not
+        reached when Ctrl-C ended the work."""
         items = list(of)
         found: list[T | None] = [None] * len(items)
 
@@ -82,8 +83,7 @@ class Work:
             except Stopped:
                 return
 
-        # what others solve takes no core of this machine
-        pool = ThreadPoolExecutor(min(max(len(items), 1), _MOST) if are_elsewhere() else threads_of_this_machine())
+        pool = ThreadPoolExecutor(_MOST if are_elsewhere() else threads_of_this_machine())
         try:
             for future in [pool.submit(one, i) for i in range(len(items))]:
                 future.result()

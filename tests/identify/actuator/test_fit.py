@@ -5,6 +5,11 @@ import pytest
 
 from stribeck.errors import InputError
 from stribeck.identify.actuator import fit_machine, read_logs
+from stribeck.identify.actuator.coordinates import coordinates
+from stribeck.identify.actuator.estimate import prepared
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.runs import RecordedRun
+from stribeck.scenario import Scenario
 from tests.identify.actuator.recorded import body, logs, record
 
 F_C, F_S, MASS = "contacts.guide.law.parameters.F_c", "contacts.guide.law.parameters.F_s", "bodies.a.mass"
@@ -35,6 +40,34 @@ def test_the_truth_lies_in_the_intervals(recordings):
     assert found.error(held_out=True) < 0.02
     assert found.baselines["no friction"]["held_out"] > 5 * found.error(held_out=True)
     assert found.data["bodies"]["a"]["mass"] == found.parameters[MASS].value
+
+
+def test_no_point_of_a_recording_is_simulated_twice(recordings, monkeypatch):
+    given = read_logs(logs(recordings, ["run0.csv", "run1.csv"], WANTED))
+    scenario = Scenario(machine())
+    sought, noise = coordinates(scenario, given), {"a.y": 1e-5}
+    runs, own = prepared(scenario, list(enumerate(given.recordings)), {c.name for c in sought})
+    asked = []
+    monkeypatch.setattr(RecordedRun, "predict", counted(asked, RecordedRun.predict))
+    problem = MachineProblem(runs, [*sought, *own], noise)
+    start = problem.start()
+    points = np.stack([start, start, start + 0.01, start])
+    first = problem.residuals(points)
+    assert sorted(asked) == [2, 2]  # of each recording two points that differ
+    of_one = np.flatnonzero([c.log == 0 for c in problem.sought])  # where the first recording begins
+    points[2, of_one] += 0.01
+    again = problem.residuals(points)
+    assert sorted(asked) == [1, 2, 2]
+    assert again[[0, 1, 3]].tobytes() == first[[0, 1, 3]].tobytes()
+    assert again.tobytes() == MachineProblem(runs, problem.sought, noise).residuals(points).tobytes()
+
+
+def counted(lanes, predict):
+    def predicted(run, values, *more):
+        lanes.append(len(next(iter(values.values()))))
+        return predict(run, values, *more)
+
+    return predicted
 
 
 def test_a_column_in_degrees_or_of_the_wrong_sign_is_noticed(recordings, tmp_path):

@@ -1,10 +1,13 @@
 """Fits of the motion for a measured force, and within a closed loop."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 import stribeck
 from stribeck.errors import InputError
+from stribeck.identify.api import read_log
 from stribeck.identify.log import Log
 from stribeck.identify.methods.motion import fit_motion
 
@@ -73,3 +76,18 @@ def test_what_makes_no_sense_is_refused(drive, options, message):
     log = log_of(rig({"kind": "force"}, force), force)
     with pytest.raises(InputError, match=message):
         fit_motion(log, "lugre", drive, **options)
+
+
+def test_an_arm_s_weight_does_not_hide_its_friction(monkeypatch):
+    """Whole runs were simulated from values that took the weight for friction: the fit missed, and nothing was known."""
+    monkeypatch.syspath_prepend(Path(__file__).parent.parent.parent.parent / "benchmarks")
+    import arm_coverage
+
+    monkeypatch.setattr(arm_coverage, "SECONDS", 3.0)
+    columns, truth = arm_coverage.record("sin", 1, 0.0)
+    log = read_log(columns, {"time": "t", "position": "y", "force": "F"}, simulated=True)
+    fit = fit_motion(log, "lugre", output="position", body=("offset", "gravity_sin"), starts=2, profiles=False)
+    told = {**fit.estimates, **fit.body}
+    assert all(e.identifiable for e in told.values())
+    for name, tolerance in {"sigma_0": 0.01, "F_c": 1e-3, "F_s": 0.02, "mass": 1e-3, "gravity_sin": 1e-3}.items():
+        assert told[name].value == pytest.approx(truth[name], rel=tolerance), name

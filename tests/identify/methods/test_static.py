@@ -323,3 +323,24 @@ def test_a_record_of_presliding_gets_a_hint_to_the_bristles(mass):
         record, "coulomb_viscous", time="t", position="y", force="F", mass=mass, terms=("stiffness",), select=False
     )
     assert any("presliding" in note for note in fit.notes)
+
+
+def test_f_s_is_not_known_where_the_curve_ends_below_the_slowest_rows(monkeypatch):
+    """18 N at no speed, of which less than 1 N is left where the body is slowest: the bend was looked for at the slowest rows,
+    and F_s for such a bend was told as 11.4 N, known to 3 %."""
+    monkeypatch.syspath_prepend(Path(__file__).parent.parent.parent.parent / "benchmarks")
+    import held_out
+
+    draw = np.random.default_rng(704)
+    machine = held_out.machine(draw, "asymmetric")
+    columns = held_out.record(machine, held_out.motion(draw, "one way"), draw)
+    fit = stribeck.fit(columns, "stribeck", time="t", velocity="v", force="F", select=False)
+    assert not fit.estimates["F_s"].identifiable
+    assert "lowest speed" in fit.estimates["F_s"].why
+
+
+@pytest.mark.parametrize("folds", [0, 1])
+def test_a_cross_validation_of_no_parts_is_refused(folds):
+    """Each fit of one left out all rows: v_s: nan."""
+    with pytest.raises(InputError, match=f"folds: {folds}: must be at least 2"):
+        stribeck.fit(_log(_sweep(500), lambda *_: 5 * np.sign(_sweep(500))), "stribeck", folds=folds)

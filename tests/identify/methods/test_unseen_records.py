@@ -1,13 +1,14 @@
 """What made fits worse than plain least squares on records that they had not seen."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import stribeck
 from stribeck.identify.api import read_log
-from stribeck.identify.data.prepare import _without_ends
+from stribeck.identify.data.prepare import Preparation, _without_ends
 from stribeck.identify.log import Log
 from stribeck.identify.methods.static import Setting, settle
 from stribeck.identify.models.static_problem import rows_of
@@ -30,7 +31,20 @@ def columns(spoilt: float):
 def test_an_end_in_which_the_filter_goes_astray_is_left_out():
     for spoilt, kept in ((0.0, 2000), (1.0, 1900)):
         given = columns(spoilt)
-        assert len(given["time"][_without_ends(given, [2000], 100, False)]) == kept
+        rows, said = _without_ends(given, [2000], 100, Preparation())
+        assert len(given["time"][rows]) == kept
+        assert bool(said) == (kept < 2000)
+
+
+def test_the_published_procedure_keeps_a_short_end_and_says_so():
+    given = columns(0.0)
+    given["acceleration"][-15:] -= np.linspace(0.2, 1.0, 15)
+    rows, (said,) = _without_ends(given, [2000], 15, Preparation(published=True))
+    assert len(given["time"][rows]) == 2000
+    assert "kept, as in the published procedure" in said
+    rows, (said,) = _without_ends(given, [2000], 15, Preparation())
+    assert len(given["time"][rows]) == 1985
+    assert "the last 15 rows are left out" in said
 
 
 def test_no_bend_of_the_curve_lies_where_nothing_was_measured(tmp_path):
@@ -96,3 +110,12 @@ def test_the_band_in_which_laws_are_chosen_shows_how_the_sign_changes():
     force = 1.7 * np.gradient(v, 2e-3) + 11.3 * np.tanh(v / 0.04) + 3.1 * v - 1.4 + 1.5 * np.sin(60 * y)
     log = {"t": t, "v": v + 1e-3 * draw.standard_normal(3000), "F": force + 0.05 * draw.standard_normal(3000)}
     assert stribeck.fit(log, **NAMES).best.law == "stribeck_tanh"
+
+
+def test_a_sign_that_no_row_shows_is_not_made_smooth(monkeypatch):
+    """All motion one way and none of it slow: tanh(3 v) predicted another record with seven times the error of least squares."""
+    monkeypatch.syspath_prepend(Path(__file__).parent.parent.parent.parent / "benchmarks")
+    import held_out
+
+    errors = held_out.one(1014)["errors"]
+    assert errors["ours"] < 1.01 * errors["least squares"]

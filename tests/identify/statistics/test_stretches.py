@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from stribeck.identify.methods.horizons import moving, windows
-from stribeck.identify.statistics.stretches import at_least_by_speed, drifts, jackknife
+from stribeck.identify.statistics.clusters import half_widths, without_each
+from stribeck.identify.statistics.stretches import at_least_by_speed, drifts
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory
 from tests.identify import rig
 
@@ -31,8 +32,8 @@ def test_few_windows_that_tell_the_most_make_wide_intervals():
         slopes = np.column_stack([x, np.ones_like(x)])
         error = draw.standard_normal(len(x)) + np.repeat(draw.standard_normal(count), rows) * x
         found = np.linalg.lstsq(slopes, error, rcond=None)[0]
-        spread = np.sqrt(np.diag(jackknife(slopes, error - slopes @ found, parts)))
-        held += abs(found[0]) < 1.96 * spread[0]
+        half = np.sqrt(np.diag(without_each(slopes, error - slopes @ found, parts)))
+        held += abs(found[0]) < half[0]
     assert 0.92 <= held / 200 <= 0.99
 
 
@@ -45,9 +46,24 @@ def test_a_window_s_own_numbers_do_not_disturb_what_the_others_tell():
     slopes = np.column_stack([x, own])
     misfit = draw.standard_normal(480)
     misfit -= slopes @ np.linalg.lstsq(slopes, misfit, rcond=None)[0]
-    found = jackknife(slopes, misfit, parts)
+    found = without_each(slopes, misfit, parts, shared=1)
     assert np.isfinite(found).all()
-    assert np.sqrt(found[0, 0]) == pytest.approx(1 / np.sqrt(480), rel=0.4)
+    assert np.sqrt(found[0, 0]) / 1.96 == pytest.approx(1 / np.sqrt(480), rel=0.4)
+
+
+def test_what_one_part_alone_tells_is_not_known_by_what_it_leaves_there():
+    """A block that alone tells a coefficient draws it to its own error, of which nothing is left for a sandwich to see."""
+    draw, parts = np.random.default_rng(4), np.repeat(np.arange(10), 30)
+    once = np.repeat([1.0, *[0.02] * 9], 30)
+    held = np.zeros(2, int)
+    for _ in range(100):
+        slopes = np.column_stack([draw.standard_normal(300), once])
+        error = 0.1 * draw.standard_normal(300) + np.repeat(draw.standard_normal(10), 30)
+        found = np.linalg.lstsq(slopes, error, rcond=None)[0]
+        misfit = error - slopes @ found
+        held += [abs(found[1]) < half_widths(slopes, misfit, parts, way)[1] for way in (True, False)]
+    assert held[0] >= 90
+    assert held[1] < 30
 
 
 def test_the_search_begins_in_windows_that_move():

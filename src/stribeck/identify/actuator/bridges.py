@@ -18,38 +18,39 @@ _TESTS = 24  # gaps of the same length that are made elsewhere, to see how well 
 
 @dataclass(frozen=True)
 class Bridged:
-    """A signal with its gaps crossed; ``doubt``: how far it may be off there, by how far the other way to cross them is
-    from it."""
+    """A signal with its gaps crossed: ``x`` in the better way, ``other`` in another one; ``doubt``: how far it may be off
+    there, by how far the two are from each other."""
 
     t: Array
     x: Array
+    other: Array
     doubt: float = 0.0
 
 
-def bridged(t: Array, x: Array, other: bool = False) -> Bridged:
+def bridged(t: Array, x: Array) -> Bridged:
     """A signal with points set in its gaps: a cubic with the slopes that it has before and after, or straight, whichever
-    misses less where the same gap is made elsewhere (``other``: the other way)."""
+    misses less where the same gap is made elsewhere."""
     gaps = np.diff(t)
     step = float(np.median(gaps)) if len(gaps) else 1.0
     at = np.flatnonzero(gaps > GAP * step).astype(np.int64)
     if not len(at) or len(t) < 3 * _LEAST:
-        return Bridged(t, x)
-    times, values, apart, wrong = list[Array](), list[Array](), list[Array](), list[float]()
-    for i in at:
-        lack = int(np.rint(gaps[i] / step))
+        return Bridged(t, x, x)
+    lacks = np.rint(gaps[at] / step).astype(int).tolist()
+    missed = {lack: _missed(t, x, lack, step, at) for lack in set(lacks)}
+    times, values, others, wrong = list[Array](), list[Array](), list[Array](), list[float]()
+    for i, lack in zip(at.tolist(), lacks, strict=True):
         inner = np.linspace(t[i], t[i + 1], min(lack, _INSIDE) + 1)[1:-1]
-        ways = _ways(t, x, int(i), int(i) + 1, inner, step)
-        missed = _missed(t, x, lack, step, at)
-        best = int(np.argmin(missed))
-        second = 0 if best else 1
+        ways = _ways(t, x, i, i + 1, inner, step)
+        best = int(np.argmin(missed[lack]))
         times.append(inner)
-        values.append(ways[second if other else best])
-        apart.append(ways[best] - ways[second])
-        wrong.append(float(missed[best]))
-    size = float(np.sqrt(np.mean(np.concatenate(apart) ** 2)))
+        values.append(ways[best])
+        others.append(ways[0 if best else 1])
+        wrong.append(float(missed[lack][best]))
+    apart = float(np.sqrt(np.mean((np.concatenate(values) - np.concatenate(others)) ** 2)))
     error = float(np.sqrt(np.mean(np.square(wrong))))
     order = np.argsort(new := np.concatenate([t, *times]))
-    return Bridged(new[order], np.concatenate([x, *values])[order], error / size if size > 0 else 0.0)
+    whole, other = (np.concatenate([x, *crossed])[order] for crossed in (values, others))
+    return Bridged(new[order], whole, other, error / apart if apart > 0 else 0.0)
 
 
 def _ways(t: Array, x: Array, i: int, j: int, when: Array, step: float) -> Array:

@@ -160,7 +160,7 @@ class MachineProblem:
 
     def _simulated(self, k: int, U: Array) -> Array:
         """The columns that a run is compared in, one after the other, and where it ends those that are tied, at the points
-        U: each point once, and those that were simulated a while ago not again."""
+        U: each point once, and none of those that were simulated last."""
         run, seen = self.runs[k], self._seen[k]
         keys = [row.tobytes() for row in np.ascontiguousarray(U[:, self.concerns[k]])]
         new = [i for key, i in {key: i for i, key in enumerate(keys)}.items() if key not in seen]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator import lerobot
+from stribeck.identify.actuator.bridges import Bridged, bridged
 from stribeck.identify.actuator.readers import opened_log, time_of
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed
@@ -35,6 +37,13 @@ class Channel:
     x: Array
     unit: str = ""
     noise: float | None = None
+
+    @cached_property
+    def bridged(self) -> Bridged:
+        """The samples that are there, in the order of their times, with the gaps between them crossed."""
+        good = np.isfinite(self.x) & np.isfinite(self.t)
+        t, first = np.unique(self.t[good], return_index=True)
+        return bridged(t, self.x[good][first])
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from scipy.interpolate import CubicSpline
 from stribeck.arrays import Array
 from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
-from stribeck.identify.actuator.bridges import bridged
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.simulation import compiler, lanes
@@ -154,9 +153,11 @@ def recorded_run(
     problems = []
     otherwise, doubt = dict[str, object](), 0.0
     for path, channel in recording.inputs.items():
-        changes[path], own = signal(scenario, path, channel, begin, end)
-        if own > 0:
-            otherwise[path], doubt = signal(scenario, path, channel, begin, end, True)[0], max(doubt, own)
+        whole = channel.bridged
+        changes[path] = signal(scenario, path, whole.t, whole.x, begin, end)
+        if whole.doubt > 0:
+            otherwise[path] = signal(scenario, path, whole.t, whole.other, begin, end)
+            doubt = max(doubt, whole.doubt)
     if begin > 0:
         changes |= _signals_later(scenario, recording, begin)
     known = [c.name for c in scenario.rig.machine.columns]
@@ -199,21 +200,13 @@ def _step(recording: Recording) -> float:
     return step / 2
 
 
-def signal(
-    scenario: Scenario, path: str, channel: Channel, begin: float, end: float, other: bool = False
-) -> tuple[dict[str, object], float]:
-    """What was recorded as a signal of the machine, from ``begin`` on; and how far it may be off in gaps, by how far
-    the ``other`` way to cross them is from it."""
-    good = np.isfinite(channel.x) & np.isfinite(channel.t)
-    t, x = channel.t[good], channel.x[good]
-    t, keep = np.unique(t, return_index=True)
-    whole = bridged(t, x[keep], other)
-    t, x = whole.t, whole.x
+def signal(scenario: Scenario, path: str, t: Array, x: Array, begin: float, end: float) -> dict[str, object]:
+    """What was recorded as a signal of the machine, from ``begin`` on."""
     first = max(int(np.searchsorted(t, begin, side="right")) - 1, 0)
     last = min(int(np.searchsorted(t, end)) + 1, len(t))
     table = _at(scenario, path.rpartition(".")[0])
     kind = "spline" if isinstance(table, dict) and "feedforward" in table else "points"
-    return {"kind": kind, "t": (t[first:last] - begin).tolist(), "value": x[first:last].tolist()}, whole.doubt
+    return {"kind": kind, "t": (t[first:last] - begin).tolist(), "value": x[first:last].tolist()}
 
 
 def later(signal: object, by: float) -> dict[str, object] | None:

@@ -24,8 +24,8 @@ _TRIED, _STEPS, _ROUGHLY = 3, 12, 1e-3
 
 @dataclass(frozen=True)
 class Suspect:
-    """What may be wrong with a sensor: its number, how far that would be off and its deviation, what would be left of the
-    sum of squares less, and by how much each coordinate would move."""
+    """What may be wrong with a sensor: its number, how far that would be off and its deviation; by how much the sum of
+    squares would fall, and by what share of that of the recordings that it concerns; how far each coordinate would move."""
 
     column: str
     what: str
@@ -33,6 +33,7 @@ class Suspect:
     value: float
     wide: float
     fall: float
+    share: float
     moves: Array
 
     @property
@@ -44,12 +45,10 @@ class Suspect:
 def seen(best: BestPoint, s: Spread) -> tuple[list[str], bool]:
     """A number of a sensor that is not sought but that the residuals show, in words; and whether it would move what is
     sought, so that no interval can be given without it."""
-    found = [
-        x for x in _suspects(best.problem, best.u, s.J) if abs(x.value) > _SURE * x.wide and x.fall > _MATTERS
-    ]  # fmt: skip
+    found = [x for x in _suspects(best.problem, best.u, s.J) if abs(x.value) > _SURE * x.wide and x.share > _MATTERS]
     if not found:
         return [], False
-    first = max(found, key=lambda x: x.fall * _squares(best.problem, best.u, x.log))  # the others may be its shadows
+    first = max(found, key=lambda x: x.fall)  # the others may be its shadows
     asked = [i for i, c in enumerate(best.problem.sought) if not c.nuisance]
     moves = bool((abs(first.moves[asked]) > _MOVES * s.deviations[asked]).any())
     return [f"{_words(best.problem, first)}; seek {first.path} if that can be"], moves
@@ -61,7 +60,7 @@ def tried(best: BestPoint) -> list[str]:
     r, J = (x[0] for x in problem.slopes(u[None], np.full(len(u), problem.step)))
     if not (np.isfinite(r).all() and np.isfinite(J).all()):
         return []
-    order = sorted(_suspects(problem, u, J), key=lambda x: -x.fall * _squares(problem, u, x.log))[:_TRIED]
+    order = sorted(_suspects(problem, u, J), key=lambda x: -x.fall)[:_TRIED]
     before, told = leftovers(problem, u), list[tuple[float, str]]()
     for x in order:
         c = _coordinate(problem, x)
@@ -86,14 +85,13 @@ def _suspects(problem: MachineProblem, u: Array, J: Array) -> Iterator[Suspect]:
     r = problem.residuals(u[None])[0]
     sought = {(c.output, c.log) for c in problem.sought}
     logs = list(dict.fromkeys(run.log for run in problem.runs))
-    for column in problem.noise:
-        for what, slopes in _slopes(problem, u, column).items():
-            if ((column, what), None) in sought:
-                continue
-            for log in [None, *logs] if len(logs) > 1 else [None]:
-                x = np.where(_rows(problem, log), slopes, 0.0)
-                if ((column, what), log) not in sought and x @ x > 0:
-                    yield _suspect(problem, r, J, x, (column, what, log))
+    for (column, what), slopes in _slopes(problem, u).items():
+        if ((column, what), None) in sought:
+            continue
+        for log in [None, *logs] if len(logs) > 1 else [None]:
+            x = np.where(_rows(problem, log), slopes, 0.0)
+            if ((column, what), log) not in sought and x @ x > 0:
+                yield _suspect(problem, r, J, x, (column, what, log))
 
 
 def _suspect(problem: MachineProblem, r: Array, J: Array, slopes: Array, which: tuple[str, str, int | None]) -> Suspect:
@@ -104,8 +102,8 @@ def _suspect(problem: MachineProblem, r: Array, J: Array, slopes: Array, which: 
     lags, _, _ = remembered(problem, left)
     wide = np.sqrt(max((covariance @ scores(problem, left, J, lags) @ covariance)[-1, -1], covariance[-1, -1]))
     own = r[_rows(problem, which[2])]
-    fall = (float(r @ r) - float(left @ left)) / max(float(own @ own), 1e-300)
-    return Suspect(*which, float(move[-1]), float(wide), fall, move[:-1])
+    fall = float(r @ r) - float(left @ left)
+    return Suspect(*which, float(move[-1]), float(wide), fall, fall / max(float(own @ own), 1e-300), move[:-1])
 
 
 def _rows(problem: MachineProblem, log: int | None) -> Array:
@@ -114,11 +112,6 @@ def _rows(problem: MachineProblem, log: int | None) -> Array:
     for k, run in enumerate(problem.runs):
         found[problem.first[k] : problem.first[k + 1]] = log in (None, run.log)
     return found
-
-
-def _squares(problem: MachineProblem, u: Array, log: int | None) -> float:
-    r = problem.residuals(u[None])[0][_rows(problem, log)]
-    return float(r @ r)
 
 
 def _coordinate(problem: MachineProblem, x: Suspect) -> MachineCoordinate:
@@ -143,18 +136,18 @@ def _words(problem: MachineProblem, x: Suspect) -> str:
     return f"{where}{x.column}: {text}"
 
 
-def _slopes(problem: MachineProblem, u: Array, column: str) -> dict[str, Array]:
-    """The slopes of the residuals by a column's delay, clock, gain and offset."""
-    found = {what: np.zeros(problem.size) for what in ("clock", "delay", "gain", "offset")}
+def _slopes(problem: MachineProblem, u: Array) -> dict[tuple[str, str], Array]:
+    """The slopes of the residuals by each column's delay, clock, gain and offset."""
+    found = {(n, what): np.zeros(problem.size) for n in problem.noise for what in ("clock", "delay", "gain", "offset")}
     for k, run in enumerate(problem.runs):
         at, begin = int(problem.first[k]), float(run.piece) if run.piece else 0.0
         for target, x in zip(run.targets, problem.predicted(run, k, u[None]), strict=True):
-            if target.column == column and len(target.t) > 2:
-                rows, noise = slice(at, at + len(target.t)), problem.noise[column]
+            if len(target.t) > 2:
+                rows, column, noise = slice(at, at + len(target.t)), target.column, problem.noise[target.column]
                 rate = np.gradient(x[0], target.t)
-                found["delay"][rows] = -rate / noise
-                found["clock"][rows] = -rate * (target.t + begin) / noise
-                found["gain"][rows] = x[0] / noise
-                found["offset"][rows] = 1 / noise
+                found[column, "delay"][rows] = -rate / noise
+                found[column, "clock"][rows] = -rate * (target.t + begin) / noise
+                found[column, "gain"][rows] = x[0] / noise
+                found[column, "offset"][rows] = 1 / noise
             at += len(target.t)
     return found

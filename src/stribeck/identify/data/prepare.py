@@ -30,7 +30,7 @@ _RAISED, _NOISE_ALLOWED = 4.0, 1e-3
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
 _ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
 _STILL = 0.01  # of the fastest speed
-_TRIFLE = 0.01  # of a run: a shorter end tells and spoils little
+_TRIFLE = 0.01  # of a run: a shorter end is kept where a fit is to be the published one, to its last digit
 _MISSED = 1.5  # times the misfit elsewhere, at the end: the filter's
 _LOST = 0.01  # of the motion's variance: less may go
 _MORE_THAN_NOISE = 4.0  # the variance that a filter takes away, of the noise's
@@ -46,11 +46,13 @@ class Preparation:
         trim: samples dropped at the start of each run, where the filter has not settled.
         simulated: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
             cut-off chosen from the data is raised.
+        published: for plain least squares as published, which keeps the last rows of a run.
     """
 
     cutoff: float | None = None
     trim: int | None = None
     simulated: bool = False
+    published: bool = False
 
 
 def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | None = None) -> Log:
@@ -123,7 +125,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if how.trim is None and cutoff > 0:
-        rows_kept = _without_ends(columns, lengths, round(_ENDS / (cutoff * step)), how.simulated)
+        rows_kept, said = _without_ends(columns, lengths, round(_ENDS / (cutoff * step)), how)
+        notes += said
         parts_of_log = {name: x[rows_kept] for name, x in parts_of_log.items()}
     return Log(
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
@@ -164,24 +167,36 @@ def _columns(
 
 
 def _without_ends(
-    columns: Mapping[str, Array], lengths: Sequence[int], end: int, always: bool
-) -> slice | NDArray[np.bool_]:
-    """The rows without the last ones of the runs that end in motion, where the filter goes astray.
+    columns: Mapping[str, Array], lengths: Sequence[int], end: int, how: Preparation
+) -> tuple[slice | NDArray[np.bool_], list[str]]:
+    """The rows without the last ones of the runs that end in motion, where the filter goes astray; and what to say of it.
 
-    Unless ``always``, only where it shows: the acceleration there exceeds all others of the run, or a plain regression of
-    the rest misses the force there, and the end is not a mere trifle of the run.
+    But for simulations only where it shows: the acceleration there exceeds all others of the run, or a plain regression of
+    the rest misses the force there.
     """
+    left, spoilt = 0, 0
     v, a = abs(columns["velocity"]), abs(columns["acceleration"])
     fastest = float(v.max())
     keep = np.ones(len(v), bool)
     for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
         if n > 4 * end and end > 0 and v[stop - 1] > _STILL * fastest:
             rest = float(a[stop - n : stop - end].max())
-            astray = always or float(a[stop - end : stop].max()) > rest
-            keep[stop - end : stop] = not (astray or (end > _TRIFLE * n and _missed(columns, stop - n, stop, end)))
+            astray = how.simulated or float(a[stop - end : stop].max()) > rest
+            if not astray and _missed(columns, stop - n, stop, end):
+                astray = not how.published or end > _TRIFLE * n
+                left, spoilt = left + astray * end, spoilt + (not astray) * end
+            keep[stop - end : stop] = not astray
+    said = (
+        [f"the last {left} rows are left out: the filter goes astray where the record ends in motion"] if left else []
+    )
+    if spoilt:
+        said.append(
+            f"the filter goes astray in the last {spoilt} rows, where the record ends in motion; they are kept, as in the "
+            "published procedure, and left out where laws or terms are looked for"
+        )
     if keep.all():
-        return slice(None)
-    return slice(None, -end) if len(lengths) == 1 else keep  # a slice copies nothing
+        return slice(None), said
+    return (slice(None, -end) if len(lengths) == 1 else keep), said  # a slice copies nothing
 
 
 def _missed(columns: Mapping[str, Array], start: int, stop: int, end: int) -> bool:

@@ -18,10 +18,11 @@ _GAP = 5.5  # steps without a sample that end a run
 _BLOCK = 1_000_000
 _ALIKE = 0.95  # correlation of the ways made, by the position and by the velocity
 _OFF = 1.5  # times each other: more is another unit
-_SPIKE, _RARE = (
-    10.0,
-    0.02,
-)  # times the usual force: what no friction comes to; of the rows: more is no fault of a sensor
+_SPIKE = 10.0  # times the usual force: what no friction comes to
+_RARE = 0.02  # of the rows: more are no fault of a sensor
+_GLITCH, _SCATTER = 20.0, 2.5  # times what is usual beside a cubic: a value that is off; what noise adds
+_TRACE = (1 / 6, -2 / 3, 1.0, -2 / 3, 1 / 6)  # of a value that is off by 1, in the distances from cubics
+_MOST_LOOKED_AT = 5000
 _AROUND = 3  # rows to each side that a spike stands out of
 _ANSWER = 4.0  # times the usual change of the speed
 _WRAPPED = 0.4  # of the position's range, from a row to the next: a turn is over
@@ -89,6 +90,7 @@ def clean(columns: dict[str, Array], number: str) -> Clean:
             "the log is cut there, and nothing is filtered across a gap"
         )
     runs = _pieces(columns, new_run | gaps, number, notes)
+    _without_glitches(columns, runs, number, notes)
     _agree(columns, runs, number)
     if "force" in columns:
         _without_spikes(columns, number, notes)
@@ -140,6 +142,63 @@ def _ratio(measured: Array, summed: Array) -> float | None:
     if size == 0.0 or abs(alike) < _ALIKE * size:
         return None
     return float(np.linalg.norm(summed)) / float(np.linalg.norm(measured)) * float(np.sign(alike))
+
+
+def _without_glitches(columns: dict[str, Array], runs: list[slice], number: str, notes: list[str]) -> None:
+    """Put cubics in place of single values of the motion that stand out of it for one row and no longer, as no body moves: a
+    lost bit, a light that flickered. A jump and a kink leave another trace in the differences, and stay."""
+    for role in ("position", "velocity"):
+        if role not in columns:
+            continue
+        off = np.zeros(len(columns[role]))
+        for rows in runs:
+            off[rows] = _glitches(columns[role][rows])
+        if count := np.count_nonzero(off):
+            columns[role] = columns[role] - off
+            first = columns["time"][np.flatnonzero(off)[0]]
+            notes.append(
+                f"{number}: {role}: {count} single rows stand out of the motion by up to {np.max(abs(off)):.3g} (first at "
+                f"{first:.6g} s): cubics through the rows beside in their place"
+            )
+
+
+def _glitches(x: Array) -> Array:
+    """By how much single values, or two close to each other, stand out of a run; 0 for the others, and for all where they are
+    many."""
+    found, off = np.zeros(len(x)), _beside_cubic(x)
+    usual = max(1.4826 * float(np.median(abs(off))), float(np.quantile(abs(off), 0.95)) / 1.96)
+    far = abs(off) > _GLITCH * usual
+    if not 0 < np.count_nonzero(far) < 3 * _RARE * len(x):
+        return found
+    far[1:] &= abs(off[1:]) >= abs(off[:-1])
+    far[:-1] &= abs(off[:-1]) > abs(off[1:])
+    for row in np.flatnonzero(far)[:_MOST_LOOKED_AT].tolist():
+        sets = [(row,), *((row, row + by) for by in (-4, -3, -2, -1, 1, 2, 3, 4))]
+        if (told := next(filter(None, (_explained(off, each, usual) for each in sets)), None)) is not None:
+            for place, size in told.items():
+                found[place + 2] = size
+    return found
+
+
+def _explained(off: Array, places: tuple[int, ...], usual: float) -> dict[int, float] | None:
+    """The sizes of glitches at these places, if they explain what the rows around show down to its noise."""
+    first, last = min(places) - 2, max(places) + 3
+    if first < 0 or last > len(off):
+        return None
+    traces = np.zeros((last - first, len(places)))
+    for k, place in enumerate(places):
+        traces[place - 2 - first : place + 3 - first, k] = _TRACE
+    sizes = np.linalg.lstsq(traces, off[first:last], rcond=None)[0]
+    left = off[first:last] - traces @ sizes
+    if np.max(abs(left)) > _SCATTER * usual or np.min(abs(sizes)) < 0.25 * _GLITCH * usual:
+        return None
+    return dict(zip(places, sizes.tolist(), strict=True))
+
+
+def _beside_cubic(x: Array) -> Array:
+    """How far each value, but for two at either end, lies beside a cubic through the two before and the two behind it; a value
+    that is off by 1 shows as 1, with -2/3 to each side."""
+    return np.asarray(x[2:-2] - (4 * (x[1:-3] + x[3:-1]) - x[:-4] - x[4:]) / 6)
 
 
 def _without_spikes(columns: dict[str, Array], number: str, notes: list[str]) -> None:

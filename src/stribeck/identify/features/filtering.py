@@ -14,6 +14,7 @@ from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
+from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem, linear_step
 
 _FEWEST = 8  # samples of a run
@@ -27,10 +28,14 @@ def filter_bias(problem: Problem, u: Array, slopes: Array) -> Array:
 
     One step of Gauss and Newton from the optimum ``u`` with its ``slopes`` towards that of the smoother motion.
     """
-    nothing = np.zeros(len(u))
-    if not isinstance(problem, VelocityProblem) or problem.log.bandwidth is None:
+    nothing, other = np.zeros(len(u)), problem
+    if isinstance(problem, VelocityProblem) and problem.log.bandwidth is not None:
+        other = problem.moving(_smoother(problem.log))
+    elif isinstance(problem, MotionProblem) and problem.follows and problem.log.bandwidth is not None:
+        other = problem.along(smoother_log(problem.log))
+    else:
         return nothing
-    before, after = problem.outputs(u[None, :]), problem.moving(_smoother(problem.log)).outputs(u[None, :])
+    before, after = problem.outputs(u[None, :]), other.outputs(u[None, :])
     if before is None or after is None:
         return nothing
     shift = linear_step(slopes, after[0] - before[0])
@@ -60,9 +65,10 @@ def sampling(problem: Problem, u: Array, slopes: Array) -> Array:
 
 
 def smoother_log(log: Log) -> Log:
-    """The log with velocity and acceleration of a lower cut-off."""
+    """The log with position, velocity and acceleration of a lower cut-off."""
+    position = _smoothed(log, log.position, False)
     acceleration = _smoothed(log, log.acceleration, "differences" in log.sources.get("acceleration", ""))
-    return log.with_columns(velocity=_smoother(log), acceleration=acceleration)
+    return log.with_columns(position=position, velocity=_smoother(log), acceleration=acceleration)
 
 
 def _smoother(log: Log) -> Array:

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from scipy.stats import qmc
 
+from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import Optimum, multistart
 from stribeck.identify.models.dynamic_problem import VelocityProblem
@@ -26,6 +27,8 @@ _FOLLOWS = 1.15  # times the noise: the residual of a model that follows the mea
 _GROWN = 1.02  # times the residual of shorter windows: more is a drift, or a model, that longer ones do not bear
 _MANY_EVALUATIONS, _FEW_EVALUATIONS = 200, 40  # of a descent; of one from the optimum of shorter windows, which is near
 _SLOW = 3e-3  # of the largest speed, where friction may fall with it
+_BENDS = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2)  # of the largest speed: where the Stribeck curve may end
+_RISE = 1.4  # F_s over F_c
 _TURNS = 0.05  # of the largest speed: what a reversal must pass
 
 
@@ -42,6 +45,7 @@ class Followed:
     drifts: bool
     left: float = 0.0
     farther: float = 0.0
+    expected: float = 1.0  # the multiple that the noise of the force explains
 
 
 def follow(
@@ -61,6 +65,9 @@ def follow(
         more = [starts[0], other(), *starts[1:]]
         work.section(0.6)
         found = _best(inverse, output, more, noise, force_noise, first, work)
+        if not found.optimum.exhausted and not work.stopped:
+            again = other_curves(found.problem, found.optimum.point)
+            found = _lower(found, _best(inverse, output, again, noise, force_noise, first, work))
     work.section(0.7)
     used, farther = length, 0.0
     while length < rows and not work.stopped:
@@ -68,10 +75,13 @@ def follow(
         values = found.problem.values(found.optimum.point)
         some = windows(log, length, _MOST)
         longer = _best(inverse, output, [values], noise, force_noise, some, work, evaluations=_FEW_EVALUATIONS)
-        if longer.ratio > max(_GROWN, found.ratio) and longer.ratio > _GROWN * found.ratio:
+        if (_leaves_more(longer, found) or _begins_to_drift(longer, found)) and longer.ratio > _GROWN * longer.expected:
+            again = other_curves(longer.problem, longer.optimum.point)
+            longer = _lower(longer, _best(inverse, output, again, noise, force_noise, some, work))
+        if _leaves_more(longer, found):
             farther = longer.left
             break
-        if longer.drifts and not found.drifts:
+        if _begins_to_drift(longer, found):
             break
         found, used = longer, length
     if work.stopped:
@@ -81,6 +91,30 @@ def follow(
     if work.stopped:
         return last
     return replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing), farther=farther)
+
+
+def other_curves(problem: MotionProblem, point: Array) -> list[dict[str, float]]:
+    """The constants of a point with other Stribeck curves: one that ends near the largest speed, or none, is a minimum of its
+    own, and short windows may not tell."""
+    values = problem.values(point)
+    free = {c.name for c in problem.coordinates}
+    if not {"v_s", "F_s", "F_c"} <= free:
+        return [values]
+    fast = float(np.max(abs(problem.log.velocity)))
+    return [{**values, "v_s": share * fast, "F_s": _RISE * values["F_c"]} for share in _BENDS]
+
+
+def _leaves_more(longer: Followed, found: Followed) -> bool:
+    return longer.ratio > max(_GROWN, found.ratio) and longer.ratio > _GROWN * found.ratio
+
+
+def _begins_to_drift(longer: Followed, found: Followed) -> bool:
+    return longer.drifts and not found.drifts
+
+
+def _lower(one: Followed, other: Followed) -> Followed:
+    """The one that leaves less; the first where that is nothing to speak of."""
+    return other if other.ratio < one.ratio / _GROWN else one
 
 
 def _best(
@@ -97,9 +131,8 @@ def _best(
     length = float(np.median([w.stop - w.start for w in some])) * inverse.log.step
     misfit = problem.misfit(optimum.point)
     slow = misfit is None or drifts(misfit, problem.parts)
-    return Followed(
-        problem, optimum, deviation / noise if noise > 0 else np.inf, length, slow, deviation / problem.scale
-    )
+    over = max(noise, 1e-300)
+    return Followed(problem, optimum, deviation / over, length, slow, deviation / problem.scale, expected=level / over)
 
 
 def first_values(problem: VelocityProblem, count: int, seed: int) -> list[dict[str, float]]:

@@ -194,10 +194,9 @@ class _Search:
         self.noise = white_noise(raw(log, output), list(log.runs()))
 
     def has_windows(self, drive: Mapping[str, object]) -> bool:
-        """Whether the body can be simulated in short windows: under the measured force and its own inertia alone."""
-        plain = set(self.inverse.body) <= {"mass", "offset"}
+        """Whether the body can be simulated in short windows: under the measured force."""
         law_and_mass = self.inverse.law.has_z and self.inverse.values(self.first)["mass"] > 0
-        return drive == {"kind": "force"} and plain and law_and_mass
+        return drive == {"kind": "force"} and law_and_mass
 
     def the_other_way(self) -> Array:
         """The optimum of the problem the other way round, which costs a tenth."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Sizes, ranges, sizes_of
 from stribeck.identify.features.sliding import Sliding
@@ -20,6 +21,8 @@ from stribeck.laws.base import Law
 _STEEP = 10.0  # over the Stribeck velocity: a sign that is steep beside it, whatever the unit of the speed
 _SHARP = 1e9  # s/m
 _SHARPEST = 1e6  # over the largest speed: for motion of micrometres per second
+_SLOW = 0.05  # of the largest speed
+_CHANGED = 30.0  # of the argument of a smooth sign at the slowest rows: it is one at a tenth of their speed too
 _SHOWN, _SHOWN_SHARE = 10, 0.05  # rows that a bend of the curve needs at least; of few rows
 _DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
 
@@ -117,13 +120,17 @@ def _with_steepness(
 def _told_apart(rows: Rows, terms: Sequence[str], unseen: dict[str, str], notes: list[str]) -> list[str]:
     """The terms without an offset where all motion is one way."""
     v = rows.log.velocity
-    fastest = float(np.max(abs(v)))
-    if "offset" not in terms or min(-float(v.min()), float(v.max())) > 0.02 * fastest:
+    if "offset" not in terms or not _one_way(v):
         return list(terms)
     why = "all motion is in one direction: friction and an offset (gravity, a sensor's zero) cannot be told apart there"
     unseen["offset"] = why
     notes.append(f"{why}; the offset is taken as 0, so that the levels hold both")
     return [n for n in terms if n != "offset"]
+
+
+def _one_way(v: Array) -> bool:
+    """Whether all motion is in one direction."""
+    return min(-float(v.min()), float(v.max())) <= 0.02 * float(np.max(abs(v)))
 
 
 def _typical(law: type[Law], sizes: Sizes, given: Mapping[str, float]) -> dict[str, float]:
@@ -143,6 +150,12 @@ def _span(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> tuple[float, f
     """Where a constant that shapes the curve is looked for."""
     constant = law.constants()[name]
     if constant.unit == "s/m":
+        v = rows.log.velocity
+        slowest = float(np.quantile(abs(v), 0.01))
+        if (
+            _one_way(v) and slowest > _SLOW * sizes.fast
+        ):  # no row shows the sign change: a curve that fits would be guessed
+            return _CHANGED / slowest, 1e4 / sizes.fast
         return 0.3 / sizes.fast, 1e4 / sizes.fast
     if constant.unit == "m/s":
         return min(max(1e-3 * sizes.fast, _slowest(rows)), 0.35 * sizes.fast), 0.7 * sizes.fast

@@ -26,6 +26,7 @@ Given = Mapping[str, float]
 _TOLERANCE = 1e-6  # of the deflection, as a share of its natural scale: far below any sensor
 _MANY_RUNS = 200
 _MOST_ROWS = 2_000_000  # beyond, the lanes of a derivative fill the memory
+_SIGN = 0.01  # of the largest speed: what a smooth sign takes to change, for first values
 _LEVELS = ("F_c", "F_s")  # what a varying friction level shifts
 
 
@@ -208,7 +209,8 @@ def velocity_problem(
         held["mass"] = mass
     if any(TERMS[name].level for name in body) and "F_c" not in law.constants():
         raise InputError(f"{arg('terms')}: law '{law.name}' has no friction level F_c that could vary")
-    sizes = sizes_of(log, mass or 0.0)
+    beside = _first_of_beside(log, body, held)
+    sizes = sizes_of(_less(log, {**beside, **{n: held[n] for n in body if n in held and n != "mass"}}), mass or 0.0)
     found: list[tuple[Coordinate, float, float, float]] = []
     for name in free:
         here = ranges(law, sizes)[name]
@@ -217,7 +219,11 @@ def velocity_problem(
             here = Guess(given, min(here.low, given), max(here.high, given), here.reach)
         unit = law.constants()[name].unit
         found.append((Coordinate(name, unit, *here.bounds), here.value, here.low, here.high))
-    found += [_body_coordinate(name, log, sizes.force, sizes.offset) for name in body if name not in held]
+    for name in body:
+        if name not in held:
+            coordinate, value, lowest, highest = _body_coordinate(name, log, sizes.force, sizes.offset)
+            value = beside.get(name, value)
+            found.append((coordinate, value, min(lowest, value), max(highest, value)))
     for number, rows in enumerate(_with_own_start(log, law)):
         z = Coordinate(first_deflection(number), "", -1.0, 1.0, log=False, nuisance=True, rows=rows)
         found.append((z, 0.0, -0.5, 0.5))
@@ -264,6 +270,30 @@ def _body_coordinate(name: str, log: Log, force: float, offset: float) -> tuple[
     if term.positive:
         return Coordinate(name, term.unit, 1e-6 * size, 1e6 * size), size, 0.1 * size, 10 * size
     return Coordinate(name, term.unit, -1e6 * size, 1e6 * size, log=False, scale=size), 0.0, -size, size
+
+
+def _first_of_beside(log: Log, body: Sequence[str], held: Given) -> dict[str, float]:
+    """First values of what the force holds beside inertia, friction and offset, such as an arm's weight: by least squares
+    beside these, as else they would be taken for friction."""
+    wanted = [n for n in body if n not in (*held, "mass", "offset", "delay") and not TERMS[n].level]
+    if not wanted:
+        return {}
+    names = [*wanted, *(n for n in ("mass", "offset") if n not in held)]
+    slow = _SIGN * float(np.max(abs(log.velocity)))
+    columns = [*_columns(log, names), np.tanh(log.velocity / max(slow, 1e-300)), log.velocity]
+    matrix = np.array(columns).T
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
+    rest = _less(log, {n: x for n, x in held.items() if TERMS[n].column is not None and not TERMS[n].level}).force
+    values = (np.linalg.lstsq(matrix / size, rest, rcond=1e-9)[0] / size).tolist()
+    return {n: x for n, x in zip(wanted, values, strict=False) if x > 0 or not TERMS[n].positive}
+
+
+def _less(log: Log, values: Given) -> Log:
+    """The record without the force of these terms."""
+    known = {n: x for n, x in values.items() if TERMS[n].column is not None and not TERMS[n].level}
+    if not known:
+        return log
+    return log.with_columns(force=log.force - np.array(list(known.values())) @ _columns(log, list(known)))
 
 
 def _with_own_start(log: Log, law: type[Law]) -> list[slice]:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
+from stribeck.identify.models.columns import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, form_of
 from stribeck.identify.models.problem import Coordinate, Problem
 from stribeck.simulation.response import ForcedBody
@@ -47,6 +48,8 @@ class MotionProblem(Problem):
         self.first = np.cumsum([0, *(w.stop - w.start for w in windows[:-1])]).astype(np.int64)
         self.parts = [slice(a, a + w.stop - w.start) for a, w in zip(self.first.tolist(), windows, strict=True)]
         self.time, self.driving = log.time[self.rows], log.force[self.rows]
+        self.beside = [name for name in inverse.body if name != "mass"]
+        self.columns = self._columns(log)
         fast = float(np.max(abs(log.velocity)))
         self.begin = np.array([[0.0, log.velocity[w.start], 0.0] for w in windows])
         slides = abs(self.begin[:, 1]) > SLIDES * fast
@@ -90,7 +93,8 @@ class MotionProblem(Problem):
         found = [c.inner(values[c.name]) for c in self.coordinates[: self.shared]]
         for k, state in self.places:
             row = self.windows[k].start
-            held = self.log.force[row] - values.get("offset", 0.0) - values["mass"] * self.log.acceleration[row]
+            beside = self._of_beside(values)[self.first[k]]
+            held = self.log.force[row] - beside - values["mass"] * self.log.acceleration[row]
             found.append(
                 self.begin[k, 1] / self.coordinates[len(found)].scale if state == 1 else np.clip(held / level, -1, 1)
             )
@@ -103,11 +107,25 @@ class MotionProblem(Problem):
         other.driving = force
         return other
 
+    def along(self, log: Log) -> MotionProblem:
+        """The same problem where what the force holds beside friction is taken at the motion of another record."""
+        other = copy(self)
+        other.columns = self._columns(log)
+        return other
+
+    @property
+    def follows(self) -> bool:
+        """Whether what the force holds beside friction hangs on the measured motion, as an arm's weight does."""
+        return not set(self.beside) <= {"offset", "area"}
+
+    def _columns(self, log: Log) -> Array:
+        return np.array([column(name, log)[self.rows] for name in self.beside]).reshape(-1, len(self.rows))
+
     # -- outputs -----------------------------------------------------------------------------------------------------
 
     def outputs(self, points: Array) -> Array | None:
         """The motion at every row of the windows; positions less the mean of their window, as its first one is free."""
-        sets = [{"offset": 0.0, **self.values(u)} for u in points]
+        sets = [self.values(u) for u in points]
         found = self.simulated(sets, points)
         return None if found is None else self._without_means(found)
 
@@ -134,9 +152,13 @@ class MotionProblem(Problem):
             return None
         way, speed = self.tolerance
         limits = (min(way, length[0]), speed, min(way, 1e-3 * length[0]))
-        driving = self.driving if force is None else force
+        driving = (self.driving if force is None else force) - np.array([self._of_beside(each) for each in sets])
         found = self.model.of(self.time, driving, sets, self.first, states, limits, straight)
         return None if found is None else found[0 if self.output == "position" else 1]
+
+    def _of_beside(self, values: Given) -> Array:
+        """What of the measured force neither moves the body nor is the law's, at the measured position and speed."""
+        return np.asarray(np.array([values[name] for name in self.beside]) @ self.columns)
 
     def _without_means(self, x: Array) -> Array:
         """Positions less their mean in each window: the least squares over its first position, which only shifts it."""
@@ -169,7 +191,7 @@ class MotionProblem(Problem):
         return self._shift(u, self.driving, True)
 
     def _shift(self, u: Array, force: Array, straight: bool) -> Array:
-        sets, points = [{"offset": 0.0, **self.values(u)}], u[None, :]
+        sets, points = [self.values(u)], u[None, :]
         usual, other = self.simulated(sets, points), self.simulated(sets, points, force, straight)
         if usual is None or other is None:
             return np.zeros(len(self.measured))

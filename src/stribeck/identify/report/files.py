@@ -15,7 +15,7 @@ from stribeck.version import __version__
 
 
 def write_fit(result: Fit | Choice, log: Log, folder: Path, command: str, data: str) -> list[str]:
-    """Write report.html and, last, parameters.toml; the paths."""
+    """Write report.html and parameters.toml; their names."""
     from stribeck.identify.report.page import page
 
     fit = result.best if isinstance(result, Choice) else result
@@ -23,7 +23,7 @@ def write_fit(result: Fit | Choice, log: Log, folder: Path, command: str, data: 
     report, parameters = folder / "report.html", folder / "parameters.toml"
     write_text(report, page(result, log, command, data))
     write_text(parameters, toml(fit, command, data))
-    return [str(parameters), str(report)]
+    return [parameters.name, report.name]
 
 
 def toml(fit: Fit, command: str, data: str) -> str:

@@ -35,17 +35,15 @@ def figure(
             layout = [[row] for label in traces for row in (label, f"{label} residual")]
             made, axes = plots.figure(layout, 1.7 * len(layout) + 0.4)
             for label, (unit, measured, other) in traces.items():
-                of_y, of_r = (
-                    scale([Quantity(of, unit, "", x[rows]) for x in shown])
-                    for of, shown in ((label, (measured, other)), ("residual", (measured - other,)))
-                )
+                missed = (measured - other)[rows]
+                of_y = scale([Quantity(label, unit, "", x[rows]) for x in (measured, other)])
+                of_missed = scale([Quantity("residual", unit, "", missed)])
                 for i, x, word in ((2, measured, words[0]), (1, other, words[1])):
                     plots.line(axes[label], i, *plots.thin(time[rows], of_y.of(x[rows])), word, linewidth=0.9)
                 axes[label].set_ylabel(of_y.label)
                 left = axes[f"{label} residual"]
-                rest = of_r.of((measured - other)[rows])
-                left.plot(*plots.thin(time[rows], rest), color=plots.COLOURS[2], linewidth=0.7)
-                left.set_ylabel(of_r.label)
+                left.plot(*plots.thin(time[rows], of_missed.of(missed)), color=plots.COLOURS[2], linewidth=0.7)
+                left.set_ylabel(of_missed.label)
             axes[layout[-1][0]].set_xlabel("t (s)")
             plots.legend(made, axes[next(iter(traces))])
             text = "The whole record" if not part else "The tenth of it in which they differ most"

@@ -12,6 +12,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.data.filters import low_pass, spline_derivative
+from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem, raw, white_noise
 from stribeck.identify.models.problem import Problem, linear_step
@@ -25,28 +26,18 @@ def again_with_noise(problem: Problem, u: Array) -> tuple[Array, Array]:
     nothing = np.zeros(len(u)), np.zeros(len(u))
     if not isinstance(problem, VelocityProblem) or problem.log.bandwidth is None:
         return nothing
-    measured = problem.log.sources.get("unfiltered")
-    if measured is None:
+    if problem.log.sources.get("unfiltered") is None:
         return nothing
-    deviation = white_noise(raw(problem.log, measured), list(problem.log.runs()))
     draw = np.random.default_rng(0)
-    shifts = [found for _ in range(_DOSES) if (found := _moved(problem, u, measured, deviation, draw)) is not None]
+    shifts = [found for _ in range(_DOSES) if (found := _moved(problem, u, draw)) is not None]
     if len(shifts) < 2:
         return nothing
     return np.mean(shifts, axis=0), np.std(shifts, axis=0, ddof=1)
 
 
-def _moved(
-    problem: VelocityProblem, u: Array, measured: str, deviation: float, draw: np.random.Generator
-) -> Array | None:
+def _moved(problem: VelocityProblem, u: Array, draw: np.random.Generator) -> Array | None:
     """The step of Gauss and Newton from the optimum to that with more noise."""
-    log = problem.log
-    assert log.bandwidth is not None
-    velocity = log.velocity.copy()
-    for rows in log.runs():
-        noise = low_pass(deviation * draw.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
-        velocity[rows] += spline_derivative(noise, log.step) if measured == "position" else noise
-    noisy = problem.moving(velocity)
+    noisy = problem.moving(_with_noise(problem.log, draw).velocity)
     slopes, misfit = noisy.sensitivities(u), noisy.misfit(u)
     if slopes is None or misfit is None:
         return None
@@ -54,16 +45,34 @@ def _moved(
 
 
 def again_with_force_noise(problem: MotionProblem, u: Array) -> Array:
-    """How far the optimum of a fit of the motion moves on the mean where the measured force has its noise once more."""
+    """How far the optimum of a fit of the motion moves on the mean where the measured force, and the motion by which weight
+    and the like are told, have their noise once more."""
     deviation = white_noise(problem.log.force, list(problem.log.runs()))
     draw = np.random.default_rng(0)
     shifts = []
-    for _ in range(_DOSES if deviation > 0 else 0):
+    for _ in range(_DOSES if deviation > 0 or problem.follows else 0):
         noisy = problem.driven(problem.driving + deviation * draw.standard_normal(len(problem.driving)))
+        if problem.follows:
+            noisy = noisy.along(_with_noise(problem.log, draw))
         slopes, misfit = noisy.sensitivities(u), noisy.misfit(u)
         if slopes is not None and misfit is not None:
             shifts.append(-linear_step(slopes, misfit))
     return abs(np.asarray(np.mean(shifts, axis=0))) if len(shifts) > 1 else np.zeros(len(u))
+
+
+def _with_noise(log: Log, draw: np.random.Generator) -> Log:
+    """The record with noise of the measured size in its position and velocity once more, behind the same filter."""
+    measured = log.sources.get("unfiltered")
+    if measured is None or log.bandwidth is None:
+        return log
+    deviation = white_noise(raw(log, measured), list(log.runs()))
+    position, velocity = log.position.copy(), log.velocity.copy()
+    for rows in log.runs():
+        noise = low_pass(deviation * draw.standard_normal(rows.stop - rows.start), log.bandwidth, log.step)
+        if measured == "position":
+            position[rows] += noise
+        velocity[rows] += spline_derivative(noise, log.step) if measured == "position" else noise
+    return log.with_columns(position=position, velocity=velocity)
 
 
 def acceleration_of_full_band(problem: Problem, u: Array, slopes: Array) -> Array:

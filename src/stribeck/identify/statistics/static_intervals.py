@@ -146,7 +146,7 @@ def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
     variance = float(at.misfit @ at.misfit) / free
     noise = _NORMAL * np.sqrt(np.maximum(np.diag(covariance(at.slopes, variance, noise_memory(at.misfit))), 0.0))
     parts = clusters.parts_of(rows.log.rows(rows.kept))
-    apart = clusters.half_widths(at.slopes, at.misfit, parts.number, parts.repeats)
+    apart = clusters.half_widths(at.slopes, at.misfit, parts.number, True)
     v = rows.log.velocity[rows.kept]
     curve = clusters.half_widths(at.slopes, at.misfit, clusters.by_speed(v, rows.weight), False)
     share = clusters.misfit_share(v, at.misfit, rows.weight)
@@ -213,7 +213,15 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
             found[name] = f"the residuals hardly depend on it{together}"
         elif alike[k]:
             found[name] = f"it is hardly told apart from the others{together}"
+    if "F_s" in at.names and _at_lowest(model, solution):
+        found["F_s"] = "v_s comes out at the lowest speed measured, and F_s hangs on it"
     return {**_physical(rows, model, solution, at), **found}
+
+
+def _at_lowest(model: StaticModel, solution: Minimum) -> bool:
+    """Whether the Stribeck curve bends at the lower end of what is tried: the slowest rows, below which nothing is seen."""
+    shape = next((s for s in model.whole.shapes if s.name == "v_s"), None)
+    return shape is not None and shape.share(solution.values["v_s"]) <= 1e-3
 
 
 def _physical(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> dict[str, str]:

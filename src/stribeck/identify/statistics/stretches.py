@@ -17,20 +17,19 @@ from scipy.stats import t as student
 from stribeck.arrays import Array
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
-from stribeck.identify.statistics.clusters import by_speed, half_widths
+from stribeck.identify.statistics.clusters import by_speed, half_widths, without_each
 from stribeck.identify.statistics.profiles import THRESHOLD
 
 _FEWEST_WINDOWS = 8  # beyond the number of constants
 _BLOCKS = 40  # stretches of a record as clusters
 _LOWEST, _SURE = 8, 0.95  # cosines of a window, of which a drift has the most; chance that white noise has less in them
-_LOST = 1e-12  # of the largest eigenvalue: a direction that nothing is left of
 
 
 def by_windows(problem: MotionProblem, slopes: Array, misfit: Array, otherwise: Array) -> Array:
     """The covariance with windows as clusters; ``otherwise`` where there are too few."""
     if len(problem.windows) < problem.shared + _FEWEST_WINDOWS:
         return otherwise
-    return jackknife(slopes, misfit, problem.parts)
+    return without_each(slopes, misfit, problem.parts, problem.shared) / THRESHOLD
 
 
 def at_least_by_blocks(problem: MotionProblem, slopes: Array, misfit: Array, inner: Array) -> Array:
@@ -68,27 +67,6 @@ def sandwich(problem: MotionProblem, slopes: Array, misfit: Array, clusters: Seq
     left = count - problem.shared
     wider = count / left * (student.ppf(0.975, left) / np.sqrt(THRESHOLD)) ** 2
     return np.asarray(wider * inverse @ (scores.T @ scores) @ inverse / np.outer(size, size))
-
-
-def jackknife(slopes: Array, misfit: Array, clusters: Sequence[slice]) -> Array:
-    """The covariance by what the estimate is without each cluster. A few windows that tell the most draw the optimum to
-    themselves, so that their residuals, and with them a sandwich, come out too small; and they count as few, whatever the
-    number of windows: Student's quantile is for the freedom that the contributions would have if the noise were white
-    (Bell and McCaffrey, Survey Methodology 28(2):169-181, 2002; Hansen, arXiv:2208.07445)."""
-    size = np.maximum(np.sqrt(np.mean(slopes**2, axis=0)), 1e-300)
-    scaled, count = slopes / size, len(clusters)
-    grams = [scaled[part].T @ scaled[part] for part in clusters]
-    whole = np.sum(grams, axis=0)
-    inverse = np.linalg.pinv(whole, rcond=_LOST, hermitian=True)
-    moved, due = np.empty((count, len(size))), np.empty((count, len(size)))
-    for i, (part, gram) in enumerate(zip(clusters, grams, strict=True)):
-        without = np.linalg.pinv(whole - gram, rcond=_LOST, hermitian=True)
-        moved[i] = without @ (scaled[part].T @ misfit[part])
-        due[i] = np.einsum("ij,jk,ki->i", without, gram - gram @ inverse @ gram, without)
-    due = np.maximum(due, 0.0)
-    freedom = np.sum(due, axis=0) ** 2 / np.maximum(np.sum(due**2, axis=0), 1e-300)
-    wider = student.ppf(0.975, np.clip(freedom, 1.0, count - 1)) / np.sqrt(THRESHOLD) / size
-    return np.asarray((count - 1) / count * (moved.T @ moved) * np.outer(wider, wider))
 
 
 def drifts(misfit: Array, parts: Sequence[slice]) -> bool:

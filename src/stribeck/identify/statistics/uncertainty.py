@@ -100,7 +100,9 @@ def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
     """How far each inner coordinate may be off by what no residual shows: the motion's filter, what happens between its
     samples, its noise, and the lower filter of the acceleration. They have nothing to do with each other."""
     if isinstance(problem, MotionProblem):
-        return np.asarray(np.hypot(between_samples(problem, u, slopes), _WHOLE * again_with_force_noise(problem, u)))
+        again = _WHOLE * again_with_force_noise(problem, u)
+        filtered = filter_bias(problem, u, slopes)
+        return np.asarray(np.sqrt(between_samples(problem, u, slopes) ** 2 + again**2 + filtered**2))
     shift, spread = again_with_noise(problem, u)
     noise = _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread
     filtered = np.maximum(filter_bias(problem, u, slopes), _WHOLE * acceleration_of_full_band(problem, u, slopes))
@@ -214,7 +216,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         doubts[k] = doubts[k] or left_open(low, high, c.log)
         low, high = (None if x is None else c.outer(x) for x in (low, high))
         best = float(c.outer(u[k]))
-        if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith("v_s comes"):
+        if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith(("v_s comes", "v_s is not")):
             low = high = None  # the numbers of a curve that nobody has seen
         if doubts[k]:
             what = experiment_for(c.name, values, sizes)
@@ -274,6 +276,10 @@ def _doubts(at: _Optimum, bias: Array, values: dict[str, float], sizes: Sizes, u
             confused = bool(alike[k]) and np.sqrt(THRESHOLD) * at.deviations[k] > close
             doubt = why_not(at.problem, k, at.u, at.inner, np.inf if at.clean else support[k], confused)
         doubts[k] = doubt or hangs(c, bias[k]) or (shape(c, values, sizes, unseen) if at.beyond else "")
+    names = {at.problem.coordinates[k].name: k for k in at.own}
+    if at.differs and {"F_s", "v_s"} <= set(names) and doubts[names["v_s"]]:
+        # no likelihood is followed there: beside a v_s that nothing tells, F_s may be at another minimum
+        doubts[names["F_s"]] = doubts[names["F_s"]] or "v_s is not determined, and F_s hangs on it"
     return doubts
 
 
