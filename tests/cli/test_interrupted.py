@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import stribeck
@@ -173,3 +174,31 @@ def test_lanes_one_by_one_end_soon(monkeypatch, scenario):
     with pytest.raises(KeyboardInterrupt):
         stribeck.simulate_ensemble(loaded, {"law.k_v": [1e7] * 6}, threads=1, progress=stop)
     assert len(shares) < 6
+
+
+def _ends(*_, **__):
+    raise OSError(28, "No space left on device")
+
+
+def test_a_check_that_ends_while_it_writes_leaves_the_older_result_whole(stribeck, tmp_path, monkeypatch):
+    """Killed over an older result it left the counterexamples of one law beside the page of another (2 of 8)."""
+    asked = ("--parameters", "canudas1995", "--out", tmp_path / "out")
+    assert stribeck("check", "lugre", *asked).status == 0
+    before = content(tmp_path / "out")
+    assert {"report.html", "passive.toml"} <= set(before)
+    monkeypatch.setattr("stribeck.report.check.write_check", _ends)
+    assert stribeck("check", "lugre_sobczyk", "--set", "k_v=1e7", *asked).status != 0
+    assert content(tmp_path / "out") == before
+
+
+def test_a_fit_that_ends_while_it_writes_leaves_the_older_result_whole(stribeck, tmp_path, monkeypatch):
+    t = np.arange(600) * 5e-3
+    v = np.sin(3 * t)
+    np.savez(tmp_path / "log.npz", t=t, v=v, F=5 * np.tanh(v / 0.02) + 3 * v + 0.1 * np.sin(70 * t))
+    asked = ("fit", tmp_path / "log.npz", "--time", "t", "--velocity", "v", "--force", "F", "--out", tmp_path / "out")
+    assert stribeck(*asked, "--law", "coulomb_viscous").status == 0
+    before = content(tmp_path / "out")
+    assert set(before) == {"report.html", "parameters.toml", "fit.json"}
+    monkeypatch.setattr("stribeck.identify.predict.saved", _ends)
+    assert stribeck(*asked, "--law", "coulomb_viscous", "--mass", "0").status != 0
+    assert content(tmp_path / "out") == before

@@ -12,7 +12,9 @@ from stribeck.errors import InputError
 from stribeck.properties import check, replay
 from stribeck.properties.damped import suffices
 from stribeck.properties.level import _Decided, check_varied, largest_v_d
+from stribeck.properties.verify_certificate import verify
 from stribeck.properties.worst import Varied
+from stribeck.steepness.level import level_advice
 
 CLOSE = 1e-9
 TABLE = {"sigma_0": 1e5, "sigma_1": 316.2, "F_c": 1.0, "F_s": 1.5, "v_s": 1e-3}
@@ -206,3 +208,65 @@ def test_what_is_no_level():
         check(at("elastoplastic", 1.0), level=(0.2, 1.0))
     with pytest.raises(InputError, match="no F_c"):
         check(stribeck.law("makkar", g1=0.25, g2=100.0, g3=10.0, g4=0.1, g5=100.0, g6=0.01), level=(1.0, 2.0))
+
+
+MESH = {"sigma_0": 2.5e3, "sigma_1": 30.0, "sigma_2": 0.5, "F_c": 0.6, "F_s": 0.75, "v_s": 0.02}
+VISCOUS = {"sigma_0": 1e4, "sigma_1": 10.0, "sigma_2": 60.0, "F_c": 1.0, "F_s": 1.5, "v_s": 0.01}
+
+
+def limit_of_v_d(table, k_v=None):
+    """The largest v_d with D >= 0 for all z and v at g = F_c/sigma_0, by brute force."""
+    x = np.linspace(0.0, 4.0, 20001)
+
+    def loses(v_d):
+        v, a = v_d * x, table["sigma_1"] * np.exp(-(x**2))
+        m = v if k_v is None else v * (2 / np.pi) * np.arctan(k_v * v) + 2 / (np.pi * k_v)
+        return np.all(a**2 * m <= 4 * table["F_c"] * (a + table["sigma_2"]))
+
+    low, high = 1e-6, 1e3
+    while high > low * (1 + 1e-7):
+        middle = math.sqrt(low * high)
+        low, high = (middle, high) if loses(middle) else (low, middle)
+    return low
+
+
+@pytest.mark.parametrize(("name", "table", "own", "gain"), [
+    ("lugre_majorant", MESH, {"k_v": 1e5}, 1.0274), ("lugre", VISCOUS, {}, 9.579),
+])  # fmt: skip
+def test_the_limit_of_the_damping_that_falls_with_speed(name, table, own, gain):
+    """Proved below it, beyond what the formula shows; above it a run draws energy."""
+    limit = limit_of_v_d(table, own.get("k_v"))
+    advice = level_advice(stribeck.law(name, table, **own), 1.0, 3.0, 1.0)
+    assert limit * (1 - 1e-3) < advice.v_d_limit < limit * (1 + 1e-6)
+    assert limit / advice.v_d == pytest.approx(gain, rel=1e-3)
+    ranges = {n: (Fraction(table[n]), None) for n in ("F_c", "F_s")}
+    inside, outside = (Varied(stribeck.law(name, table, **own, v_d=x * limit), ranges) for x in (0.999, 1.1))
+    proof = _Decided(inside, None, 2400.0, {}).passive()
+    assert proof.holds
+    assert "coq" not in proof.evidence  # whose theorem is about the formula
+    refuted = _Decided(outside, None, 2400.0, {}).passive()
+    assert refuted.holds is False
+    assert replay.repeats(refuted.scenario, refuted.stated)
+    assert refuted.stated["E_in"] < 0
+
+
+def test_the_checker_takes_no_other_numbers_for_the_limit():
+    law = stribeck.law("lugre", VISCOUS, v_d=8.9)
+    ranges = {n: (Fraction(VISCOUS[n]), None) for n in ("F_c", "F_s")}
+    certificate = _Decided(Varied(law, ranges), None, 2400.0, {}).passive().certificate
+    assert certificate["theorem"] == "damped"
+    assert verify(certificate) == []
+    knots = certificate["data"]["knots"]
+    thinned = [x for x in knots if not 0.6 < Fraction(x) < 0.8]
+    for change in ({"d": "9"}, {"s": "11"}, {"c": "59"}, {"N": "99/100"}, {"knots": knots[1:]}, {"knots": thinned},
+                   {"knots": ["0", knots[-1]]}, {"knots": [*knots, "1"]}, {"knots": []}):  # fmt: skip
+        assert verify({**certificate, "data": {**certificate["data"], **change}}) != [], change
+
+
+def test_the_shape_of_the_stribeck_curve_is_the_worst_that_there_is():
+    """delta falls to 1, where exp(-|v/v_s|) has no derivative at 0; the largest delta was looked at."""
+    varied = Varied(
+        stribeck.law("lugre_majorant", TABLE | {"sigma_2": 0.4}, k_v=1e5, delta=2.0),
+        {"delta": (Fraction(1), Fraction(2))},
+    )
+    assert varied.extreme(-1).p.delta == 1.0

@@ -1,14 +1,22 @@
 """What a machine file allows its contacts, and what follows for the whole."""
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 
 import stribeck
 from stribeck import Scenario
 from stribeck.errors import InputError
+from stribeck.expressions.ops import where
+from stribeck.laws.base import Scales, StaticLaw
 from stribeck.properties import ports, replay
+from stribeck.properties.level import _Decided
 from stribeck.properties.ranges import of_contact, of_force, of_signal
+from stribeck.properties.verify_certificate import verify
+from stribeck.properties.worst import Varied
 from stribeck.signals import KINDS
+from tests.machine.test_servo import MACHINE
 
 PASSIVE = {"sigma_0": 1e4, "sigma_1": 10.0, "sigma_2": 60.0, "F_c": 1.0, "F_s": 1.5, "v_s": 0.01}
 DAMPED = {"name": "lugre_majorant", "k_v": 1e5, "v_d": 0.5, "parameters": {**PASSIVE, "sigma_2": 0.1}}
@@ -136,3 +144,74 @@ def test_what_is_refused():
         stribeck.check_machine(machine(), forces={"gera": 1.0})
     with pytest.raises(InputError, match=r"forces\.gear"):
         stribeck.check_machine(machine(), forces={"gear": -1.0})
+
+
+def varying(law, **factors):
+    points = {n: {"signal": {"kind": "points", "t": [0, 2], "value": list(x)}} for n, x in factors.items()}
+    return machine(law, factors=points)
+
+
+def test_the_elastic_range_is_the_smallest_that_there_is():
+    law = {"name": "elastoplastic_majorant", "k_v": 1e5, "z_ba": 8e-5, "parameters": PASSIVE}
+    rig = Scenario(varying(law, z_ba=(1.0, 0.5))).rig
+    proofs = {}
+    found = _Decided(of_contact(rig, rig.machine.contacts[0], 2.0, {}), None, 2400.0, proofs).decided("drift_free")
+    assert found.holds
+    assert found.evidence["z_0"] == pytest.approx(4e-5)
+    assert verify(found.certificate, proofs["drift_free"], "drift_free") == []
+
+
+@pytest.mark.parametrize("name", ["F_c", "F_s", "level"])
+def test_a_level_below_the_elastic_range_is_refused(name):
+    """With g below z_ba no z is plastic, and it grows without end: it was said to be bounded where F_s fell."""
+    law = {"name": "elastoplastic_majorant", "k_v": 1e5, "z_ba": 8e-5, "parameters": PASSIVE}
+    with pytest.raises(InputError, match=rf"mesh\.factors\.{name}: z_ba .*must stay below F_[cs]/sigma_0") as told:
+        stribeck.check_machine(varying(law, **{name: (1.0, 0.5)}))
+    assert len(told.value.problems) == 1
+
+
+@pytest.mark.parametrize("name", ["coulomb_viscous", "stribeck", "stribeck_tanh"])
+def test_laws_without_z_are_passive_whatever_a_gear_carries(name):
+    law = {"name": name, "k_v": 100.0, "parameters": {**PASSIVE, "sigma_2": 1.0}}
+    rises = {"F_c": 0.1} if name == "coulomb_viscous" else {"F_c": 0.3, "F_s": 0.1}
+    contact = {"loads": [{"force": "gear", **rises}], "factors": {"sigma_2": {"amplitude": [0.5], "waves": [3]}}}
+    assert stribeck.check_machine(machine(law, **contact)).passive
+
+
+class Dips(StaticLaw):
+    """It drives between the ends of F_c's range, and loses nothing at both."""
+
+    name = "dips"
+    uses = ("F_c",)
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return (p.F_c - 1) * (p.F_c - 3) * v
+
+    @staticmethod
+    def scales(p):
+        return Scales(1e-3, 1.0, 1.0)
+
+
+class Jumps(Dips):
+    """The same by a condition."""
+
+    name = "jumps"
+
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return where(p.F_c < 2, 1.0, -1.0) * v
+
+
+@pytest.mark.parametrize("kind", [Dips, Jumps])
+def test_a_law_of_a_users_own_is_not_judged_by_the_ends_of_its_ranges(kind):
+    varied = Varied(kind({"F_c": 1.0}), {"F_c": (Fraction(1), Fraction(3))})
+    assert ports.static_passive(varied).holds is None
+
+
+def test_a_cylinder_is_a_port():
+    """It was said to be passive without any port, its gas and its valve left out."""
+    law = {"name": "lugre_majorant", "k_v": 1e6, "parameters": {**PASSIVE, "sigma_2": 400.0}}
+    found = stribeck.check_machine({**MACHINE, "contacts": {"seal": {"from": "piston", "law": law}}})
+    assert found.passive
+    assert set(found.ports) == {"bodies.piston", "controllers.axis"}

@@ -131,3 +131,26 @@ def test_26_dahl_loses_power_at_every_level():
     each = builtin()["dahl"]
     rate = each.dz_dt(p, v, z)
     assert sp.simplify(each.friction(p, v, z, rate) * v - s0 * z * rate - s0**2 * v * z**2 / F_c) == 0
+
+
+def test_30_the_least_power_by_z_is_a_quadratic_in_the_damping():
+    """min over z of D at q = m s0/N is v^2 (a + s2 - a^2 m/(4 N)), at z = a v/(2 s0)."""
+    a, m, level = sp.symbols("a m N", positive=True)
+    D = (a + s2) * v**2 + m * s0 / level * (s0 * z**2 - a * v * z)
+    (at,) = sp.solve(sp.diff(D, z), z)
+    assert sp.simplify(at - a * v / (2 * s0)) == 0
+    assert sp.simplify(D.subs(z, at) - v**2 * (a + s2 - a**2 * m / (4 * level))) == 0
+    stated = (a + s2) * v**2 + q * (s0 * z**2 - a * v * z)  # [18]
+    assert sp.expand(D - stated.subs(q, m * s0 / level)) == 0
+
+
+@pytest.mark.parametrize("name", ["lugre", "lugre_majorant"])
+@pytest.mark.parametrize("way", [1, -1])
+def test_31_slow_motion_at_a_high_level_costs_what_is_stored(name, way):
+    """F v/f tends to s0 z as the level rises without end and v falls, whichever way z goes."""
+    each, p = builtin()[name], constants(name)
+    speed = way * v
+    rate = each.dz_dt(p, speed, z)
+    density = each.friction(p, speed, z, rate) * speed / rate
+    risen = sp.limit(density.subs({F_c: N, F_s: 2 * N, s0: 2, s1: 3, s2: 5, v_s: 1, k_v: 7}), N, sp.oo)
+    assert sp.simplify(sp.limit(risen, v, 0) - 2 * z) == 0

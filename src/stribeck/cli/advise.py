@@ -105,12 +105,15 @@ def _print_level(found: LevelAdvice, unit: Callable[[str], str]) -> None:
         4,
         "  ",
     )
-    if found.v_d is None and not found.passive_now:
+    if found.v_d is None and found.v_d_limit is None and not found.passive_now:
         say(f"no v_d makes it passive: k_v must be above {up(found.k_v_above)} {unit('s/m')}", 6, "    ")
     if found.v_d is not None:
         left = f"{100 * (found.damping_at_v_s or 0.0):.3g} % of sigma_1 is left at v_s"
         say(f"v_d = {below(found.v_d)} {speed} or less keeps it passive whatever the load does ({left})", 6, "    ")
         say(f"cost in the steady curve up to {found.v_max:.4g} {speed}: {100 * found.steady_change:.3g} %", 6, "    ")
+    if found.v_d_limit is not None:
+        what = "with a larger one a load that rises high enough and falls draws energy"
+        say(f"the limit of v_d is {below(found.v_d_limit)} {speed}: {what}", 6, "    ")
     if found.steady_change_by_sigma_2 is not None:
         cost = f"{100 * found.steady_change_by_sigma_2:.3g} %"
         say(

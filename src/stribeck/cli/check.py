@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from json import dumps
 from math import inf, nan
@@ -64,11 +65,12 @@ def check(
         data["margins"] = asdict(found)
     written = FilesWritten()
     if out is not None:
-        written.files = write_scenarios(verdicts, out)
-        with left_out("the page"):
-            from stribeck.report import check as report
+        with written.whole(out) as place:
+            written.files = write_scenarios(verdicts, place)
+            with left_out("the page"):
+                from stribeck.report import check as report
 
-            written.pages = report.write_check(verdicts, out, found, show.command_line())
+                written.pages = report.write_check(verdicts, place, found, show.command_line())
     if certificate is not None:
         written.certify(certificate, verdicts.certificates())
     if json:
@@ -85,6 +87,16 @@ class FilesWritten:
 
     files: list[str] | None = None
     pages: list[Path] | None = None
+
+    @contextmanager
+    def whole(self, out: Path) -> Iterator[Path]:
+        """A folder for what is written, which moves into ``out`` together, the page last."""
+        from stribeck.files import together
+
+        with together(out, last="report.html") as place:
+            yield place
+        self.files = [str(out / Path(file).name) for file in self.files or ()]
+        self.pages = None if self.pages is None else [out / page.name for page in self.pages]
 
     def certify(self, file: Path, certificates: object) -> None:
         """Write the proofs as JSON."""

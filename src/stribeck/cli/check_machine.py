@@ -35,13 +35,16 @@ def check(
     data["forces"] = stated
     written = FilesWritten()
     if out is not None:
-        written.files = [
-            path for name, verdicts in found.contacts.items() for path in write_scenarios(verdicts, out, f"{name}_")
-        ]
-        with left_out("the page"):
-            from stribeck.report import check_machine as report
+        with written.whole(out) as place:
+            written.files = [
+                path
+                for name, verdicts in found.contacts.items()
+                for path in write_scenarios(verdicts, place, f"{name}_")
+            ]
+            with left_out("the page"):
+                from stribeck.report import check_machine as report
 
-            written.pages = report.write_machine_check(found, scenario, out, show.command_line())
+                written.pages = report.write_machine_check(found, scenario, place, show.command_line())
     if certificate is not None:
         written.certify(certificate, found.certificates())
     if json:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import chain
+from math import exp, floor
 
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
@@ -16,8 +17,13 @@ METHOD = (
     "sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 N, where dz/dt = v - q z with 0 <= N q <= sigma_0 (|v| + m(0)): the power lost is "
     "nowhere negative, for every z, with the elastic energy as storage S"
 )
+_FINER = (
+    "a^2 (|v| + m(0)) <= 4 N (a + sigma_2) for every v, with a = sigma_1 exp(-(v/v_d)^2), where dz/dt = v - q z with "
+    "0 <= N q <= sigma_0 (|v| + m(0)): the power lost is nowhere negative, for every z, with the elastic energy as storage S"
+)
 _NEEDED = ("sigma_0", "sigma_1", "sigma_2", "v_d", "F_c", "F_s")
 _ROUNDING = Fraction(1, 2**44)  # more than that of m(0)
+_KNOTS, _DIGITS = 4000, 30  # of the finer condition: how many, and how many binary digits each has
 
 
 def small_enough(sigma_1: Fraction, v_d: Fraction, above: Fraction, least: Fraction) -> bool:
@@ -29,9 +35,60 @@ def small_enough(sigma_1: Fraction, v_d: Fraction, above: Fraction, least: Fract
         return bool(ball[0] * (ball[1] / (2 * arb(1).exp()).sqrt() + ball[2]) <= 4 * ball[3])
 
 
+def knots(
+    sigma_1: Fraction, sigma_2: Fraction, v_d: Fraction, above: Fraction, least: Fraction
+) -> list[Fraction] | None:
+    """Shares 0 = x_0 < x_1 < ... of v_d with which a^2 (|v| + m(0)) <= 4 N (a + sigma_2) is seen: between two of them by
+    a at the first and |v| at the second, beyond the last as a |v| falls. None where there are none, or too many.
+
+    a = sigma_1 exp(-x^2): sigma_1 (v_d x + m(0)) <= 4 N (1 + (sigma_2/sigma_1) exp(x^2)) exp(x^2).
+    """
+    if not sigma_1 or not v_d:
+        return None
+    s, d, m, share = (float(x) for x in (sigma_1, v_d, above, sigma_2 / sigma_1))
+    found = [Fraction(0)]
+    while len(found) < _KNOTS:
+        x = float(found[-1])
+        if x >= 1 and s * (d * x + m) * exp(-x * x) <= 4 * float(least) * (1 - 1e-9):
+            return found
+        there = 4 * float(least) * exp(x * x) * (1 + share * exp(x * x)) * (1 - 1e-12)
+        end = Fraction(floor(min((there / s - m) / d, x + 1) * 2**_DIGITS), 2**_DIGITS)
+        if end <= found[-1]:
+            return None
+        found.append(end)
+    return None
+
+
+def largest(law: Law) -> float | None:
+    """The largest v_d with :func:`knots`, within some 1e-4 of the largest that there is; None where none will do."""
+    sigma_1, sigma_2, *newtons = (Fraction(law.p.numbers[n]) for n in ("sigma_1", "sigma_2", "F_c", "F_s"))
+    given = excess(law), min(newtons)
+
+    def serves(v_d: float) -> bool:
+        return knots(sigma_1, sigma_2, Fraction(v_d), *given) is not None
+
+    if not sigma_1:
+        return None
+    low = float(given[1] / sigma_1) * 1e-6
+    if not serves(low):
+        return None
+    high = 2 * low
+    while serves(high):
+        low, high = high, 2 * high
+    while high > low * (1 + 1e-6):
+        middle = (low + high) / 2
+        low, high = (middle, high) if serves(middle) else (low, middle)
+    return low
+
+
 def excess(law: Law) -> Fraction:
     """m(0) of a law with a majorant of |v|, rounded up; 0 of one without."""
     return Fraction(float(m_0(law.p))) * (1 + _ROUNDING) if "smooth_abs" in law.choices else Fraction(0)
+
+
+def method(certificate: Certificate) -> str:
+    """What the certificate shows, in words."""
+    return _FINER if "knots" in certificate.data else METHOD
 
 
 def suffices(law: Law | None) -> bool:
@@ -44,11 +101,15 @@ def suffices(law: Law | None) -> bool:
 
 def prove(model: Model, claims: ClaimProver) -> Certificate | None:
     """The certificate; None where the condition does not hold, or the law is of another form."""
-    if not suffices(model.law):
+    if any(model.law.values.get(n) is None for n in _NEEDED):
         return None
     k, sigma_1, sigma_2, v_d = (model.values[f"c_{n}"] for n in _NEEDED[:4])
     least, above = min(model.values["c_F_c"], model.values["c_F_s"]), excess(model.law)
     data: dict[str, Json] = {"k": k, "s": sigma_1, "d": v_d, "c": sigma_2, "N": least, "above": above}
+    if not suffices(model.law):
+        if (places := knots(sigma_1, sigma_2, v_d, above, least)) is None:
+            return None
+        data["knots"] = places
     sides = [(s, t) for t in SIGNS for s in (0, *SIGNS)]
     if not all(claims.force_form(s, t, data) for s in (0, *SIGNS) for t in (0, *SIGNS)):
         return None

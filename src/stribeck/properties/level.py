@@ -32,7 +32,6 @@ _PROVED = (
     "the power lost, F v - S' dz/dt, is nowhere negative at the worst of all levels (signs of polynomials), with the elastic "
     "energy as storage S; it is least there (theory.md)"
 )
-_DAMPED = "sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 F_c at the lowest level: the power lost is nowhere negative, for every z"
 _BOUNDED = (
     "wherever |z| >= Z, Z the highest level over sigma_0, dz/dt points inward or is 0, for every v and every level"
 )
@@ -49,6 +48,7 @@ _UNKNOWN = (
     "which of its levels is the worst is known for the laws of this package only; no run that draws energy was found"
 )
 _ENDLESS = Fraction(3)  # where a level has no upper end: how far beyond the threshold it is swung
+_HIGH = Fraction(1000)  # the same with v_d, where all that the bristles lose while they are wound up counts
 _TRIED = 4  # cycles, of those found
 _DROPS = (1e-2, 1e-4, 1e-6, 1e-9, 1e-12)
 
@@ -158,10 +158,12 @@ class _Decided:
     def held(self, side: int, name: str) -> Verdict:
         """The verdict at one end of the level, held for ever."""
         if (side, name) not in self._held:
-            self._held[side, name] = getattr(
-                Checked(self.varied.extreme(side, _ENDLESS), self.v_max, self.work), name
-            )()
+            self._held[side, name] = getattr(Checked(self._end(side, name), self.v_max, self.work), name)()
         return self._held[side, name]
+
+    def _end(self, side: int, name: str) -> Law:
+        """The law at one end of the level; with the smallest elastic range for freedom from drift."""
+        return self.varied.extreme(side, _ENDLESS, least=("z_ba",) if name == "drift_free" else ())
 
     def _with_level(self, name: str, verdict: Verdict, law: Law) -> Verdict:
         assert verdict.certificate is not None
@@ -176,14 +178,14 @@ class _Decided:
             if not self.known:
                 return undecided(f"it holds at the lowest level; {_UNKNOWN.partition(';')[0]}")
             found.method = _SAME + found.method
-            return self._with_level(name, found, self.varied.extreme(-1))
+            return self._with_level(name, found, self._end(-1, name))
         return self._at(-1, name, found)
 
     def _at(self, side: int, name: str, found: Verdict) -> Verdict:
         """A counterexample at one end of the level, said to be so."""
         if found.holds is False:
             found.method = _HELD + found.method
-            self.proofs[name] = self.varied.extreme(side, _ENDLESS)
+            self.proofs[name] = self._end(side, name)
         return found
 
     def bounded(self) -> Verdict:
@@ -248,7 +250,8 @@ class _Decided:
         certificate = damped.prove(model, ClaimProver(model, Budget(0.5 * SHARES["passive"] * self.work)))
         if certificate is None:
             return None
-        return proved(model, certificate, _DAMPED, {"z_within": None, **self._theorem(True)})
+        words = f"at the lowest level: {damped.method(certificate)}"
+        return proved(model, certificate, words, {"z_within": None, **self._theorem(True)})
 
     def _theorem(self, any_z: bool) -> dict[str, Json]:
         """The theorem of proofs/Level.v that says the same for every set of constants."""
@@ -258,6 +261,8 @@ class _Decided:
             return {}
         if self.v_max is not None or any_z != (law.values.get("v_d") is not None):
             return {}
+        if any_z and not damped.suffices(self.varied.worst(any_z=True)):
+            return {}  # a finer condition than the theorem's
         form = law.choices.get("smooth_abs", "atan")
         word = "" if form == "atan" else f"_{form}"
         return {"coq": f"{law.name}{word}_level_passive{'_damped' if any_z else ''}"}
@@ -287,6 +292,8 @@ class _Decided:
         p = {n: self.varied.range(n) for n in ("sigma_1", "sigma_2") if n in self.varied.law.values}
         if not p or not p["sigma_1"][1]:
             return _ENDLESS
+        if self.varied.law.values.get("v_d") is not None:
+            return _HIGH
         return _ENDLESS * (1 + p["sigma_2"][0] / p["sigma_1"][1])
 
     def _dropped(self, low: Law, high: Law) -> Verdict | None:

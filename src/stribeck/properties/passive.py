@@ -48,7 +48,7 @@ def decide(model: Model, claims: ClaimProver, bounded: Certificate | None, refut
     storage = Storage(model.law, v_max, reach)
     small = damped.prove(model, claims)
     if small is not None:
-        found: Verdict | None = proved(model, small, damped.METHOD, {"storage": _STORED, "z_within": None})
+        found: Verdict | None = proved(model, small, damped.method(small), {"storage": _STORED, "z_within": None})
     else:
         found = _proved(model, claims, storage, bounded) if storage.exists else None
     if found is None or found.holds is None:

@@ -9,7 +9,7 @@ from time import process_time
 
 from stribeck.constants import Constant, require_positive, show
 from stribeck.errors import InputError, nearest
-from stribeck.expressions.graph import wrap
+from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
 from stribeck.machine.links import LinkElement
 from stribeck.machine.loads import Pendulum
@@ -28,7 +28,9 @@ from stribeck.scenario.objects import Machine, scenario_of
 
 ONLY = "contact"  # the name of the contact of a single body
 _WORK = 400
-_STATIC = "F v >= 0 for every v, at the ends of its constants' ranges and so within them (F is affine in F_c and F_s)"
+_STATIC = (
+    "F v >= 0 for every v and every history of its constants (F is affine in those that vary, each part with v's sign)"
+)
 _SUM = (
     "the sum of the kinetic energies and of what contacts, links and pendulums store rises by no more than what loads, "
     "motors, controllers and driven ends supply (theory.md; Coq: machine_passive)"
@@ -47,7 +49,8 @@ class MachineVerdicts:
             neither (None).
         why: in words.
         spoiled_by: the contacts that are not passive. undecided: contacts and elements of which it is not known.
-        ports: where energy is supplied: loads, motors, controllers, bodies and ends that are moved.
+        ports: where energy is supplied: loads, motors, cylinders, controllers, bodies and
+            ends that are moved.
         seconds: CPU time.
     """
 
@@ -151,24 +154,30 @@ def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
 
 
 def static_passive(varied: Varied) -> Verdict:
-    """A law without z is passive where F v >= 0: shown at the ends of the ranges, by the signs of polynomials."""
-    law, reason = varied.law, "no proof that F v >= 0 was found"
-    ends = {n: r for n, r in varied.ranges.items() if r[0] != r[1]}
-    if set(ends) - {"F_c", "F_s"} or any(high is None for _, high in ends.values()):
-        return undecided("the law has no z, and its constants vary beyond what is treated")
-    sides: list[dict[str, int]] = [{}]
-    for name in ends:
-        sides = [{**done, name: side} for done in sides for side in (-1, 1)]
-    for each in sides:
-        made = varied.at(each) if each else law
-        cls = type(f"_{law.name}", (type(made),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
-        model = Model(cls({**made.machine, **made.values, **made.choices}, made.rotary))
-        work = Budget(_WORK)
+    """A law without z is passive where F v >= 0: where F is affine in the constants that vary, and the rest and the factor
+    of each are >= 0, by the signs of polynomials, it is at every history of them."""
+    law, names = varied.law, [n for n, (low, high) in varied.ranges.items() if low != high]
+    cls = type(f"_{law.name}", (type(law),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
+    model = Model(cls({**law.machine, **law.values, **law.choices}, law.rotary))
+    parts = _affine(model.power_force, [symbol(f"c_{n}") for n in names])
+    if parts is None:
+        return undecided(f"the law has no z, and is not affine in {', '.join(names)}, which vary")
+    work = Budget(_WORK)
+    for part in parts:
         for s in SIGNS:
-            power = model.form_of(model.power_force, s, 1) * s
-            if model.prover.show(power, ">=0", {"u": (NULL, None)}, work) is None:
-                return undecided(reason)
+            power = model.form_of(part, s, 1) * s
+            if not is_zero(power) and model.prover.show(power, ">=0", {"u": (NULL, None)}, work) is None:
+                return undecided("no proof that F v >= 0 was found")
     return Verdict(True, _STATIC, {})
+
+
+def _affine(force: Expr, by: list[Expr]) -> list[Expr] | None:
+    """A force where some constants are 0, and its slope by each of them; None where it is not affine in these."""
+    kinks = [node for node in ordered([force]) if node.op in ("lt", "le", "sign", "floor")]
+    slopes = [derivative(force, each) for each in by]
+    if {str(x.value) for x in by} & symbols([*kinks, *slopes]):
+        return None
+    return [*substitute([force], dict.fromkeys(by, ZERO)), *slopes]
 
 
 def _single(scenario: Scenario, v_max: float | None, work: float) -> MachineVerdicts:
@@ -188,7 +197,11 @@ def _whole(scenario: Scenario, found: MachineVerdicts) -> None:
     found.ports |= {x.path: "its far end is moved" for x in machine.links if not isinstance(x.span.start, str)}
     found.ports |= {x.path: f"a force on {x.on} ({x.kind.kind})" for x in machine.loads if x.kind is not Pendulum}
     found.ports |= {x.path: f"a motor on {x.on}" for x in machine.motors}
-    found.ports |= {x.path: f"a controller on {x.on}: active" for x in machine.controllers}
+    found.ports |= {
+        b.path: "a cylinder: its gas is an energy of its own" for b in machine.bodies if b.plant is not Mass
+    }
+    on = [(x.path, x.on) for x in machine.controllers] + [(x.path, x.on) for x in machine.drives]
+    found.ports |= {path: f"a controller on {body}: active" for path, body in on}
     found.undecided += [x.path for x in machine.links if x.kind is not LinkElement]
     bodies = {(c.span.start, c.span.end) for c in machine.contacts}
     alone = len(machine.bodies) == 1 and len(machine.contacts) == 1 == len(bodies) and not machine.links

@@ -17,6 +17,11 @@ from stribeck.properties.storage import Storage, own_speeds
 
 _REPEATS = 100  # cycles in a run, at most: so many until more is drawn than winding up cost
 _SPEEDS = 70
+_AROUND = (
+    0.3,
+    0.1,
+    0.03,
+)  # of the deflection where damping that falls with speed loses least: how far off a cycle turns
 _NEAR = (0.9, 0.5, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)  # of the highest deflection: how far below it a cycle may turn
 
 
@@ -105,16 +110,30 @@ def find(low: Law, high: Law, v_max: float | None = None) -> Iterator[Swing]:
     """Cycles between two levels that draw energy, the most convincing first."""
     stores = [Storage(law, v_max, float(law.z_bound(law.p))) for law in (high, low)]
     top = max(store.largest for store in stores)
-    found = []
+    found, dips = [], _dips(low, v_max)
     for rising, falling in (stores, stores[::-1]):
         reach = min(rising.largest, top) * (1 - 1e-9)
-        speeds = _speeds(rising.law, falling.law, v_max)
-        for share in _NEAR:
-            best = cycles.best(rising, falling, speeds, speeds, np.linspace(reach * (1 - share), reach, 61))
+        speeds = np.concatenate([_speeds(rising.law, falling.law, v_max), *([-v, v] for v, _ in dips)])
+        grids = [np.linspace(reach * (1 - share), reach, 61) for share in _NEAR]
+        for _, middle in (x for x in dips if x[1] < reach):
+            grids += [np.linspace(middle * (1 - width), min(middle * (1 + width), reach), 61) for width in _AROUND]
+        for grid in grids:
+            best = cycles.best(rising, falling, speeds, speeds, grid)
             if best is not None:
                 found.append((best[0], Swing(rising.law, falling.law, *best[1:])))
     for _, swing in sorted(found, key=lambda x: x[0]):
         yield swing
+
+
+def _dips(law: Law, v_max: float | None) -> list[tuple[float, float]]:
+    """The speed and the deflection, sigma_1(v) v/(2 sigma_0), at which damping that falls with speed loses least power."""
+    p = law.p
+    if law.values.get("v_d") is None:
+        return []
+    v = np.minimum(np.geomspace(1e-3, 3, 400) * p.v_d, v_max or np.inf)
+    damping = p.sigma_1 * np.exp(-((v / p.v_d) ** 2))
+    worst = int(np.argmax(damping**2 * v / (damping + p.sigma_2)))
+    return [(float(v[worst]), float(damping[worst] * v[worst] / (2 * p.sigma_0)))]
 
 
 def _speeds(a: Law, b: Law, v_max: float | None) -> Array:

@@ -4,7 +4,7 @@ for every history (docs/theory.md, "A level that varies")."""
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from types import SimpleNamespace
@@ -20,7 +20,7 @@ from stribeck.properties.prover.region import ExactRange, down, up
 EXACT, MAJORANT = ("lugre", "elastoplastic", "lugre_arctan"), ("lugre_majorant", "elastoplastic_majorant")
 DAHL = "dahl"
 BRISTLES = (*EXACT, *MAJORANT, DAHL, "lugre_sobczyk", "elastoplastic_sobczyk")
-_SMALLEST = ("sigma_2", "k_v", "F_c")  # the worst of these is the smallest, of the others the largest
+_SMALLEST = ("sigma_2", "k_v", "F_c", "delta")  # the worst of these is the smallest, of the others the largest
 
 
 class WorstLevel(BristleLaw):
@@ -106,10 +106,11 @@ class Varied:
             moved[name] = float(end) if low == high else up(end) if side < 0 else down(end)
         return type(self.law)({**self.law.machine, **self.law.values, **self.law.choices, **moved}, self.law.rotary)
 
-    def extreme(self, side: int, most: Fraction | None = None) -> Law:
-        """The law at the low (-1) or high (1) end of its level, with the other constants as energy is drawn most easily."""
-        ends = {n: side if n in ("F_c", "F_s") else -1 if n in _SMALLEST else 1 for n in self.ranges}
-        return self.at(ends, most)
+    def extreme(self, side: int, most: Fraction | None = None, least: Sequence[str] = ()) -> Law:
+        """The law at the low (-1) or high (1) end of its level, with the other constants as energy is drawn most easily;
+        those in ``least`` as small as they may be."""
+        small = (*_SMALLEST, *least)
+        return self.at({n: side if n in ("F_c", "F_s") else -1 if n in small else 1 for n in self.ranges}, most)
 
     def worst(self, any_z: bool = False) -> Law | None:
         """The law that stands for the worst of all levels, its constants rounded to the safe side; with ``any_z`` z is

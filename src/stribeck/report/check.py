@@ -40,13 +40,13 @@ def write_check(verdicts: Verdicts, folder: Path, margins: Margins | None = None
     found = [verdicts_chapter(verdicts), *_margins(margins), evidence(verdicts)]
     found.append(Chapter("curve", "Friction at held speeds", figures=[curve]))
     found += [*replays_chapter(replays, "replays", "The counterexamples"), chapters.of_law(law)]
-    holds = [name.replace("_", "-") for name, v in verdicts.properties.items() if v.holds]
     limit = f" for |v| up to {verdicts.v_max:g} {'rad/s' if law.rotary else 'm/s'}" if verdicts.v_max else ""
-    fails, open_ = (
-        [n.replace("_", "-") for n, v in verdicts.properties.items() if v.holds is x] for x in (False, None)
-    )
-    others = [f"{word}: {', '.join(names)}." for word, names in (("Refuted", fails), ("Undecided", open_)) if names]
-    introduction = [" ".join([f"Proved{limit}: {', '.join(holds) or 'none of the five properties'}.", *others])]
+    named = {
+        holds: ", ".join(name.replace("_", "-") for name, v in verdicts.properties.items() if v.holds is holds)
+        for holds in (True, False, None)
+    }
+    others = [f"{word}: {named[x]}." for word, x in (("Refuted", False), ("Undecided", None)) if named[x]]
+    introduction = [" ".join([f"Proved{limit}: {named[True] or 'none of the five properties'}.", *others])]
     paths = [path for figure in (curve, *replays) for path in write_figure(figure, folder)]
     return [*paths, chapters.write_page(folder, f"What {law.name} guarantees", introduction, found, command)]
 

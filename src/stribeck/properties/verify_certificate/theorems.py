@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import pairwise, product
 
 from flint import fmpq
 
@@ -295,8 +295,8 @@ def storage(case: Case) -> None:
 def damped(case: Case) -> None:
     """F = k z + s exp(-(v/d)^2) f + c v and f = v - q z with 0 <= N q <= k (|v| + m_0), s (d/sqrt(2 e) + m_0) <= 4 N.
 
-    With a = s exp(-(v/d)^2): a q <= (k/N) s (d/sqrt(2 e) + m_0) <= 4 k, as x exp(-x^2) <= 1/sqrt(2 e). So
-    F v - k z f = k q z^2 - a q z v + (a + c) v^2 >= 0 for every z: its discriminant is a q (a q - 4 k) v^2 - 4 k q c v^2.
+    With a = s exp(-(v/d)^2): a q <= (k/N) s (d/sqrt(2 e) + m_0) <= 4 k, as x exp(-x^2) <= 1/sqrt(2 e). So F v - k z f
+    = k q z^2 - a q z v + (a + c) v^2 >= 0 for every z: its discriminant is q (a^2 q - 4 k (a + c)) v^2.
     """
     data = case.data["data"]
     k, s, d, c, least, above = (rational(data[n]) for n in ("k", "s", "d", "c", "N", "above"))
@@ -304,16 +304,13 @@ def damped(case: Case) -> None:
         _at_least_positive(x)
     if min(s, c, above) < 0:
         raise Refused("the theorem 'damped' needs s, c, above >= 0")
-    room, e = 4 * least - s * above, intervals.at("exp", fmpq(1), False)
-    if e is None or room < 0 or (s * d) ** 2 > 2 * e * room**2:
-        raise Refused("s (d/sqrt(2 e) + above) <= 4 N does not hold")
+    _decays_fast(s, d, c, least, above, [rational(x) for x in data.get("knots", ())])
     identity = Normal()
-    for side in SIGNS:
-        for t in SIGNS:
-            place = of.signed(side, U), of.signed(t, W), case.law.rate(side, t)
-            stated = _damped_load([number(x) for x in (k, s, d, c)], *place)
-            if not identity.zero(node("sub", case.law.load(side, t), stated)):
-                raise Refused("the force is not k z + s exp(-(v/d)^2) dz/dt + c v")
+    for side, t in product(SIGNS, SIGNS):
+        place = of.signed(side, U), of.signed(t, W), case.law.rate(side, t)
+        stated = _damped_load([number(x) for x in (k, s, d, c)], *place)
+        if not identity.zero(node("sub", case.law.load(side, t), stated)):
+            raise Refused("the force is not k z + s exp(-(v/d)^2) dz/dt + c v")
     elastic, decay, excess = case.proved("elastic", "=0"), case.proved("decay", ">=0"), case.proved("excess", ">=0")
     if any([rational(x.data[n]) for n in ("k", "above", "N")] != [k, above, least] for x in excess):
         raise Refused("claim excess: other numbers than the theorem's")
@@ -322,6 +319,21 @@ def damped(case: Case) -> None:
         for t in (1, -1):
             need(decay, side, t, ENDLESS, ENDLESS)
             need(excess, side, t, ENDLESS, ENDLESS)
+
+
+def _decays_fast(s: fmpq, d: fmpq, c: fmpq, least: fmpq, above: fmpq, knots: Sequence[fmpq]) -> None:
+    """s (d/sqrt(2 e) + above) <= 4 N; or s E (d x + above) <= 4 N (1 + c/(s E)), E = exp(-x^2), between and beyond knots."""
+    if not knots:
+        room, e = 4 * least - s * above, intervals.at("exp", fmpq(1), False)
+        if e is None or room < 0 or (s * d) ** 2 > 2 * e * room**2:
+            raise Refused("s (d/sqrt(2 e) + above) <= 4 N does not hold")
+        return
+    if knots[0] != 0 or knots[-1] < 1 or any(a >= b for a, b in pairwise(knots)):
+        raise Refused("the knots do not rise from 0 to 1 or beyond")
+    for x, end in pairwise([*knots, knots[-1]]):  # E there, x here: as E falls, the left falls and the right rises
+        share = intervals.at("exp", -x * x, True)
+        if share is None or s * s * share * share * (d * end + above) > 4 * least * (s * share + c):
+            raise Refused(f"s^2 E^2 (d x + above) <= 4 N (s E + c) is not shown between {x} and {end}")
 
 
 def _damped_load(numbers: Sequence[Node], v: Node, z: Node, f: Node) -> Node:
@@ -372,9 +384,8 @@ def elastic(case: Case) -> None:
     z_0 = rational(case.data["data"]["z_0"])
     _at_least_positive(z_0)
     found = case.proved("elastic", "=0")
-    for s in SIGNS:
-        for t in SIGNS:
-            need(found, s, t, ENDLESS, (fmpq(0), z_0))
+    for s, t in product(SIGNS, SIGNS):
+        need(found, s, t, ENDLESS, (fmpq(0), z_0))
 
 
 THEOREMS: dict[tuple[str, str], Callable[[Case], None]] = {
