@@ -52,6 +52,8 @@ def test_a_law_is_an_object(law):
     assert turning.replace(F_s=2.0).replace(F_s=1.5) == turning == eval(repr(turning), {"law": st.law})
     assert len({law, turning}) == 2
     assert st.law("lugre", parameters="olsson1998").rotary
+    with pytest.raises(st.InputError, match="rotary: 1: must be True or False"):
+        st.law("lugre_majorant", parameters="canudas1995", k_v=1e6, rotary=1)
     with pytest.raises(st.InputError, match=r"F_s: 0\.5: must be at least F_c"):
         law.replace(F_s=0.5)
     with pytest.raises(st.InputError, match="no such constant"):

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from numbers import Real
 
@@ -73,6 +74,19 @@ class Constant:
 
 
 POSITIVE = Constant("", "", above=0)
+
+
+def which_controller(given: str | None, known: Sequence[str], what: str = "controller") -> str:
+    """Which of a machine's controllers is meant: the only one unless it is given.
+
+    Raises:
+        InputError: there are several and none was named, or none has that name.
+    """
+    if given is None and len(known) > 1:
+        raise InputError(f"{arg('controller')}: missing: must be given (one of {', '.join(known)})")
+    if given is not None and given not in known:
+        raise InputError(f"{arg('controller')}: {show(given)}: no such {what}{nearest(given, known)}")
+    return given or known[0]
 
 
 def require_positive(name: str, value: object, unit: str = "") -> None:

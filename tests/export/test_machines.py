@@ -12,6 +12,7 @@ import stribeck
 from stribeck import Scenario, examples, simulate
 from stribeck.cli import _status
 from stribeck.export.fmu import binaries
+from stribeck.simulation.native import sampled_share
 from tests.export.harness import STRICT, need
 from tests.machine.machines import assert_balanced, law, machine
 from tests.machine.test_mistakes import edited
@@ -149,6 +150,17 @@ def test_c_of_a_pressure_cascade(sampled, servo, tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
     out = subprocess.run([str(tmp_path / "run")], capture_output=True, text=True, check=True).stdout
     close(table(out), simulate(scenario))
+    if sampled:  # the share of a tolerance that a step may take, as in Python
+        (name,) = (path.stem.removesuffix("_run") for path in tmp_path.glob("*_run.c"))
+        rtol = [1e-4, 1e-6, 1e-7, 1e-8, 1e-10]
+        lines = "".join(f'{name}_tolerance(&m, {x!r}); printf("%.17g ", m.run.rtol);' for x in rtol)
+        main = (
+            f'#include "{name}.c"\n#include <stdio.h>\nstatic struct {name} m; int main(void) {{ {lines} return 0; }}'
+        )
+        (tmp_path / "asked.c").write_text(main)
+        subprocess.run(["gcc", str(tmp_path / "asked.c"), "-o", str(tmp_path / "asked"), "-lm"], check=True)
+        told = subprocess.run([str(tmp_path / "asked")], capture_output=True, text=True, check=True).stdout
+        assert [float(x) for x in told.split()] == pytest.approx([sampled_share(x) * x for x in rtol], rel=1e-14)
 
 
 def test_fmu_and_python_of_a_pressure_cascade(servo, tmp_path):

@@ -324,6 +324,15 @@ MISTAKES = [
 ]  # fmt: skip
 
 
+MISTAKES += [  # each of these was two or three lines: what follows from a mistake is none
+    ({"controllers.axis.on": ["m"]}, "controllers.axis.on: ['m']: must be text, not a list"),
+    ({"controllers.axis.on": "mm"}, "controllers.axis.on: 'mm': there is no such motor or body"),
+    ({"solve.t_end": inf}, "solve.t_end: inf: must be a finite number > 0"),
+    ({"contacts.pin.factors": {"level": {"amplitude": [1.0], "waves": [3]}}},
+     "contacts.pin.factors.level.amplitude: [1.0]: the magnitudes must sum to less than 1"),
+    ({"contacts.pin.factors": {"level": {"amplitude": [], "waves": [3], "phase": [0.1]}}},
+     "contacts.pin.factors.level.amplitude: []: must hold at least one number"),
+]  # fmt: skip
 MISTAKES += [
     (
         {"controllers.axis.sampling.period": 1e-12},

@@ -77,9 +77,42 @@ def test_mistakes():
     with pytest.raises(st.InputError, match="t_end: missing: must be given for a Machine"):
         st.simulate(rig())
     with pytest.raises(st.InputError, match=r"links\.gear\.ratio: 0: must be"):
-        st.simulate(rig().replace({"links.gear.ratio": 0}), t_end=1.0)
+        rig().replace({"links.gear.ratio": 0})
+    with pytest.raises(st.InputError, match=r"links\.gaer\.gap: links has no 'gaer'.*'gear'"):
+        rig().vary({"links.gaer.gap": [0.0, 1e-4]})
     with pytest.raises(st.InputError, match=r"bodies\.armm\.inertia: bodies has no 'armm'.*'arm'"):
         rig().replace({"bodies.armm.inertia": 0.4})
+    added = rig().replace({"bodies.armm": {"inertia": 0.1}, "bodies.armm.inertia": 0.4})
+    assert "armm" in repr(added)
+
+
+def body(**values):
+    return st.Body("a", **({"inertia": 1.0} | values))
+
+
+LAW = {"name": "lugre", "parameters": "canudas1995"}
+TOLD = {
+    "text": ([body(inertia="x")], ["bodies.a.inertia: 'x': must be a finite number > 0, not text"]),
+    "nan": ([body(inertia=np.nan)], ["bodies.a.inertia: nan: must be a finite number > 0"]),
+    "array": ([body(inertia=[1.0, 2.0])], ["bodies.a.inertia: [1.0, 2.0]: must be a finite number > 0"]),
+    "nobody": ([body(), st.Contact("c", "b", LAW)], ["contacts.c.from: 'b': there is no such body (there is a)"]),
+    "name": ([st.Body("a.b", inertia=1.0)], ["bodies.a.b: 'a.b': a name must be letters, digits and underscores"]),
+    "gain": ([body(), st.Controller.pid("u", on="a", signal=st.Step(1.0, at=0.1), K_p="3")],
+             ["controllers.u.K_p: '3': must be a finite number, not text"]),
+    "signal": ([body(), st.Load.signal("q", "a", st.Sine("x", 1.0))],
+               ["loads.q.signal.amplitude: 'x': must be a finite number, not text"]),
+    "two": ([body(inertia=-1.0), st.Link("k", "a", stiffness="x")],
+            ["bodies.a.inertia: -1.0: must be", "links.k.stiffness: 'x': must be"]),
+    "nothing": ([], ["bodies: missing: a machine must have at least one body"]),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("parts", TOLD)
+def test_mistakes_are_told_when_a_machine_is_made(parts):
+    given, expected = TOLD[parts]
+    with pytest.raises(st.InputError) as told:
+        st.Machine(*given)
+    assert [text[: len(start)] for text, start in zip(told.value.problems, expected, strict=True)] == expected
 
 
 def test_a_law_of_ones_own_in_a_contact():

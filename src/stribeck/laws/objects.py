@@ -32,7 +32,8 @@ class AsObject:
         return {**self.machine, **self.p.numbers, **self.p.words}
 
     def __setattr__(self, name: str, value: object) -> None:
-        if "rotary" in vars(self) and name != "rotary":  # which a reader finds out later
+        # rotary is set last; and again by the reader of a scenario, which learns later whether it turns
+        if "rotary" in vars(self) and name != "rotary":
             raise AttributeError(f"{name}: a law does not change; replace({name}=VALUE) makes another")
         object.__setattr__(self, name, value)
 

@@ -15,7 +15,7 @@ from stribeck.errors import InputError, arg, nearest, note
 from stribeck.laws.base import PARAMETERS
 
 _DEEPEST = 8
-_ELEMENTS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
+SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")  # of a machine file
 _LAW_NAME = re.compile(r"(.+\.)?law\.name")
 _INSIDE = ".parameters."
 
@@ -68,7 +68,7 @@ def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: P
     not have, and says so; likewise ``drive.observer.name``.
     """
     new = plain_table(data)
-    _refuse_strange_elements(new, changes)
+    _refuse_unknown_elements(new, changes)
     renamed = [path for path in changes if _LAW_NAME.fullmatch(path)]
     for path in renamed:
         _set(new, path, changes[path])
@@ -86,21 +86,22 @@ def changed(data: Mapping[str, object], changes: Mapping[str, object], folder: P
     return new
 
 
-def _refuse_strange_elements(data: Mapping[str, object], changes: Mapping[str, object]) -> None:
-    """A misspelt name would make another body, which nothing would tell.
+def _refuse_unknown_elements(data: Mapping[str, object], changes: Mapping[str, object]) -> None:
+    """A misspelt name would add an element: a body of which one constant is enough would go unnoticed.
 
     Raises:
-        InputError: a path leads into an element that there is not.
+        InputError: a path leads into an element that the machine does not have and that no other change adds.
     """
     problems = []
     for path in changes:
-        kind, name, *inside = (*path.split("."), "")
-        there = data.get(kind)
-        if kind not in _ELEMENTS or not any(inside) or not isinstance(there, dict):
+        section, _, rest = path.partition(".")
+        name, inside, _ = rest.partition(".")
+        there = data.get(section)
+        if section not in SECTIONS or not inside or not isinstance(there, dict):
             continue
-        if name not in there and f"{kind}.{name}" not in changes:
-            has = nearest(name, there) or f" (it has {', '.join(there)})"
-            problems.append(f"{path}: {kind} has no {name!r}{has}")
+        if name not in there and f"{section}.{name}" not in changes:
+            has = nearest(name, there) or f" (it has {', '.join(there) or 'none'})"
+            problems.append(f"{path}: {section} has no {name!r}{has}")
     if problems:
         raise InputError(problems)
 

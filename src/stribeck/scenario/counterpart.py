@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from copy import deepcopy
 
-from stribeck.constants import show
+from stribeck.constants import show, which_controller
 from stribeck.control.cascade import PressureCascade
-from stribeck.errors import InputError, arg, nearest
+from stribeck.errors import InputError, arg
 from stribeck.plants import Mass
 from stribeck.plants.cylinder import Cylinder
 from stribeck.scenario import Scenario
@@ -60,13 +60,8 @@ def as_servo(scenario: Scenario, controller: str | None = None) -> Scenario:
         raise InputError(
             f"{arg('scenario')}: {scenario.name!r}: part 'cascade' needs a controller of kind 'pressure_cascade'"
         )
-    if controller is None and len(known) > 1:
-        raise InputError(f"{arg('controller')}: missing: must be given (one of {', '.join(known)})")
-    if controller is not None and controller not in known:
-        raise InputError(
-            f"{arg('controller')}: {show(controller)}: no such pressure cascade{nearest(controller, known)}"
-        )
-    drive = next(each for each in machine.drives if each.name == (controller or known[0]))
+    name = which_controller(controller, known, "pressure cascade")
+    drive = next(each for each in machine.drives if each.name == name)
     data = deepcopy(scenario.data)
     table = {n: x for n, x in data["controllers"][drive.name].items() if n != "on"}
     contact = next(x for x in machine.contacts if x.span.start == drive.on and x.span.end is None)

@@ -24,7 +24,7 @@ from stribeck.constants import kind_of
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario
-from stribeck.scenario.changes import changed, plain_table
+from stribeck.scenario.changes import SECTIONS, changed, plain_table
 
 # -- signals ---------------------------------------------------------------------------------------------------------
 
@@ -278,7 +278,7 @@ class Machine:
         folder: where relative paths begin; the working directory unless given.
 
     Raises:
-        InputError: two parts of one name, or something that is no part. The rest is judged when it is simulated.
+        InputError: whatever is wrong with the machine, one line for each problem: its path, the value and what is allowed.
     """
 
     def __init__(self, *parts: Part, name: str = "machine", folder: str | Path | None = None) -> None:
@@ -301,6 +301,12 @@ class Machine:
     _folder: Path
 
     def _set(self, data: dict[str, object], parts: tuple[Part, ...], folder: Path) -> None:
+        try:
+            Scenario({**data, "solve": {"t_end": 1e-3}, "output": {"step": 1e-3}}, folder=folder)
+        except InputError as error:
+            own = [text for text in error.problems if not text.startswith(("solve", "output"))]
+            if own:
+                raise InputError(own) from None
         self.__dict__.update(_data=data, _parts=parts, _folder=folder)
 
     def __setattr__(self, name: str, value: object) -> None:
@@ -321,7 +327,7 @@ class Machine:
     __hash__ = None  # type: ignore[assignment]
 
     def __repr__(self) -> str:
-        sections = (f"{s} {', '.join(t)}" for s, t in self._data.items() if s in _SECTIONS and isinstance(t, dict))
+        sections = (f"{s} {', '.join(t)}" for s, t in self._data.items() if s in SECTIONS and isinstance(t, dict))
         return f"<Machine {self.name}: {'; '.join(sections)}>"
 
     def replace(self, changes: Mapping[str, object]) -> Machine:
@@ -329,14 +335,19 @@ class Machine:
         adds an element.
 
         Raises:
-            InputError: a path leads into an element that the machine does not have.
+            InputError: a path leads into an element that the machine does not have, or what comes out is no valid machine.
         """
         new = object.__new__(Machine)
         new._set(changed(self._data, changes, self._folder), self._parts, self._folder)
         return new
 
     def vary(self, values: Mapping[str, ArrayLike]) -> VariedMachine:
-        """The machine with values for each lane of an ensemble."""
+        """The machine with values for each lane of an ensemble.
+
+        Raises:
+            InputError: a path leads into an element that the machine does not have.
+        """
+        changed(self._data, values, self._folder)
         return VariedMachine(self, dict(values))
 
     def scenario(self, t_end: float, step: float | None = None, *, energy: bool = False, **solve: object) -> Scenario:
@@ -362,9 +373,6 @@ class Machine:
 
         rig = self.scenario(1.0).rig
         return str(importlib.import_module("stribeck.report.schematic").svg(rig, self.name))
-
-
-_SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
 
 
 def scenario_of(

@@ -8,10 +8,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-from stribeck.constants import Constant, show
+from stribeck.constants import Constant, which_controller
 from stribeck.control.sampled import SAMPLING, Sampled
 from stribeck.drives.base import Column
-from stribeck.errors import InputError, arg, nearest
+from stribeck.errors import InputError, arg
 from stribeck.export.c.ccode import WORDS, c_condition
 from stribeck.export.request import ascii_only, identifier, made_by, valued
 from stribeck.expressions.graph import Expr, ordered, symbol, symbols, wrap
@@ -282,11 +282,8 @@ def block_of(
         raise InputError(f"{arg('scenario')}: {given}{text}")
     rig = scenario.rig
     known = [each.name for each in rig.machine.controllers]
-    if controller is None and len(known) > 1:
-        raise InputError(f"{arg('controller')}: missing: must be given (one of {', '.join(known)})")
-    if controller is not None and controller not in known:
-        raise InputError(f"{arg('controller')}: {show(controller)}: no such controller{nearest(controller, known)}")
-    each = next(c for c in rig.machine.controllers if c.name == (controller or known[0]))
+    name = which_controller(controller, known)
+    each = next(c for c in rig.machine.controllers if c.name == name)
     if part == "compensator" and each.compensation is None:
         raise InputError(
             f"{each.path}.compensation: missing: part 'compensator' needs one; 'stribeck design --out DIR' writes the "

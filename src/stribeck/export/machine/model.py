@@ -17,7 +17,7 @@ from stribeck.laws.base import STATIC_ABOVE_COULOMB
 from stribeck.machine.parts import INPUT, SignalUse, with_inputs
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import Scenario
-from stribeck.simulation.native import step_share
+from stribeck.simulation.native import SAMPLED_SHARE, step_share
 from stribeck.simulation.result import held_back
 
 # Nothing of the generated code is seen from outside of its file.
@@ -152,7 +152,9 @@ class MachineModel:
         room, noise = held_back(scenario.end, [scenario.sampling()])
         atol = scenario.atol()
         limit = scenario.longest_step
+        low, high, power = SAMPLED_SHARE
         return {
+            "low": low, "high": high, "power": power,
             "P": self.name, "model": self.name, "about": self.about(), "m": self, "code": self.code,
             "held": held, "memory": sum(map(len, machine.memory.values())),
             "starts": numbers(self.start.values()), "values": numbers(p.value for p in self.parameters),

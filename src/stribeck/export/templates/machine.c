@@ -63,7 +63,7 @@ void {{ P }}_start({{ P }} *m)
 void {{ P }}_tolerance({{ P }} *m, double rtol)
 {
 {% if held %}
-    const double share = fmin(fmax(0.1 * pow(1e-6 / rtol, 0.35), 0.1), 0.5); /* that one step may err by */
+    const double share = fmin(fmax({{ low }} * pow(1e-6 / rtol, {{ power }}), {{ low }}), {{ high }}); /* that one step may err by */
 {% else %}
     const double share = {{ rtol }} / {{ wanted }}; /* that one step may err by */
 {% endif %}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from math import inf
 from typing import Any
 
 from stribeck.constants import kind_of, show
@@ -26,6 +27,7 @@ from stribeck.machine.parts import (
 )
 from stribeck.machine.system import MachineSystem
 from stribeck.scenario import tables as common
+from stribeck.scenario.changes import SECTIONS
 from stribeck.scenario.law import LawReader, no_table, unknown
 from stribeck.scenario.machine import servo, tables, wiring
 from stribeck.scenario.rig import Rig
@@ -33,7 +35,7 @@ from stribeck.scenario.tables import Problem
 
 _NAME = re.compile(r"[A-Za-z0-9_]+")
 _SAMPLES = 1e8  # of a controller in a run
-TOP = ("schema", "name", *tables.SECTIONS, "solve", "output")
+TOP = ("schema", "name", *SECTIONS, "solve", "output")
 
 
 class MachineReader(servo.ServoTables):
@@ -41,7 +43,7 @@ class MachineReader(servo.ServoTables):
 
     def read(self) -> list[Problem]:
         """Everything that is wrong with the tables."""
-        self.named = {section: self._section(section) for section in tables.SECTIONS}
+        self.named = {section: self._section(section) for section in SECTIONS}
         self._names()
         if not self.named["bodies"] and not self.problems:
             self.problems.append(("bodies", "missing: a machine must have at least one body"))
@@ -246,6 +248,7 @@ class MachineReader(servo.ServoTables):
         if (size := sum(map(abs, given["amplitude"]))) >= 1:
             text = f"{show(given['amplitude'])}: the magnitudes must sum to less than 1 (they do to {size:g})"
             self.problems.append((f"{path}.amplitude", text))
+            return None
         self.values |= {(path, f"{n}_{i}"): x for n, xs in given.items() for i, x in enumerate(xs)}
         return Factor(of, path, None, len(given["waves"]))
 
@@ -299,7 +302,7 @@ class MachineReader(servo.ServoTables):
         self.seeds[name] = values.seed
         solve = self.data.get("solve")
         end = solve.get("t_end") if isinstance(solve, dict) else None
-        if isinstance(end, int | float) and end / values.period > _SAMPLES:
+        if isinstance(end, int | float) and end < inf and end / values.period > _SAMPLES:
             text = f"more than {_SAMPLES:g} samples until solve.t_end = {end:g} s; must be larger"
             self.problems.append((f"{path}.period", f"{values.period:g}: {text}"))
         return part

@@ -21,7 +21,6 @@ from stribeck.machine.parts import (
 )
 from stribeck.scenario import tables as common
 from stribeck.scenario.law import kind_of_table, no_table
-from stribeck.scenario.machine import tables
 from stribeck.scenario.parts import Settings
 from stribeck.scenario.rig import Rig
 from stribeck.scenario.signal import read_signal
@@ -31,7 +30,6 @@ from stribeck.signals import Signal
 
 Part = TypeVar("Part")
 _NAME = re.compile(r"[A-Za-z0-9_]+")
-TOP = ("schema", "name", *tables.SECTIONS, "solve", "output")
 
 
 class Reading:
@@ -164,13 +162,14 @@ class Reading:
         count = len(given[names[0]])
         if "phase" in names and given["phase"] is None:
             given["phase"] = [0.0] * count
+        if not count:
+            self.problems.append((f"{path}.{names[0]}", "[]: must hold at least one number"))
+            return False
         wrong = [n for n in names if len(given[n]) != count]
         for name in wrong:
             text = f"a list of {len(given[name])}: must be as long as {names[0]} ({count})"
             self.problems.append((f"{path}.{name}", text))
-        if not count:
-            self.problems.append((f"{path}.{names[0]}", "[]: must hold at least one number"))
-        return not wrong and bool(count)
+        return not wrong
 
     def _ratio(self, ratio: float | None, path: str) -> bool:
         if ratio is None:

@@ -19,7 +19,6 @@ from stribeck.machine.system import FACTOR, FEEDFORWARD, GAIN, LEAD, SHARE
 from stribeck.scenario.tables import Fields, StrictTable, made, number
 
 GROUND = "ground"
-SECTIONS = ("bodies", "links", "contacts", "loads", "motors", "controllers")
 RATIO = "how far `from` counts: d = ratio y_from - y_to; 1 unless given"
 _SIGNAL = (dict[str, object], Field(description="the signal: a table with kind and its constants"))
 _SOME_SIGNAL = (dict[str, object] | None, Field(None, description="the signal: a table with kind and its constants"))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from stribeck.constants import show
@@ -55,8 +57,10 @@ def problems(
             text = f"{show(each.on)}: must be another motor: controllers.{by_motor[each.on]} drives it already"
             found.append((f"controllers.{each.name}.on", text))
         by_motor.setdefault(each.on, each.name)
+    driven = [show(t.get("on")) for t in _tables(named["controllers"])]
+    known = {show(n) for n in (*named["bodies"], *named["motors"])}  # a controller on something else is told already
     for motor in motors:
-        if motor.signal is None and not any(t.get("on") == motor.name for t in _tables(named["controllers"])):
+        if motor.signal is None and show(motor.name) not in driven and known.issuperset(driven):
             text = "missing: must be given (the voltage), or a controller must be on the motor"
             found.append((f"motors.{motor.name}.signal", text))
         if motor.signal is not None and motor.name in by_motor:
@@ -203,19 +207,18 @@ def beyond(path: str, law: Law, by: dict[str, tuple[float, float]]) -> list[Prob
             continue
         text = f"brings {name} down to {low * value:g}: it must stay {constant.allowed}"
         found.append((f"{path}.factors.{name}", text))
-    z_ba, sigma_0, F_c = (law.values.get(n) for n in ("z_ba", "sigma_0", "F_c"))
-    if z_ba is None or sigma_0 is None or F_c is None:
+    z_ba, sigma_0 = law.values.get("z_ba"), law.values.get("sigma_0")
+    if z_ba is None or sigma_0 is None:
         return found
     largest = z_ba * by.get("z_ba", (1.0, 1.0))[1]
-    least = F_c / sigma_0
-    for name in ("F_c", "level"):
-        least *= by.get(name, (1.0, 1.0))[0]
-    if largest >= least:
-        blamed = min((n for n in ("level", "F_c", "z_ba") if n in by), key=lambda n: by[n][0], default=None)
-        if blamed is not None:
-            text = f"z_ba (up to {largest:g}) must stay below F_c/sigma_0, which factors bring down to {least:g}"
-            found.append((f"{path}.factors.{blamed}", text))
-    return found
+    told: dict[str, str] = {}
+    for name in ("F_c", "F_s"):  # sigma_0 g is between them, whichever is the larger
+        least = (law.values.get(name) or inf) / sigma_0 * by.get(name, (1.0, 1.0))[0] * by.get("level", (1.0, 1.0))[0]
+        blamed = min((n for n in ("level", name, "z_ba") if n in by), key=lambda n: by[n][0], default=None)
+        if largest >= least and blamed is not None:
+            text = f"z_ba (up to {largest:g}) must stay below {name}/sigma_0, which factors bring down to {least:g}"
+            told.setdefault(f"{path}.factors.{blamed}", text)
+    return [*found, *told.items()]
 
 
 def no_second_derivative(signal: Signal) -> str | None:
