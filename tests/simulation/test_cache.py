@@ -86,8 +86,8 @@ def test_a_full_disk_when_writing(home, monkeypatch):
         made.write = full
         return made
 
-    real = cache.tempfile.NamedTemporaryFile
-    monkeypatch.setattr(cache.tempfile, "NamedTemporaryFile", file)
+    real = tempfile.NamedTemporaryFile
+    monkeypatch.setattr(tempfile, "NamedTemporaryFile", file)
     run(built=True, notes=["cannot be written (No space left on device)"])
     assert list(home.iterdir()) == []
 
@@ -103,7 +103,7 @@ def test_a_disk_that_is_really_full(home, monkeypatch):
     def file(**options):
         return Path("/dev/full").open("wb")
 
-    monkeypatch.setattr(cache.tempfile, "NamedTemporaryFile", file)
+    monkeypatch.setattr(tempfile, "NamedTemporaryFile", file)
     monkeypatch.setattr(Path, "unlink", lambda self: None)
     run(built=True, notes=["cannot be written (No space left on device)"])
 

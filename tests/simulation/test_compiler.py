@@ -53,6 +53,25 @@ def said(solver):
     return notes
 
 
+def test_a_compiler_that_is_put_in_place_or_replaced_is_noticed(tmp_path, monkeypatch):
+    monkeypatch.setenv("STRIBECK_CC", "mycc -g")
+    monkeypatch.setenv("PATH", str(tmp_path))
+    assert compiler.find().command == ("mycc", "-g")  # it is not there, which is said when it is run
+    path = tmp_path / "mycc"
+    path.write_text("#!/bin/sh\n")
+    path.chmod(0o755)
+    first = compiler.find()
+    assert first.command == (str(path), "-g")
+    assert compiler.find() is first
+    path.write_text("#!/bin/sh\nexit 1\n")
+    assert compiler.find().key != first.key
+    path.unlink()
+    assert compiler.find().command == ("mycc", "-g")
+    monkeypatch.delenv("STRIBECK_CC")
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: None)
+    assert compiler.find() is None
+
+
 def test_a_compiler_that_complains(use):
     use("#!/bin/sh\necho 'note: thinking' >&2\necho 'system.c:1: fatal error: no\nmore' >&2\nexit 1\n")
     (note,) = said("scipy-radau")

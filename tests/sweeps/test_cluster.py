@@ -16,6 +16,8 @@ import pytest
 import stribeck
 from stribeck.errors import InputError, StribeckError, StribeckNote
 from stribeck.identify.actuator import fit_machine
+from stribeck.simulation import lanes
+from stribeck.simulation.variations import Variations
 from stribeck.sweeps import job as module
 from stribeck.sweeps import places, worker
 from stribeck.sweeps.job import Sweep
@@ -289,6 +291,21 @@ def test_a_worker_that_would_make_other_bits_says_so(tmp_path):
         worker._built(json.dumps({**other, "data": {**other["data"], "plant": {"mass": -1}}}), first)
 
 
+def test_a_worker_that_would_solve_lanes_to_other_bits_says_so():
+    values = {path: np.asarray(x) for path, x in LANES.items()}
+    given = Variations(scenario(), values)
+    first = tuple((path, x[:1].tobytes()) for path, x in values.items())
+    probe = lanes.solve_here(lanes.compiled(given.scenario.system), given.part(np.array([0])), 1).digest
+    solve = worker._solver(worker.lanes_text(scenario(), {}, probe), first)
+    assert solve(values).states.shape[0] == 24
+    with pytest.raises(worker.Refused, match="other bits"):
+        worker._solver(worker.lanes_text(scenario(), {}, "0" * 64), first)
+    with pytest.raises(worker.Refused, match="other bits"):  # the bits of another lane
+        worker._solver(
+            worker.lanes_text(scenario(), {}, probe), tuple((p, x[1:2].tobytes()) for p, x in values.items())
+        )
+
+
 def test_paths_in_any_order(tmp_path):
     """The columns of a part have the order of the paths: a worker's first lane too."""
     values = {path: np.asarray(LANES[path]) for path in sorted(LANES, reverse=True)}
@@ -350,7 +367,7 @@ def test_lanes_whose_scheduler_goes_away(tmp_path):
         with stribeck.on_cluster(made.on):
             stribeck.simulate_ensemble(scenario(), {"plant.mass": [1.0, 2.0]})
             with_group(made.scheduler, signal.SIGKILL)
-            with pytest.raises(StribeckError, match="the scheduler went away after 0 of 1 parts"):
+            with pytest.raises(StribeckError, match=r"the scheduler went away after 0 of 1 parts$"):
                 stribeck.simulate_ensemble(scenario(), {"plant.mass": [1.0, 2.0]})
     assert stribeck.simulate_ensemble(scenario(), {"plant.mass": [1.0]}).status == ["done"]  # here again
 

@@ -1,8 +1,8 @@
 /* ---- The motion of a body under a law's friction and a measured force: the same for every law. -------------------
 
-   m dv/dt = net_force(F(t) - offset, friction(v, z)),   dz/dt = rate(v, z),   dy/dt = v
+   m dv/dt = net_force(F(t), friction(v, z)),   dz/dt = rate(v, z),   dy/dt = v
 
-   Between two samples F is a parabola. The equations are integrated by RODAS3, an L-stable Rosenbrock method of order 3
+   Between two samples F, of each lane its own, is a parabola. The equations are integrated by RODAS3, an L-stable Rosenbrock method of order 3
    with an embedded method of order 2 (Sandu, Verwer, Blom, Spee, Carmichael, Potra, Atmospheric Environment
    31(20):3459-3472, 1997).
 
@@ -43,7 +43,7 @@ static inline State step(const double *p, double m, double F0, double F1, double
 }
 
 /* Advance all lanes over dt; h is the step to begin with, then the one to go on with. */
-static int advance(int64_t lanes, const double *p, const double *mass, const double *offset, const Arc *arc, double dt,
+static int advance(int64_t lanes, const double *p, const double *mass, const Arc *arcs, double dt,
                    const double *tolerance, State *x, double *h, int64_t *left)
 {
     double s = 0;
@@ -51,9 +51,8 @@ static int advance(int64_t lanes, const double *p, const double *mass, const dou
         if ((*left)-- <= 0) return TOO_MANY_STEPS;
         const int last = s * dt + *h * 1.000001 >= dt;
         const double now = last ? (1 - s) * dt : *h, next = last ? 1 : s + now / dt;
-        const double F0 = at(arc, s), F1 = at(arc, next), dF = slope_at(arc, s) * (now / dt);
         State e, unused;
-        const State end = step(p, mass[0], F0 - offset[0], F1 - offset[0], dF, now, x[0], &e);
+        const State end = step(p, mass[0], at(arcs, s), at(arcs, next), slope_at(arcs, s) * (now / dt), now, x[0], &e);
         const double ey = fabs(e.y) / tolerance[0], ev = fabs(e.v) / tolerance[1], ez = fabs(e.z) / tolerance[2];
         const double error = fmax(ey, fmax(ev, ez));
         if (!(ey + ev + ez < 1e30)) {
@@ -69,19 +68,20 @@ static int advance(int64_t lanes, const double *p, const double *mass, const dou
         }
         x[0] = end;
         for (int64_t i = 1; i < lanes; i++)
-            x[i] = step(p + i * PARAMETERS, mass[i], F0 - offset[i], F1 - offset[i], dF, now, x[i], &unused);
+            x[i] = step(p + i * PARAMETERS, mass[i], at(arcs + i, s), at(arcs + i, next),
+                        slope_at(arcs + i, s) * (now / dt), now, x[i], &unused);
         s = next;
         if (!last || now * growth > *h) *h = now * growth;
     }
     return DONE;
 }
 
-/* Position and velocity of each lane at each of n times. At the sample first[k] window k begins, with the states of its
+/* Position and velocity of each lane at each of n times, under the force F of each lane. At the sample first[k] window k begins, with the states of its
    lanes; a window ends where the next begins. tolerance: of y, v and z in a step. */
 EXPORT int stribeck_move(int64_t n, const double *t, const double *F, const double *bend, int64_t lanes,
-                         const double *parameters, const double *mass, const double *offset, int64_t windows,
-                         const int64_t *first, const double *states, const double *tolerance, int64_t steps,
-                         double *work, double *y, double *v)
+                         const double *parameters, const double *mass, int64_t windows, const int64_t *first,
+                         const double *states, const double *tolerance, int64_t steps, double *work, Arc *arcs,
+                         double *y, double *v)
 {
     State *x = (State *)work;
     double h = INFINITY;
@@ -104,8 +104,11 @@ EXPORT int stribeck_move(int64_t n, const double *t, const double *F, const doub
         if (i + 1 == n || (window < windows && first[window] == i + 1)) continue;
         const double dt = t[i + 1] - t[i];
         if (!(h < 1e30)) h = dt;
-        const Arc arc = {F[i], F[i + 1], bend[i]};
-        const int status = advance(lanes, parameters, mass, offset, &arc, dt, tolerance, x, &h, &steps);
+        for (int64_t j = 0; j < lanes; j++) {
+            const Arc arc = {F[j * n + i], F[j * n + i + 1], bend[j * n + i]};
+            arcs[j] = arc;
+        }
+        const int status = advance(lanes, parameters, mass, arcs, dt, tolerance, x, &h, &steps);
         if (status != DONE) return status;
     }
     return DONE;

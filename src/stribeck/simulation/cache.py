@@ -12,7 +12,6 @@ import contextlib
 import ctypes
 import os
 import stat
-import tempfile
 from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
@@ -116,7 +115,9 @@ def _foreign(path: Path) -> bool:
 
 
 def _build(key: str, source: str, compiler: Compiler, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL:
-    with tempfile.TemporaryDirectory(prefix="stribeck-", ignore_cleanup_errors=True) as work:
+    from tempfile import TemporaryDirectory
+
+    with TemporaryDirectory(prefix="stribeck-", ignore_cleanup_errors=True) as work:
         code, built = Path(work) / "system.c", Path(work) / "system.so"
         code.write_text(source, encoding="utf-8")
         compiler.build(code, built)
@@ -138,6 +139,8 @@ def _build(key: str, source: str, compiler: Compiler, check: Callable[[ctypes.CD
 
 def _keep(key: str, built: Path) -> Path:
     """The library's place in the cache, or where it is when the cache cannot be written."""
+    from tempfile import NamedTemporaryFile
+
     home = folder()
     kept = home / f"{key}-{_digest(built)}.so"
     if reason := distrusted(home):
@@ -145,7 +148,7 @@ def _keep(key: str, built: Path) -> Path:
         return built
     try:
         home.mkdir(parents=True, exist_ok=True, mode=0o700)
-        with tempfile.NamedTemporaryFile(prefix="build-", dir=home, delete=False) as draft:
+        with NamedTemporaryFile(prefix="build-", dir=home, delete=False) as draft:
             try:
                 draft.write(built.read_bytes())
                 draft.close()

@@ -90,17 +90,18 @@ def find() -> Compiler | None:
     ``STRIBECK_CC=none`` turns compilation off.
     """
     asked = tuple(map(os.environ.get, ("STRIBECK_CC", "CC", "PATH")))
-    known = _found.get(asked)
-    if known is None or known[1] != _state(known[0].command[0]):
-        chosen = _search()
-        if chosen is None:
-            return None
-        known = _found[asked] = chosen, _state(chosen.command[0])
-    return known[0]
+    if asked in _found:
+        chosen, state = _found[asked]
+        if _state(chosen.command[0]) == state:
+            return chosen
+    found = _search()
+    if found is not None and (now := _state(found.command[0])) is not None:
+        _found[asked] = found, now
+    return found
 
 
 # What was found where, while its file stays as it was: the search takes longer than many a simulation.
-_found: dict[tuple[str | None, ...], tuple[Compiler, tuple[int, int] | None]] = {}
+_found: dict[tuple[str | None, ...], tuple[Compiler, tuple[int, int]]] = {}
 
 
 def _state(path: str) -> tuple[int, int] | None:

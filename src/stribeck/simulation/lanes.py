@@ -61,8 +61,8 @@ class Outcome:
         return cls(states, t_reached, {name: np.concatenate([x.counts[name] for x in parts]) for name in _COUNTS})
 
 
-Elsewhere = Callable[[ctypes.CDLL, Variations, "Progress | None"], Outcome]
-_elsewhere: list[Elsewhere] = []
+Elsewhere = Callable[[ctypes.CDLL, Variations, Progress | None], Outcome]
+_elsewhere: list[Elsewhere] = []  # where lanes are solved but here; the innermost :func:`solved_by` last
 
 
 def check(library: ctypes.CDLL) -> None:
@@ -162,9 +162,7 @@ def solve_here(library: ctypes.CDLL, lanes: Variations, threads: int, progress: 
     return outcome(made)
 
 
-def _run(
-    library: ctypes.CDLL, batch: Batch, turn: Integers, threads: int, progress: Callable[[float], None] | None
-) -> None:
+def _run(library: ctypes.CDLL, batch: Batch, turn: Integers, threads: int, progress: Progress | None) -> None:
     """Let the threads work; Ctrl-C stops them at their next step."""
     workers = [Thread(target=library.stribeck_solve_batch, args=(ctypes.byref(batch),)) for _ in range(threads)]
     try:

@@ -24,7 +24,7 @@ _STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
 _STEP_SHARE = 0.01
 # The same under a sampled controller, whose every output starts the motion anew: many short steps, most better than asked.
 # What an encoder's counts make of an error does not shrink with the tolerances: loose ones are met by a smaller share.
-_SAMPLED_SHARE = 0.1, 0.5  # at solve.rtol = 1e-6 and above; at 1e-8 and below
+SAMPLED_SHARE = 0.1, 0.5, 0.35  # at solve.rtol = 1e-6 and above; at 1e-8 and below; the power of 1/rtol between
 _WELL_DAMPED, _LEAST_DAMPED = 0.05, 1e-4  # damping ratio from which no more is needed; the smallest share of it
 _RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
 
@@ -63,9 +63,9 @@ def _wanted_share(scenario: Scenario) -> float:
 
 
 def sampled_share(rtol: float) -> float:
-    """What one step may err by under a sampled controller; export/templates/machine.c has it too."""
-    low, high = _SAMPLED_SHARE
-    return float(min(max(low * (1e-6 / rtol) ** 0.35, low), high))
+    """What one step may err by under a sampled controller; export/templates/machine.c has this line too."""
+    low, high, power = SAMPLED_SHARE
+    return float(min(max(low * (1e-6 / rtol) ** power, low), high))
 
 
 def share_of(damping: Value) -> Value:

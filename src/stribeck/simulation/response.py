@@ -24,7 +24,7 @@ _STEPS_A_SAMPLE = 1000
 _P, _N = POINTER(c_double), c_int64
 _CALLS: dict[str, list[object]] = {
     "stribeck_respond": [_N, _P, _P, _P, _N, _P, _P, _P, c_double, _N, _P, _P, _P],
-    "stribeck_move": [_N, _P, _P, _P, _N, _P, _P, _P, _N, POINTER(c_int64), _P, _P, _N, _P, _P, _P],
+    "stribeck_move": [_N, _P, _P, _P, _N, _P, _P, _N, POINTER(c_int64), _P, _P, _N, _P, _P, _P, _P],
 }
 _SOURCES = {"stribeck_respond": response_source, "stribeck_move": motion_source}
 
@@ -113,8 +113,9 @@ class ForcedBody(_Compiled):
 
         Args:
             t: times of the samples, s, rising evenly.
-            force: the driving force there, N; a cubic through four samples gives its mean from one to the next.
-            sets: for each lane the law's constants, "mass" (kg) and "offset" (N, taken off the force).
+            force: each lane's driving force there, N, (lanes, samples); a cubic through four samples gives its mean from one
+                to the next.
+            sets: for each lane the law's constants and "mass" (kg).
             first: the samples at which windows begin, rising from 0; each has states of its own.
             states: position, velocity and deflection of each lane at the start of each window, (windows, lanes, 3).
             tolerance: largest error of the first lane's position, velocity and deflection in a step; all lanes take the
@@ -123,16 +124,16 @@ class ForcedBody(_Compiled):
         """
         lanes = len(sets)
         constants = self.lanes(sets)
-        mass, offset = (np.array([each[name] for each in sets], float) for name in ("mass", "offset"))
-        bend = np.zeros(len(force)) if straight else _bends(force)
-        inputs = [np.ascontiguousarray(x, float) for x in (t, force, bend, constants, mass, offset, states)]
-        t_, force_, bend_, constants_, mass_, offset_, states_ = (_pointer(x) for x in inputs)
+        mass = np.array([each["mass"] for each in sets], float)
+        bend = np.zeros(force.shape) if straight else np.array([_bends(each) for each in force])
+        inputs = [np.ascontiguousarray(x, float) for x in (t, force, bend, constants, mass, states)]
+        t_, force_, bend_, constants_, mass_, states_ = (_pointer(x) for x in inputs)
         begin, limits = np.ascontiguousarray(first, np.int64), np.array(tolerance)
-        work, y, v = np.zeros((lanes, 3)), np.empty((lanes, len(t))), np.empty((lanes, len(t)))
+        work, y, v = np.zeros((2, lanes, 3)), np.empty((lanes, len(t))), np.empty((lanes, len(t)))
         status = self._call(
-            len(t), t_, force_, bend_, lanes, constants_, mass_, offset_, len(begin),
-            begin.ctypes.data_as(POINTER(c_int64)), states_, _pointer(limits), _STEPS_A_SAMPLE * len(t),
-            _pointer(work), _pointer(y), _pointer(v),
+            len(t), t_, force_, bend_, lanes, constants_, mass_, len(begin), begin.ctypes.data_as(POINTER(c_int64)),
+            states_, _pointer(limits), _STEPS_A_SAMPLE * len(t), _pointer(work[0]), _pointer(work[1]), _pointer(y),
+            _pointer(v),
         )  # fmt: skip
         return (y, v) if status == 0 and np.isfinite(y).all() and np.isfinite(v).all() else None
 

@@ -27,17 +27,16 @@ _DEATHS = 5  # times that the scheduler gives up a part whose workers died: then
 _AHEAD = 2  # parts in hand for each thread of the cluster
 
 
-def run_on(on: str, job: Sweep, todo: list[int], tell: Callable[[float], None]) -> None:
+def run_on(workers: Workers, job: Sweep, todo: list[int], tell: Callable[[float], None]) -> None:
     """Have the workers of a cluster make parts of a sweep.
 
     Args:
-        on: ``dask`` (a cluster of processes here) or ``dask://HOST:PORT`` (of its scheduler).
+        workers: of :func:`connected`.
         job: the sweep.
         todo: its parts to make.
         tell: called with the number of lanes done.
 
     Raises:
-        InputError: ``on`` is something else, or there is no scheduler.
         StribeckError: the scheduler went away, no worker can make the parts, or a part killed its workers.
     """
     done = 0
@@ -56,15 +55,14 @@ def run_on(on: str, job: Sweep, todo: list[int], tell: Callable[[float], None]) 
         done += end - first
         tell(done)
 
-    with connected(on) as workers:
-        order = job.order.to_text(job.order.probe(job.values_of(0)))
-        first_lane = {path: x[:1].tobytes() for path, x in job.values_of(0).items()}
-        workers.do(todo, call, take)
+    order = job.order.to_text(job.order.probe(job.values_of(0)))
+    first_lane = {path: x[:1].tobytes() for path, x in job.values_of(0).items()}
+    workers.do(todo, call, take)
 
 
 @contextmanager
-def connected(on: str) -> Iterator[Workers]:
-    """The workers of a cluster.
+def connected(on: str, after: str = "") -> Iterator[Workers]:
+    """The workers of a cluster; ``after`` ends what is said when its scheduler goes away.
 
     Raises:
         InputError: ``on`` is neither ``dask`` nor ``dask://HOST:PORT``, or there is no scheduler.
@@ -75,7 +73,7 @@ def connected(on: str) -> Iterator[Workers]:
             f"{arg('on')} {on}: without a C compiler here a cluster's numbers would differ in their last bits"
         )
     with _client(on) as client:
-        yield Workers(client, on)
+        yield Workers(client, on, after)
 
 
 @contextmanager
@@ -106,12 +104,12 @@ class Workers:
     """The workers of a cluster, and which of them make other bits than this machine and may have nothing.
 
     Attributes:
-        client: of Dask; ``on``: how the cluster was named.
+        client: of Dask; ``on``: how the cluster was named; ``after``: what is to be done when its scheduler went away.
         refused: why a worker is left out, by its address.
     """
 
-    def __init__(self, client: Client, on: str) -> None:
-        self.client, self.on = client, on
+    def __init__(self, client: Client, on: str, after: str) -> None:
+        self.client, self.on, self.after = client, on, after
         self.refused: dict[str, str] = {}
 
     def do(self, todo: Iterable[int], call: Callable[[int], Call[A]], take: Callable[[int, A], None]) -> None:
@@ -143,7 +141,7 @@ class Workers:
 
 
 class _Parts(Generic[A]):
-    """The parts in hand."""
+    """The parts to be made, and those in hand: each with the workers that it may go to, None for any."""
 
     def __init__(
         self, workers: Workers, todo: deque[int], call: Callable[[int], Call[A]], take: Callable[[int, A], None]
@@ -184,12 +182,12 @@ class _Parts(Generic[A]):
             return {future for future in self.hand if future.status != "pending"}
 
     def _gone(self) -> StribeckError:
-        text = f"the scheduler went away after {self.done} of {self.total} parts; the same command goes on from there"
+        text = f"the scheduler went away after {self.done} of {self.total} parts{self.workers.after}"
         return StribeckError(f"{arg('on')} {self.on}: {text}")
 
     def _send(self, workers: dict[str, int]) -> None:
         """Hand out parts, to workers that have not refused."""
-        refused = self.workers.refused
+        refused = dict(self.workers.refused)  # other threads may add to it
         may = {address: n for address, n in workers.items() if address not in refused}
         if not workers and not self.waiting:
             note(

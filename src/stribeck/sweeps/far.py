@@ -41,7 +41,7 @@ def on_cluster(on: str) -> Iterator[None]:
 
 
 class _Far:
-    """Sends lanes to workers, and what they share once as text."""
+    """Sends lanes to workers, with a text of what they share, from which each worker builds its solver once."""
 
     def __init__(self, workers: Workers) -> None:
         self.workers = workers
@@ -67,7 +67,8 @@ class _Far:
         return Outcome.joined([found[part] for part in sorted(found)])
 
     def _sent(self, library: ctypes.CDLL, variations: Variations) -> _Shared:
-        """What the lanes share, with the digest of the first that was ever asked for, solved here."""
+        """The text of what the lanes share, with the digest of the first lane that was ever asked for, solved here; and that
+        lane's values."""
         key = (variations.scenario, tuple(variations.shift.items()))
         with self._lock:
             if key not in self._shared:

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from fnmatch import fnmatch
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -25,6 +27,9 @@ from stribeck.sweeps import tables
 from stribeck.sweeps.places import Folder, Store, digest, place_of, put_json, read_json
 from stribeck.sweeps.worker import Order
 from stribeck.version import __version__
+
+if TYPE_CHECKING:
+    from stribeck.sweeps.cluster import Workers
 
 Progress = Callable[[float, float], None]
 
@@ -153,7 +158,7 @@ class Sweep:
             InputError: the folder holds another sweep, or another process is at work in it.
             StribeckError: the cluster went away, or none of its workers can do it; what was written stays.
         """
-        with self.place.alone():
+        with self.place.alone(), self._workers(on) as workers:
             self._claim()
             todo = self.missing()
             before = len(self.lanes) - sum(len(range(*self.lanes_of_part(i))) for i in todo)
@@ -162,14 +167,22 @@ class Sweep:
                 if progress is not None:
                     progress((before + lanes) / len(self.lanes), lanes)
 
-            if on is None:
-                self._here(todo, threads, tell)
-            elif todo:
+            if workers is not None:
                 from stribeck.sweeps.cluster import run_on
 
-                run_on(on, self, todo, tell)
+                run_on(workers, self, todo, tell)
+            else:
+                self._here(todo, threads, tell)
             self._note({})  # of two clients of a store that began at once one may have lost what the other noted
             return sum(self._failed(part) for part in range(self.parts))
+
+    def _workers(self, on: str | None) -> AbstractContextManager[Workers | None]:
+        """Those of a cluster, asked for before anything is written, and only where a part is missing."""
+        if on is None or not self.missing():
+            return nullcontext()
+        from stribeck.sweeps.cluster import connected
+
+        return connected(on, "; the same command goes on from there")
 
     def _here(self, todo: list[int], threads: int | None, tell: Callable[[float], None]) -> None:
         """On this machine, part by part."""

@@ -76,9 +76,14 @@ def _edges(centres: Array) -> Array:
     return np.exp(found) if logarithmic(centres) else found
 
 
+def evenly(count: int, most: int) -> NDArray[np.int64]:
+    """So many of the numbers below ``count``, or all: evenly from the first to the last."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(np.int64))
+
+
 def drawn_lanes(count: int) -> NDArray[np.int64]:
     """The lanes that parallel axes show."""
-    return np.unique(np.linspace(0, count - 1, min(count, _LINES)).round().astype(np.int64))
+    return evenly(count, _LINES)
 
 
 def parallel_axes(values: Mapping[str, Array], quantities: Sequence[Quantity]) -> FigureSvg:
@@ -122,7 +127,7 @@ def _height(x: Array) -> Array:
 def picked(kept: Sequence[Lanes], names: Sequence[str]) -> LaneCurves:
     """The trajectories of some lanes, thinned, for the page."""
     _, first = kept[0]
-    pick = np.unique(np.linspace(0, len(first.t) - 1, _POINTS).round().astype(int))
+    pick = evenly(len(first.t), _POINTS)
     units = {c.name: c.unit for c in first.columns}
     scales = {name: scale([Quantity(name, units[name], "", e[name]) for _, e in kept]) for name in names}
     curves = {

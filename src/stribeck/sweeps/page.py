@@ -28,6 +28,7 @@ from stribeck.sweeps.maps import (
     Lanes,
     cell_lanes,
     drawn_lanes,
+    evenly,
     heat_map,
     lane_words,
     logarithmic,
@@ -125,19 +126,15 @@ def _picked(sweep: Sweep, kept: Sequence[Lanes], quantities: Sequence[Quantity])
 
 
 def _kept(sweep: Sweep) -> list[Lanes]:
-    """Lanes whose trajectories the page keeps, simulated once more: some from the first to the last, and then all of a
-    small sweep, or few more where a lane takes long."""
-    few = _spread(sweep, _LANES_SHOWN)
+    """Lanes whose trajectories the page keeps, simulated once more: few from the first to the last, and the others of a
+    small sweep, or more of a large one, unless a lane takes long."""
+    wanted = evenly(len(sweep.lanes), max(_LANES_SHOWN, min(_PICKED, _ROOM // sweep.lanes.scenario.rows)))
+    few = wanted[evenly(len(wanted), _LANES_SHOWN)]
     begun = time.monotonic()
     kept = [_again(sweep, few)]
     each = (time.monotonic() - begun) / len(few)
-    more = np.setdiff1d(_spread(sweep, min(_PICKED, _ROOM // sweep.lanes.scenario.rows)), few)
+    more = np.setdiff1d(wanted, few)
     return [*kept, _again(sweep, more)] if len(more) and each * len(more) < _PATIENCE else kept
-
-
-def _spread(sweep: Sweep, count: int) -> NDArray[np.int64]:
-    """Some lanes, evenly from the first to the last."""
-    return np.unique(np.linspace(0, len(sweep.lanes) - 1, min(count, len(sweep.lanes))).round().astype(np.int64))
 
 
 def _again(sweep: Sweep, lanes: NDArray[np.int64]) -> Lanes:

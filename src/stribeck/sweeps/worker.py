@@ -37,15 +37,25 @@ _folders: list[tempfile.TemporaryDirectory[str]] = []  # of files that scenarios
 
 
 class _Told(TypedDict):
-    """The keys of a text: of an order (:meth:`Order.to_text`), or of lanes (:func:`lanes_text`)."""
+    """The keys of every text: a scenario with its files, and the digest that the first lane must have."""
 
     stribeck: str
     data: dict[str, object]
     files: dict[str, str]
+    probe: str
+
+
+class _ToldOrder(_Told):
+    """Those of :meth:`Order.to_text`."""
+
     summary: bool
     as_csv: bool
     url: str | None
-    probe: str
+
+
+class _ToldLanes(_Told):
+    """Those of :func:`lanes_text`."""
+
     shift: dict[str, float]
 
 
@@ -94,8 +104,8 @@ class Order:
 
     def to_text(self, probe: str) -> str:
         """As JSON, with the digest of the first lane's file."""
-        how = {"summary": self.summary, "as_csv": self.as_csv, "url": self.url, "probe": probe}
-        return json.dumps({**_of_scenario(self.scenario), **how})
+        how = {"summary": self.summary, "as_csv": self.as_csv, "url": self.url}
+        return _text(self.scenario, probe, how)
 
     def write(
         self,
@@ -144,7 +154,7 @@ def part(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes], fir
 
 def lanes_text(scenario: Scenario, shift: Mapping[str, float], probe: str) -> str:
     """What some lanes share, as JSON, with the digest of what becomes of the first."""
-    return json.dumps({**_of_scenario(scenario), "shift": dict(shift), "probe": probe})
+    return _text(scenario, probe, {"shift": dict(shift)})
 
 
 def some_lanes(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes]) -> SolvedLanes:
@@ -174,17 +184,17 @@ def _values(numbers: Mapping[str, bytes]) -> dict[str, Array]:
     return {path: np.frombuffer(x, np.float64) for path, x in numbers.items()}
 
 
-def _of_scenario(scenario: Scenario) -> dict[str, object]:
-    """A scenario with the files that it names, and the version of its equations."""
+def _text(scenario: Scenario, probe: str, how: Mapping[str, object]) -> str:
+    """A scenario with the files that it names, the version of its equations, a digest, and what is to be done, as JSON."""
     data, files = with_files(scenario.data, scenario.folder)
     contents = {name: base64.b64encode(content).decode() for name, content in files.items()}
-    return {"stribeck": __version__, "data": data, "files": contents}
+    return json.dumps({"stribeck": __version__, "data": data, "files": contents, "probe": probe, **how})
 
 
 @contextmanager
 def _scenario_of(given: _Told) -> Iterator[Scenario]:
-    """The scenario of a text. What is done with it must make the same numbers, or the text is refused; the files that it
-    names stay while the process lives.
+    """The scenario of a text. Where what is done with it fails, the text is refused; otherwise the files that it names stay
+    while the process lives.
 
     Raises:
         Refused: this worker's numbers would not be the same.
@@ -214,7 +224,7 @@ def _built(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
     Raises:
         Refused: this worker's numbers would not be the same.
     """
-    given: _Told = json.loads(text)
+    given: _ToldOrder = json.loads(text)
     with _scenario_of(given) as scenario:
         order = Order(scenario, given["summary"], given["as_csv"], given["url"])
         _compare(order.probe(_values(dict(first_lane))), given)
@@ -228,7 +238,7 @@ def _solver(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Callable[[M
     Raises:
         Refused: this worker's numbers would not be the same.
     """
-    given: _Told = json.loads(text)
+    given: _ToldLanes = json.loads(text)
     with _scenario_of(given) as scenario:
         library, shift = lanes.compiled(scenario.system), given["shift"]
 
