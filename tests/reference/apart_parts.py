@@ -68,10 +68,12 @@ def static(law, c, w):
         return smooth_sign(c, w) * stribeck_level(c, w) + c["sigma_2"] * w
     if law == "makkar":
         return c["g1"] * (tanh(c["g2"] * w) - tanh(c["g3"] * w)) + c["g4"] * tanh(c["g5"] * w) + c["g6"] * w
+    if law == "stribeck_tanh":
+        return tanh(c["k_v"] * w) * stribeck_level(c, w) + c["sigma_2"] * w
     raise KeyError(law)
 
 
-STATIC = ("coulomb_viscous", "stribeck", "makkar")
+STATIC = ("coulomb_viscous", "stribeck", "stribeck_tanh", "makkar")
 
 
 def friction(law, c, w, z):

@@ -18,7 +18,7 @@ from tests.simulation.rig import needs_compiler
 
 pytestmark = needs_compiler
 FILES = Path(__file__).parent / "unseen"
-QUICK = ("loads_and_factors", "sampled_tied_encoder", "tied_rails")
+QUICK = ("crank_play", "loads_and_factors", "sampled_tied_encoder", "serial_contacts", "tied_rails")
 MOTION = (".y", ".v", ".w", ".r")
 
 
