@@ -6,10 +6,8 @@ import errno
 import json
 import math
 import os
-import secrets
 import shutil
 import stat
-import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from hashlib import file_digest
@@ -28,7 +26,7 @@ def write_with(path: Path, write: Callable[[Path], object]) -> None:
         write(path)
         return
     path = path.resolve()
-    beside = path.with_name(f".{os.getpid()}-{secrets.token_hex(4)}.tmp")  # short: a long name has no room for more
+    beside = path.with_name(f".{os.getpid()}-{os.urandom(4).hex()}.tmp")  # short: a long name has no room for more
     try:
         with _named(beside, path):
             write(beside)
@@ -47,7 +45,7 @@ def together(folder: Path, last: str = "summary.json") -> Iterator[Path]:
     beside files of another run. On any failure, Ctrl-C too, what was there stays as it was.
     """
     existed = folder.exists()
-    beside = folder / f".{os.getpid()}-{secrets.token_hex(4)}.tmp"
+    beside = folder / f".{os.getpid()}-{os.urandom(4).hex()}.tmp"
     try:
         with _named(beside, folder):
             folder.mkdir(parents=True, exist_ok=True)
@@ -93,7 +91,9 @@ def trouble(path: Path, folder: bool = False, parents: bool = True) -> str | Non
             return f"{existing} is a file, not a folder"
         if not parents and existing.absolute() != path.absolute().parent:
             return f"there is no folder {path.absolute().parent}"
-        with tempfile.TemporaryFile(dir=existing):
+        from tempfile import TemporaryFile
+
+        with TemporaryFile(dir=existing):
             return None
     except (OSError, ValueError) as error:
         return f"cannot be written: {getattr(error, 'strerror', None) or error}"

@@ -219,3 +219,24 @@ def test_names_of_a_solution_stay(scenario):
 @pytest.mark.parametrize("word", ["\x1b[2J", "x" * 500])
 def test_usage_is_one_line_too(stribeck, scenario, word):
     refused(stribeck("run", scenario, word), "unexpected extra argument")
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("fit", "arm.toml", "--logs", "logs.toml"),
+        ("fit", "log.csv", "--law", "lugre", "--time", "a", "--position", "b"),
+        ("design", "arm.toml", "--map", "bodies.arm.inertia=1:2"),
+        ("sweep", "rig.toml", "--vary", "law.k_v=1e6:1e7:2", "--on", "nothing"),
+        ("sweep", "rig.toml", "--vary", "law.k_v=1e6:1e7:2", "--on", "dask://127.0.0.1:1:1"),
+    ],
+)
+def test_what_is_refused_after_the_folder_was_tried_leaves_no_folder(stribeck, scenario, monkeypatch, words):
+    """Each left an empty folder, the sweeps one with a manifest."""
+    monkeypatch.chdir(scenario.parent)
+    stribeck("new", "arm")
+    Path("logs.toml").write_text("[unknown]\nx = 1\n")
+    Path("log.csv").write_text("a,b\n1,2\n")
+    before = sorted(Path().iterdir())
+    refused(stribeck(*words, "--out", "new/folder"))
+    assert sorted(Path().iterdir()) == before

@@ -28,15 +28,9 @@ _EXTRA = {
     "explore": "explore",
 }
 _BEYOND = {"fit": ("logs",), "explore": ("fit", "logs")}  # extras that hold what the command's own does not
-_LINEAR_ALGEBRA = (
-    "fit",
-    "predict",
-    "validate",
-    "rig",
-    "design",
-    "paper",
-)  # commands that may solve large linear systems
-_YOUNG = 50_000  # objects made between two looks for garbage: a start makes many, and all of them stay
+# Commands that may solve large linear systems.
+_LINEAR_ALGEBRA = ("fit", "predict", "validate", "rig", "design", "paper")
+_YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
 _GRACE = 5.0  # s, to clear away what has been begun
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
@@ -58,15 +52,15 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     _see_to_the_end(watched)
     # pydantic asks every installed package whether it is a plugin of its, which takes as long as a run
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    if (
-        _command(arguments) not in _LINEAR_ALGEBRA
-    ):  # its threads take an eighth of a short run to begin, and have no work
+    if _command(arguments) not in _LINEAR_ALGEBRA:  # its threads would take their time to begin, and have no work
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(_YOUNG, 20, 100)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")  # names of files need not be text
-    sys.exit(_status(arguments))
+    status = _status(arguments)
+    gc.freeze()  # the last look for garbage takes a seventh of a short run, and what it frees goes with the process
+    sys.exit(status)
 
 
 def _see_to_the_end(numbers: list[int]) -> None:
@@ -91,6 +85,14 @@ def _stop(number: int, frame: object) -> NoReturn:
 
 
 def _status(arguments: list[str] | None) -> int:
+    """Of the command, which leaves no empty folder where it failed."""
+    status = _outcome(arguments)
+    if status and (show := sys.modules.get("stribeck.cli.show")):  # what was not needed is not read now
+        show.take_back()
+    return status
+
+
+def _outcome(arguments: list[str] | None) -> int:
     warnings.simplefilter("always", StribeckNote)
     warnings.showwarning = _show  # type: ignore[assignment]
     try:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from stribeck.cli.shared import Json, app
-from stribeck.cli.show import print_json
 from stribeck.cli.text import say
 from stribeck.errors import InputError
 
@@ -41,6 +40,8 @@ def parameters(
             raise InputError(f"--out: {name!r} is a set of a law's parameters, no machine")
         _write(found, out)
     if json:
+        from stribeck.cli.show import print_json  # with all of the scenarios: not for --help of each command
+
         print_json(asdict(found))
     elif isinstance(found, MachineSet):
         _machine(found)
@@ -56,6 +57,8 @@ def parameters(
 def _all(of_laws: list[ParameterSet], machines: list[MachineSet], json: bool) -> int:
     """Every set, a line for each."""
     if json:
+        from stribeck.cli.show import print_json
+
         print_json({"laws": {x.name: asdict(x) for x in of_laws}, "machines": {x.name: x.to_json() for x in machines}})
         return 0
     print("parameters of a law (law.parameters = NAME):")

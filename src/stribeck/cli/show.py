@@ -6,7 +6,7 @@ import json
 import shlex
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,8 @@ from stribeck.scenario import Scenario, parse_assignment
 
 if TYPE_CHECKING:
     from rich.progress import Progress
+
+_MADE: list[Path] = []  # folders that this command made before it ran, the innermost of each path first
 
 
 def load(path: Path, assignments: list[str], trust: bool) -> Scenario:
@@ -44,10 +46,20 @@ def check_folder(out: Path) -> None:
     """
     if text := trouble(out, folder=True):
         raise InputError(f"--out: {shown(str(out))}: {text}")
+    missing = [folder for folder in (out, *out.parents) if not folder.exists()]
+    _MADE.extend(missing)
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(f"--out: {shown(str(out))}: cannot be made: {error.strerror}") from None
+
+
+def take_back() -> None:
+    """Remove the folders that were made for what a failed command did not write."""
+    for folder in _MADE:
+        with suppress(OSError):  # not empty
+            folder.rmdir()
+    _MADE.clear()
 
 
 def check_file(option: str, path: Path) -> None:

@@ -367,7 +367,8 @@ def sentence_of(j: Judgement, unit: str) -> str:
 
 def _cycle(j: Judgement, unit: str) -> str:
     """How large a cycle is and, where that is regular, how long it takes."""
-    return human(j.amplitude, unit) + (f" every {_period(j)}" if _period(j) else "")
+    period = _period(j)
+    return human(j.amplitude, unit) + (f" every {period}" if period else "")
 
 
 def _period(j: Judgement) -> str:
