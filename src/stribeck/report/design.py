@@ -75,10 +75,9 @@ def _machine(found: Design, place: Path, folder: Path) -> Path:
         scenario = with_compensation(scenario, found.controller, contact, chosen.kind, chosen.share)
     if found.tuned is not None:
         scenario = scenario.with_changes(found.tuned.gains)
-    path = place / MACHINES[0]
     head = "# Written by 'stribeck design': the machine with the compensation and the gains that were best.\n"
-    write_text(path, head + tomli_w.dumps(moved(scenario.data, scenario.folder, folder)))
-    return path
+    write_text(place / MACHINES[0], head + tomli_w.dumps(moved(scenario.data, scenario.folder, folder)))
+    return place / MACHINES[0]
 
 
 def _excess(machine: Scenario, place: Path, folder: Path) -> Path:
