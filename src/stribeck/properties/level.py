@@ -107,12 +107,16 @@ def check_level(law: Law, level: tuple[float, float], v_max: float | None, work:
         raise InputError(text)
     low, high = level
     if "F_c" not in law.values:
-        raise InputError(f"level: {show([low, high])}: law '{law.name}' has no F_c, and so no level that could vary")
+        raise InputError(
+            f"{arg('level')}: {show([low, high])}: law '{law.name}' has no F_c, and so no level that could vary"
+        )
     varied = Varied.by_level(law, low, high)
     try:
         varied.extreme(-1), varied.extreme(1)
     except InputError as error:
-        raise InputError([f"level: {show([low, high])}: law '{law.name}': {text}" for text in error.problems]) from None
+        raise InputError(
+            [f"{arg('level')}: {show([low, high])}: law '{law.name}': {text}" for text in error.problems]
+        ) from None
     return check_varied(varied, v_max, work)
 
 

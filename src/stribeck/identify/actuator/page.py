@@ -9,9 +9,10 @@ import numpy as np
 import tomli_w
 
 from stribeck.arrays import Array
-from stribeck.files import finite, seen_from, write_text
+from stribeck.files import finite, seen_from, together, write_text
 from stribeck.identify.actuator.intervals import THRESHOLD
 from stribeck.identify.actuator.result import LogResult, MachineFit, Parameter
+from stribeck.identify.report.files import FITS
 from stribeck.report.cells import digits
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.report.plots import figure, finish, legend, line, style, thin
@@ -21,6 +22,7 @@ from stribeck.version import __version__
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+FILES = ("parameters.toml", "report.html", "machine.toml")
 _ZOOM = 0.15  # of a recording: the part shown larger
 _PROFILES = 12
 _HIGHEST = 12.0  # of a profile, as far as it is drawn
@@ -31,15 +33,13 @@ def write_machine_fit(
 ) -> list[str]:
     """Write what was found into a folder; the paths. ``origin`` is the folder of the machine's file; ``logs`` the file
     of the recordings, which parameters.toml names."""
-    folder.mkdir(parents=True, exist_ok=True)
-    page, parameters, machine = (folder / name for name in ("report.html", "parameters.toml", "machine.toml"))
-    write_text(page, report(fit, command, title))
-    write_text(parameters, toml(fit, command, None if logs is None else seen_from(folder, logs)))
-    written = [str(page), str(parameters)]
-    if fit.status == "done":
-        write_text(machine, f"# Found by: {command}\n" + tomli_w.dumps(moved(fit.data, origin, folder)))
-        written.append(str(machine))
-    return written
+    with together(folder, last=FILES[0], older=FITS) as place:
+        parameters, page, machine = (place / name for name in FILES)
+        write_text(page, report(fit, command, title))
+        write_text(parameters, toml(fit, command, None if logs is None else seen_from(folder, logs)))
+        if done := fit.status == "done":
+            write_text(machine, f"# Found by: {command}\n" + tomli_w.dumps(moved(fit.data, origin, folder)))
+    return [str(folder / name) for name in (FILES[1], FILES[0], *FILES[2:][:done])]
 
 
 def toml(fit: MachineFit, command: str, logs: str | None = None) -> str:

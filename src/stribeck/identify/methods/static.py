@@ -189,7 +189,7 @@ def _bristles(estimates: Mapping[str, Estimate]) -> list[str]:
         return []
     return [
         "a spring and no friction level: if nothing but the contact holds the body, the record is one of presliding, and the "
-        f"spring is that of the bristles; a law that has them tells it ({arg('law')} lugre with {arg('method')} presliding)"
+        "spring is that of the bristles; a law that has them tells it (lugre, fitted by the method 'presliding')"
     ]
 
 
