@@ -13,7 +13,7 @@ from stribeck import laws as known_laws
 from stribeck.errors import InputError, StribeckError, nearest
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint, estimate, traces
-from stribeck.identify.actuator.larger import Candidate, again, doubtful, left_more, mend
+from stribeck.identify.actuator.larger import OpenLaw, again, doubtful, left_more, mend
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
 from stribeck.laws.base import PARAMETERS, Law
@@ -143,7 +143,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
     ones the simplest."""
     fitted, held, note = _split(fit)
     speeds = _speeds(fit)
-    tried: dict[str, Candidate] = {}
+    tried: dict[str, OpenLaw] = {}
     failed: dict[str, str] = {}
     combinations = list(product(*laws.values()))
     for names in combinations:
@@ -156,7 +156,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
         except StribeckError as error:
             failed[label] = str(error).splitlines()[0]
             continue
-        tried[label] = Candidate(scenario, sought, best)
+        tried[label] = OpenLaw(scenario, sought, best)
         if best.stopped:
             break
     if not tried:
@@ -186,7 +186,7 @@ def from_simpler(fit: Fitting, best: BestPoint) -> BestPoint:
     contain; the better of both."""
     if best.stopped or not doubtful(best):
         return best
-    large = Candidate(fit.scenario, fit.sought, best)
+    large = OpenLaw(fit.scenario, fit.sought, best)
     contacts = [
         n
         for n in fit.scenario.data.get("contacts", {})
@@ -196,7 +196,7 @@ def from_simpler(fit: Fitting, best: BestPoint) -> BestPoint:
     for law in reversed(BASELINES.values()):
         try:
             scenario, sought = with_laws(fit.scenario, fit.sought, dict.fromkeys(contacts, law), speeds)
-            small = Candidate(scenario, sought, best)
+            small = OpenLaw(scenario, sought, best)
             if not small.numbers < large.numbers:
                 continue
             found = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, thorough=False)

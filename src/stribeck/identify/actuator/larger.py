@@ -24,7 +24,7 @@ _ROUGH, _NEAR = 12, 1e-4  # of the search from these places
 
 
 @dataclass
-class Candidate:
+class OpenLaw:
     """A machine with one choice of laws, and its best point."""
 
     scenario: Scenario
@@ -51,7 +51,7 @@ def doubtful(best: BestPoint) -> bool:
     return bool(best.missed() or beyond_noise(best.problem, best.u, best.found.agreeing))
 
 
-def mend(candidates: Sequence[Candidate], recordings: Sequence[tuple[int, Recording]], seed: int, work: Work) -> None:
+def mend(candidates: Sequence[OpenLaw], recordings: Sequence[tuple[int, Recording]], seed: int, work: Work) -> None:
     """Search again each of these that ended worse than one which it contains, or leaves more than noise, from the best of
     those."""
     for large in sorted(candidates, key=lambda each: len(each.numbers)):
@@ -68,7 +68,7 @@ def mend(candidates: Sequence[Candidate], recordings: Sequence[tuple[int, Record
 
 
 def again(
-    large: Candidate, small: BestPoint, recordings: Sequence[tuple[int, Recording]], seed: int, work: Work
+    large: OpenLaw, small: BestPoint, recordings: Sequence[tuple[int, Recording]], seed: int, work: Work
 ) -> BestPoint:
     """The best point from the smaller law's numbers, the further ones at several places within their bounds."""
     fitted = {i for i, _ in recordings}
