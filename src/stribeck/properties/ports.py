@@ -150,7 +150,7 @@ def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
         found = check_varied(varied, v_max, work)
         found.properties["passive"] = static_passive(varied)
         return found
-    return check_varied(varied, v_max, work) if varied.varies else check(law, v_max, work)
+    return check_varied(varied, v_max, work) if varied.ranges else check(law, v_max, work)
 
 
 def static_passive(varied: Varied) -> Verdict:
