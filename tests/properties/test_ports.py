@@ -245,6 +245,13 @@ def test_a_law_of_a_users_own_is_not_judged_by_the_ends_of_its_ranges(kind):
     assert ports.static_passive(varied).holds is None
 
 
+@pytest.mark.parametrize("kind", [Dips, Jumps])
+def test_nor_by_its_own_value_where_a_load_holds_another(kind):
+    """F v < 0 at F_c = 2.5, which a load that never changes may make of 1; it was said to be passive."""
+    varied = Varied(kind({"F_c": 1.0}), {"F_c": (Fraction(5, 2), Fraction(5, 2))})
+    assert ports.static_passive(varied).holds is None
+
+
 def test_a_cylinder_is_a_port():
     """It was said to be passive without any port, its gas and its valve left out."""
     law = {"name": "lugre_majorant", "k_v": 1e6, "parameters": {**PASSIVE, "sigma_2": 400.0}}
