@@ -97,7 +97,7 @@ def test_several_laws_are_compared_and_one_picked(stribeck, log):
         (("--law", "coulomb_viscous", "--unit", "speed"), "--unit: 'speed': must be COL=UNIT"),
         (("--law", "coulomb_viscous", "--term", "magic"), "--term: 'magic': no such term"),
         (("--law", "coulomb_viscous", "--cutoff", "900"), "--cutoff: 900"),
-        (("--law", "coulomb_viscous", "--on", "dask"), "--on: 'dask': goes with --logs"),
+        (("--law", "coulomb_viscous", "--on", "dask"), "--on: 'dask': goes with fits by simulation"),
         (("--law", "lugre_majorant", "--method", "static"), "k_v: missing"),
     ],
 )
