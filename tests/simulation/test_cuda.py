@@ -6,6 +6,7 @@ import ctypes
 import shutil
 import subprocess
 from ctypes import POINTER
+from importlib.metadata import PackageNotFoundError, distribution
 
 import numpy as np
 import pytest
@@ -73,6 +74,34 @@ def test_the_kernel_compiles_for_a_gpu(tmp_path):
     command = [nvcc, "-std=c++20", "-arch=sm_80", "-cubin", "-Werror", "all-warnings", "-o", tmp_path / "kernel", text]
     done = subprocess.run(command, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
+
+
+def nvrtc() -> ctypes.CDLL:
+    """NVIDIA's compiler that CuPy uses, from its package."""
+    try:
+        files = distribution("nvidia-cuda-nvrtc").files or []
+    except PackageNotFoundError:
+        pytest.skip("no NVRTC: pip install nvidia-cuda-nvrtc")
+    (library,) = (f.locate() for f in files if f.name.startswith(("libnvrtc.so", "nvrtc64_")) and "alt" not in f.name)
+    return ctypes.CDLL(str(library))
+
+
+@pytest.mark.parametrize("name", [*CASES, "arm", "machine", "servo"])
+def test_the_kernel_compiles_at_run_time(name):
+    """As CuPy has it compiled: without any header."""
+    compiler, program, size = nvrtc(), ctypes.c_void_p(), ctypes.c_size_t()
+    text = cuda.kernel(stribeck.Scenario.load(str(examples.path(name))).system).encode()
+    assert compiler.nvrtcCreateProgram(ctypes.byref(program), text, b"kernel.cu", 0, None, None) == 0
+    options = (ctypes.c_char_p * 2)(b"--std=c++20", b"--gpu-architecture=sm_90")
+    status = compiler.nvrtcCompileProgram(program, 2, options)
+    compiler.nvrtcGetProgramLogSize(program, ctypes.byref(size))
+    said = ctypes.create_string_buffer(size.value)
+    compiler.nvrtcGetProgramLog(program, said)
+    assert status == 0, said.value.decode()
+    compiler.nvrtcGetCUBINSize(program, ctypes.byref(size))
+    code = ctypes.create_string_buffer(size.value)
+    compiler.nvrtcGetCUBIN(program, code)
+    assert b"stribeck_kernel" in code.raw
 
 
 def on_a_gpu() -> bool:

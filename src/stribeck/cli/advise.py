@@ -33,13 +33,14 @@ def advise(
         raise InputError([f"--set: '{name}': must be a constant of the law" for name in taken])
     if tolerated["scenario"] is not None:
         tolerated["scenario"] = Scenario.load(tolerated["scenario"], trust=trust)
+    if out is not None:
+        show.check_folder(out)
     advices = find(law, parameters, **tolerated, **constants)
     summary: dict[str, object] = {"laws": {name: each.summary() for name, each in advices.items()}}
     files: list[str] = []
     if out is not None:
         from stribeck.report.advise import write_advice
 
-        show.check_folder(out)
         files = write_advice(advices, out, summary)
     if json:
         show.print_json({**summary, "files": files})

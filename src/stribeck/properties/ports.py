@@ -8,7 +8,7 @@ from pathlib import Path
 from time import process_time
 
 from stribeck.constants import Constant, require_positive, show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, arg, nearest
 from stribeck.expressions.graph import ZERO, Expr, derivative, is_zero, ordered, substitute, symbol, symbols, wrap
 from stribeck.laws.base import Law
 from stribeck.machine.links import LinkElement
@@ -137,7 +137,7 @@ def _refuse(scenario: Scenario, stated: Mapping[str, float]) -> None:
     for name, size in stated.items():
         if name not in known:
             has = nearest(name, known) or f" (it has {', '.join(known) or 'none'})"
-            problems.append(f"forces: {name!r}: {scenario.name} has no such link, load or motor{has}")
+            problems.append(f"{arg('forces')}: {name!r}: {scenario.name} has no such link, load or motor{has}")
         elif text := Constant("N", "", at_least=0).problem(size):
             problems.append(f"forces.{name}: {show(size)}: {text}")
     if problems:

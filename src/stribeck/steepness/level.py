@@ -8,7 +8,7 @@ from math import exp
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
 from stribeck.properties.damped import largest, suffices
@@ -59,7 +59,7 @@ def level_advice(law: Law, low: float, high: float, v_max: float) -> LevelAdvice
     """
     if law.name not in LEVELLED:
         raise InputError(
-            f"level: law '{law.name}': must be one with bristles that v_d can make passive: {', '.join(LEVELLED)}"
+            f"{arg('level')}: law '{law.name}': must be one with bristles that v_d can make passive: {', '.join(LEVELLED)}"
         )
     varied = at_level(law, (low, high))
     v_d, bounds = largest_v_d(varied), thresholds(varied)

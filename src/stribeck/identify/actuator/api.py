@@ -128,6 +128,7 @@ class Fitting:
                 self.scenario, self.fitted, self.sought, starts if first is None else max(1, starts // 4), self.seed,
                 self.work, first, keep,
             )  # fmt: skip
+            best = choice.from_simpler(self, best)
         notes = [*checks.before(self.logs, self.scenario), *before]
         left_out = None if best.stopped else choice.earned(self, best, notes)
         if left_out is not None:
