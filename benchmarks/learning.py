@@ -78,7 +78,7 @@ class Newton:
     def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
         import newton
 
-        builder = newton.ModelBuilder(gravity=0.0)
+        builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
         for _ in range(worlds):
             link = builder.add_link(mass=1.0, inertia=wp.mat33(1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
             joint = builder.add_joint_prismatic(-1, link, axis=(1, 0, 0), armature=0.0, friction=0.0 if own else 1.0)

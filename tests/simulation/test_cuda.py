@@ -14,6 +14,7 @@ import pytest
 import stribeck
 from stribeck import examples
 from stribeck.simulation import cuda, lanes
+from stribeck.simulation.ensemble import happened
 from stribeck.simulation.variations import vary
 
 CASES = {
@@ -21,14 +22,16 @@ CASES = {
     "limit_cycle": {"law.k_v": [1e6, 1e7], "drive.K_i": [3.0, 4.0]},
     "sine_force": {"drive.signal.amplitude": [0.5, 1.0, 1.6]},
 }
-SHORT = {"stick_slip": 10.0, "limit_cycle": 10.0, "sine_force": 1.0}
+SHORT = {"stick_slip": 10.0, "limit_cycle": 10.0, "sine_force": 1.0, "arm": 0.3}
+SAMPLED = {"arm": {"controllers.axis.K_p": [15.0, 20.0]}}
 
 
 def case(name: str) -> tuple[stribeck.Scenario, dict[str, list[float]]]:
-    return stribeck.Scenario.load(str(examples.path(name)), {"solve.t_end": SHORT[name]}), CASES[name]
+    values = {**CASES, **SAMPLED}[name]
+    return stribeck.Scenario.load(str(examples.path(name)), {"solve.t_end": SHORT[name]}), values
 
 
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [*CASES, *SAMPLED])
 def test_the_text_of_the_kernel_run_by_the_processor(name, tmp_path):
     if (compiler := shutil.which("g++") or shutil.which("clang++")) is None:
         pytest.skip("no C++ compiler")
@@ -59,8 +62,10 @@ def test_the_text_of_the_kernel_run_by_the_processor(name, tmp_path):
     found = lanes.outcome(made)
     expected = stribeck.simulate_ensemble(scenario, values)
     assert (found.counts["status"] == 0).all()
-    assert found.counts["happened"][:, 0, 0].tolist() == expected.slips.tolist()
-    assert found.counts["happened"][:, 0, 1].tolist() == expected.sticks.tolist()
+    events = happened(scenario, found.counts["happened"])
+    assert {n: {k: x.tolist() for k, x in each.items()} for n, each in events.items()} == {
+        n: {k: x.tolist() for k, x in each.items()} for n, each in expected.happened.items()
+    }
     for i, state in enumerate(scenario.system.states):
         theirs = expected[state.name]
         np.testing.assert_allclose(found.states[:, :, i], theirs, rtol=0, atol=1e-6 * np.abs(theirs).max())
