@@ -9,8 +9,9 @@ import pickle
 import pytest
 
 from stribeck import InputError, StribeckError
+from stribeck.cli import _status
 from stribeck.constants import Constant, show
-from stribeck.errors import nearest
+from stribeck.errors import MissingExtra, arg, nearest
 
 
 def test_every_problem_is_one_line_that_a_terminal_can_show():
@@ -21,6 +22,21 @@ def test_every_problem_is_one_line_that_a_terminal_can_show():
     assert InputError("only one").problems == ["only one"]
     assert isinstance(error, StribeckError)
     assert isinstance(error, ValueError)
+
+
+def test_no_message_holds_the_marks_of_arguments():
+    """Python showed control characters, and the command the argument's bare name."""
+    assert str(StribeckError(f"{arg('on')} dask: gone")) == "on dask: gone"
+    assert str(MissingExtra(f"{arg('folder')} s3://x", "pyarrow", "parquet")).startswith("folder s3://x needs pyarrow")
+
+
+def test_a_computation_that_failed_names_the_option(monkeypatch, capsys):
+    def fails(*args, **options):
+        raise StribeckError(f"{arg('on')} dask: gone")
+
+    monkeypatch.setattr("stribeck.cli.app.with_command", fails)
+    assert _status(["sweep"]) == 1
+    assert capsys.readouterr().err == "stribeck: --on dask: gone\n"
 
 
 def test_problems_survive_another_process():

@@ -14,6 +14,13 @@ _ARGUMENT = re.compile("\x02([^\x02\x03]*)\x03")
 class StribeckError(Exception):
     """Any error that Stribeck raises on purpose."""
 
+    def __str__(self) -> str:
+        return _ARGUMENT.sub(r"\1", self.marked())
+
+    def marked(self) -> str:
+        """The message that still knows where it names arguments (:func:`arg`)."""
+        return super().__str__()
+
 
 class InputError(StribeckError, ValueError):
     """Bad input. ``problems`` holds one line for each problem found: the key's path, the value, what is allowed."""
@@ -41,7 +48,8 @@ class MissingExtra(StribeckError, ImportError):
         self.package, self.extra = package, extra
         super().__init__(what, package, extra)
 
-    def __str__(self) -> str:
+    def marked(self) -> str:
+        """See :class:`StribeckError`."""
         return f"{self.args[0]} needs {self.package}: pip install 'stribeck[{self.extra}]'"
 
 

@@ -6,6 +6,7 @@ import errno
 import json
 import math
 import os
+import re
 import shutil
 import stat
 from collections.abc import Callable, Iterator, Mapping
@@ -38,11 +39,15 @@ def write_with(path: Path, write: Callable[[Path], object]) -> None:
 
 
 @contextmanager
-def together(folder: Path, last: str = "summary.json") -> Iterator[Path]:
+def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] | None = None) -> Iterator[Path]:
     """A folder for the files of one result, which all move into ``folder`` when the block ends well.
 
     The file ``last`` says that the result is whole: it is taken away first and put back last, so that it never stands
-    beside files of another run. On any failure, Ctrl-C too, what was there stays as it was.
+    beside files of another run. On any failure, Ctrl-C too, what was there stays as it was. Files of an older result that
+    the new one does not replace are taken away: those that its summary.json lists, and those of ``older``.
+
+    Args:
+        older: patterns of names, each with a regular expression that the file's text must begin with.
     """
     existed = folder.exists()
     beside = folder / f".{os.getpid()}-{os.urandom(4).hex()}.tmp"
@@ -51,16 +56,64 @@ def together(folder: Path, last: str = "summary.json") -> Iterator[Path]:
             folder.mkdir(parents=True, exist_ok=True)
             beside.mkdir()
             yield beside
-            files = [file.relative_to(beside) for file in beside.rglob("*") if file.is_file()]
-            (folder / last).unlink(missing_ok=True)
-            for name in sorted(files, key=lambda name: (name == Path(last), name)):
-                (folder / name).parent.mkdir(parents=True, exist_ok=True)
-                (beside / name).replace(folder / name)
+            files = {file.relative_to(beside) for file in beside.rglob("*") if file.is_file()}
+            with _alone(folder):
+                gone = (_listed(folder / last) | _marked(folder, older or {})) - files
+                (folder / last).unlink(missing_ok=True)
+                for name in gone:
+                    (folder / name).unlink(missing_ok=True)
+                for name in sorted(files, key=lambda name: (name == Path(last), name)):
+                    (folder / name).parent.mkdir(parents=True, exist_ok=True)
+                    (beside / name).replace(folder / name)
     finally:
         shutil.rmtree(beside, ignore_errors=True)
         if not existed:
             with suppress(OSError):  # not empty: all is well
                 folder.rmdir()
+
+
+def _listed(summary: Path) -> set[Path]:
+    """The files of an older result, seen from its folder: those beside or below the summary that lists them."""
+    try:
+        files = [Path(name) for name in json.loads(read_file(summary))["files"]]
+        there = next(path.parent for path in reversed(files) if path.name == summary.name)
+    except (OSError, ValueError, KeyError, TypeError, StopIteration, RecursionError):
+        return set()
+    found = {path.relative_to(there) for path in files if path.is_relative_to(there)}
+    return {path for path in found if ".." not in path.parts and (summary.parent / path).is_file()}
+
+
+def _marked(folder: Path, older: Mapping[str, str]) -> set[Path]:
+    """The files of these names whose text begins as that of a command's does."""
+    found = set()
+    for path in (path for pattern in older for path in folder.glob(pattern) if re.match(older[pattern], _head(path))):
+        found.add(path.relative_to(folder))
+    return found
+
+
+def _head(path: Path) -> str:
+    try:
+        with open_file(path) as file:
+            return file.read(1000).decode("utf-8", "replace")
+    except OSError:
+        return ""
+
+
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    """Within, no other process that asks moves its result into the folder; where the system knows how."""
+    try:
+        import fcntl
+    except ImportError:
+        yield
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        with suppress(OSError):  # not every file system can
+            fcntl.flock(handle, fcntl.LOCK_EX)
+        yield
+    finally:
+        os.close(handle)
 
 
 @contextmanager

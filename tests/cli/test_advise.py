@@ -37,7 +37,10 @@ def test_advice_in_words_and_files(stribeck, tmp_path):
         (("lugre_sobczyk", "--parameters", "canudas1996", "--creep", "1e-6"), "'canudas1996': no such parameter set"),
         (("lugre_sobczyk", "--creep", "1e-6"), "sigma_0: missing"),
         (("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "fast"), "stribeck: "),
-        (("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "nan"), "creep: nan: must be a finite number > 0"),
+        (
+            ("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "nan"),
+            "--creep: nan: must be a finite number > 0",
+        ),
         (
             ("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6", "--set", "k_v=1"),
             "k_v: 1: is what is asked",
@@ -81,3 +84,18 @@ def test_the_commands_of_the_guide(stribeck, tmp_path, monkeypatch):
         assert number in outputs[5].out
         assert number in guide
     assert (tmp_path / "advice" / "advise.svg").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ((), "at least one of --creep, --steady-error, --presliding-error"),
+        (("--steady-error", "0.01"), "--speed: missing: must be given with --steady-error"),
+        (("--creep", "1e-6", "--share", "3"), "--share: 3.0: must be between 0 and 1"),
+    ],
+)
+def test_what_is_missing_is_told_by_its_option(stribeck, words, said):
+    """It was told by the name that the argument has in Python, which no option has."""
+    found = stribeck("advise", "lugre_majorant", "--parameters", "canudas1995", *words)
+    assert (found.status, found.out) == (2, "")
+    assert said in found.err

@@ -97,6 +97,9 @@ def test_several_laws_are_compared_and_one_picked(stribeck, log):
         (("--law", "coulomb_viscous", "--unit", "speed"), "--unit: 'speed': must be COL=UNIT"),
         (("--law", "coulomb_viscous", "--term", "magic"), "--term: 'magic': no such term"),
         (("--law", "coulomb_viscous", "--cutoff", "900"), "--cutoff: 900"),
+        (("--law", "coulomb_viscous", "--cutoff", "1e-300"), "--cutoff: 1e-300: must be at least"),
+        (("--law", "coulomb_viscous", "--mass", "2", "--set", "mass=1"), "--mass: 2.0: is given with --set as well"),
+        (("--law", "coulomb_viscous", "--free", "F_c", "--set", "F_c=1"), "--free: F_c: is given with --set as well"),
         (("--law", "coulomb_viscous", "--on", "dask"), "--on: 'dask': goes with fits by simulation"),
         (("--law", "lugre_majorant", "--method", "static"), "k_v: missing"),
     ],
@@ -143,3 +146,20 @@ def test_a_constant_goes_to_those_laws_that_have_it(stribeck, log):
     found = stribeck("fit", log, *laws, *OPTIONS, "--set", "v_s=0.01", "--json")
     assert found.status == 0, found.err
     assert json.loads(found.out)["failed"] == {}
+
+
+def test_no_note_holds_control_characters(stribeck, tmp_path):
+    """One named two arguments with the marks that only errors may have: the terminal got them raw."""
+    t = np.arange(0, 4, 0.002)
+    y = 1e-5 * np.sin(2 * np.pi * t)
+    noise = np.random.default_rng(0).standard_normal((2, len(t)))
+    force = 1e5 * y + 300 * np.gradient(y, t) + 1e-3 * noise[1]
+    path = tmp_path / "presliding.csv"
+    path.write_text(
+        "t,y,F\n" + "".join(f"{a},{b},{c}\n" for a, b, c in zip(t, y + 1e-9 * noise[0], force, strict=True))
+    )
+    words = ("--time", "t", "--position", "y", "--force", "F", "--law", "coulomb_viscous", "--term", "stiffness")
+    found = stribeck("fit", path, *words, "--json")
+    notes = json.loads(found.out)["notes"]
+    assert any("that of the bristles" in text for text in notes)
+    assert all(text.isprintable() for text in notes)

@@ -7,13 +7,18 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import stribeck
+from stribeck import examples
 from stribeck.cli import _status
 from stribeck.files import together, write_text
+from stribeck.identify.actuator import page
+from stribeck.identify.predict import saved
+from stribeck.identify.report.files import FITS
 from stribeck.report import chapters
 
 needs_signals = pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
@@ -71,6 +76,101 @@ def test_a_result_that_fails_half_way(tmp_path):
     with pytest.raises(ZeroDivisionError), together(tmp_path / "x" / "y"):
         1 / 0  # noqa: B018
     assert not (tmp_path / "x" / "y").exists()
+
+
+def test_what_an_older_result_alone_had_is_taken_away(tmp_path):
+    """A figure of the older result stood beside the new summary; what the summary does not list is not ours."""
+    out = tmp_path / "out"
+    for names in (("old.svg", "figures/old.svg", "both"), ("both", "new.svg")):
+        with together(out) as place:
+            for name in names:
+                (place / name).parent.mkdir(exist_ok=True)
+                write_text(place / name, name)
+            files = [str(out / name) for name in (*names, "../beside", "summary.json")]
+            write_text(place / "summary.json", json.dumps({"files": files}))
+        for path in (out / "mine.svg", tmp_path / "beside"):
+            path.write_text("the user's")
+    assert content(out).keys() == {"both", "new.svg", "summary.json", "mine.svg"}
+    assert (tmp_path / "beside").exists()
+
+
+@pytest.mark.parametrize("summary", ["", "[]", '{"files": 3}', '{"files": [3]}', '{"files": ["/"]}', '{"files": []}'])
+def test_an_older_summary_that_is_none(tmp_path, summary):
+    (tmp_path / "summary.json").write_text(summary)
+    (tmp_path / "mine").write_text("")
+    with together(tmp_path) as place:
+        write_text(place / "a", "")
+    assert content(tmp_path).keys() == {"a", "mine"}
+
+
+def test_a_check_over_that_of_another_law(stribeck, tmp_path):
+    """The counterexamples of the older law stayed, as if they were the new one's."""
+    out = tmp_path / "out"
+    assert stribeck("check", "lugre", "--out", out).status == 0
+    old = {name for name in content(out) if "passive" in name}
+    assert {"passive.toml", "not_passive.svg"} <= old
+    (out / "rig.toml").write_text("# mine\n")
+    assert stribeck("check", "lugre_majorant", "--set", "k_v=1e6", "--set", "v_d=0.01", "--out", out).status == 0
+    assert not {name for name in content(out) if "passive" in name}
+    assert (out / "rig.toml").exists()
+
+
+def test_a_fit_over_one_of_another_kind(tmp_path):
+    """machine.toml of an older fit stood beside the numbers of another one."""
+    (tmp_path / "fit.json").write_text(saved(SimpleNamespace(
+        law="lugre", method="static", fixed={}, used={}, details={}, relative_force_error=0.1, cross_validated_error=None,
+        data_hash="",
+    )))  # fmt: skip
+    failed = SimpleNamespace(status="failed", reason="why", parameters={})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(page, "report", lambda *rest: "page")
+        page.write_machine_fit(failed, tmp_path, "stribeck fit", "title")
+        assert content(tmp_path).keys() == {"parameters.toml", "report.html"}
+        done = SimpleNamespace(status="done", reason=None, parameters={}, data={"schema": 2})
+        page.write_machine_fit(done, tmp_path, "stribeck fit", "title")
+        assert "machine.toml" in content(tmp_path)
+        whole = content(tmp_path)
+        patch.setattr(page, "toml", lambda *rest: 1 / 0)  # stopped half-way
+        with pytest.raises(ZeroDivisionError):
+            page.write_machine_fit(failed, tmp_path, "stribeck fit", "title")
+        assert content(tmp_path) == whole
+        patch.undo()
+        patch.setattr(page, "report", lambda *rest: "page")
+        page.write_machine_fit(failed, tmp_path, "stribeck fit", "title")
+    assert content(tmp_path).keys() == {"parameters.toml", "report.html"}
+    (tmp_path / "machine.toml").write_text("# the user's own\n")
+    with together(tmp_path, "parameters.toml", FITS):
+        pass
+    assert (tmp_path / "machine.toml").exists()
+
+
+def test_a_programme_over_one_with_a_synthetic_log(stribeck, tmp_path):
+    words = ("rig", "--stroke", "0.05", "--speed", "0.1", "--force", "50", "--out", tmp_path)
+    assert stribeck(*words, "--simulate").status == 0
+    assert {"synthetic_log.csv", "synthetic_truth.toml"} < content(tmp_path).keys()
+    assert stribeck(*words).status == 0
+    assert content(tmp_path).keys() == {"programme.csv", "motion.csv", "programme.svg"}
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "design machine.toml --out .", "fit machine.toml --logs logs.toml --out .", "run machine.toml --keep-c machine.toml",
+        "explore machine.toml --out machine.toml", "export machine.toml --target fmu --out ./machine.toml",
+        "check --scenario machine.toml --certificate machine.toml", "import mujoco machine.toml --out machine.toml",
+    ],
+)  # fmt: skip
+def test_no_input_is_replaced(stribeck, tmp_path, monkeypatch, words):
+    """``design machine.toml --out .`` wrote its own machine.toml over the user's."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "machine.toml").write_bytes(examples.path("machine").read_bytes())
+    (tmp_path / "logs.toml").write_text("")
+    before = content(tmp_path)
+    found = stribeck(*words.split())
+    assert (found.status, found.out) == (2, "")
+    assert "machine.toml" in found.err
+    assert found.err.rstrip().endswith(("must be another folder", "must be another file"))
+    assert content(tmp_path) == before
 
 
 SLOW = """

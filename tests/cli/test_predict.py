@@ -122,6 +122,7 @@ def test_a_machine_is_refused_in_a_line(stribeck, tmp_path):
         ("cutoff", "x", "cutoff: is not"), ("cutoff", -4, "cutoff: is not"), ("force_gain", [1], "force_gain: is not"),
         ("values", {"F_c": 1e308}, "values.F_c: 1e+308: must be at most 1e+30"), ("published", 3, "published: is not"),
         ("others", {"x": {"law": "stribeck", "values": {"F_c": 5.0, "F_s": 4.0}}}, "others.x.F_s: 4: must be at least F_c"),
+        ("values", {"mass": 1.0}, "fit.json': values.F_c: missing"),
         ("fit", [1], "fit: is not"), ("files", 3, "files: is not"), ("method", [1], "method: is not"),
         ("fit", {"decimation": float("nan")}, "fit: is not"), ("fit", {"decimation": 10**400}, "fit: is not"),
         ("values", {"mass": 10**400}, "values.mass: must be a number"), ("cutoff", 10**400, "cutoff: is not"),

@@ -61,9 +61,9 @@ def test_the_synthetic_log_says_so_and_is_fitted(stribeck, tmp_path):
 @pytest.mark.parametrize(
     ("words", "line"),
     [
-        (("--stroke", -1, "--speed", 0.1, "--force", 1), "stroke: -1.0: must be a finite number > 0"),
-        (("--stroke", 1, "--speed", "nan", "--force", 1), "speed: nan: must be a finite number > 0"),
-        ((*LIMITS, "--deflection", 1), "deflection: 1.0: must be at most a tenth of the stroke (0.05)"),
+        (("--stroke", -1, "--speed", 0.1, "--force", 1), "--stroke: -1.0: must be a finite number > 0"),
+        (("--stroke", 1, "--speed", "nan", "--force", 1), "--speed: nan: must be a finite number > 0"),
+        ((*LIMITS, "--deflection", 1), "--deflection: 1.0: must be at most a tenth of the stroke (0.05)"),
         ((*LIMITS, "--simulate"), "--simulate: needs --out DIR, where the synthetic log goes"),
         ((*LIMITS, "--set", "F_c=1"), "--simulate: the programme depends on the rig's limits only"),
         ((*LIMITS, "--simulate", "--set", "F_c=x", "--out", "NEW"), "--set F_c: 'x': must be a number"),

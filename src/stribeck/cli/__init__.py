@@ -112,13 +112,13 @@ def _outcome(arguments: list[str] | None) -> int:
         if package not in EXTRAS:
             raise
         if isinstance(error, MissingExtra) and (command not in _EXTRA or error.extra in _BEYOND.get(command, ())):
-            print(f"stribeck: {said(Line(str(error)), command)}", file=sys.stderr)
+            print(f"stribeck: {said(Line(error.marked()), command)}", file=sys.stderr)
         else:
             extra = _EXTRA.get(command, EXTRAS[package])
             print(f"stribeck: '{command}' needs {package}: pip install 'stribeck[{extra}]'", file=sys.stderr)
         return 2
     except StribeckError as error:
-        print(f"stribeck: {one_line(str(error))}", file=sys.stderr)
+        print(f"stribeck: {said(Line(error.marked()), _command(arguments))}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         with suppress(OSError):  # the terminal may have gone

@@ -9,7 +9,7 @@ from stribeck.cli import show
 from stribeck.cli.text import say
 from stribeck.errors import InputError
 from stribeck.identify.actuator import MachineFit, fit_machine
-from stribeck.identify.actuator.page import number_or_open, write_machine_fit
+from stribeck.identify.actuator.page import FILES, number_or_open, write_machine_fit
 from stribeck.scenario import Scenario, parse_assignment
 
 
@@ -23,7 +23,7 @@ def fit(
     if len(machine) != 1:
         raise InputError(f"DATA: {len(machine)} files: with --logs there must be one, the machine's")
     if out is not None:
-        show.check_folder(out)
+        show.check_folder(out, [machine[0], logs], FILES)
     scenario = Scenario.load(machine[0], dict(parse_assignment(text) for text in assignments))
     with show.lanes_on(on), show.progress("fit") as tell:
         found = fit_machine(

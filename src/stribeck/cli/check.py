@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from stribeck.properties.margins import Margins
 
 _DEFAULT_SET = "canudas1995"
+# What an older check leaves: scenarios as write_scenarios begins them, and pictures of them, which say by name what they are.
+_COUNTEREXAMPLES = {
+    "*.toml": r"# \S+ is not \w+: ", **{f"*not_{name}.{kind}": "" for name in NAMES for kind in ("svg", "png", "pdf")},
+}  # fmt: skip
 _BESIDE = 23  # columns, where the words of a verdict begin
 
 
@@ -56,6 +60,8 @@ def check(
         raise InputError(f"{name!r}: {problem}")
     if out is not None:
         show.check_folder(out)
+    if certificate is not None:
+        show.check_file("--certificate", certificate, Path(name.rpartition(":")[0]), Path(parameters or ""))
     verdicts = decide(law, v_max, level=bounds)
     if verify:
         verdicts.verify()
@@ -93,7 +99,7 @@ class FilesWritten:
         """A folder for what is written, which moves into ``out`` together, the page last."""
         from stribeck.files import together
 
-        with together(out, last="report.html") as place:
+        with together(out, last="report.html", older=_COUNTEREXAMPLES) as place:
             yield place
         self.files = [str(out / Path(file).name) for file in self.files or ()]
         self.pages = None if self.pages is None else [out / page.name for page in self.pages]

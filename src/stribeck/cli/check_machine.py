@@ -28,6 +28,8 @@ def check(
     scenario = show.load(file, assignments, trust)
     if out is not None:
         show.check_folder(out)
+    if certificate is not None:
+        show.check_file("--certificate", certificate, file)
     found = check_machine(scenario, v_max, stated)
     if verify:
         found.verify()

@@ -16,6 +16,7 @@ from stribeck.loops.loop import controller_of
 from stribeck.loops.second import SecondOpinion, second_opinion
 from stribeck.loops.starts import from_starts, starts_row
 from stribeck.report.design import (
+    MACHINES,
     excess_sentence,
     mixed_sentence,
     proof_sentence,
@@ -41,7 +42,7 @@ def run(
     """Judge the loop, print what was found, write the page."""
     scenario = show.load(path, assignments, trust)
     if out is not None:
-        show.check_folder(out)
+        show.check_folder(out, [path], MACHINES)
     journal = out / JOURNAL if out is not None and options.get("tune") else None
     with show.lanes_on(on), show.stages(scenario.name) as tell:
         found = design(scenario, tell=tell, journal=journal, **options)

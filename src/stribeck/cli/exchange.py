@@ -27,12 +27,15 @@ def import_(
     import tomli_w
 
     from stribeck import exchange
+    from stribeck.cli.show import check_file
     from stribeck.files import write_text
     from stribeck.parameter_sets import read_toml
     from stribeck.scenario import Scenario
 
     if kind not in ("bam", "mujoco"):
         raise InputError(f"KIND: {show(kind)}: must be bam or mujoco")
+    if out is not None:
+        check_file("--out", out, file)
     if file.suffix.lower() == ".toml":
         data = read_toml(file)
         text = json_.dumps(exchange.to_bam(data), indent=2) + "\n" if kind == "bam" else exchange.to_mujoco(data)

@@ -30,7 +30,7 @@ def explore(
         out = report / "explore.html" if report is not None else Path(f"{_file_name(scenario.name)}.html")
     if out.is_dir():
         raise InputError(f"--out: {str(out)!r}: is a folder; must be a file, such as {out / 'explore.html'}")
-    show.check_file("--out", out)
+    show.check_file("--out", out, *([Path(what)] if what is not None else []))
     with show.progress("compiling the laws") as tell:
         write(scenario, out, laws, show.command_line(), tell, made.intervals, made.measured)
     if json:

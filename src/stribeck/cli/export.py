@@ -7,7 +7,7 @@ from pathlib import Path
 import stribeck.export as exports
 from stribeck import laws, parameter_sets
 from stribeck.analysis.comparison import law_path
-from stribeck.cli.show import print_json
+from stribeck.cli.show import check_file, print_json
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario, parse_assignment
@@ -36,6 +36,9 @@ def export(
         if scenario is not None:
             raise InputError(f"LAW: {law!r}: must be left out, or a law: --scenario names a scenario already")
         scenario, law = Path(law), None
+    if (known := exports.TARGETS.get(target)) is not None and not known.folder:
+        named = (str(scenario or ""), (law or "").rpartition(":")[0], parameters or "")
+        check_file("--out", out, *map(Path, named), parents=True)
     rig = Scenario.load(scenario, trust=trust) if scenario is not None else None
     if part is None:
         whole = rig is not None and not rig.rig.single and law is None and contact is None

@@ -54,9 +54,9 @@ def fit(
     }  # fmt: skip
     if out is not None:
         from stribeck.files import together
-        from stribeck.identify.report.files import write_fit
+        from stribeck.identify.report.files import FITS, write_fit
 
-        with together(out, last="parameters.toml") as place:
+        with together(out, last="parameters.toml", older=FITS) as place:
             names = write_fit(result, log, place, show.command_line(), ", ".join(p.name for p in data))
             names.append(_save(result, data, columns, how, options, out, place))
         written = [str(out / name) for name in names]

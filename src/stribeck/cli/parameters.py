@@ -26,6 +26,7 @@ def parameters(
     json: Json = False,
 ) -> int:
     """The library: parameter sets of laws and whole machines, each with its source."""
+    from stribeck.cli import show  # with all of the scenarios: not for --help of each command
     from stribeck.parameter_sets import load
     from stribeck.parameter_sets import parameters as of_laws
     from stribeck.parameter_sets.library import MachineSet, machine_set, machine_sets
@@ -38,11 +39,10 @@ def parameters(
     if out is not None:
         if not isinstance(found, MachineSet):
             raise InputError(f"--out: {name!r} is a set of a law's parameters, no machine")
+        show.check_file("--out", out)
         _write(found, out)
     if json:
-        from stribeck.cli.show import print_json  # with all of the scenarios: not for --help of each command
-
-        print_json(asdict(found))
+        show.print_json(asdict(found))
     elif isinstance(found, MachineSet):
         _machine(found)
     else:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from stribeck.cli import show
 from stribeck.errors import InputError
+from stribeck.files import together
 from stribeck.parameter_sets import load
 from stribeck.rig import report as made
 from stribeck.rig.plan import Limits, programme
@@ -33,8 +34,10 @@ def rig(
     tests, files = programme(bounds), []
     if out is not None:
         show.check_folder(out)
-        files = made.write_rig(bounds, out)
-        files += made.write_simulated(experiment, out) if experiment is not None else []
+        with together(out, last="programme.csv", older=made.SYNTHETIC) as place:
+            written = made.write_rig(bounds, place)
+            written += made.write_simulated(experiment, place) if experiment is not None else []
+        files = [str(out / name) for name in written]
     if json:
         truth = None if experiment is None else {"law": law, "constants": experiment.law.values, "label": LABEL}
         show.print_json({"tests": [asdict(t) for t in tests], "synthetic": truth, "files": files})

@@ -16,7 +16,7 @@ def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c
     """Simulate, write what was asked for, print the summary."""
     scenario = show.load(path, assignments, trust)
     if keep_c is not None and (out is None or keep_c.absolute().parent != out.absolute()):
-        show.check_file("--keep-c", keep_c)
+        show.check_file("--keep-c", keep_c, path)
     if out is not None:
         show.check_folder(out)
     with show.progress(scenario.name) as tell:

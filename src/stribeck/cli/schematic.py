@@ -19,8 +19,7 @@ def draw(path: Path, out: Path | None, assignments: list[str], json: bool, trust
     if out is not None:
         if out.suffix != ".svg":
             raise InputError(f"--out: {str(out)!r}: must end in .svg")
-        if not out.parent.is_dir():
-            raise InputError(f"--out: {str(out)!r}: there is no folder {out.parent}")
+        show.check_file("--out", out, path)
         write_text(out, schematic.svg(scenario.rig, scenario.name))
         files.append(str(out))
     if json:

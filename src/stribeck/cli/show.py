@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import shlex
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -38,13 +38,19 @@ def command_line() -> str:
     return printable("stribeck " + shlex.join(sys.argv[1:]))
 
 
-def check_folder(out: Path) -> None:
-    """Refuse, before anything runs, a folder that cannot be written.
+def check_folder(out: Path, reads: Sequence[Path] = (), writes: Sequence[str] = ()) -> None:
+    """Refuse, before anything runs, a folder that cannot be written, or in which a file that is read would be replaced.
+
+    Args:
+        reads: the command's input; ``writes``: names of what it will write.
 
     Raises:
         InputError: with the reason.
     """
     if text := trouble(out, folder=True):
+        raise InputError(f"--out: {shown(str(out))}: {text}")
+    for path in (path for name in writes for path in reads if _same(out / name, path)):
+        text = f"{path.name}, which is read, would be replaced: must be another folder"
         raise InputError(f"--out: {shown(str(out))}: {text}")
     missing = [folder for folder in (out, *out.parents) if not folder.exists()]
     _MADE.extend(missing)
@@ -62,14 +68,25 @@ def take_back() -> None:
     _MADE.clear()
 
 
-def check_file(option: str, path: Path) -> None:
-    """Refuse, before anything runs, a file that cannot be written.
+def check_file(option: str, path: Path, *reads: Path, parents: bool = False) -> None:
+    """Refuse, before anything runs, a file that cannot be written, or that is read.
 
     Raises:
         InputError: with the reason.
     """
-    if text := trouble(path, parents=False):
+    text = trouble(path, parents=parents)
+    if text is None and any(_same(path, each) for each in reads):
+        text = "is read by this command: must be another file"
+    if text:
         raise InputError(f"{option}: {shown(str(path))}: {text}")
+
+
+def _same(one: Path, other: Path) -> bool:
+    """Whether both are one file, which exists."""
+    try:
+        return one.samefile(other)
+    except (OSError, ValueError):
+        return False
 
 
 def lanes_on(on: str | None) -> AbstractContextManager[None]:

@@ -95,6 +95,10 @@ class FitOptions:
 
     def wrong_mass(self) -> list[str]:
         """What is wrong with the mass."""
+        if self.mass is not None and "mass" in self.constants:
+            return [
+                f"{arg('mass')}: {show(self.mass)}: is given with {arg('constants')} as well; must be one of the two"
+            ]
         if self.mass is None or 0 <= self.mass <= LARGEST:
             return []
         return [f"{arg('mass')}: {show(self.mass)}: must be a number from 0 to {LARGEST:g}"]
@@ -117,6 +121,11 @@ class FitOptions:
             f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"
             for name in self.free
             if name in found and found[name].choices
+        ]
+        problems += [
+            f"{arg('free')}: {name}: is given with {arg('constants')} as well; must be one of the two"
+            for name in self.free
+            if name in self.constants and not (name in found and found[name].choices)
         ]
         return problems
 

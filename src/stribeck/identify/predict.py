@@ -212,6 +212,9 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
     law = laws.find(data["law"])
     others = {n: (o["law"], o["values"]) for n, o in data.get("others", {}).items()}
     wrong = [f"values.{text}" for text in _wrong(data["law"], law.constants(), data["values"])]
+    if not law.has_z or data.get("method") != "static":  # of bristles a static fit tells nothing
+        lacking = (n for n, c in law.constants().items() if c.required and n not in data["values"])
+        wrong += [f"values.{n}: missing: law '{data['law']}' needs it" for n in lacking]
     for name, (each, values) in others.items():
         wrong += [f"others.{name}.{text}" for text in _wrong(each, laws.find(each).constants(), values)]
     if wrong:

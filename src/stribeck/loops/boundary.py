@@ -10,7 +10,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, arg, nearest
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, time_constant
 
@@ -44,9 +44,11 @@ class Turned:
         try:
             low, high = (float(x) for x in ends.split(":"))
         except ValueError:
-            raise InputError(f"vary: {show(text)}: must be PATH=LOW:HIGH, as controllers.axis.K_p=1:100") from None
+            raise InputError(
+                f"{arg('vary')}: {show(text)}: must be PATH=LOW:HIGH, as controllers.axis.K_p=1:100"
+            ) from None
         if not (np.isfinite([low, high]).all() and low < high):
-            raise InputError(f"vary: {show(text)}: LOW must be below HIGH, both finite")
+            raise InputError(f"{arg('vary')}: {show(text)}: LOW must be below HIGH, both finite")
         return cls(path, low, high)
 
     def points(self, count: int) -> Array:
@@ -111,7 +113,7 @@ def known_path(loop: Loop, path: str) -> None:
 
     known = list(machine_places(loop.scenario))
     if path not in known:
-        raise InputError(f"vary: {path}: no number of the machine{nearest(path, known)}")
+        raise InputError(f"{arg('vary')}: {path}: no number of the machine{nearest(path, known)}")
 
 
 def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None) -> PathVerdicts:

@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.loops.boundary import Turned, known_path
 from stribeck.loops.judge import Judgement, judge
 from stribeck.loops.loop import Loop, time_constant
@@ -66,12 +66,12 @@ def plane_of(loop: Loop, ranges: Sequence[str]) -> tuple[Turned, Turned]:
         InputError: there are not two, of different numbers of the machine.
     """
     if len(ranges) != 2:
-        raise InputError(f"map: {len(ranges)} given: must be two, each PATH=LOW:HIGH")
+        raise InputError(f"{arg('map')}: {len(ranges)} given: must be two, each PATH=LOW:HIGH")
     across, up = (Turned.parse(text) for text in ranges)
     for each in (across, up):
         known_path(loop, each.path)
     if across.path == up.path:
-        raise InputError(f"map: {across.path}: must be two different numbers")
+        raise InputError(f"{arg('map')}: {across.path}: must be two different numbers")
     return across, up
 
 

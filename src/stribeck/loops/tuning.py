@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.constants import show
-from stribeck.errors import InputError, StribeckError
+from stribeck.errors import InputError, StribeckError, arg
 from stribeck.files import read_file, write_text
 from stribeck.loops.boundary import known_path
 from stribeck.loops.judge import judge
@@ -128,7 +128,7 @@ def tune(
     if (start <= 0).any():
         at = int(np.argmax(start <= 0))
         raise InputError(
-            f"tune: {paths[at]} = {show(float(start[at]))}: must be above 0 to be tuned: the search is by factors"
+            f"{arg('tune')}: {paths[at]} = {show(float(start[at]))}: must be above 0 to be tuned: the search is by factors"
         )
     few = {path: x[:3] for path, x in samples.items()}  # the middle and both ends lead; all of them decide
     search = _Search.begun(journal, _key(loop, controller, paths, samples, seed), start, seed)
@@ -156,7 +156,7 @@ def tune(
         search.keep()
     if search.best is None:
         raise StribeckError(
-            f"tune: none of {search.tried} sets of gains is quiet with every friction within its interval"
+            f"{arg('tune')}: none of {search.tried} sets of gains is quiet with every friction within its interval"
         )
     gains = {path: float(f"{x:.4g}") for path, x in zip(paths, search.best, strict=True)}
     final = np.array([list(gains.values()), start])

@@ -8,7 +8,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, arg, nearest
 from stribeck.parameter_sets import read_toml
 from stribeck.scenario import Scenario
 
@@ -39,7 +39,7 @@ def intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple[float, f
         }  # fmt: skip
     table = read_toml(file).get("parameters")
     if not isinstance(table, dict) or not table:
-        raise InputError(f"uncertainty: {show(str(file))}: has no table [parameters] with intervals")
+        raise InputError(f"{arg('uncertainty')}: {show(str(file))}: has no table [parameters] with intervals")
     found: dict[str, tuple[float, float]] = {}
     problems = []
     for name, entry in table.items():
@@ -48,12 +48,12 @@ def intervals(scenario: Scenario, file: Path | None) -> dict[str, tuple[float, f
             continue
         paths = [name] if name in places else [path for path in own if path.rpartition(".")[2] == name]
         if not paths:
-            problems.append(f"uncertainty: {name}: no contact of the machine has it{nearest(name, list(own))}")
+            problems.append(f"{arg('uncertainty')}: {name}: no contact of the machine has it{nearest(name, list(own))}")
         elif not low <= high:
-            problems.append(f"uncertainty: {name}: low = {low:g} must not be above high = {high:g}")
+            problems.append(f"{arg('uncertainty')}: {name}: low = {low:g} must not be above high = {high:g}")
         found |= dict.fromkeys(paths, (low, high))
     if problems or not found:
-        raise InputError(problems or f"uncertainty: {show(str(file))}: no parameter has both low and high")
+        raise InputError(problems or f"{arg('uncertainty')}: {show(str(file))}: no parameter has both low and high")
     return found
 
 

@@ -34,6 +34,7 @@ _MEANING = {
     "unstable": "oscillates, and grows until a limit or without end",
     "failed": "could not be simulated to the end",
 }
+MACHINES = ("machine.toml", "overcompensated.toml")  # among what is written
 VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
 
 
@@ -74,15 +75,14 @@ def _machine(found: Design, place: Path, folder: Path) -> Path:
         scenario = with_compensation(scenario, found.controller, contact, chosen.kind, chosen.share)
     if found.tuned is not None:
         scenario = scenario.with_changes(found.tuned.gains)
-    path = place / "machine.toml"
     head = "# Written by 'stribeck design': the machine with the compensation and the gains that were best.\n"
-    write_text(path, head + tomli_w.dumps(moved(scenario.data, scenario.folder, folder)))
-    return path
+    write_text(place / MACHINES[0], head + tomli_w.dumps(moved(scenario.data, scenario.folder, folder)))
+    return place / MACHINES[0]
 
 
 def _excess(machine: Scenario, place: Path, folder: Path) -> Path:
     """The run in which the compensation pushes, for ``stribeck run``."""
-    path = place / "overcompensated.toml"
+    path = place / MACHINES[1]
     head = (
         "# Written by 'stribeck design': nothing but friction and its compensation, 5 % beyond what friction can take. Run it:\n"
         "# let go, the body runs ever faster.\n"

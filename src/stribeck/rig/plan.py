@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.constants import POSITIVE, show
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 
 _LOOPS, _SPEEDS, _RATES = 4, 8, 3  # tests of each kind
 _CYCLES = 3
@@ -30,9 +30,9 @@ class Limits:
     def __post_init__(self) -> None:
         given = {"stroke": self.stroke, "speed": self.speed, "force": self.force}
         given |= {} if self.deflection is None else {"deflection": self.deflection}
-        wrong = [f"{name}: {show(x)}: {text}" for name, x in given.items() if (text := POSITIVE.problem(x))]
+        wrong = [f"{arg(name)}: {show(x)}: {text}" for name, x in given.items() if (text := POSITIVE.problem(x))]
         if not wrong and self.deflection is not None and self.deflection > 0.1 * self.stroke:
-            wrong = [f"deflection: {self.deflection}: must be at most a tenth of the stroke ({self.stroke})"]
+            wrong = [f"{arg('deflection')}: {self.deflection}: must be at most a tenth of the stroke ({self.stroke})"]
         if wrong:
             raise InputError(wrong)
 

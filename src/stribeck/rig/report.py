@@ -28,6 +28,8 @@ HEAD = (
     "repeats",
     "tells",
 )
+# The files of a synthetic rig, and how each begins.
+SYNTHETIC = {"synthetic_log.csv": "time,position,force\n", "synthetic_truth.toml": f'title = "{LABEL}'}
 STEP = 1e-3  # s, of the motions to play and of the synthetic log
 _FINER = 4  # the synthetic rig moves on a mesh so many times as fine as its sensors'
 _NOISE = 0.01  # of F_c
@@ -54,13 +56,13 @@ def csv(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def write_rig(limits: Limits, folder: Path) -> list[str]:
-    """Write programme.csv, motion.csv (what motion-controlled tests play, every ms) and programme.svg."""
+    """Write programme.csv, motion.csv (what motion-controlled tests play, every ms) and programme.svg; their names."""
     tests = programme(limits)
     t, v = motion(tests, STEP)
     write_text(folder / "programme.csv", csv(HEAD, table(tests)))
     _write_columns(folder / "motion.csv", {"time": t, "position": _position(v), "velocity": v})
     write_text(folder / "programme.svg", figure(limits, tests).svg)
-    return [str(folder / name) for name in ("programme.csv", "motion.csv", "programme.svg")]
+    return ["programme.csv", "motion.csv", "programme.svg"]
 
 
 def _position(v: Array) -> Array:
@@ -146,9 +148,10 @@ def _suiting(limits: Limits) -> dict[str, float]:
 
 
 def write_simulated(made: Experiment, folder: Path) -> list[str]:
-    """Write synthetic_log.csv (time, position, force) and synthetic_truth.toml, which ``--parameters`` reads."""
+    """Write synthetic_log.csv (time, position, force) and synthetic_truth.toml, which ``--parameters`` reads; their names."""
     log, name = made.log, type(made.law).name
-    _write_columns(folder / "synthetic_log.csv", {"time": log.time, "position": log.position, "force": log.force})
+    names = [*SYNTHETIC]
+    _write_columns(folder / names[0], {"time": log.time, "position": log.position, "force": log.force})
     truth = made.law.p.numbers
     lines = [
         f'title = "{LABEL}: the truth behind synthetic_log.csv"',
@@ -156,8 +159,8 @@ def write_simulated(made: Experiment, folder: Path) -> list[str]:
         "[parameters]",
         *(f"{n} = {v!r}" for n, v in truth.items()),
     ]
-    write_text(folder / "synthetic_truth.toml", "\n".join(lines) + "\n")
-    return [str(folder / "synthetic_log.csv"), str(folder / "synthetic_truth.toml")]
+    write_text(folder / names[1], "\n".join(lines) + "\n")
+    return names
 
 
 def numbers(assignments: Sequence[tuple[str, Value]]) -> dict[str, float]:

@@ -92,7 +92,7 @@ class Reader:
             text = f"missing: must be given (schema = {version}, the version of the file format: {about})"
             self.problems.append(("schema", text))
         elif schema != version or isinstance(schema, bool | float):
-            self.problems.append(("schema", f"{show(schema)}: must be {version} ({about})"))
+            self.problems.append(("schema", f"{show(schema)}: must be 1 (a law on a body) or 2 (a machine)"))
 
     def _name(self) -> None:
         name = self.data.get("name", "")

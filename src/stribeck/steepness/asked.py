@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from stribeck.constants import POSITIVE, show
+from stribeck.errors import arg
 from stribeck.laws.base import Law
 from stribeck.properties.level import level_problem
 from stribeck.scenario import Scenario
@@ -43,17 +44,17 @@ class Asked:
     def problems(self) -> list[str]:
         """What cannot be asked so: a line for each problem."""
         numbers = {n: x for n, x in vars(self).items() if n not in ("level", "scenario") and x is not None}
-        found = [f"{n}: {show(x)}: {text}" for n, x in numbers.items() if (text := POSITIVE.problem(x))]
+        found = [f"{arg(n)}: {show(x)}: {text}" for n, x in numbers.items() if (text := POSITIVE.problem(x))]
         if not found and not 0 < (self.share or 0.0) < 1:
-            found.append(f"share: {show(self.share)}: must be between 0 and 1, without them")
+            found.append(f"{arg('share')}: {show(self.share)}: must be between 0 and 1, without them")
         for one, other in _NEEDS:
             if getattr(self, one) is not None and getattr(self, other) is None:
-                found.append(f"{other}: missing: must be given with {one}")
+                found.append(f"{arg(other)}: missing: must be given with {arg(one)}")
         if not self.only_level and all(getattr(self, name) is None for name in _TOLERANCES):
-            found.append(f"missing: what is tolerated: at least one of {', '.join(_TOLERANCES)}, level")
+            found.append(f"missing: what is tolerated: at least one of {', '.join(map(arg, (*_TOLERANCES, 'level')))}")
         if self.position_error is not None and self.scenario is not None and self.scenario.drive.sets_velocity:
             found.append(
-                "scenario: its drive sets the velocity, so the position does not depend on the law: use another"
+                f"{arg('scenario')}: its drive sets the velocity, so the position does not depend on the law: use another"
             )
         if self.level is not None and (text := level_problem(self.level)):
             found.append(text)

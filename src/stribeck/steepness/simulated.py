@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from stribeck.errors import InputError, StribeckError
+from stribeck.errors import InputError, StribeckError, arg
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.properties.replay import law_table
@@ -103,7 +103,7 @@ class PreslidingError(_Simulated):
         """Loaded slowly to a share of F_s, LuGre moves by F_s/sigma_0 ln(1/(1 - share)): dz/dy = 1 - z/g."""
         if np.max(np.abs(y)) > 2 * law.p.F_s / law.p.sigma_0 * -np.log1p(-self.share):
             text = f"so fast {family(law)} breaks away below {self.share:g} F_s; must be slower, or the share smaller"
-            raise InputError([f"force_rate: {self.force_rate:g}: {text}"])
+            raise InputError([f"{arg('force_rate')}: {self.force_rate:g}: {text}"])
 
     def scenario(self, law: Law) -> Scenario:
         """The cycle under a law."""

@@ -9,9 +9,10 @@ import numpy as np
 import tomli_w
 
 from stribeck.arrays import Array
-from stribeck.files import finite, seen_from, write_text
+from stribeck.files import finite, seen_from, together, write_text
 from stribeck.identify.actuator.intervals import THRESHOLD
 from stribeck.identify.actuator.result import LogResult, MachineFit, Parameter
+from stribeck.identify.report.files import FITS
 from stribeck.report.cells import digits
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.report.plots import figure, finish, legend, line, style, thin
@@ -21,6 +22,7 @@ from stribeck.version import __version__
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+FILES = ("parameters.toml", "report.html", "machine.toml")
 _ZOOM = 0.15  # of a recording: the part shown larger
 _PROFILES = 12
 _HIGHEST = 12.0  # of a profile, as far as it is drawn
@@ -31,15 +33,13 @@ def write_machine_fit(
 ) -> list[str]:
     """Write what was found into a folder; the paths. ``origin`` is the folder of the machine's file; ``logs`` the file
     of the recordings, which parameters.toml names."""
-    folder.mkdir(parents=True, exist_ok=True)
-    page, parameters, machine = (folder / name for name in ("report.html", "parameters.toml", "machine.toml"))
-    write_text(page, report(fit, command, title))
-    write_text(parameters, toml(fit, command, None if logs is None else seen_from(folder, logs)))
-    written = [str(page), str(parameters)]
-    if fit.status == "done":
-        write_text(machine, f"# Found by: {command}\n" + tomli_w.dumps(moved(fit.data, origin, folder)))
-        written.append(str(machine))
-    return written
+    with together(folder, last=FILES[0], older=FITS) as place:
+        parameters, page, machine = (place / name for name in FILES)
+        write_text(page, report(fit, command, title))
+        write_text(parameters, toml(fit, command, None if logs is None else seen_from(folder, logs)))
+        if done := fit.status == "done":
+            write_text(machine, f"# Found by: {command}\n" + tomli_w.dumps(moved(fit.data, origin, folder)))
+    return [str(folder / name) for name in (FILES[1], FILES[0], *FILES[2:][:done])]
 
 
 def toml(fit: MachineFit, command: str, logs: str | None = None) -> str:
@@ -158,7 +158,7 @@ def _profiles(fit: MachineFit) -> list[Chapter]:
     if not names:
         return []
     layout = [names[i : i + 3] for i in range(0, len(names), 3)]
-    layout[-1] += [layout[-1][-1]] * (min(3, len(layout[0])) - len(layout[-1]))
+    layout[-1] += ["."] * (len(layout[0]) - len(layout[-1]))  # nothing there
     with style():
         made, axes = figure(layout, 1.9 * len(layout))
         for n in names:
@@ -172,26 +172,32 @@ def _profiles(fit: MachineFit) -> list[Chapter]:
 
 def _profile(axis: Axes, name: str, p: Parameter) -> None:
     x, rise = np.array(p.profile).T
-    axis.plot(x, rise, "o-", color="#0072B2", markersize=2.5)
+    fine: Array = np.linspace(x[0], x[-1], 200)
+    signed = np.sign(x - x[np.argmin(rise)]) * np.sqrt(rise)  # nearly straight: a profile is nearly a parabola
+    axis.plot(fine, np.interp(fine, x, signed) ** 2, color="#0072B2")
+    axis.plot(x, rise, "o", color="#0072B2", markersize=2.5)
     near = x[rise < _HIGHEST]
     if len(near) > 1:
         axis.set_xlim(near.min() - 0.1 * np.ptp(near), near.max() + 0.1 * np.ptp(near))
     axis.axhline(THRESHOLD, color="#D55E00", linewidth=0.8)
     axis.set(title=".".join(name.split(".")[-3:]), ylim=(0, max(6.0, min(float(rise.max()), 12.0))))
-    axis.locator_params(nbins=4)
+    axis.locator_params(axis="x", nbins=2)
 
 
 def _relation(fit: MachineFit) -> list[Chapter]:
     if fit.relation is None or len(fit.relation[0]) < 2:
         return []
     names, matrix = fit.relation
-    rows = [[n, *(f"{x:.2f}" for x in row)] for n, row in zip(names, matrix.tolist(), strict=True)]
+    rows = [
+        [f"{i} {n}", *(f"{x:.2f}" for x in row)]
+        for i, (n, row) in enumerate(zip(names, matrix.tolist(), strict=True), 1)
+    ]
     text = [f"Go together: {', '.join(g['names'])}." for g in fit.correlated] or [
         "No two numbers can stand for each other."
     ]
-    return [Chapter("correlation", "Correlation", text, [Table(["", *names], rows)])]
+    return [Chapter("correlation", "Correlation", text, [Table(["", *map(str, range(1, len(names) + 1))], rows)])]
 
 
 def _paste(fit: MachineFit) -> Chapter:
-    text = ["As options: " + " ".join(f"--set {n}={p.value:.6g}" for n, p in fit.parameters.items() if "log." not in n)]
-    return Chapter("paste", "To paste", text)
+    options = [f"--set {n}={p.value:.6g}" for n, p in fit.parameters.items() if "log." not in n]
+    return Chapter("paste", "To paste", ["As options:"], code=" \\\n".join(options))

@@ -104,12 +104,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
                 f"position and velocity only at {cutoff:.3g} Hz, as a simulation averages their noise out and needs abrupt "
                 "reversals"
             )
-    elif not cutoff >= 0:
-        raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be a frequency in Hz, or 0 for no filter")
-    elif cutoff > 0:
-        if cutoff >= 0.5 / step:
-            raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")
-        notes.append(f"motion filtered at {cutoff:g} Hz, as given")
+    else:
+        notes += _given(cutoff, parts, measured, step)
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
@@ -132,6 +128,25 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         **parts_of_log, step=step, sources=sources, quality=tuple(notes), bandwidth=cutoff or None,
         files=tuple(names[i] for i in files) if names else (), spectrum=seen,
     )  # fmt: skip
+
+
+def _given(cutoff: float, parts: Sequence[Clean], measured: str, step: float) -> list[str]:
+    """What a reader should know of a cut-off that is given, Hz.
+
+    Raises:
+        InputError: no filter has it, or all of the motion lies above it.
+    """
+    if not cutoff >= 0:
+        raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be a frequency in Hz, or 0 for no filter")
+    if cutoff == 0:
+        return []
+    if cutoff >= 0.5 / step:
+        raise InputError(f"{arg('cutoff')}: {cutoff:g}: must be below half the sampling rate, {0.5 / step:.6g} Hz")
+    longest = max(len(part.columns[measured][rows]) for part in parts for rows in part.runs) * step
+    if cutoff * longest < 1:
+        least = f"must be at least {1 / longest:.3g} Hz, a swing in the longest run, or 0 for no filter"
+        raise InputError(f"{arg('cutoff')}: {cutoff:g}: {least}")
+    return [f"motion filtered at {cutoff:g} Hz, as given"]
 
 
 def _met(parts: Sequence[Clean], measured: str) -> list[tuple[Array, Array]]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError
+from stribeck.errors import InputError, arg
 from stribeck.identify.log import Log
 from stribeck.laws.base import Law
 
@@ -54,13 +54,13 @@ def sizes_of(log: Log, mass: float = 0.0) -> Sizes:
     speed, force = abs(log.velocity), log.force - mass * log.acceleration
     fast = float(np.max(speed, initial=0.0))
     if fast <= 0:
-        raise InputError("velocity: 0 throughout: nothing moves, so there is no friction to fit")
+        raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
     moving = speed > 0.02 * fast
     ahead, back = force[moving & (log.velocity > 0)], force[moving & (log.velocity < 0)]
     offset = float(np.median(ahead) + np.median(back)) / 2 if len(ahead) and len(back) else 0.0
     level = float(np.quantile(abs(force - offset), 0.9))
     if level <= 0:
-        raise InputError("force: 0 throughout: there is no friction to fit")
+        raise InputError(f"{arg('force')}: 0 throughout: there is no friction to fit")
     slow = float(np.quantile(speed[speed > 1e-6 * fast], 0.1))
     typical, travel = min(max(slow, 1e-5 * fast), 0.1 * fast), float(np.ptp(log.position))
     return Sizes(level, offset, fast, typical, _stiffness(log, force, level), travel)

@@ -156,7 +156,7 @@ def _check(log: Log, drive: Mapping[str, object], output: str, body: Sequence[st
     elif drive["kind"] != "force" and log.command is None:
         problems.append(f"drive.kind: {drive['kind']!r}: the log has no column 'command'")
     if output not in _OUTPUTS:
-        problems.append(f"output: {output!r}: must be 'position' or 'velocity'")
+        problems.append(f"{arg('output')}: {output!r}: must be 'position' or 'velocity'")
     allowed = _BESIDE if drive.get("kind") == "force" else set()
     problems += [
         f"{arg('terms')}: {name!r}: has no place in a fit of the motion" for name in body if name not in allowed

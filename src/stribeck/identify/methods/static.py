@@ -189,7 +189,7 @@ def _bristles(estimates: Mapping[str, Estimate]) -> list[str]:
         return []
     return [
         "a spring and no friction level: if nothing but the contact holds the body, the record is one of presliding, and the "
-        f"spring is that of the bristles; a law that has them tells it ({arg('law')} lugre with {arg('method')} presliding)"
+        "spring is that of the bristles; a law that has them tells it (lugre, fitted by the method 'presliding')"
     ]
 
 
@@ -324,7 +324,8 @@ def _prediction(whole: Separable, values: Mapping[str, float], log: Log, rows: R
 def cross_validated(whole: Separable, solution: Minimum, rows: Rows, folds: int, unseen: int = 0) -> LeftOut:
     """The model fitted anew without each part of the log, and what it misses there.
 
-    Coefficients are solved for exactly; shapes move by a step of Gauss and Newton where that fits the rest better.
+    Coefficients are solved for exactly; shapes move by a step of Gauss and Newton where that fits the rest better. All that
+    was sought counts as a parameter, also where it came out at its bound: rounding decides about that.
     """
     at = linearised(whole, solution)
     here = {s.name: solution.values[s.name] for s in whole.shapes}
@@ -339,7 +340,8 @@ def cross_validated(whole: Separable, solution: Minimum, rows: Rows, folds: int,
         missed, force = (whole.force - whole.force_at(found.values))[counted], whole.force[counted]
         return float(missed @ missed), float(force @ force)
 
-    return cross_validate(rows.log.rows(rows.kept), folds, len(at.names) + unseen, missed_without)
+    sought = len(whole.wanted) + len(whole.free) + len(whole.shapes) + unseen
+    return cross_validate(rows.log.rows(rows.kept), folds, sought, missed_without)
 
 
 def _stepped(

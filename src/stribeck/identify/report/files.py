@@ -13,6 +13,9 @@ from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics.choose import Choice
 from stribeck.version import __version__
 
+# What each kind of fit leaves and the other does not write: it would stand beside numbers that are not its own.
+FITS = {"machine.toml": "# Found by: ", "fit.json": r'\{\s*"format": '}
+
 
 def write_fit(result: Fit | Choice, log: Log, folder: Path, command: str, data: str) -> list[str]:
     """Write report.html and parameters.toml; their names."""
