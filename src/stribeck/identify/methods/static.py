@@ -341,7 +341,8 @@ def cross_validated(whole: Separable, solution: Minimum, rows: Rows, folds: int,
         missed, force = (whole.force - whole.force_at(found.values))[counted], whole.force[counted]
         return float(missed @ missed), float(force @ force)
 
-    return cross_validate(rows.log.rows(rows.kept), folds, len(at.names) + unseen, missed_without)
+    numbers = len(whole.wanted) + len(whole.free) + len(whole.shapes) + unseen  # one at the end of its range is one too
+    return cross_validate(rows.log.rows(rows.kept), folds, numbers, missed_without)
 
 
 def _stepped(
