@@ -25,6 +25,7 @@ BENCHMARKS = {  # and their files
     "coverage": "interval_coverage.py",
     "majorants": "majorants.py",
     "startup": "startup.py",
+    "explorer": "explorer.py",
     "machines": "machines.py",
 }
 

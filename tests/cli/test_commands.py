@@ -26,6 +26,13 @@ def test_compare_names_deviations_from_the_first(stribeck, scenario, tmp_path):
     assert json.loads((out / "summary.json").read_text())["laws"].keys() == data["laws"].keys()
 
 
+def test_compare_of_one_law_prints_no_empty_table(stribeck, scenario):
+    result = stribeck("compare", scenario, "--law", "lugre")
+    assert result.status == 0
+    assert "lugre alone: there is nothing to compare it with" in result.out
+    assert "deviation" not in result.out
+
+
 def test_compare_prints_a_table(stribeck, scenario):
     result = stribeck("compare", scenario, "--law", "lugre", "--law", "dahl")
     assert result.status == 0

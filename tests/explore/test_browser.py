@@ -232,3 +232,40 @@ def test_what_was_measured_lies_beside_and_its_distance_is_told(browser, scenari
     moved = browser.execute_script("return document.getElementById('status').textContent")
     assert "Misses the measured y" in moved
     assert moved.split("Misses")[1] != told.split("Misses")[1]
+
+
+def test_a_drag_paints_each_chart_once_and_keeps_the_legends(page):
+    page.execute_script(
+        "window.painted = {}; for (const name of Object.keys(data.panels)) { const view = Bokeh.index.find_one(model(name));"
+        "const paint = view._actual_paint; view._actual_paint = function () {"
+        "  window.painted[name] = (window.painted[name] ?? 0) + 1; return paint.call(this); }; }"
+        "const legend = model('position').above[0];"
+        "window.items = Bokeh.index.find_one(model('position')).views.find_one(legend).entries.map(e => e.el);"
+    )
+    slide(page, "law.parameters.F_s", 0.6)
+    time.sleep(0.5)
+    painted = page.execute_script("return window.painted")
+    assert set(painted) == set(page.execute_script("return Object.keys(data.panels)"))
+    assert set(painted.values()) == {1}
+    assert page.execute_script("return window.items.length && window.items.every(e => e.isConnected)")
+
+
+def test_many_rows_are_thinned_while_a_slider_moves_and_whole_when_it_rests(page):
+    page.execute_script("window.stribeck.set('output.step', 0.001)")
+    settle(page)
+    page.execute_script(
+        "const source = model('position-now'); window.drawn = [];"
+        "source.properties.data.change.connect(() => window.drawn.push({...source.data}));"
+    )
+    slide(page, "law.parameters.F_s", 0.6)
+    coarse, whole = (
+        {name: np.array(list(x.values()) if isinstance(x, dict) else x) for name, x in data.items()}
+        for data in page.execute_script(
+            "return window.drawn.map(d => Object.fromEntries(Object.entries(d).map(([k, x]) => [k, Array.from(x)])))"
+        )
+    )
+    size = page.execute_script("return [model('position').inner_width, model('position').inner_height]")
+    assert len(whole["along"]) == 40001 > 3 * len(coarse["along"])
+    last = np.searchsorted(coarse["along"], whole["along"], side="right") - 1
+    for name, pixels in zip(whole, (size[0], *(size[1] for _ in list(whole)[1:])), strict=True):
+        assert np.max(abs(whole[name] - coarse[name][last])) <= 0.5001 * np.ptp(whole[name]) / pixels, name

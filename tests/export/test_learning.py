@@ -1,6 +1,7 @@
 """The law in PyTorch, JAX and Warp against NumPy's step, with gradients; and the files for learning simulators, run."""
 
 import importlib.util
+import subprocess
 import sys
 
 import numpy as np
@@ -71,8 +72,9 @@ def test_warp():
     assert np.allclose(force.numpy(), results[1], rtol=1e-10)
     for x, wanted in zip(inputs, first, strict=True):
         assert np.allclose(x.grad.numpy(), wanted, rtol=1e-8, atol=1e-10 * np.max(abs(wanted)))
-    for k, n in enumerate(tool.names):
-        assert np.allclose(constants.grad.numpy()[:, k], each[n], rtol=1e-8, atol=1e-10 * np.max(abs(each[n])))
+    for k, n in enumerate(tool.names):  # by k_v two terms cancel: an ulp of v moves it by 4e-9 of its largest
+        atol = (1e-7 if n == "k_v" else 1e-10) * np.max(abs(each[n]))
+        assert np.allclose(constants.grad.numpy()[:, k], each[n], rtol=1e-8, atol=atol)
     alone = tool.step(*(wp.array(x[7:8], dtype=tool.real) for x in given))
     assert alone[1].numpy()[0] == force.numpy()[7]
     with pytest.raises(stribeck.InputError, match="precision"):
@@ -188,6 +190,9 @@ def test_every_law_is_written(target, tmp_path):
         compile(text, str(file), "exec")
         assert repr(law(name).values["F_c"]) in text
         assert "stribeck." not in text.split('"""', 2)[2]  # it stands alone
+        judge = [sys.executable, "-m", "ruff", "check", "--isolated", "--select", "F", str(file)]
+        judged = subprocess.run(judge, capture_output=True, text=True)  # every name that it uses is defined in it
+        assert judged.returncode == 0, judged.stdout + judged.stderr
 
 
 @pytest.mark.parametrize("package", ["torch", "warp"])

@@ -250,6 +250,56 @@ def test_the_limit_of_the_damping_that_falls_with_speed(name, table, own, gain):
     assert refuted.stated["E_in"] < 0
 
 
+def extraction(law, low, v_d):
+    """The least power lost, over v, at the z where it is least, as a share of v^2: from the equations as printed."""
+    p = law.p
+    v = np.geomspace(1e-5, 10, 40001) * v_d
+    a = p.sigma_1 * np.exp(-((v / v_d) ** 2))
+    newtons = low * (p.F_c + (p.F_s - p.F_c) * np.exp(-((v / p.v_s) ** 2)))
+    m = v * (2 / np.pi) * np.arctan(p.k_v * v) if "arctan" in law.name else v
+    return np.min(a + p.sigma_2 - a * a * m / (4 * newtons))
+
+
+@pytest.mark.parametrize(("name", "table", "own", "gain"), [
+    ("lugre", {**VISCOUS, "sigma_2": 0.1, "F_s": 2.5, "v_s": 10.0}, {}, 2.5),  # v_d far below v_s: F_s counts, not F_c
+    ("lugre", {**VISCOUS, "sigma_2": 0.1, "F_s": 2.5, "v_s": 1.0}, {}, 1.8),
+    ("lugre_arctan", {**VISCOUS, "sigma_2": 0.1}, {"k_v": 1.0}, 1.5),  # v S_0 is less than |v|
+])  # fmt: skip
+def test_the_limit_of_v_d_is_that_of_the_lowest_stribeck_curve(name, table, own, gain):
+    """What was called the limit, for F_c at every speed and |v|, was far below it; proved up to there now."""
+    law = stribeck.law(name, table, **own)
+    advice = level_advice(law, 0.5, 1e3, 1.0)
+    limit = advice.v_d_limit
+    assert limit > gain * advice.v_d
+    assert extraction(law, 0.5, limit * (1 - 1e-6)) > 0 > extraction(law, 0.5, limit * (1 + 1e-6))
+    proof = passive_only(with_(law, v_d=0.8 * limit), 0.5, 1e3)
+    assert proof.holds
+    assert verify(proof.certificate) == []
+    refuted = passive_only(with_(law, v_d=2 * limit), 0.5, 1e3)
+    assert refuted.holds is False
+    assert refuted.stated["E_in"] < 0
+
+
+def test_no_limit_is_told_where_none_is_known():
+    """With so small a k_v least power is lost at a z that is elastic."""
+    law = stribeck.law("elastoplastic_majorant", VISCOUS, k_v=2.0, z_ba=2e-5)
+    assert level_advice(law, 1.0, 3.0, 1.0).v_d_limit is None
+    assert level_advice(with_(law, k_v=20.0), 1.0, 3.0, 1.0).v_d_limit > 0
+
+
+def test_a_level_that_does_not_vary_is_that_of_a_law():
+    """Also where another storage function than the elastic energy is needed: here beyond 0.0143 m/s, up to 0.038."""
+    verdict = passive_only(stribeck.law("lugre", {**TABLE, "sigma_2": 0.4}), 2.0, 2.0, 0.07)
+    assert verdict.holds
+    assert verify(verdict.certificate) == []
+
+
+def test_a_proof_that_the_checker_refuses_gives_way_to_another():
+    """The first proof's leaves are beyond what the checker's arithmetic shows; the remedy's line is enough."""
+    law = stribeck.law("elastoplastic_majorant", MESH, k_v=1e5, z_ba=1e-4, v_d=0.05)
+    assert passive_only(law, 0.7, 1.3).holds
+
+
 def test_the_checker_takes_no_other_numbers_for_the_limit():
     law = stribeck.law("lugre", VISCOUS, v_d=8.9)
     ranges = {n: (Fraction(VISCOUS[n]), None) for n in ("F_c", "F_s")}

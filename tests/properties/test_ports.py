@@ -55,10 +55,24 @@ def test_signals_stay_within_their_range(kind, given):
     values = signal.at(np.linspace(0, 2.0, 20001))
     assert low <= values.min() + 1e-12
     assert high >= values.max() - 1e-12
-    if kind != "spline":  # whose hull is wider
-        assert low == pytest.approx(values.min(), abs=1e-3)
-        assert high == pytest.approx(values.max(), abs=1e-3)
+    assert low == pytest.approx(values.min(), abs=1e-3)
+    assert high == pytest.approx(values.max(), abs=1e-3)
     assert kind in KINDS
+
+
+@pytest.mark.parametrize(("kind", "given", "t_end"), [
+    *(("sine", {"amplitude": a, "frequency": 0.5, "phase": p}, t) for a in (1.0, -3.0) for p in (0.0, 2.0, -9.0)
+      for t in (0.1, 0.9, 1.6, 2.0)),
+    ("spline", {"t": [0.0, 0.1, 2.0], "value": [0.0, 5.0, 5.0]}, 2.0),  # overshoots a hundredfold between its points
+    ("spline", {"t": [0.0, 0.1, 2.0], "value": [0.0, 5.0, 5.0]}, 0.5),
+])  # fmt: skip
+def test_a_range_is_that_of_the_run_and_hardly_more(kind, given, t_end):
+    """A counterexample at a level that the signal does not reach in the run would not be one."""
+    table = {**machine(), "loads": {"push": {"on": "rotor", "kind": "signal", "signal": {"kind": kind, **given}}}}
+    (signal,) = Scenario(table).rig.signals.values()
+    values = signal.at(np.linspace(0, t_end, 20001))
+    size = np.ptp(values)
+    assert [float(x) for x in of_signal(signal, t_end)] == pytest.approx([values.min(), values.max()], abs=1e-5 * size)
 
 
 def test_forces():
@@ -93,6 +107,28 @@ def test_a_passive_machine():
     assert set(found.ports) == {"loads.push", "loads.teeth"}
     assert found.verify()
     assert found.to_json()["machine"]["passive"] is True
+
+
+@pytest.mark.parametrize(("sigma_2", "holds"), [(8.3, False), (8.4, True)])
+def test_a_load_that_is_held_raises_the_level(sigma_2, holds):
+    """10 N make F_c 1.2 N and F_s 2.2 N of 1 and 1.5: sigma_2 >= 10 (2.2 - 1.2)/1.2 = 8.33, not 10 (1.5 - 1)/1 = 5."""
+    law = {"name": "lugre", "parameters": {**PASSIVE, "sigma_2": sigma_2}}
+    held = {"push": {"on": "rotor", "kind": "signal", "signal": {"kind": "points", "t": [0.0], "value": [10.0]}}}
+    table = {**machine(law, loads=[{"force": "push", "F_c": 0.02, "F_s": 0.07}]), "loads": held}
+    found = ports.check_machine(table)
+    assert found["mesh"]["passive"].holds is holds
+    assert found.ranges["mesh"] == {"F_c": [pytest.approx(1.2)] * 2, "F_s": [pytest.approx(2.2)] * 2}
+    assert found["mesh"]["unique"].holds
+    assert found.verify()
+
+
+def test_a_level_without_end_is_swung_above_its_lowest():
+    rig = Scenario(
+        machine(loads=[{"force": "push", "F_c": 100.0, "F_s": 200.0}, {"force": "gear", "F_c": 0.1, "F_s": 0.1}])
+    ).rig
+    varied = of_contact(rig, rig.machine.contacts[0], 2.0, {})
+    assert varied.range("F_c") == (301, None)
+    assert varied.extreme(1, Fraction(3)).p.F_c > varied.extreme(-1).p.F_c == 301
 
 
 def test_a_contact_spoils_it_and_the_run_shows_how():
@@ -206,6 +242,13 @@ class Jumps(Dips):
 @pytest.mark.parametrize("kind", [Dips, Jumps])
 def test_a_law_of_a_users_own_is_not_judged_by_the_ends_of_its_ranges(kind):
     varied = Varied(kind({"F_c": 1.0}), {"F_c": (Fraction(1), Fraction(3))})
+    assert ports.static_passive(varied).holds is None
+
+
+@pytest.mark.parametrize("kind", [Dips, Jumps])
+def test_nor_by_its_own_value_where_a_load_holds_another(kind):
+    """F v < 0 at F_c = 2.5, which a load that never changes may make of 1; it was said to be passive."""
+    varied = Varied(kind({"F_c": 1.0}), {"F_c": (Fraction(5, 2), Fraction(5, 2))})
     assert ports.static_passive(varied).holds is None
 
 

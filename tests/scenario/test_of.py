@@ -116,3 +116,10 @@ def test_a_scenario_does_not_change():
     heavier = scenario.with_values(mass=2.0)
     assert (scenario.mass, heavier.mass) == (1.0, 2.0)
     assert heavier.values()["plant", "mass"] == 2.0
+
+
+def test_a_path_in_place_of_tables_is_one_line(tmp_path):
+    with pytest.raises(
+        stribeck.InputError, match=r"^data: 'rig.toml': must hold the tables; Scenario.load reads a file$"
+    ):
+        Scenario("rig.toml")

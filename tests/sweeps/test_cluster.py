@@ -16,12 +16,17 @@ import pytest
 import stribeck
 from stribeck.errors import InputError, StribeckError, StribeckNote
 from stribeck.identify.actuator import fit_machine
-from stribeck.simulation import lanes
+from stribeck.identify.log import Log
+from stribeck.identify.methods.dynamic import fit_dynamic
+from stribeck.identify.methods.motion import fit_motion
+from stribeck.identify.work import Work
+from stribeck.simulation import lanes, response
 from stribeck.simulation.variations import Variations
 from stribeck.sweeps import job as module
 from stribeck.sweeps import places, worker
 from stribeck.sweeps.job import Sweep
 from stribeck.sweeps.places import Store, place_of
+from tests.identify import rig
 from tests.identify.actuator.recorded import body, logs, record
 from tests.simulation.rig import needs_compiler
 
@@ -359,6 +364,78 @@ def test_a_fit_of_a_machine_on_workers_finds_the_same_bits(cluster, tmp_path):
         there = fit_machine(body(mass=2.0, F_c=0.5, F_s=1.3), path, starts=2, baselines=False)
     assert there.to_json() == here.to_json()
     assert there.status == "done"
+
+
+def test_a_fit_of_a_log_on_workers_of_which_one_is_killed_finds_the_same_bits(cluster):
+    """Starts and profiles; every answer of the law comes from a worker."""
+    log = rig.measured([rig.loop(2e-5, 4.0), rig.stroke(5e-3), rig.stroke(0.1)])
+    given = {"mass": 0.0, "starts": 4}
+    here = fit_dynamic(log, "lugre", **given)
+    asked, answer = [], response.answer_here
+
+    def counted(question):
+        asked.append(question.function)
+        return answer(question)
+
+    def kill(share):
+        if share > 0.1 and not killed:
+            killed.append(cluster.workers.pop())
+            with_group(killed[0], signal.SIGKILL)
+            cluster.worker()
+
+    killed = []
+    with stribeck.on_cluster(cluster.on), pytest.MonkeyPatch.context() as patch:
+        patch.setattr(response, "answer_here", counted)
+        there = fit_dynamic(log, "lugre", work=Work(kill), **given)
+    assert there.to_json() == here.to_json()
+    assert killed
+    assert len(asked) == 1  # the probe
+
+
+def test_a_fit_of_the_motion_on_workers_finds_the_same_bits(cluster):
+    t = np.arange(0, 0.8, 2e-3)
+    force = (16 + 6 * np.sin(2 * np.pi * 1.3 * t)) * np.sin(2 * np.pi * 0.8 * t)
+    law = {"name": "lugre", "parameters": rig.TRUTH}
+    signal_ = {"kind": "points", "t": t.tolist(), "value": force.tolist()}
+    data = {"law": law, "plant": {"mass": 2.0}, "drive": {"kind": "force", "signal": signal_}}
+    moved = stribeck.simulate({**data, "solve": {"t_end": float(t[-1])}, "output": {"step": 2e-3}})
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(len(t))
+    log = Log(
+        time=t, position=moved["y"], velocity=moved["v"] + noise, acceleration=np.gradient(moved["v"], 2e-3), force=force,
+        run=np.zeros(len(t), np.int32), step=2e-3,
+    )  # fmt: skip
+    given = {"body": (), "starts": 1, "profiles": False}
+    here = fit_motion(log, "lugre", **given)
+    with stribeck.on_cluster(cluster.on):
+        there = fit_motion(log, "lugre", **given)
+    assert there.to_json() == here.to_json()
+
+
+def test_a_worker_that_would_answer_to_other_bits_says_so():
+    law = response.Response(stribeck.law("lugre", "canudas1995").__class__)
+    numbers = {
+        "t": np.linspace(0, 1, 5),
+        "v": np.ones(5),
+        "bend": np.zeros(5),
+        "constants": law.lanes([law_constants()]),
+    }
+    numbers |= {"z": np.zeros(1), "gain": np.zeros(len(law.names)), "tolerance": np.array([1e-12])}
+    question = response.Question("stribeck_respond", law._text, numbers)
+    found = response.answer_here(question)
+    assert found is not None
+    right = worker.law_text(question, response.digest(found))
+    assert worker.some_answers(right, numbers)["found"][0].tobytes() == found[0].tobytes()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(worker, "_address", lambda: "tcp://one")
+        told = worker.some_answers(worker.law_text(question, "0" * 64), numbers)
+        assert "other bits" in told["refused"]
+        patch.setattr(worker.compiler, "find", lambda: None)
+        worker._law.cache_clear()
+        assert worker.some_answers(right, numbers)["refused"] == "has no C compiler"
+
+
+def law_constants():
+    return stribeck.law("lugre", "canudas1995").values
 
 
 def test_lanes_whose_scheduler_goes_away(tmp_path):

@@ -36,3 +36,27 @@ def test_a_click_shows_the_lane(browser, tmp_path):  # noqa: F811
     heights = np.array([float(word.split(" ")[1]) for word in drawn[1:].split("L")])
     assert heights[0] > heights[-1] + 50  # the body goes up the chart
     assert browser.execute_script("return document.querySelectorAll('.cell').length") >= 3  # in each map
+
+
+@pytest.mark.pictures
+def test_a_click_on_a_cell_that_was_not_kept_shows_the_nearest_cell(browser, tmp_path, monkeypatch):  # noqa: F811
+    monkeypatch.setattr("stribeck.sweeps.page._PICKED", 9)
+    grid = {
+        "law.parameters.F_s": np.repeat(np.linspace(1.2, 1.8, 9), 9), "plant.mass": np.tile(np.linspace(0.5, 2.0, 9), 9)
+    }  # fmt: skip
+    found = stribeck.sweep(SCENARIO.with_changes({"solve.t_end": 0.5}), grid, tmp_path / "out", summary=True)
+    page.write_sweep_page(found)
+    browser.get((tmp_path / "out" / "_report" / "report.html").as_uri())
+    maps = browser.execute_script(
+        "return JSON.parse(document.querySelector('svg[aria-label=map]').dataset.axes).length"
+    )
+    assert browser.execute_script("return document.querySelectorAll('.kept').length") == 9 * maps
+    browser.execute_script(
+        "const svg = document.querySelector('svg[aria-label=map]'), [x, y, w, h] = JSON.parse(svg.dataset.axes)[0].box;"
+        "const p = new DOMPoint(x + w * 0.95, y + h * 1.5 / 9).matrixTransform(svg.getScreenCTM());"
+        "svg.dispatchEvent(new MouseEvent('click', {bubbles: true, clientX: p.x, clientY: p.y}));"
+    )
+    told = browser.execute_script("return document.querySelector('.picked span').textContent")
+    assert told.startswith("law.parameters.F_s = 1.8, plant.mass = 2:")  # lane 80; by its number 76 would be next to 79
+    assert told.endswith("(lane 80, the one kept here that is next to 79: dots mark those kept)")
+    assert not browser.get_log("browser")

@@ -144,6 +144,17 @@ def test_30_the_least_power_by_z_is_a_quadratic_in_the_damping():
     assert sp.expand(D - stated.subs(q, m * s0 / level)) == 0
 
 
+def test_30_the_largest_damping_and_the_lowest_curve():
+    """A solves a^2 q = 4 s0 (a + s2), which a - A and the other, negative, root make; N is at least N^-(v)."""
+    a = sp.symbols("a", positive=True)
+    A, other = (2 * (s0 + sign * sp.sqrt(s0**2 + s0 * q * s2)) / q for sign in (1, -1))
+    assert sp.simplify(sp.expand(q * (a - A) * (a - other) - (a**2 * q - 4 * s0 * (a + s2)))) == 0
+    share, more_c, more_s = sp.symbols("share more_c more_s", nonnegative=True)
+    least = F_c * (1 - share) + N * share
+    level = (F_c + more_c) + ((N + more_s) - (F_c + more_c)) * share
+    assert sp.expand(level - least - (more_c * (1 - share) + more_s * share)) == 0
+
+
 @pytest.mark.parametrize("name", ["lugre", "lugre_majorant"])
 @pytest.mark.parametrize("way", [1, -1])
 def test_31_slow_motion_at_a_high_level_costs_what_is_stored(name, way):

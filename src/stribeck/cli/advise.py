@@ -107,7 +107,8 @@ def _print_level(found: LevelAdvice, unit: Callable[[str], str]) -> None:
         "  ",
     )
     if found.v_d is None and found.v_d_limit is None and not found.passive_now:
-        say(f"no v_d makes it passive: k_v must be above {up(found.k_v_above)} {unit('s/m')}", 6, "    ")
+        enough = f"with k_v = {up(found.k_v_above)} {unit('s/m')} or more there is one"
+        say(f"no v_d is known to make it passive at this k_v: {enough}", 6, "    ")
     if found.v_d is not None:
         left = f"{100 * (found.damping_at_v_s or 0.0):.3g} % of sigma_1 is left at v_s"
         say(f"v_d = {below(found.v_d)} {speed} or less keeps it passive whatever the load does ({left})", 6, "    ")

@@ -66,10 +66,12 @@ def _changes(text: str, table: str) -> dict[str, object]:
 def _print(comparison: Comparison, files: list[str]) -> None:
     reference, *others = comparison.solutions
     units = {column.name: column.unit for column in comparison.solutions[reference].columns}
-    say(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak", 2)
     wide = max(map(len, comparison.solutions))
     beside = wide if wide <= width() - _NUMBERS else 0  # the labels' column; none where they would fold the table
-    if others:
+    if not others:
+        say(f"{comparison.name}: {reference} alone: there is nothing to compare it with; --law may be given again", 2)
+    else:
+        say(f"{comparison.name}: largest deviation from {reference}, and its share of the reference's peak", 2)
         print(f"  {'law' if beside else '':{beside}}{'deviation':>14}{'share':>12}  of")
     for label, deviations in comparison.deviations.items():
         if not beside:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.constants import show
-from stribeck.errors import InputError
+from stribeck.errors import InputError, note
 from stribeck.files import read_file
 
 STEEPNESS = 200.0  # s/rad: BAM's sign is exact, a machine's is smooth: complete within some 0.01 rad/s
@@ -46,6 +46,7 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
         if n in known and (isinstance(x, bool) or not isinstance(x, int | float) or not math.isfinite(x))
     ]  # fmt: skip
     strange = [n for n in data if n not in known and n not in ("model", "actuator")]
+    lost = [n for n in strange if "friction" not in n]
     problems += [f"{n}: unknown key: a machine has no such thing" for n in strange if "friction" in n]
     if "friction_stribeck" in data:
         problems += [
@@ -53,11 +54,13 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
         ]
     if problems:
         raise InputError(problems)
+    if lost:
+        note(f"{', '.join(lost)}: left out: a machine has no such number (of BAM's firmware or bench)")
     n = {name: float(data[name]) for name in known if name in data}
     machine: dict[str, Any] = {
         "schema": 2, "name": str(data.get("actuator", "servo")), "bodies": {"joint": {"inertia": n["armature"]}},
         "contacts": {"friction": {"from": "joint", "law": _law(n)}},
-        "loads": {"gravity": {"on": "joint", "kind": "pendulum", "amplitude": 0.0, "phase": 0.0}},
+        "loads": {"gravity": {"on": "joint", "kind": "pendulum", "amplitude": 0.0, "phase": n.get("q_offset", 0.0)}},
         "solve": {"t_end": 1.0}, "output": {"step": 0.005},
     }  # fmt: skip
     still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
@@ -127,6 +130,8 @@ def to_bam(machine: Mapping[str, Any]) -> dict[str, object]:
             found |= {"kt": machine["motors"]["drive"]["K"], "R": machine["motors"]["drive"]["R"]}
         elif "gain" in machine.get("loads", {}).get("drive", {}):
             found["kt"] = machine["loads"]["drive"]["gain"]
+        if phase := machine.get("loads", {}).get("gravity", {}).get("phase", 0.0):
+            found["q_offset"] = phase
         found |= {"friction_base": p["F_c"], "friction_viscous": p["sigma_2"]}
         if law["name"] not in ("coulomb_viscous", "stribeck"):
             raise InputError(

@@ -1,10 +1,11 @@
-"""The friction of a MuJoCo model's joints as machines of one body each, and back as attributes of joints."""
+"""The friction of a MuJoCo model's joints as machines of one body each, and back as a model of such joints."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+from xml.sax.saxutils import quoteattr
 
 from stribeck.constants import show
 from stribeck.errors import InputError, needed, note
@@ -99,47 +100,100 @@ def _dcmotor(made: Tables, model: Any, a: int, joint: str) -> None:
 
 
 def to_mujoco(machine: Read) -> str:
-    """The elements ``joint`` with ``frictionloss`` and ``damping``, and ``dcmotor`` with ``lugre``, for a model's own joints.
+    """A model that MuJoCo loads: each body with its inertia on a joint of its own with ``frictionloss`` and ``damping``,
+    bodies tied to it as ``armature``, and ``dcmotor`` with ``lugre``. What such a model cannot hold is left out, and told.
 
     Raises:
         InputError: a contact has a law that these cannot hold.
     """
-    lines, problems, motors = [], [], dict(machine.get("motors", {}))
+    motors, used = dict(machine.get("motors", {})), set[str]()
+    problems = [
+f"bodies.{n}: neither inertia nor mass: a joint of MuJoCo moves a body with one of them"
+        for n, b in machine["bodies"].items() if not {"inertia", "mass", "tied_to"} & set(b)
+    ]  # fmt: skip
+    joints: dict[str, dict[str, float]] = {n: {} for n, b in machine["bodies"].items() if "tied_to" not in b}
+    actuators = []
     for name, contact in machine.get("contacts", {}).items():
-        law, body = contact["law"], contact["from"]
+        law = contact["law"]
+        leader, ratio = _led(machine, contact["from"])
+        gear = ratio * contact.get("ratio", 1.0)
         plain = not contact.get("loads") and not contact.get("factors") and contact.get("to", "ground") == "ground"
         if plain and law["name"] == "lugre":
-            driving = next((n for n, m in motors.items() if m["on"] == body), None)
+            driving = next((n for n, m in motors.items() if _led(machine, m["on"])[0] == leader), None)
             own = motors.pop(driving) if driving is not None else None
-            lines.append(_element(machine, driving or name, contact, own))
-        elif plain and law["name"] == "coulomb_viscous" and contact.get("ratio", 1.0) == 1.0:
-            p, kind = law["parameters"], "hinge" if "inertia" in machine["bodies"][body] else "slide"
-            words = f'frictionloss="{p["F_c"]:.9g}" damping="{p["sigma_2"]:.9g}"'
-            lines.append(f'<joint name="{body}" type="{kind}" {words}/>')
+            actuators.append(_element(machine, driving or name, leader, gear, law, own, used))
+        elif plain and law["name"] == "coulomb_viscous":
+            p, words = law["parameters"], joints[leader]
+            words["frictionloss"] = words.get("frictionloss", 0.0) + p["F_c"] * abs(gear)
+            words["damping"] = words.get("damping", 0.0) + p["sigma_2"] * gear**2
         else:
             text = "a joint holds coulomb_viscous and a dcmotor lugre, without loads ('stribeck export --to mujoco' has laws)"
             problems.append(f"contacts.{name}.law.name: {show(law['name'])}: {text}")
     if problems:
         raise InputError(problems)
-    lines += [_element(machine, n, {"from": m["on"]}, m) for n, m in motors.items()]
-    return "\n".join(lines) + "\n"
+    actuators += [_element(machine, n, *_led(machine, m["on"]), None, m, used) for n, m in motors.items()]
+    lost = [f"loads.{n}" for n in machine.get("loads", {}) if n not in used]
+    lost += [f"{kind}.{n}" for kind in ("links", "controllers") for n in machine.get(kind, {})]
+    if lost:
+        note(f"{', '.join(lost)}: left out: MuJoCo's model has its bodies, friction and motors")
+    return _model(str(machine.get("name", "machine")), machine["bodies"], joints, actuators)
 
 
-def _element(machine: Read, name: str, contact: Read, motor: Read | None) -> str:
-    """A dcmotor, in the coordinate of the motor's side."""
-    body, gear = contact["from"], contact.get("ratio", 1.0)
-    ripple = next((x for x in machine.get("loads", {}).values() if x["on"] == body and x["kind"] == "ripple"), None)
-    words = [f'<dcmotor name="{name}" joint="{body}"'] + ([f'gear="{gear:.9g}"'] if gear != 1 else [])
+def _led(machine: Read, body: str) -> tuple[str, float]:
+    """The body that one is tied to, and how far it moves when that moves by one."""
+    ratio, own = 1.0, machine["bodies"][body]
+    while "tied_to" in own:
+        ratio, body = ratio * own.get("ratio", 1.0), own["tied_to"]
+        own = machine["bodies"][body]
+    return body, ratio
+
+
+def _model(name: str, bodies: Read, joints: Mapping[str, dict[str, float]], actuators: list[str]) -> str:
+    """The model's text."""
+    lines = [
+        f"<mujoco model={quoteattr(name)}>",
+        '  <compiler angle="radian"/>',
+        '  <option gravity="0 0 0"/>',
+        "  <worldbody>",
+    ]
+    for body, words in joints.items():
+        tied = [(bodies[n], _led({"bodies": bodies}, n)) for n in bodies if n != body]
+        armature = sum(b.get("inertia", b.get("mass", 0.0)) * ratio**2 for b, (led, ratio) in tied if led == body)
+        told = ({"armature": armature} if armature else {}) | words
+        text = "".join(f' {n}="{x:.9g}"' for n, x in told.items())
+        own = bodies[body]
+        moment, mass = own.get("inertia", own.get("mass")), own.get("mass", 1.0)  # of a hinge, its mass moves nothing
+        lines += [
+            f'    <body name="{body}">',
+            f'      <inertial pos="0 0 0" mass="{mass:.9g}" diaginertia="{moment:.9g} {moment:.9g} {moment:.9g}"/>',
+            f'      <joint name="{body}" type="{"hinge" if "inertia" in own else "slide"}" axis="0 0 1"{text}/>',
+            "    </body>",
+        ]
+    lines.append("  </worldbody>")
+    if actuators:
+        lines += ["  <actuator>", *(f"    {each}" for each in actuators), "  </actuator>"]
+    return "\n".join([*lines, "</mujoco>"]) + "\n"
+
+
+def _element(
+    machine: Read, name: str, joint: str, gear: float, law: Read | None, motor: Read | None, used: set[str]
+) -> str:
+    """A dcmotor, in the coordinate of the motor's side; the ripple that it takes is ``used``."""
+    words = [f'<dcmotor name="{name}" joint="{joint}"'] + ([f'gear="{gear:.9g}"'] if gear != 1 else [])
     if motor is None:
         words.append('input="none" motorconst="0" resistance="1"')
     else:
-        words.append(f'motorconst="{motor["K"] / gear:.9g}" resistance="{motor["R"]:.9g}"')
+        K = motor["K"] * _led(machine, motor["on"])[1] / gear
+        words.append(f'motorconst="{K:.9g}" resistance="{motor["R"]:.9g}"')
         words += [f'inductance="{motor["L"]:.9g}"'] if motor.get("L") else []
-    if ripple is not None and len(ripple["waves"]) == 1:
-        phase = ripple.get("phase") or [0.0]
-        words.append(f'cogging="{ripple["amplitude"][0] / gear:.9g} {ripple["waves"][0] / gear:.9g} {phase[0]:.9g}"')
-    if "law" in contact:
-        p = contact["law"]["parameters"]
+    for n, x in machine.get("loads", {}).items():
+        if n not in used and x["kind"] == "ripple" and len(x["waves"]) == 1 and _led(machine, x["on"])[0] == joint:
+            side, phase = _led(machine, x["on"])[1] / gear, x.get("phase") or [0.0]
+            words.append(f'cogging="{x["amplitude"][0] * side:.9g} {x["waves"][0] * side:.9g} {phase[0]:.9g}"')
+            used.add(n)
+            break
+    if law is not None:
+        p = law["parameters"]
         five = " ".join(f"{p[n]:.9g}" for n in ("sigma_0", "sigma_1", "F_c", "F_s", "v_s"))
         words.append(f'lugre="{five}"' + (f' damping="{p["sigma_2"]:.9g}"' if p["sigma_2"] else ""))
     return " ".join(words) + "/>"

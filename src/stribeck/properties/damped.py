@@ -6,12 +6,16 @@ from fractions import Fraction
 from itertools import chain
 from math import exp, floor
 
+import numpy as np
+
+from stribeck.arrays import Array
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.claims import ClaimProver, every
 from stribeck.properties.model import SIGNS, Model
 from stribeck.properties.plain import Json
+from stribeck.properties.storage import own_speeds
 
 METHOD = (
     "sigma_1 (v_d/sqrt(2 e) + m(0)) <= 4 N, where dz/dt = v - q z with 0 <= N q <= sigma_0 (|v| + m(0)): the power lost is "
@@ -23,6 +27,7 @@ _FINER = (
 )
 _NEEDED = ("sigma_0", "sigma_1", "sigma_2", "v_d", "F_c", "F_s")
 _ROUNDING = Fraction(1, 2**44)  # more than that of m(0)
+_SPEEDS, _ZOOMS, _BEYOND = 4000, 3, 1e3
 _KNOTS, _DIGITS = 4000, 30  # of the finer condition: how many, and how many binary digits each has
 
 
@@ -60,25 +65,29 @@ def knots(
 
 
 def largest(law: Law) -> float | None:
-    """The largest v_d with :func:`knots`, within some 1e-4 of the largest that there is; None where none will do."""
-    sigma_1, sigma_2, *newtons = (Fraction(law.p.numbers[n]) for n in ("sigma_1", "sigma_2", "F_c", "F_s"))
-    given = excess(law), min(newtons)
+    """The largest v_d with which no z and no level from the law's own up draw energy, m/s; None where none will do.
 
-    def serves(v_d: float) -> bool:
-        return knots(sigma_1, sigma_2, Fraction(v_d), *given) is not None
+    a^2 q <= 4 sigma_0 (a + sigma_2) for every v (docs/theory.md) says a <= A(v), so v_d <= v/sqrt(ln(sigma_1/A)).
+    """
+    p, reach = law.p, float(law.z_bound(law.p))
+    own = own_speeds(law)
+    v = np.geomspace(own[0] * 1e-9, own[-1] * 1e9, _SPEEDS)
+    for _ in range(_ZOOMS):
+        q = unwinding(law, v, reach)
+        most = 2 * (p.sigma_0 + np.sqrt(p.sigma_0**2 + p.sigma_0 * q * p.sigma_2)) / q
+        with np.errstate(all="ignore"):
+            found = np.where(most < p.sigma_1, v / np.sqrt(np.log(p.sigma_1 / most)), np.inf)
+        least = int(np.argmin(found))
+        if not 0 < least < len(v) - 1:
+            return None
+        v = np.linspace(v[least - 1], v[least + 1], _SPEEDS)
+    return float(found[least])
 
-    if not sigma_1:
-        return None
-    low = float(given[1] / sigma_1) * 1e-6
-    if not serves(low):
-        return None
-    high = 2 * low
-    while serves(high):
-        low, high = high, 2 * high
-    while high > low * (1 + 1e-6):
-        middle = (low + high) / 2
-        low, high = (middle, high) if serves(middle) else (low, middle)
-    return low
+
+def unwinding(law: Law, v: Array, reach: float) -> Array:
+    """q of dz/dt = v - q z beyond ``reach``, where the whole of the motion is plastic."""
+    z = _BEYOND * reach
+    return (v - law.rate(v, z)) / z
 
 
 def excess(law: Law) -> Fraction:

@@ -6,17 +6,20 @@ docs/theory.md ("A level that varies") proves what is used here: that one law, t
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice
 from math import e
 from time import process_time
 
+import numpy as np
+
 from stribeck import laws
 from stribeck.constants import POSITIVE, show
 from stribeck.errors import InputError, arg, needed
 from stribeck.laws.base import Law
-from stribeck.laws.terms import m_0
+from stribeck.laws.terms import m_0, sigma_1
 from stribeck.properties import bounded, damped, endless, passive, replay, swings
 from stribeck.properties.certificate import Certificate
 from stribeck.properties.checked import SHARES, Checked
@@ -24,7 +27,7 @@ from stribeck.properties.claims import NULL, ClaimProver
 from stribeck.properties.model import SIGNS, Model, Unreadable
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.search import Budget
-from stribeck.properties.storage import own_speeds
+from stribeck.properties.storage import Storage, own_speeds
 from stribeck.properties.verdicts import NAMES, Verdict, Verdicts, accepted, proved, undecided
 from stribeck.properties.worst import BRISTLES, MAJORANT, Varied
 
@@ -103,6 +106,15 @@ def check_level(law: Law, level: tuple[float, float], v_max: float | None, work:
     Raises:
         InputError: ``level`` is no range, or the law has no level.
     """
+    return check_varied(at_level(law, level), v_max, work)
+
+
+def at_level(law: Law, level: tuple[float, float]) -> Varied:
+    """The law with the ranges that a level gives it.
+
+    Raises:
+        InputError: ``level`` is no range, the law has no level, or does not allow one of its ends.
+    """
     if text := level_problem(level):
         raise InputError(text)
     low, high = level
@@ -117,7 +129,7 @@ def check_level(law: Law, level: tuple[float, float], v_max: float | None, work:
         raise InputError(
             [f"{arg('level')}: {show([low, high])}: law '{law.name}': {text}" for text in error.problems]
         ) from None
-    return check_varied(varied, v_max, work)
+    return varied
 
 
 def check_varied(varied: Varied, v_max: float | None, work: float) -> LevelVerdicts:
@@ -172,14 +184,16 @@ class _Decided:
     def _with_level(self, name: str, verdict: Verdict, law: Law) -> Verdict:
         assert verdict.certificate is not None
         verdict.certificate = {**verdict.certificate, "level": self.varied.exactly()}
-        self.proofs[name] = law
-        return accepted(verdict, law, name, self.v_max)
+        found = accepted(verdict, law, name, self.v_max)
+        if found.holds:
+            self.proofs[name] = law
+        return found
 
     def same(self, name: str) -> Verdict:
         """Unique, smooth, drift_free: what holds at the lowest level holds at all, for the laws of this package."""
         found = self.held(-1, name)
         if found.holds:
-            if not self.known:
+            if not self.known and self.varied.varies:
                 return undecided(f"it holds at the lowest level; {_UNKNOWN.partition(';')[0]}")
             found.method = _SAME + found.method
             return self._with_level(name, found, self._end(-1, name))
@@ -219,18 +233,41 @@ class _Decided:
         return found
 
     def _passive(self) -> Verdict:
+        refused: Verdict | None = None
+        for law, found in self._shown():
+            verdict = self._with_level("passive", found, law)
+            if verdict.holds:
+                return verdict
+            refused = refused or verdict
+        unknown = _UNKNOWN if not self.known else "neither a proof nor a run that draws energy was found"
+        return self._refuted() or refused or undecided(unknown)
+
+    def _shown(self) -> Iterator[tuple[Law, Verdict]]:
+        """Proofs that may do, and the law that each is about: the simplest first."""
         for any_z in (False, True):
             law = self.varied.worst(any_z)
             if any_z and law is not None and law.values.get("sigma_1") and law.values.get("v_d") is None:
                 continue  # far out in z, at large v, D < 0
             if law is not None and (found := self._proved(law, any_z)) is not None:
-                return self._with_level("passive", found, law)
+                yield law, found
         law = self.varied.worst(True)
         if self.known and law is not None and (found := self._damped(law)) is not None:
-            return self._with_level("passive", found, law)
-        return self._refuted() or undecided(
-            _UNKNOWN if not self.known else "neither a proof nor a run that draws energy was found"
-        )
+            yield law, found
+        for any_z in (False, True):
+            law = self.varied.lowest(any_z)
+            if law is not None and (found := self._more_closely(law, any_z)) is not None:
+                yield law, found
+        if not self.varied.varies and (held := self.held(-1, "passive")).holds:
+            yield self._end(-1, "passive"), held
+
+    def _more_closely(self, law: Law, any_z: bool) -> Verdict | None:
+        """With the Stribeck curve of the lowest level, where the lowest F_c at every speed is too little."""
+        if not _may_serve(law, self.v_max, any_z):
+            return None
+        found = self._proved(law, any_z)
+        if found is not None:
+            found.evidence.pop("coq", None)  # whose theorem is about the lowest F_c
+        return found
 
     def _proved(self, law: Law, any_z: bool) -> Verdict | None:
         model = Model(law, self.v_max)
@@ -313,6 +350,18 @@ class _Decided:
                 ]
                 return found
         return None
+
+
+def _may_serve(law: Law, v_max: float | None, any_z: bool) -> bool:
+    """Whether the elastic energy serves as far as sampled: at the z where least power is lost."""
+    reach = np.inf if any_z else float(law.z_bound(law.p))
+    p, v = law.p, Storage(law, v_max, reach).v
+    v = v[v > 0]
+    with np.errstate(all="ignore"):
+        damping = p.sigma_1 if law.values.get("v_d") is None else sigma_1(p, v)
+        z = np.minimum(damping * v / (2 * p.sigma_0), reach)
+        lost = law.force(v, z) * v - p.sigma_0 * z * law.rate(v, z)
+        return bool(np.all(lost >= -1e-9 * (damping + p.sigma_2) * v**2))
 
 
 def _swung(nominal: Law, swing: swings.Swing, drawn: tuple[float, float]) -> Verdict:

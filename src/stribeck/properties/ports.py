@@ -150,13 +150,13 @@ def _of_law(varied: Varied, v_max: float | None, work: float) -> Verdicts:
         found = check_varied(varied, v_max, work)
         found.properties["passive"] = static_passive(varied)
         return found
-    return check_varied(varied, v_max, work) if varied.varies else check(law, v_max, work)
+    return check_varied(varied, v_max, work) if varied.ranges else check(law, v_max, work)
 
 
 def static_passive(varied: Varied) -> Verdict:
     """A law without z is passive where F v >= 0: where F is affine in the constants that vary, and the rest and the factor
     of each are >= 0, by the signs of polynomials, it is at every history of them."""
-    law, names = varied.law, [n for n, (low, high) in varied.ranges.items() if low != high]
+    law, names = varied.law, list(varied.ranges)  # a constant that is held may be held elsewhere than at its value
     cls = type(f"_{law.name}", (type(law),), {"name": law.name, "z_bound": staticmethod(lambda p: wrap(1.0))})
     model = Model(cls({**law.machine, **law.values, **law.choices}, law.rotary))
     parts = _affine(model.power_force, [symbol(f"c_{n}") for n in names])

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from math import comb
+from itertools import pairwise
+from math import ceil, comb, floor, pi, sin
 
 import numpy as np
 
@@ -19,18 +20,18 @@ from stribeck.signals import Curve, PointsSignal, Signal, SineSignal
 
 Ends = tuple[Fraction | None, Fraction | None]  # None: without end
 _SLACK = Fraction(1, 2**49)  # of a piece's size: more than its rounding
+_NEAR, _HALVINGS = Fraction(1, 10**6), 40  # of a curve's extremes
 _ONE: ExactRange = (Fraction(1), Fraction(1))
 OPEN: Ends = (None, None)
 
 
 def of_signal(signal: Signal, t_end: float) -> tuple[Fraction, Fraction]:
-    """Bounds of a signal on [0, t_end]: exact for straight pieces and sines (a whole wave), Bernstein's for curves."""
+    """Bounds of a signal on [0, t_end]: exact for straight pieces, but for a rounding for sines and curves."""
     if isinstance(signal, SineSignal):
-        middle, size = (Fraction(signal.values[n]) for n in ("offset", "amplitude"))
-        return middle - abs(size), middle + abs(size)
+        return _of_sine(signal, t_end)
     if isinstance(signal, Curve):
-        found = [_of_curve(piece, end) for piece, end in _curve_pieces(signal, t_end)]
-        return min(low for low, _ in found), max(high for _, high in found)
+        pieces = [_bernstein(piece, end) for piece, end in _curve_pieces(signal, t_end)]
+        return -_most([[-x for x in piece] for piece in pieces]), _most(pieces)
     if isinstance(signal, PointsSignal):
         return _of_points(np.asarray(signal.t, float), np.asarray(signal.value, float), t_end)
     s = signal.segments
@@ -66,12 +67,50 @@ def _curve_pieces(signal: Curve, t_end: float) -> list[tuple[Mapping[str, float]
     return [(values, end) for (values, _), end in zip(pieces, ends, strict=True)]
 
 
-def _of_curve(values: Mapping[str, float], end: float) -> tuple[Fraction, Fraction]:
-    """The hull of the Bernstein coefficients of one polynomial of order seven from its start to ``end``."""
+def _of_sine(signal: SineSignal, t_end: float) -> tuple[Fraction, Fraction]:
+    """A crest counts where it may be passed; the ends of the run are rounded outward."""
+    p = signal.values
+    middle, size = Fraction(p["offset"]), abs(Fraction(p["amplitude"]))
+    first = p["phase"] / (2 * pi) + (0.5 if p["amplitude"] < 0 else 0.0)
+    ends = sorted((first, first + p["frequency"] * t_end))  # in waves
+    slack = 1e-14 * (1 + abs(ends[0]) + abs(ends[1]))
+    at_ends = [sin(2 * pi * x) for x in ends]
+
+    def passed(place: float) -> bool:
+        return floor(ends[1] + slack - place) >= ceil(ends[0] - slack - place)
+
+    low = -1.0 if passed(0.75) else max(min(at_ends) - 10 * slack, -1.0)
+    high = 1.0 if passed(0.25) else min(max(at_ends) + 10 * slack, 1.0)
+    return middle + size * Fraction(low), middle + size * Fraction(high)
+
+
+def _bernstein(values: Mapping[str, float], end: float) -> list[Fraction]:
+    """The Bernstein coefficients of one polynomial of order seven from its start to ``end``, which enclose it."""
     length = max(Fraction(end) - Fraction(values["start"]), Fraction(0))
     power = [Fraction(values[f"c{n}"]) * length**n for n in range(8)]
-    found = [sum((Fraction(comb(i, n), comb(7, n)) * power[n] for n in range(i + 1)), Fraction(0)) for i in range(8)]
-    return min(found), max(found)
+    return [sum((Fraction(comb(i, n), comb(7, n)) * power[n] for n in range(i + 1)), Fraction(0)) for i in range(8)]
+
+
+def _most(pieces: list[list[Fraction]]) -> Fraction:
+    """The largest value of polynomials, or at most a millionth more: those that may exceed what is reached are halved."""
+    reached = max(max(piece[0], piece[-1]) for piece in pieces)
+    slack = _NEAR * max(abs(x) for piece in pieces for x in (piece[0], piece[-1], reached))
+    for _ in range(_HALVINGS):
+        higher = [piece for piece in pieces if max(piece) > reached + slack]
+        if not higher:
+            break
+        pieces = [piece for piece in pieces if reached < max(piece) <= reached + slack]
+        pieces += [half for piece in higher for half in _halves(piece)]
+        reached = max(reached, *(piece[-1] for piece in pieces))
+    return max(reached, *(max(piece) for piece in pieces))
+
+
+def _halves(piece: list[Fraction]) -> tuple[list[Fraction], list[Fraction]]:
+    """The coefficients of both halves (de Casteljau)."""
+    rows = [piece]
+    while len(rows[-1]) > 1:
+        rows.append([(a + b) / 2 for a, b in pairwise(rows[-1])])
+    return [row[0] for row in rows], [row[-1] for row in reversed(rows)]
 
 
 def of_force(rig: Rig, name: str, t_end: float, stated: Mapping[str, float]) -> Ends:

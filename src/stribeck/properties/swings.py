@@ -10,7 +10,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.laws.base import Law
-from stribeck.properties import cycles, enclosed, replay
+from stribeck.properties import cycles, damped, enclosed, replay
 from stribeck.properties.model import Model
 from stribeck.properties.plain import Json
 from stribeck.properties.storage import Storage, own_speeds
@@ -132,7 +132,8 @@ def _dips(law: Law, v_max: float | None) -> list[tuple[float, float]]:
         return []
     v = np.minimum(np.geomspace(1e-3, 3, 400) * p.v_d, v_max or np.inf)
     damping = p.sigma_1 * np.exp(-((v / p.v_d) ** 2))
-    worst = int(np.argmax(damping**2 * v / (damping + p.sigma_2)))
+    q = damped.unwinding(law, v, float(law.z_bound(p)))
+    worst = int(np.argmax(damping**2 * q / (damping + p.sigma_2)))
     return [(float(v[worst]), float(damping[worst] * v[worst] / (2 * p.sigma_0)))]
 
 

@@ -73,9 +73,14 @@ def accepted(verdict: Verdict, law: Law, name: str, v_max: float | None = None) 
 
 
 def ranges_in_words(ranges: Mapping[str, Sequence[float | None]]) -> str:
-    """'F_c from 1 to 2, F_s from 1.5 up'."""
-    words = [f"{n} from {low:.6g} " + ("up" if high is None else f"to {high:.6g}") for n, (low, high) in ranges.items()]
-    return ", ".join(words)
+    """'F_c from 1 to 2, F_s from 1.5 up, sigma_2 held at 3'."""
+
+    def words(low: float | None, high: float | None) -> str:
+        if low == high:
+            return f"held at {low:.6g}"
+        return f"from {low:.6g} " + ("up" if high is None else f"to {high:.6g}")
+
+    return ", ".join(f"{name} {words(*ends)}" for name, ends in ranges.items())
 
 
 def undecided(reason: str, **evidence: Json) -> Verdict:

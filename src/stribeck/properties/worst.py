@@ -10,10 +10,11 @@ from fractions import Fraction
 from types import SimpleNamespace
 
 from stribeck import laws
+from stribeck.constants import Constant
 from stribeck.errors import InputError
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import BristleLaw, Claims, Law
-from stribeck.laws.terms import K_V, SMOOTH_ABS, m
+from stribeck.laws.terms import K_V, SMOOTH_ABS, g, m
 from stribeck.properties.plain import Json
 from stribeck.properties.prover.region import ExactRange, down, up
 
@@ -51,6 +52,44 @@ class WorstLevelMajorant(BristleLaw):
     def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
         """With the smallest g."""
         return v - m(p, v) * p.sigma_0 / p.F_c * z
+
+
+class LowestLevel(BristleLaw):
+    """g is at every speed the smallest that it may be there: that of the smallest F_c and F_s; z is within ``reach``."""
+
+    name = "lowest_level"
+    source = WorstLevel.source
+    claims = WorstLevel.claims
+    reach = Constant("m", "the largest |z|", above=0)
+
+    @staticmethod
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
+        """With the smallest g."""
+        return v - abs(v) / g(p, v) * z
+
+    @staticmethod
+    def z_bound(p: SimpleNamespace) -> Value:
+        """At the highest level."""
+        return p.reach
+
+
+class LowestLevelMajorant(LowestLevel):
+    """The same with a smooth majorant of |v|."""
+
+    name = "lowest_level_majorant"
+    k_v = K_V
+    smooth_abs = SMOOTH_ABS
+
+    @staticmethod
+    def dz_dt(p: SimpleNamespace, v: Value, z: Value) -> Value:
+        """With the smallest g."""
+        return v - m(p, v) / g(p, v) * z
+
+
+def _end(ends: ExactRange) -> Fraction:
+    """The upper end of a range that has one."""
+    assert ends[1] is not None
+    return ends[1]
 
 
 @dataclass(frozen=True)
@@ -92,7 +131,7 @@ class Varied:
 
     def at(self, ends: Mapping[str, int], most: Fraction | None = None) -> Law:
         """The law with some constants at the low (-1) or the high (1) end of their ranges; an end that is open is
-        ``most`` times the nominal value.
+        ``most`` times the nominal value, or the lower end where that is more.
 
         Raises:
             InputError: the law does not allow these constants.
@@ -102,7 +141,7 @@ class Varied:
             low, high = self.range(name)
             end = low if side < 0 else high
             if end is None:
-                end = (most or 1) * Fraction(self.law.p.numbers[name])
+                end = (most or 1) * max(low, Fraction(self.law.p.numbers[name]))
             moved[name] = float(end) if low == high else up(end) if side < 0 else down(end)
         return type(self.law)({**self.law.machine, **self.law.values, **self.law.choices, **moved}, self.law.rotary)
 
@@ -134,6 +173,29 @@ class Varied:
             return made(values, self.law.rotary)
         except InputError:
             return None  # a constant that is too small or too large for a number
+
+    def lowest(self, any_z: bool = False) -> Law | None:
+        """The law that stands for the worst of all levels more closely than :meth:`worst`: with the Stribeck curve of the
+        lowest, and its own |v|. None where that is no other, or where it is not known which curve is the lowest."""
+        found = self.worst(any_z)
+        if found is None or "F_s" not in self.law.values or "delta" in self.ranges:
+            return None
+        low, rest = self.newtons[0], self.range("F_s")[0]
+        if rest <= low and self.law.name != "lugre_arctan":
+            return None
+        values: dict[str, Json] = {**found.values, **found.choices, "delta": self.law.values.get("delta")}
+        values |= {"F_c": down(low), "F_s": max(down(rest), down(low)), "v_s": down(self.range("v_s")[0])}
+        base = {"elastoplastic": "lugre", "elastoplastic_majorant": "lugre_majorant"}.get(self.law.name, self.law.name)
+        made: type[Law] = laws.builtin()[base]
+        if base == "lugre_arctan":
+            values["k_v"] = up(_end(self.range("k_v")))
+        if not any_z:
+            made = LowestLevelMajorant if isinstance(found, WorstLevelMajorant) else LowestLevel
+            values["reach"] = up(_end(self.newtons) / self.range("sigma_0")[0])
+        try:
+            return made(values, self.law.rotary)
+        except InputError:
+            return None
 
     def _worst(self, name: str) -> float:
         low, high = self.range(name)

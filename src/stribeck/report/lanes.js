@@ -5,12 +5,19 @@ for (const place of document.querySelectorAll(".picked")) {
   const marks = [...document.querySelectorAll("figure [id*='lane-']")].map((e) => [Number(e.id.split("lane-").pop()), e]);
   const maps = [...document.querySelectorAll("figure svg[data-axes]")].map((svg) => [svg, JSON.parse(svg.dataset.axes).filter((panel) => panel.cells)]).filter(([, panels]) => panels.length);
   field.max = Math.max(...lanes, ...found.cells);
+  const cell = new Map(found.cells.map((lane, n) => [lane, n])), wide = maps.length ? maps[0][1][0].cells.x.length - 1 : 1;
+  const away = (a, b) => { // of lanes: in cells where there is a map
+    if (!cell.has(a) || !cell.has(b)) return Math.abs(a - b);
+    const [p, q] = [cell.get(a), cell.get(b)];
+    return Math.hypot((p % wide) - (q % wide), Math.floor(p / wide) - Math.floor(q / wide));
+  };
+  if (lanes.length < found.cells.length) maps.forEach(([svg, panels]) => lanes.forEach((lane) => mark(svg, panels, cell.get(lane), "kept")));
   const show = (wanted) => {
-    const lane = lanes.reduce((a, b) => (Math.abs(b - wanted) < Math.abs(a - wanted) ? b : a));
+    const lane = lanes.reduce((a, b) => (away(b, wanted) < away(a, wanted) ? b : a));
     for (const [n, e] of marks) e.classList.toggle("chosen", n === lane);
-    maps.forEach(([svg, panels]) => outline(svg, panels, found.cells.indexOf(lane)));
+    maps.forEach(([svg, panels]) => { svg.querySelectorAll(".cell").forEach((e) => e.remove()); mark(svg, panels, cell.get(lane), "cell"); });
     field.value = lane;
-    said.textContent = `${found.about[lane]}${lane === wanted ? "" : ` (the lane kept here that is next to ${wanted})`}`;
+    said.textContent = `${found.about[lane]}${lane === wanted ? "" : ` (lane ${lane}, the one kept here that is next to ${wanted}${cell.has(lane) ? ": dots mark those kept" : ""})`}`;
     drawn.innerHTML = found.columns.map((name, k) => chart(name, found.t, found.curves[lane][k], k)).join("");
     drawn.querySelectorAll("svg[data-axes]").forEach((svg) => { svg.tabIndex = 0; read(svg); });
   };
@@ -23,23 +30,24 @@ for (const place of document.querySelectorAll(".picked")) {
     svg.classList.add("lane");
     svg.addEventListener("click", (e) => {
       const p = new DOMPoint(e.clientX, e.clientY).matrixTransform(svg.getScreenCTM().inverse());
-      const cell = panels.map((panel) => cellAt(panel, [p.x, p.y])).find(Boolean);
-      if (cell) show(found.cells[cell.n]);
+      const place = panels.map((panel) => cellAt(panel, [p.x, p.y])).find(Boolean);
+      if (place) show(found.cells[place.n]);
     });
   }
   field.oninput = () => { if (field.value !== "") show(Number(field.value)); };
   show(lanes[0]);
 }
-function outline(svg, panels, n) { // the cell of a lane, in each map
-  svg.querySelectorAll(".cell").forEach((e) => e.remove());
-  if (n < 0) return;
+function mark(svg, panels, n, kind) { // in each map: the outline of a chosen lane's cell, a dot in that of one kept
+  if (n === undefined) return;
   const share = (scale, value) => { const [a, b] = scale.ends; return scale.kind === "log" ? Math.log(value / a) / Math.log(b / a) : (value - a) / (b - a); };
   for (const { box: [x, y, wide, high], cells, x: across, y: up } of panels) {
-    const rows = cells.x.length - 1, [i, j] = [n % rows, Math.floor(n / rows)], rect = document.createElementNS("http://www.w3.org/2000/svg", "rect");
+    const rows = cells.x.length - 1, [i, j] = [n % rows, Math.floor(n / rows)];
     const [left, right] = [share(across, cells.x[i]), share(across, cells.x[i + 1])], [low, top] = [share(up, cells.y[j]), share(up, cells.y[j + 1])];
-    const set = { class: "cell", x: x + left * wide, y: y + (1 - top) * high, width: (right - left) * wide, height: (top - low) * high };
-    for (const [key, value] of Object.entries(set)) rect.setAttribute(key, value);
-    svg.append(rect);
+    const box = { x: x + left * wide, y: y + (1 - top) * high, width: (right - left) * wide, height: (top - low) * high };
+    const dot = { cx: box.x + box.width / 2, cy: box.y + box.height / 2, r: 1.1 };
+    const shape = document.createElementNS("http://www.w3.org/2000/svg", kind === "cell" ? "rect" : "circle");
+    for (const [key, value] of Object.entries({ class: kind, ...(kind === "cell" ? box : dot) })) shape.setAttribute(key, value);
+    svg.append(shape);
   }
 }
 function chart(name, t, x, k) { // with what the page's script reads values by

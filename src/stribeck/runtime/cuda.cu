@@ -3,7 +3,10 @@
 #if defined(__CUDACC_RTC__)
 typedef signed char int8_t;
 typedef long long int64_t;
-#define NAN __longlong_as_double(0x7ff8000000000000LL)
+#define NAN __longlong_as_double(0x7ff8000000000000LL) /* NVRTC has no headers */
+#define INFINITY __longlong_as_double(0x7ff0000000000000LL)
+#define HUGE_VAL INFINITY
+#define INT64_MAX 0x7fffffffffffffffLL
 #else
 #include <cmath>
 #include <cstddef>

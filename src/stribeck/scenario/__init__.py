@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from stribeck.arrays import Array
-from stribeck.constants import kind_of
+from stribeck.constants import kind_of, show
 from stribeck.drives import Drive
-from stribeck.errors import InputError, printable
+from stribeck.errors import InputError, arg, printable
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import Law
 from stribeck.machine.system import MachineSystem
@@ -55,6 +55,8 @@ class Scenario:
         trust: bool | Collection[str] = True,
         **tables_: object,
     ) -> None:
+        if data is not None and not isinstance(data, Mapping):
+            raise InputError(f"{arg('data')}: {show(data)}: must hold the tables; Scenario.load reads a file")
         given = {"schema": 1, **tables_} if data is None else {**data, **tables_}
         if isinstance(law := given.get("law"), Law) and law.rotary:
             given.setdefault("rotary", True)

@@ -4,8 +4,11 @@ parameters at a time."""
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from ctypes import POINTER, c_double, c_int, c_int64
+from dataclasses import dataclass
+from hashlib import sha256
 from typing import ClassVar
 
 import numpy as np
@@ -27,6 +30,83 @@ _CALLS: dict[str, list[object]] = {
     "stribeck_move": [_N, _P, _P, _P, _N, _P, _P, _N, POINTER(c_int64), _P, _P, _N, _P, _P, _P, _P],
 }
 _SOURCES = {"stribeck_respond": response_source, "stribeck_move": motion_source}
+
+
+Numbers = Mapping[str, NDArray[np.generic]]
+Answer = tuple[Array, ...] | None
+_ROWS = 256  # of a probe
+
+
+@dataclass(frozen=True)
+class Question:
+    """What a compiled law is asked: a function of the source ``text``, and its arrays by name."""
+
+    function: str
+    text: str
+    numbers: Numbers
+
+    def probe(self) -> Question:
+        """The same of the first lane along the first rows."""
+        ends = {"t": (_ROWS,), "v": (_ROWS,), "bend": (_ROWS,), "shift": (1, _ROWS), "force": (1, _ROWS), "first": (1,)}
+        ends |= {"bends": (1, _ROWS), "constants": (1,), "mass": (1,), "z": (1,), "states": (1, 1)}
+        short = {name: x[tuple(slice(end) for end in ends.get(name, ()))] for name, x in self.numbers.items()}
+        return Question(self.function, self.text, short)
+
+
+Elsewhere = Callable[[Question], Answer]
+_elsewhere: list[Elsewhere] = []  # where questions are answered but here; the innermost :func:`answered_by` last
+
+
+@contextmanager
+def answered_by(other: Elsewhere) -> Iterator[None]:
+    """Within, whatever thread asks, ``other`` answers; its numbers must be those of :func:`answer_here`."""
+    _elsewhere.append(other)
+    try:
+        yield
+    finally:
+        _elsewhere.remove(other)
+
+
+def answer_here(question: Question) -> Answer:
+    """The arrays of an answer; None where the integration failed.
+
+    Raises:
+        BuildError: there is no C compiler, or it failed.
+    """
+    call = getattr(_built(question.text), question.function)
+    numbers = {name: np.ascontiguousarray(x) for name, x in question.numbers.items()}
+    found = (_responded if question.function == Response.function else _moved)(call, numbers)
+    return found if found is not None and all(np.isfinite(x).all() for x in found) else None
+
+
+def digest(answer: Answer) -> str:
+    """Of every bit."""
+    found = sha256()
+    for x in answer or ():
+        found.update(np.ascontiguousarray(x).tobytes())
+    return found.hexdigest()
+
+
+def _responded(call: Callable[..., int], n: Numbers) -> Answer:
+    count, lanes = len(n["t"]), len(n["constants"])
+    out, state, present = np.empty((lanes, count)), np.array(n["z"], float), np.empty_like(n["constants"])
+    status = call(
+        count, _pointer(n["t"]), _pointer(n["v"]), _pointer(n["bend"]), lanes, _pointer(n["constants"]),
+        _pointer(n["shift"]) if "shift" in n else None, _pointer(n["gain"]), float(n["tolerance"].item(0)),
+        _STEPS_A_SAMPLE * count, _pointer(present), _pointer(state), _pointer(out),
+    )  # fmt: skip
+    return (out,) if status == 0 else None
+
+
+def _moved(call: Callable[..., int], n: Numbers) -> Answer:
+    count, lanes = len(n["t"]), len(n["constants"])
+    work, y, v = np.zeros((2, lanes, 3)), np.empty((lanes, count)), np.empty((lanes, count))
+    status = call(
+        count, _pointer(n["t"]), _pointer(n["force"]), _pointer(n["bends"]), lanes, _pointer(n["constants"]),
+        _pointer(n["mass"]), len(n["first"]), n["first"].ctypes.data_as(POINTER(c_int64)), _pointer(n["states"]),
+        _pointer(n["tolerance"]), _STEPS_A_SAMPLE * count, _pointer(work[0]), _pointer(work[1]), _pointer(y), _pointer(v),
+    )  # fmt: skip
+    return (y, v) if status == 0 else None
 
 
 def _check(library: ctypes.CDLL) -> None:
@@ -53,7 +133,12 @@ class _Compiled:
 
     def __init__(self, law: type[Law], form: Form = USUAL) -> None:
         self.names = response_parameters(law, form)
-        self._call = getattr(_built(_SOURCES[self.function](law, form)), self.function)
+        self._text = _SOURCES[self.function](law, form)
+        _built(self._text)
+
+    def _asked(self, **numbers: NDArray[np.generic]) -> Answer:
+        question = Question(self.function, self._text, numbers)
+        return (_elsewhere[-1] if _elsewhere else answer_here)(question)
 
     def lanes(self, sets: Sequence[Mapping[str, float]]) -> Array:
         """Sets of constants as rows in the order that the compiled code takes."""
@@ -86,18 +171,13 @@ class Response(_Compiled):
             shift: what some constants grow by at each sample, shape (lanes, samples).
             shifted: the names of these constants.
         """
-        inputs = [np.ascontiguousarray(x, float) for x in (t, v, constants)]
-        bend = _bends(inputs[1])
         gain = np.array([float(name in shifted) for name in self.names])
-        grown = None if shift is None else np.ascontiguousarray(shift, float)
-        out, state, present = np.empty((len(constants), len(t))), np.array(z, float), np.empty_like(inputs[2])
-        t_, v_, constants_, present_, state_, out_ = (_pointer(x) for x in (*inputs, present, state, out))
-        status = self._call(
-            len(t), t_, v_, _pointer(bend), len(constants), constants_,
-            None if grown is None else _pointer(grown), _pointer(gain), tolerance, _STEPS_A_SAMPLE * len(t),
-            present_, state_, out_,
-        )  # fmt: skip
-        return out if status == 0 and np.isfinite(out).all() else None
+        grown = {} if shift is None else {"shift": np.asarray(shift, float)}
+        t, v, constants, z = (np.asarray(x, float) for x in (t, v, constants, z))
+        found = self._asked(
+            t=t, v=v, bend=_bends(v), constants=constants, z=z, gain=gain, tolerance=np.array([tolerance]), **grown
+        )
+        return None if found is None else found[0]
 
 
 class ForcedBody(_Compiled):
@@ -122,20 +202,14 @@ class ForcedBody(_Compiled):
                 same steps.
             straight: take the force from sample to sample as a straight line.
         """
-        lanes = len(sets)
-        constants = self.lanes(sets)
         mass = np.array([each["mass"] for each in sets], float)
-        bend = np.zeros(force.shape) if straight else np.array([_bends(each) for each in force])
-        inputs = [np.ascontiguousarray(x, float) for x in (t, force, bend, constants, mass, states)]
-        t_, force_, bend_, constants_, mass_, states_ = (_pointer(x) for x in inputs)
-        begin, limits = np.ascontiguousarray(first, np.int64), np.array(tolerance)
-        work, y, v = np.zeros((2, lanes, 3)), np.empty((lanes, len(t))), np.empty((lanes, len(t)))
-        status = self._call(
-            len(t), t_, force_, bend_, lanes, constants_, mass_, len(begin), begin.ctypes.data_as(POINTER(c_int64)),
-            states_, _pointer(limits), _STEPS_A_SAMPLE * len(t), _pointer(work[0]), _pointer(work[1]), _pointer(y),
-            _pointer(v),
+        bends = np.zeros(force.shape) if straight else np.array([_bends(each) for each in force])
+        t, force, states = (np.asarray(x, float) for x in (t, force, states))
+        found = self._asked(
+            t=t, force=force, bends=bends, constants=self.lanes(sets), mass=mass, first=np.asarray(first, np.int64),
+            states=states, tolerance=np.array(tolerance, float),
         )  # fmt: skip
-        return (y, v) if status == 0 and np.isfinite(y).all() and np.isfinite(v).all() else None
+        return None if found is None else (found[0], found[1])
 
 
 def _built(text: str) -> ctypes.CDLL:
@@ -152,7 +226,7 @@ def _built(text: str) -> ctypes.CDLL:
     return cache.library(text, chosen, _check)[0]
 
 
-def _pointer(array: Array) -> ctypes._Pointer[c_double]:
+def _pointer(array: NDArray[np.generic]) -> ctypes._Pointer[c_double]:
     return array.ctypes.data_as(POINTER(c_double))
 
 

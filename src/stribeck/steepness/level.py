@@ -12,8 +12,8 @@ from stribeck.errors import InputError, arg
 from stribeck.laws.base import Law
 from stribeck.laws.terms import m_0
 from stribeck.properties.damped import largest, suffices
-from stribeck.properties.level import largest_v_d, thresholds
-from stribeck.properties.worst import MAJORANT, Varied
+from stribeck.properties.level import at_level, largest_v_d, thresholds
+from stribeck.properties.worst import MAJORANT
 
 LEVELLED = ("lugre", "lugre_arctan", "elastoplastic", *MAJORANT)
 _POINTS = 400
@@ -28,7 +28,8 @@ class LevelAdvice:
         v_d: the largest speed constant of the damping with which it is passive, m/s, however high the level rises; None
             where none will do: then k_v must be larger than ``k_v_above``, s/m.
         v_d_limit: the largest v_d that there is, m/s: with a larger one a level that rises high enough and falls draws
-            energy, by a load of some kind (theory.md); ``v_d`` is the part of it that one line of arithmetic shows.
+            energy, by a load of some kind (theory.md); ``v_d`` is the part of it that one line of arithmetic shows. None
+            where there is none, or for an elasto-plastic law with so small a k_v that it is not known.
         k_v_above: see ``v_d``; 0 for a law without k_v.
         steady_change: by how much v_d changes the steady friction at most, as a share of it, up to ``v_max``: computed.
         damping_at_v_s: the share of sigma_1 that is left at v_s.
@@ -60,7 +61,7 @@ def level_advice(law: Law, low: float, high: float, v_max: float) -> LevelAdvice
         raise InputError(
             f"{arg('level')}: law '{law.name}': must be one with bristles that v_d can make passive: {', '.join(LEVELLED)}"
         )
-    varied = Varied.by_level(law, low, high)
+    varied = at_level(law, (low, high))
     v_d, bounds = largest_v_d(varied), thresholds(varied)
     sigma_2, p = bounds["sigma_2_needed"], law.p
     bounded = law.name != "lugre_arctan"
@@ -78,11 +79,11 @@ def level_advice(law: Law, low: float, high: float, v_max: float) -> LevelAdvice
         by_sigma_2 = _largest_change(_with(law, sigma_2=sigma_2), speeds, now)
     small = p.sigma_1 * excess <= high * p.F_s
     constant = bounded and small and sigma_2 is not None and p.sigma_2 >= sigma_2
-    worst = varied.worst(any_z=True)
+    known = not law.name.startswith("elastoplastic") or p.sigma_1 * excess <= 2 * low * p.F_c
     left = exp(-((p.v_s / v_d) ** 2)) if v_d else None
     return LevelAdvice(
-        low, high, v_d, None if worst is None else largest(worst), above, changed, left, sigma_2 if bounded else None,
-        by_sigma_2, v_max, bool(constant or suffices(worst)),
+        low, high, v_d, largest(varied.extreme(-1)) if known else None, above, changed, left, sigma_2 if bounded else None,
+        by_sigma_2, v_max, bool(constant or suffices(varied.worst(any_z=True))),
     )  # fmt: skip
 
 

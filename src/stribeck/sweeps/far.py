@@ -1,5 +1,5 @@
-"""Every ensemble of a fit or a design on a Dask cluster: its lanes are sent out as numbers, and come back to the last bit as
-this machine would have made them."""
+"""Every ensemble of a fit or a design, and every answer of a law to a log, on a Dask cluster: sent out as numbers, they come
+back to the last bit as this machine would have made them."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from threading import Lock
 import numpy as np
 
 from stribeck.scenario import Scenario
-from stribeck.simulation import lanes
+from stribeck.simulation import lanes, response
 from stribeck.simulation.lanes import Outcome, Progress
 from stribeck.simulation.variations import Variations
 from stribeck.sweeps import worker
@@ -23,7 +23,8 @@ _Shared = tuple[str, dict[str, bytes]]
 
 @contextmanager
 def on_cluster(on: str) -> Iterator[None]:
-    """Within, the lanes of ensembles, fits of machines and designs are solved by the workers of a Dask cluster.
+    """Within, the lanes of ensembles, fits and designs are solved by the workers of a Dask cluster; of the fit of a log, the
+    law along the record from many starts and for many profiles at once.
 
     Their numbers are those of this machine to the last bit: workers that would make others are left out, and named; what a
     worker had in hand that dies goes to another one.
@@ -36,8 +37,10 @@ def on_cluster(on: str) -> Iterator[None]:
         InputError: ``on`` is something else, or no scheduler answers there.
         StribeckError: there is no C compiler here; within, the scheduler went away or no worker can solve the lanes.
     """
-    with connected(on) as workers, lanes.solved_by(_Far(workers).solve):
-        yield
+    with connected(on) as workers:
+        far = _Far(workers)
+        with lanes.solved_by(far.solve), response.answered_by(far.answer):
+            yield
 
 
 class _Far:
@@ -46,6 +49,7 @@ class _Far:
     def __init__(self, workers: Workers) -> None:
         self.workers = workers
         self._lock, self._shared = Lock(), dict[tuple[Scenario, tuple[tuple[str, float], ...]], _Shared]()
+        self._laws = dict[str, str]()
 
     def solve(self, library: ctypes.CDLL, variations: Variations, progress: Progress | None) -> Outcome:
         """All lanes, in parts of whole vectors."""
@@ -77,3 +81,16 @@ class _Far:
                 text = worker.lanes_text(variations.scenario, variations.shift, probe)
                 self._shared[key] = (text, {path: x.tobytes() for path, x in first.values.items()})
             return self._shared[key]
+
+    def answer(self, question: response.Question) -> response.Answer:
+        """A law's answer, whole, by one worker: all its lanes take the same steps."""
+        with self._lock:
+            if question.text not in self._laws:
+                probe = question.probe()
+                self._laws[question.text] = worker.law_text(probe, response.digest(response.answer_here(probe)))
+            text = self._laws[question.text]
+        found: list[response.Answer] = []
+        self.workers.do(
+            [0], lambda _: (worker.some_answers, (text, question.numbers)), lambda _, made: found.append(made["found"])
+        )
+        return found[0]

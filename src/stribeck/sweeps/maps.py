@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -42,6 +43,15 @@ def cell_lanes(values: Mapping[str, Array], found: tuple[Array, Array]) -> NDArr
     lanes = np.empty(len(i), np.int64)
     lanes[j * len(found[0]) + i] = np.arange(len(i))
     return lanes
+
+
+def spread(values: Mapping[str, Array], found: tuple[Array, Array], most: int) -> NDArray[np.int64]:
+    """The lanes of a coarser grid within a whole one (:func:`whole_grid`), so that one of them is near each cell."""
+    across, up = (len(each) for each in found)
+    rows = min(up, max(1, most // min(across, math.isqrt(most))))
+    columns = min(across, max(1, most // rows))
+    cells = cell_lanes(values, found).reshape(up, across)
+    return np.sort(cells[np.ix_(evenly(up, rows), evenly(across, columns))].ravel())
 
 
 def heat_map(values: Mapping[str, Array], found: tuple[Array, Array], quantities: Sequence[Quantity]) -> FigureSvg:

@@ -34,6 +34,7 @@ from stribeck.sweeps.maps import (
     logarithmic,
     parallel_axes,
     picked,
+    spread,
     whole_grid,
 )  # fmt: skip
 from stribeck.sweeps.places import Folder, fetched
@@ -127,8 +128,10 @@ def _picked(sweep: Sweep, kept: Sequence[Lanes], quantities: Sequence[Quantity])
 
 def _kept(sweep: Sweep) -> list[Lanes]:
     """Lanes whose trajectories the page keeps, simulated once more: few from the first to the last, and the others of a
-    small sweep, or more of a large one, unless a lane takes long."""
-    wanted = evenly(len(sweep.lanes), max(_LANES_SHOWN, min(_PICKED, _ROOM // sweep.lanes.scenario.rows)))
+    small sweep, or more of a large one (of a grid, along both axes), unless a lane takes long."""
+    most = max(_LANES_SHOWN, min(_PICKED, _ROOM // sweep.lanes.scenario.rows))
+    grid = whole_grid(sweep.lanes.values)
+    wanted = evenly(len(sweep.lanes), most) if grid is None else spread(sweep.lanes.values, grid, most)
     few = wanted[evenly(len(wanted), _LANES_SHOWN)]
     begun = time.monotonic()
     kept = [_again(sweep, few)]

@@ -1,5 +1,5 @@
 """What a worker of a cluster does: it is sent a scenario as text and numbers, builds it once, and makes parts of a sweep or
-solves lanes of a fit or a design.
+solves lanes of a fit or a design, or a law along a log.
 
 Its numbers must be those of the machine that asks, to the last bit: each worker first makes the first lane (of a sweep its
 file) and compares its digest with the one that it was sent.
@@ -25,7 +25,7 @@ from stribeck.errors import StribeckError, one_line
 from stribeck.files import sha256_of
 from stribeck.scenario import Scenario
 from stribeck.scenario.moved import with_files
-from stribeck.simulation import compiler, lanes, simulate_ensemble
+from stribeck.simulation import compiler, lanes, response, simulate_ensemble
 from stribeck.simulation.lanes import Integers, Outcome
 from stribeck.simulation.variations import Variations
 from stribeck.sweeps import tables
@@ -59,6 +59,16 @@ class _ToldLanes(_Told):
     shift: dict[str, float]
 
 
+class _ToldLaw(TypedDict):
+    """The keys of :func:`law_text`."""
+
+    stribeck: str
+    function: str
+    source: str
+    probe: str
+    numbers: dict[str, tuple[str, list[int], str]]
+
+
 class Refused(Exception):
     """This worker cannot make the numbers that are asked for."""
 
@@ -83,6 +93,12 @@ class SolvedLanes(Answer, total=False):
     states: Array
     t_reached: Array
     counts: dict[str, Integers]
+
+
+class Answered(Answer, total=False):
+    """What a compiled law answers; no arrays where the integration failed."""
+
+    found: tuple[Array, ...] | None
 
 
 @dataclass(frozen=True)
@@ -174,6 +190,66 @@ def some_lanes(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes
     return {"states": found.states, "t_reached": found.t_reached, "counts": found.counts}
 
 
+def law_text(probe: response.Question, digest: str) -> str:
+    """A compiled law as JSON: its equations in C, and a short question with the digest of its answer."""
+    packed = {
+        name: (x.dtype.str, x.shape, base64.b64encode(np.ascontiguousarray(x).tobytes()).decode())
+        for name, x in probe.numbers.items()
+    }
+    told = {
+        "stribeck": __version__,
+        "function": probe.function,
+        "source": probe.text,
+        "probe": digest,
+        "numbers": packed,
+    }
+    return json.dumps(told)
+
+
+def some_answers(text: str, numbers: response.Numbers) -> Answered:
+    """Ask a compiled law.
+
+    Args:
+        text: of :func:`law_text`.
+        numbers: of the question.
+    """
+    try:
+        with _building:
+            function, source = _law(text)
+    except Refused as why:
+        return {"refused": str(why), "worker": _address()}
+    return {"found": response.answer_here(response.Question(function, source, numbers))}
+
+
+@lru_cache(maxsize=64)
+def _law(text: str) -> tuple[str, str]:
+    """The function and the source of a text, built and compared once a process.
+
+    Raises:
+        Refused: this worker's numbers would not be the same.
+    """
+    given: _ToldLaw = json.loads(text)
+    _of_this_version(given["stribeck"])
+    numbers: response.Numbers = {
+        name: np.frombuffer(base64.b64decode(x), kind).reshape(shape)
+        for name, (kind, shape, x) in given["numbers"].items()
+    }
+    try:
+        found = response.answer_here(response.Question(given["function"], given["source"], numbers))
+    except StribeckError as error:
+        raise Refused(f"cannot build it: {one_line(str(error))}") from None
+    _compare(response.digest(found), given["probe"])
+    return given["function"], given["source"]
+
+
+def _of_this_version(version: str) -> None:
+    """Raises: Refused: this worker is another Stribeck's, or has no compiler."""
+    if version != __version__:
+        raise Refused(f"has Stribeck {__version__}, not {version}")
+    if compiler.find() is None:
+        raise Refused("has no C compiler")
+
+
 def _address() -> str:
     from distributed import get_worker
 
@@ -199,10 +275,7 @@ def _scenario_of(given: _Told) -> Iterator[Scenario]:
     Raises:
         Refused: this worker's numbers would not be the same.
     """
-    if given["stribeck"] != __version__:
-        raise Refused(f"has Stribeck {__version__}, not {given['stribeck']}")
-    if compiler.find() is None:
-        raise Refused("has no C compiler")
+    _of_this_version(given["stribeck"])
     kept = tempfile.TemporaryDirectory(prefix="stribeck-")
     try:
         for name, content in given["files"].items():
@@ -227,7 +300,7 @@ def _built(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Order:
     given: _ToldOrder = json.loads(text)
     with _scenario_of(given) as scenario:
         order = Order(scenario, given["summary"], given["as_csv"], given["url"])
-        _compare(order.probe(_values(dict(first_lane))), given)
+        _compare(order.probe(_values(dict(first_lane))), given["probe"])
     return order
 
 
@@ -245,10 +318,10 @@ def _solver(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Callable[[M
         def solve(values: Mapping[str, Array]) -> Outcome:
             return lanes.solve_here(library, Variations(scenario, values, shift), 1)
 
-        _compare(solve(_values(dict(first_lane))).digest, given)
+        _compare(solve(_values(dict(first_lane))).digest, given["probe"])
     return solve
 
 
-def _compare(probe: str, given: _Told) -> None:
-    if probe != given["probe"]:
+def _compare(found: str, probe: str) -> None:
+    if found != probe:
         raise Refused("makes other bits than this machine (another processor, compiler or pyarrow)")

@@ -8,7 +8,12 @@ from scipy.integrate import odeint
 
 from stribeck import Scenario, simulate
 from stribeck.identify.actuator import Logs, fit_machine
+from stribeck.identify.actuator.coordinates import coordinates
+from stribeck.identify.actuator.estimate import prepared
+from stribeck.identify.actuator.intervals import spread
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+from stribeck.identify.actuator.shooting import relayed, unset
 
 TRUTH = {
     "contacts.mesh.law.parameters.F_c": 0.4, "contacts.mesh.law.parameters.sigma_2": 0.03, "bodies.rotor.inertia": 0.02,
@@ -65,3 +70,19 @@ def test_a_chaotic_recording_has_intervals_that_hold_the_truth(motion):
         p = found.parameters[name]
         assert p.verdict == "found"
         assert p.low < x < p.high
+
+
+def test_stretches_that_begin_anywhere_give_no_intervals(motion):
+    """At the truth, with the arm, which nobody measures, at rest where each stretch begins; then as the one before left it."""
+    t, y = (x[: round(2.0 / STEP) + 1] for x in motion)
+    known = {"bodies.rotor.initial.y": START, "bodies.arm.initial.y": START}
+    recording = Recording("chain.csv", t, {"rotor.y": Channel("y", t, y)}, {}, known, window=0.5)
+    true = Scenario(chain(2.0)).with_changes(TRUTH)
+    sought = coordinates(true, Logs((recording,), tuple(Sought(name, x / 4, 4 * x) for name, x in TRUTH.items())))
+    runs, own = prepared(true, [(0, recording)], set(TRUTH))
+    problem = MachineProblem(runs, [*sought, *own], {"rotor.y": NOISE})
+    u = problem.start()
+    (told,) = unset(problem, u, spread(problem, u))
+    assert "could not be followed from one stretch into the next" in told
+    followed = MachineProblem(relayed(problem, u), problem.sought, problem.noise)
+    assert unset(followed, u, spread(followed, u)) == []

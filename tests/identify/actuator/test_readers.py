@@ -146,6 +146,59 @@ def test_messages_in_json(tmp_path):
     np.testing.assert_allclose(recording.outputs["a.y"].x, ELBOW)
 
 
+def test_messages_within_messages(tmp_path):
+    """ros2_control's joint states, a trajectory and an odometry's covariance, in a compressed bag of SQLite."""
+    pytest.importorskip("rosbags")
+    from rosbags.rosbag2 import CompressionFormat, CompressionMode, Writer
+    from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+
+    store = get_typestore(Stores.ROS2_HUMBLE)
+    state, value = "control_msgs/msg/DynamicJointState", "control_msgs/msg/InterfaceValue"
+    store.register(get_types_from_msg("string[] interface_names\nfloat64[] values", value))
+    text = "std_msgs/Header header\nstring[] joint_names\nInterfaceValue[] interface_values"
+    store.register(get_types_from_msg(text, state))
+    store.register(get_types_from_msg("geometry_msgs/PoseWithCovariance pose\nstring[] name", "my_msgs/msg/Odometer"))
+    kind, none = store.types, np.zeros(0)
+    point, still = (
+        kind["geometry_msgs/msg/Point"](1.0, 2.0, 3.0),
+        kind["geometry_msgs/msg/Quaternion"](0.0, 0.0, 0.0, 1.0),
+    )
+    pose = kind["geometry_msgs/msg/Pose"](point, still)
+    begin = kind["builtin_interfaces/msg/Duration"](sec=1, nanosec=0)
+    bag = Writer(tmp_path / "run", version=8)
+    bag.set_compression(CompressionMode.MESSAGE, CompressionFormat.ZSTD)
+    with bag:
+        topics = {
+            "/states": state,
+            "/odometer": "my_msgs/msg/Odometer",
+            "/wanted": "trajectory_msgs/msg/JointTrajectory",
+        }
+        ways = {topic: bag.add_connection(topic, each, typestore=store) for topic, each in topics.items()}
+        for i in range(N):
+            stamp = kind["builtin_interfaces/msg/Time"](*stamps(i)[:2])
+            header = kind["std_msgs/msg/Header"](stamp, "")
+            values = [kind[value](["position", "effort"], np.array([ELBOW[i] + k, 10.0 * k])) for k in (0, 1)]
+            covered = kind["geometry_msgs/msg/PoseWithCovariance"](pose, np.arange(36.0))
+            aim = kind["trajectory_msgs/msg/JointTrajectoryPoint"](np.array([0.0, float(i)]), none, none, none, begin)
+            for topic, message in {
+                "/states": kind[state](header, ["wrist", "elbow"], values),
+                "/odometer": kind["my_msgs/msg/Odometer"](covered, ["base"]),
+                "/wanted": kind["trajectory_msgs/msg/JointTrajectory"](header, ["wrist", "elbow"], [aim]),
+            }.items():
+                bag.write(ways[topic], stamps(i)[2], store.serialize_cdr(message, message.__msgtype__))
+    columns = {
+        "outputs": {"a.y": "/states.elbow.interface_values.position.values", "a.v": "/odometer.pose.covariance[35]"},
+        "inputs": {"loads.push.signal": "/wanted.points[0].elbow.positions"},
+    }
+    (recording,) = read_logs(logs(tmp_path, [{"file": "run", **columns}], UNKNOWN)).recordings
+    np.testing.assert_allclose(recording.outputs["a.y"].x, ELBOW + 1, rtol=1e-12)
+    assert recording.outputs["a.v"].x.tolist() == [35.0] * N
+    assert recording.inputs["loads.push.signal"].x.tolist() == list(range(N))
+    (part,) = (tmp_path / "run").glob("*.db3")
+    with pytest.raises(InputError, match=r"part of a rosbag: give the folder"):
+        read_logs(logs(tmp_path, [{"file": str(part), **columns}], UNKNOWN))
+
+
 def dataset(folder, version):
     """Two episodes, of the second of which the first joint is what the test wants."""
     import pyarrow as pa

@@ -2,7 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import odeint
 
+from stribeck.identify.actuator import Logs, fit_machine
+from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.runs import later
 
 
@@ -31,3 +34,41 @@ def test_a_signal_goes_on_where_a_stretch_begins(signal, value, by):
 
 def test_a_signal_that_cannot_be_cut_is_none():
     assert later({"kind": "point_to_point", "t": [0.0, 1.0], "value": [0.0, 1.0]}, 0.5) is None
+
+
+def test_an_unstable_machine_is_fitted_in_windows():
+    """An arm held upright: whole, its simulation falls over; a SciPy program records the torque and the angle."""
+    J, A, level, viscous, step = 0.05, 2.0, 0.15, 0.03, 0.004
+    t = np.arange(1001) * step
+
+    def torque(t, y, v):
+        return 12.0 * (0.25 * np.sin(2.1 * t) + 0.15 * np.sin(5.3 * t) - y) - 0.8 * v
+
+    def rates(x, t):
+        y, v = x
+        friction = level * 2 / np.pi * np.arctan(200.0 * v) + viscous * v
+        return [v, (torque(t, y, v) + A * np.sin(y) - friction) / J]
+
+    y, v = odeint(rates, [0.05, 0.0], t, rtol=1e-10, atol=1e-12).T
+    law = {"name": "coulomb_viscous", "k_v": 200.0, "parameters": {"F_c": 0.3, "sigma_2": 0.1}}
+    still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
+    machine = {
+        "schema": 2, "name": "upright", "bodies": {"arm": {"inertia": 0.1}}, "contacts": {"joint": {"from": "arm", "law": law}},
+        "loads": {"gravity": {"on": "arm", "kind": "pendulum", "amplitude": 1.0, "phase": np.pi},
+                  "push": {"on": "arm", "kind": "signal", "signal": still}},
+        "solve": {"t_end": 4.0}, "output": {"step": step},
+    }  # fmt: skip
+    truth = {
+        "bodies.arm.inertia": J, "loads.gravity.amplitude": A, "contacts.joint.law.parameters.F_c": level,
+        "contacts.joint.law.parameters.sigma_2": viscous,
+    }  # fmt: skip
+    measured = Channel("y", t, y + 5e-4 * np.random.default_rng(0).standard_normal(len(t)))
+    drive = Channel("u", t, torque(t, y, v))
+    recording = Recording("upright.csv", t, {"arm.y": measured}, {"loads.push.signal": drive}, {}, window=0.5)
+    sought = tuple(Sought(name, x / 8, 8 * x) for name, x in truth.items())
+    found = fit_machine(machine, Logs((recording,), sought), starts=4, baselines=False)
+    for name, x in truth.items():
+        p = found.parameters[name]
+        assert p.verdict == "found"
+        assert p.low < x < p.high
+        assert p.high - p.low < 0.1 * x

@@ -53,3 +53,22 @@ def test_the_sensor_of_one_recording_that_errs_is_named(tmp_path, off):
     p = found.parameters["log.1.outputs.a.y.offset"]
     assert p.low < off < p.high
     assert found.parameters[MASS].low < 1.0 < found.parameters[MASS].high
+
+
+def test_noise_of_an_input_that_adds_up_is_named_and_no_unit_is_suspected(tmp_path):
+    rng = np.random.default_rng(3)
+    noisy = lambda x: {**x, "u": x["u"] + 0.1 * rng.standard_normal(len(x["u"]))}  # noqa: E731
+    record(tmp_path / "noisy.csv", body(amplitude=5.0), change=noisy)
+    record(tmp_path / "clean.csv", body(amplitude=5.0))
+    wanted = {"bodies.a.mass": {"low": 0.2, "high": 5.0}, F_C: {"low": 0.1, "high": 10.0}}
+    found, clean = (
+        fit_machine(body(mass=1.1), logs(tmp_path, [name], wanted), starts=1, baselines=False)
+        for name in ("noisy.csv", "clean.csv")
+    )
+    assert all(p.verdict == "not judged" for p in found.parameters.values())
+    (told,) = [n for n in found.notes if "noise in its inputs" in n]
+    assert "loads.push.signal: 0.1" in told
+    assert "window" in told
+    assert not any("its column times" in n for n in found.notes)
+    assert all(p.verdict == "found" for p in clean.parameters.values())
+    assert not any("noise in its inputs" in n for n in clean.notes)

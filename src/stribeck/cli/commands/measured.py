@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from stribeck.cli.shared import Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app
-from stribeck.errors import InputError
 
 # Columns of a record.
 Data = Annotated[
@@ -126,9 +125,6 @@ def fit(
     from stribeck.cli import fit as work
     from stribeck.identify.options import FitOptions
 
-    if on is not None:
-        raise InputError(f"--on: {on!r}: goes with --logs: the fit of one body to a log has no lanes to send out")
-
     columns = {
         "time": time, "position": position, "velocity": velocity, "acceleration": acceleration, "force": force,
         "load": load, "pressure": pressure, "run": run, "command": command,
@@ -138,7 +134,7 @@ def fit(
         starts, seed, output, work.drive(drive),
     )  # fmt: skip
     named = work.columns(columns, unit or [], force_gain)
-    return work.fit(data, law or [], named, cutoff, trim, options, out, json)
+    return work.fit(data, law or [], named, cutoff, trim, options, out, json, on)
 
 
 @app.command(epilog="Example: stribeck predict another.csv --fit fit --out predicted")

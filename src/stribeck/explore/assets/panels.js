@@ -34,6 +34,7 @@ const model = (name) => {
 
 async function panels() {
   for (const [id, item] of Object.entries(data.figures)) await Bokeh.embed.embed_item(item, id);
+  quick();
   const dark = matchMedia("(prefers-color-scheme: dark)");
   dark.addEventListener("change", colours);
   colours();
@@ -60,37 +61,69 @@ function colours() {
   }
 }
 
-// The columns of one panel, divided by the unit's factor; the unit is chosen by what is shown now.
-function fill(name, result, ghost) {
-  const panel = data.panels[name], figure = model(name);
-  const [x, units] = [panel.x, {}];
+const shown = new Map(); // what each source was last filled from
+function put(source, from, rows) { // new data only where they are others: each asks for a redraw
+  const last = shown.get(source), same = last?.length === from.length && from.every((each, i) => Object.is(each, last[i]));
+  if (same || !model(source)) return;
+  shown.set(source, from);
+  model(source).data = rows();
+}
+
+// The columns of one panel, divided by the unit's factor; the unit is chosen by what is shown now. A coarse panel leaves
+// out what is nearer than half a pixel to the row before; told is whether it left out anything.
+function fill(name, result, ghost, coarse) {
+  const panel = data.panels[name], figure = model(name), { x } = panel, curve = x === "speed";
   const pick = (from, column) => column === "speed" ? from.curve.v : column === "steady" ? from.curve.F : from.columns[column];
   const scale = (columns, unit) => prefix(peak(...columns.map((c) => pick(result, c))), unit);
   const [xf, xu] = panel.log ? [1, panel.xUnit] : panel.x === "t" ? [1, "s"] : scale([x], panel.xUnit);
   const [yf, yu] = scale(panel.y.map((s) => s.column), panel.yUnit);
+  let left = false;
   const rows = (from) => {
     const found = { along: divide(pick(from, x), xf) };
     for (const series of panel.y) found[series.column] = divide(pick(from, series.column) ?? new Float64Array(found.along.length).fill(NaN), yf);
-    return found;
+    if (curve) return cut(found, found.along.length - 1); // the last is the working point
+    const kept = coarse ? thin(found, figure) : found;
+    left ||= kept !== found;
+    return kept;
   };
-  const cut = (found, n) => Object.fromEntries(Object.entries(found).map(([key, list]) => [key, list.subarray ? list.subarray(0, n) : list.slice(0, n)]));
-  const now = rows(result), curve = x === "speed";
-  model(`${name}-now`).data = curve ? cut(now, now.along.length - 1) : now;
-  model(`${name}-ghost`).data = ghost ? (curve ? cut(rows(ghost), now.along.length - 1) : rows(ghost)) : { along: [], ...Object.fromEntries(panel.y.map((s) => [s.column, []])) };
+  put(`${name}-now`, [result, xf, yf, coarse], () => rows(result));
+  put(`${name}-ghost`, ghost ? [ghost, xf, yf, coarse] : [], () => ghost ? rows(ghost) : { along: [], ...Object.fromEntries(panel.y.map((s) => [s.column, []])) });
   measuredPoints(name, xf, yf);
   figure.below[0].axis_label = `${panel.xLabel}${xu ? ` (${xu})` : ""}`;
   figure.left[0].axis_label = `${panel.yLabel}${yu ? ` (${yu})` : ""}`;
   const hover = model(`${name}-hover`);
   if (hover) hover.tooltips = [[panel.x === "t" ? "t" : panel.xName, `@along{0.0000} ${xu}`], ...panel.y.map((s) => [s.name, `@{${s.column}}{0.0000} ${yu}`])];
-  return [xf, yf];
+  return [yf, left];
 }
+const cut = (found, n) => Object.fromEntries(Object.entries(found).map(([key, list]) => [key, list.slice(0, n)]));
+
+const FEW = 8000; // rows that are drawn as soon as they are thinned
+function thin(found, figure) { // rows that lie half a pixel or more from the one kept before, in any line
+  const lists = Object.values(found), n = found.along.length, kept = new Uint32Array(n);
+  if (n < FEW) return found;
+  const least = lists.map((list, i) => {
+    const range = i ? figure.y_range : figure.x_range, size = (i ? figure.inner_height : figure.inner_width) || 500;
+    let low = Infinity, high = -Infinity;
+    for (const each of list) { if (each < low) low = each; if (each > high) high = each; }
+    return 0.5 * Math.min(high - low, Math.abs(range.end - range.start)) / size;
+  });
+  const apart = (a, b, length) => !(Math.abs(a - b) <= length) && (a === a || b === b);
+  let count = 0;
+  for (let i = 0, last = -1; i < n; i++) {
+    if (last < 0 || i === n - 1 || lists.some((list, j) => apart(list[i], list[last], least[j]))) kept[count++] = last = i;
+  }
+  if (count === n) return found;
+  const picked = kept.subarray(0, count);
+  return Object.fromEntries(Object.entries(found).map(([key, list]) => [key, Float64Array.from(picked, (i) => list[i])]));
+}
+
 function measuredPoints(name, xf, yf) { // what was measured, in the chart's present units
   const { columns } = data.measured ?? { columns: {} }, panel = data.panels[name], across = columns[panel.x];
   for (const { column } of panel.y) {
-    const source = model(`${name}-measured-${column}`);
-    if (!source) continue;
-    const { t, x } = columns[column], along = panel.x === "t" ? t : x.map((_, i) => across.x[i]);
-    source.data = { x: divide(along, xf), y: divide(x, yf) };
+    put(`${name}-measured-${column}`, [xf, yf], () => {
+      const { t, x } = columns[column], along = panel.x === "t" ? t : x.map((_, i) => across.x[i]);
+      return { x: divide(along, xf), y: divide(x, yf) };
+    });
   }
 }
 
@@ -108,9 +141,9 @@ function missed(result) {
   }
   return `Misses the measured ${told.join(", ")} rms.`;
 }
-const divide = (list, factor) => factor === 1 ? Float64Array.from(list) : Float64Array.from(list, (x) => x / factor);
+const divide = (list, factor) => factor === 1 ? list : Float64Array.from(list, (x) => x / factor);
 
-// Panels in sight are drawn at once; the others one by one when the hand rests, so that a slider stays quick.
+// Panels in sight are drawn at once, coarsely; when the hand rests, with every row, and the others one by one.
 const REST = 60; // ms
 const waiting = { panels: [], timer: 0 };
 
@@ -122,11 +155,11 @@ function draw(result) {
   }
   const seen = Object.fromEntries(["trajectories", ...names].map((id) => [id, inSight(document.getElementById(id))]));
   const now = names.filter((name) => seen[document.getElementById(name) ? name : "trajectories"]);
-  for (const name of now) one(name, result, ghost);
+  const coarse = now.filter((name) => one(name, result, ghost, true));
   clearTimeout(waiting.timer);
-  waiting.panels = names.filter((name) => !now.includes(name));
+  waiting.panels = [...coarse, ...names.filter((name) => !now.includes(name))];
   const next = () => {
-    if (waiting.panels.length) one(waiting.panels.shift(), result, ghost);
+    if (waiting.panels.length) one(waiting.panels.shift(), result, ghost, false);
     if (waiting.panels.length) waiting.timer = setTimeout(next);
     else window.stribeck.idle = !flying.pending && !flying.id;
   };
@@ -138,19 +171,20 @@ function inSight(element) {
   const { top, bottom } = element.getBoundingClientRect();
   return bottom > 0 && top < innerHeight;
 }
-function one(name, result, ghost) {
-  const [, factor] = fill(name, result, ghost), { marks } = data.panels[name];
+function one(name, result, ghost, coarse) {
+  const [factor, left] = fill(name, result, ghost, coarse), { marks } = data.panels[name];
   for (const kind of marks.length ? ["slip", "stick"] : []) {
-    const source = model(`${name}-${kind}`), found = { x: [], y: [] };
+    const found = { x: [], y: [] };
     for (const column of marks) {
       const element = column.includes(".") ? column.slice(0, column.lastIndexOf(".")) : "";
       for (const t of happened(result, element, kind)) { found.x.push(t); found.y.push(at(result, column, t) / factor); }
     }
-    source.data = found;
+    put(`${name}-${kind}`, found.x.length ? [result, factor] : [], () => found);
   }
-  if (name !== "curve" || !result.curve) return;
+  if (name !== "curve" || !result.curve) return left;
   const { v, F } = result.curve, last = v.length - 1;
-  model("curve-point").data = { x: [v[last]], y: [F[last] / factor] };
+  put("curve-point", [result, factor], () => ({ x: [v[last]], y: [F[last] / factor] }));
+  return left;
 }
 
 function happened(result, element, kind) { // when: data.watched names what the solver's numbers mean

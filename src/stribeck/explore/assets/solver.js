@@ -174,7 +174,7 @@ onmessage = async ({ data }) => {
     if (newest !== data.id) return;
     const tell = (share) => postMessage({ id: data.id, share });
     const result = await solve(made, data.law, data.setting, tell, () => newest === data.id);
-    if (result) postMessage({ id: data.id, result });
+    if (result) postMessage({ id: data.id, result }, Object.values(result.columns ?? {}).map((column) => column.buffer)); // moved, not copied
   } catch (error) {
     postMessage({ id: data.id, error: String(error) });
   }

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
-from stribeck.identify.actuator import checks, choice, gaps, judge, sensors, transfer
+from stribeck.identify.actuator import checks, choice, driven, gaps, judge, sensors, transfer
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, prepared, traces
 from stribeck.identify.actuator.kept import Kept
@@ -128,6 +128,7 @@ class Fitting:
                 self.scenario, self.fitted, self.sought, starts if first is None else max(1, starts // 4), self.seed,
                 self.work, first, keep,
             )  # fmt: skip
+            best = choice.from_simpler(self, best)
         notes = [*checks.before(self.logs, self.scenario), *before]
         left_out = None if best.stopped else choice.earned(self, best, notes)
         if left_out is not None:
@@ -186,8 +187,8 @@ class Fitting:
 
     def suspected(self, best: BestPoint) -> list[str]:
         """What may be wrong with the recordings that are not followed."""
-        lacking = gaps.unknown(best.problem, best.u)
-        return lacking or sensors.tried(best) or checks.hypotheses(self.unbroken(best))
+        lacking = gaps.unknown(best.problem, best.u) or sensors.tried(best)
+        return lacking or driven.by_noise(best.problem, best.u) or checks.hypotheses(self.unbroken(best))
 
     def unbroken(self, best: BestPoint) -> MachineProblem:
         """The problem of whole recordings, where nobody asked for stretches: what one that errs does to all that follows

@@ -14,7 +14,7 @@ from stribeck.errors import InputError, arg, needed
 from stribeck.recorded import Source
 
 _LONGEST = 64  # numbers of an array: a longer one is a picture or a cloud, no signal of an actuator
-_NAMES = ("name", "names", "joint_names")  # fields that name what arrays of the same length hold
+_NAMES = ("name", "names", "joint_names", "interface_names")  # fields that name what arrays of the same length hold
 
 Messages = Iterable[tuple[str, int, object]]  # topic, time (ns), message
 
@@ -83,9 +83,12 @@ def _fields(path: str, value: object, called: tuple[str, ...]) -> Iterator[tuple
                 yield from _fields(f"{path}.{name}" if path else name, x, names)
     elif isinstance(value, list | tuple | np.ndarray) and len(value) <= _LONGEST:
         before, _, last = path.rpartition(".")
-        for i, x in enumerate(value):
-            named = f"{before}.{called[i]}.{last}" if before else f"{called[i]}.{last}" if called else ""
-            yield from _fields(named if len(called) == len(value) else f"{path}[{i}]", _plain(x), ())
+        if len(called) == len(value):
+            for name, x in zip(called, value, strict=True):
+                yield from _fields(f"{before}.{name}.{last}" if before else f"{name}.{last}", _plain(x), ())
+        else:
+            for i, x in enumerate(value):
+                yield from _fields(f"{path}[{i}]", _plain(x), called)
 
 
 def _plain(x: object) -> object:

@@ -10,6 +10,7 @@ import numpy as np
 
 from stribeck.identify.actuator.bridges import GAP
 from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.driven import recorded_inputs
 from stribeck.identify.actuator.estimate import POOR, leftovers
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
@@ -25,8 +26,8 @@ _FACTORS = {
 }  # fmt: skip
 _LIKE = 0.1  # of a factor: how near a measured one is taken for it
 _CLOCK = 0.05
-_RECORDED = 8  # values of a signal: fewer were not recorded
 _STEPS, _ROUGHLY = 10, 1e-3  # of a search that only asks whether a recording can be followed
+_FOLLOWED = 0.1  # of its changes: a recording that would still be missed by more says nothing of its units
 _TRIED = 6  # recordings that are tried by themselves
 
 
@@ -160,7 +161,7 @@ def _columns_tried(whole: MachineProblem, run: RecordedRun, sought: list[Machine
         words = f"{path}: with its column times {factor:.4g} ({_FACTORS[factor]})"
         found.append((_worst(MachineProblem([other], sought, whole.noise), 6), words))
     left, words = min(found)
-    if left < 0.5 * now and left < POOR:
+    if left < 0.5 * now and left < _FOLLOWED:
         return [
             f"{words}, {run.name} would be followed to {100 * left:.2g} % of its changes: look at that column and its unit"
         ]
@@ -169,15 +170,10 @@ def _columns_tried(whole: MachineProblem, run: RecordedRun, sought: list[Machine
 
 def _inputs_scaled(run: RecordedRun) -> Iterator[tuple[str, RecordedRun, float]]:
     """The recording with one of its inputs in other units; another sign is that of an output too."""
-    for use in run.scenario.rig.signals:
-        table = run.scenario.data
-        for word in use.path.split("."):
-            table = table.get(word, {}) if isinstance(table, dict) else {}
-        values = table.get("value")
-        if isinstance(values, list) and len(values) > _RECORDED:
-            for factor in (1e-3, 1e3, np.pi / 180):
-                changes = {f"{use.path}.value": [factor * x for x in values]}
-                yield use.path, replace(run, scenario=run.scenario.with_changes(changes)), factor
+    for path, values in recorded_inputs(run):
+        for factor in (1e-3, 1e3, np.pi / 180):
+            changes = {f"{path}.value": (factor * values).tolist()}
+            yield path, replace(run, scenario=run.scenario.with_changes(changes)), factor
 
 
 def _scaled(run: RecordedRun, column: str, factor: float) -> RecordedRun:

@@ -13,6 +13,7 @@ from stribeck import laws as known_laws
 from stribeck.errors import InputError, StribeckError, nearest
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint, estimate, traces
+from stribeck.identify.actuator.larger import OpenLaw, again, doubtful, left_more, mend
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
 from stribeck.laws.base import PARAMETERS, Law
@@ -142,7 +143,7 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
     ones the simplest."""
     fitted, held, note = _split(fit)
     speeds = _speeds(fit)
-    rows: list[tuple[float, int, str, Chosen]] = []
+    tried: dict[str, OpenLaw] = {}
     failed: dict[str, str] = {}
     combinations = list(product(*laws.values()))
     for names in combinations:
@@ -152,15 +153,20 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
             best = estimate(
                 scenario, fitted, sought, fit.starts, fit.seed, fit.work, fit.kept.load(label), fit.kept.saver(label)
             )
-            error = held_out_error(fit, scenario, best, held)
-        except StribeckError as error_:
-            failed[label] = str(error_).splitlines()[0]
+        except StribeckError as error:
+            failed[label] = str(error).splitlines()[0]
             continue
-        rows.append((error, len(sought), label, Chosen(scenario, sought, best)))
+        tried[label] = OpenLaw(scenario, sought, best)
         if best.stopped:
             break
-    if not rows:
+    if not tried:
         raise InputError([f"law: {label}: {why}" for label, why in failed.items()])
+    if not any(x.best.stopped for x in tried.values()):
+        mend(list(tried.values()), fitted, fit.seed, fit.work)
+    rows = [
+        (held_out_error(fit, x.scenario, x.best, held), len(x.sought), label, Chosen(x.scenario, x.sought, x.best))
+        for label, x in tried.items()
+    ]
     finite = [row for row in rows if np.isfinite(row[0])] or rows
     least = min(row[0] for row in finite)
     picked = min((row for row in finite if not row[0] > (1 + _EARNS) * least), key=lambda row: (row[1], row[0]))
@@ -173,6 +179,32 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
     if again is None and chosen.estimate is not None and not chosen.estimate.stopped:
         again = estimate(chosen.scenario, fit.fitted, chosen.sought, 1, fit.seed, fit.work, chosen.estimate.values())
     return Chosen(chosen.scenario, chosen.sought, again or chosen.estimate, told, [note] if note else [])
+
+
+def from_simpler(fit: Fitting, best: BestPoint) -> BestPoint:
+    """A fit that leaves more than noise, searched again from the best numbers of a law without bristles that its laws
+    contain; the better of both."""
+    if best.stopped or not doubtful(best):
+        return best
+    large = OpenLaw(fit.scenario, fit.sought, best)
+    contacts = [
+        n
+        for n in fit.scenario.data.get("contacts", {})
+        if any(p.startswith(f"contacts.{n}.law.") for p in large.numbers)
+    ]
+    speeds = dict.fromkeys(contacts, 1.0)
+    for law in reversed(BASELINES.values()):
+        try:
+            scenario, sought = with_laws(fit.scenario, fit.sought, dict.fromkeys(contacts, law), speeds)
+            small = OpenLaw(scenario, sought, best)
+            if not small.numbers < large.numbers:
+                continue
+            found = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, thorough=False)
+            other = again(large, found, fit.fitted, fit.seed, fit.work)
+        except StribeckError:
+            continue
+        return other if left_more(best, other) else best
+    return best
 
 
 def _split(fit: Fitting) -> tuple[list[tuple[int, Recording]], list[tuple[int, Recording]], str]:

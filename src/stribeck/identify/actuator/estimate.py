@@ -13,7 +13,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Trace
-from stribeck.identify.actuator.runs import RecordedRun, unshifted
+from stribeck.identify.actuator.runs import RecordedRun, roughness, unshifted
 from stribeck.identify.actuator.shooting import joined_stretches
 from stribeck.identify.actuator.solve import Found, half_squares, scanned, search
 from stribeck.identify.actuator.starts import begun, stretches
@@ -75,8 +75,7 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
     most = _BEYOND if agreeing >= _AGREEING else _DOUBTED
     told = []
     for column, (left, _) in leftovers(problem, u).items():
-        rough = [np.diff(t.x, 3) for run in problem.runs for t in run.targets if t.column == column]
-        noise = float(np.sqrt(np.mean(np.concatenate(rough) ** 2) / 20))  # a third difference has 1 + 9 + 9 + 1 of them
+        noise = roughness([t.x for run in problem.runs for t in run.targets if t.column == column])
         least = max(noise, floor_of(problem, column))
         if least > 0 and left > most * least:
             told.append(f"{column}: {left:.2g} is left, {left / least:.0f} times what changes from sample to sample")

@@ -31,7 +31,7 @@ def unknown(problem: MachineProblem, u: Array, s: Spread | None = None) -> list[
             words = f"its outputs could be off by {much:.2g} times what is left"
         else:
             asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
-            moves = abs(s.covariance @ (s.J[rows].T @ off))[asked] / s.deviations[asked]
+            moves = s.moved_by(off, rows)[asked]
             if not moves.max() > _MOVES:
                 continue
             name = problem.sought[asked[int(np.argmax(moves))]].name

@@ -34,6 +34,11 @@ class Spread:
         """The standard deviation of each coordinate, with the inflation."""
         return np.sqrt(np.maximum(np.diag(self.covariance) * self.inflation, 0.0))
 
+    def moved_by(self, off: Array, rows: slice = slice(None)) -> Array:
+        """How far each coordinate would move, in its deviations, if these residuals were off by so much."""
+        with np.errstate(all="ignore"):
+            return np.asarray(abs(self.covariance @ (self.J[rows].T @ off)) / self.deviations)
+
 
 def spread(problem: MachineProblem, u: Array) -> Spread:
     """The covariance at the optimum, and its inflation by what the residuals remember."""

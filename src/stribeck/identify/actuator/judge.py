@@ -12,6 +12,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles, spread
 from stribeck.identify.actuator.result import Group, Parameter
+from stribeck.identify.actuator.shooting import unset
 from stribeck.identify.actuator.solve import search
 from stribeck.scenario import Scenario
 from stribeck.simulation.places import machine_places
@@ -42,6 +43,10 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
         s = spread(problem, best.u)
         if lacking := gaps.unknown(problem, best.u, s):
             return _blank(best, scenario, "no interval: samples of the inputs are missing (see the notes)", lacking)
+        if begun := unset(problem, best.u, s):
+            return _blank(
+                best, scenario, "no interval: stretches begin in states that nobody knows (see the notes)", begun
+            )
         told_of, moves = sensors.seen(best, s)
         if moves:
             return _blank(

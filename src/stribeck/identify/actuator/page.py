@@ -158,7 +158,7 @@ def _profiles(fit: MachineFit) -> list[Chapter]:
     if not names:
         return []
     layout = [names[i : i + 3] for i in range(0, len(names), 3)]
-    layout[-1] += [layout[-1][-1]] * (min(3, len(layout[0])) - len(layout[-1]))
+    layout[-1] += ["."] * (len(layout[0]) - len(layout[-1]))  # nothing there
     with style():
         made, axes = figure(layout, 1.9 * len(layout))
         for n in names:
@@ -172,26 +172,32 @@ def _profiles(fit: MachineFit) -> list[Chapter]:
 
 def _profile(axis: Axes, name: str, p: Parameter) -> None:
     x, rise = np.array(p.profile).T
-    axis.plot(x, rise, "o-", color="#0072B2", markersize=2.5)
+    fine: Array = np.linspace(x[0], x[-1], 200)
+    signed = np.sign(x - x[np.argmin(rise)]) * np.sqrt(rise)  # nearly straight: a profile is nearly a parabola
+    axis.plot(fine, np.interp(fine, x, signed) ** 2, color="#0072B2")
+    axis.plot(x, rise, "o", color="#0072B2", markersize=2.5)
     near = x[rise < _HIGHEST]
     if len(near) > 1:
         axis.set_xlim(near.min() - 0.1 * np.ptp(near), near.max() + 0.1 * np.ptp(near))
     axis.axhline(THRESHOLD, color="#D55E00", linewidth=0.8)
     axis.set(title=".".join(name.split(".")[-3:]), ylim=(0, max(6.0, min(float(rise.max()), 12.0))))
-    axis.locator_params(nbins=4)
+    axis.locator_params(axis="x", nbins=2)
 
 
 def _relation(fit: MachineFit) -> list[Chapter]:
     if fit.relation is None or len(fit.relation[0]) < 2:
         return []
     names, matrix = fit.relation
-    rows = [[n, *(f"{x:.2f}" for x in row)] for n, row in zip(names, matrix.tolist(), strict=True)]
+    rows = [
+        [f"{i} {n}", *(f"{x:.2f}" for x in row)]
+        for i, (n, row) in enumerate(zip(names, matrix.tolist(), strict=True), 1)
+    ]
     text = [f"Go together: {', '.join(g['names'])}." for g in fit.correlated] or [
         "No two numbers can stand for each other."
     ]
-    return [Chapter("correlation", "Correlation", text, [Table(["", *names], rows)])]
+    return [Chapter("correlation", "Correlation", text, [Table(["", *map(str, range(1, len(names) + 1))], rows)])]
 
 
 def _paste(fit: MachineFit) -> Chapter:
-    text = ["As options: " + " ".join(f"--set {n}={p.value:.6g}" for n, p in fit.parameters.items() if "log." not in n)]
-    return Chapter("paste", "To paste", text)
+    options = [f"--set {n}={p.value:.6g}" for n, p in fit.parameters.items() if "log." not in n]
+    return Chapter("paste", "To paste", ["As options:"], code=" \\\n".join(options))

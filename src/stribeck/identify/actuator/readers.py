@@ -29,6 +29,8 @@ def opened_log(path: Path, episode: int | None = None) -> Source:
         raise InputError(f"'{path}': has no episodes: it is no LeRobot dataset (meta/info.json)")
     if kind == ".json":
         return _bam(path)
+    if kind == ".db3":
+        raise InputError(f"'{path}': is a part of a rosbag: give the folder that holds its metadata.yaml")
     if (kind == ".mcap" and path.is_file()) or (kind == ".bag" and path.is_file()):
         return bags.opened_mcap(path) if kind == ".mcap" else bags.opened_rosbag(path)
     return bags.opened_rosbag(path) if (path / "metadata.yaml").is_file() else opened(path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from threading import Lock
@@ -127,6 +128,13 @@ def _built(key: Equations) -> ctypes.CDLL:
         except (BuildError, OSError) as error:
             raise StribeckError(f"fitting a machine: its compiled form cannot be built: {error}") from None
     return _LIBRARIES[key]
+
+
+def roughness(parts: Sequence[Array], order: int = 3) -> float:
+    """The noise of a column's pieces, by their differences of this order; a higher one sees less of the motion."""
+    parts = [x for x in parts if len(x) > order]
+    found = np.concatenate([np.diff(x, order) for x in parts]) if parts else np.zeros(1)
+    return float(np.sqrt(np.mean(found**2) / math.comb(2 * order, order)))
 
 
 def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel]:

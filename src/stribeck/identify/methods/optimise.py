@@ -13,7 +13,7 @@ from stribeck.arrays import Array
 from stribeck.identify.methods.blockwise import Solved, solve_blocks
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.work import Stopped, Work
-from stribeck.simulation.lanes import threads_of_this_machine
+from stribeck.simulation.lanes import are_elsewhere, threads_of_this_machine
 
 STOPPED = "stopped by Ctrl-C: the best values so far"
 _MANY = 200  # evaluations
@@ -83,9 +83,9 @@ def multistart(
     work = work or Work()
     best = _Best()
     watched = _Watched(problem, work, best)
-    batch, tried = max(threads_of_this_machine(), 2), 0
-    done: list[Solved] = []
-    looks: list[Solved] = []
+    batch, tried = len(starts) if are_elsewhere() else max(threads_of_this_machine(), 2), 0
+    done: list[tuple[int, Solved]] = []  # and from which start
+    looks, met = list[Solved](), list[int]()
 
     def to_the_end(run: Solved) -> Solved:
         near = from_afar(watched, run.point, _MIDDLE, most)
@@ -99,17 +99,18 @@ def multistart(
             for run in filter(None, work.each(lambda u: from_afar(watched, u, _ROUGH, _FIRST_LOOK), some)):
                 looks.append(run)
                 if sum(other.cost <= run.cost for other in looks) <= _KEPT:
-                    chosen.append(run)
-            ended = work.each(to_the_end, chosen)
-            done += [run for run in ended if run]
+                    chosen.append((len(looks), run))
+            ended = work.each(lambda each: to_the_end(each[1]), chosen)
+            done += [(place, run) for (place, _), run in zip(chosen, ended, strict=True) if run]
             tried += len(some)
             work.done(tried / len(starts))
-            if any(run.cost <= enough for run in done):
+            # the first that met it counts, and nothing after it, however many ran beside it
+            if met := [place for place, run in done if run.cost <= enough]:
+                tried = met[0]
+                done = [(place, run) for place, run in done if place <= tried]
                 break
         if not work.stopped:
-            met = [run for run in done if run.cost <= enough]
-            # the first that met it, however many ran beside it
-            first = met[0] if met else min(done, key=lambda run: run.cost)
+            first = done[-1][1] if met else min((run for _, run in done), key=lambda run: run.cost)
             last = solve_blocks(watched, first.point, _FINE, most)
     except (KeyboardInterrupt, Stopped):
         work.stop()
@@ -118,7 +119,7 @@ def multistart(
             raise KeyboardInterrupt
         return Optimum(problem.nearest(best.point), best.cost, tried, len(done), 0, False, STOPPED)
     final = last if last.cost <= first.cost else first
-    agreeing = sum(run.cost <= final.cost * (1 + _SAME) + 1e-12 for run in done)
+    agreeing = sum(run.cost <= final.cost * (1 + _SAME) + 1e-12 for _, run in done)
     return Optimum(
         problem.nearest(final.point), final.cost, tried, len(done), agreeing, final.converged, final.reason,
         final.cost <= enough,

@@ -326,7 +326,8 @@ def _prediction(whole: Separable, values: Mapping[str, float], log: Log, rows: R
 def cross_validated(whole: Separable, solution: Minimum, rows: Rows, folds: int, unseen: int = 0) -> LeftOut:
     """The model fitted anew without each part of the log, and what it misses there.
 
-    Coefficients are solved for exactly; shapes move by a step of Gauss and Newton where that fits the rest better.
+    Coefficients are solved for exactly; shapes move by a step of Gauss and Newton where that fits the rest better. All that
+    was sought counts as a parameter, also where it came out at its bound: rounding decides about that.
     """
     at = linearised(whole, solution)
     here = {s.name: solution.values[s.name] for s in whole.shapes}
@@ -341,8 +342,8 @@ def cross_validated(whole: Separable, solution: Minimum, rows: Rows, folds: int,
         missed, force = (whole.force - whole.force_at(found.values))[counted], whole.force[counted]
         return float(missed @ missed), float(force @ force)
 
-    numbers = len(whole.wanted) + len(whole.free) + len(whole.shapes) + unseen  # one at the end of its range is one too
-    return cross_validate(rows.log.rows(rows.kept), folds, numbers, missed_without)
+    sought = len(whole.wanted) + len(whole.free) + len(whole.shapes) + unseen
+    return cross_validate(rows.log.rows(rows.kept), folds, sought, missed_without)
 
 
 def _stepped(

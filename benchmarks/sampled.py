@@ -1,0 +1,81 @@
+"""A controller that samples at 4 kHz against the same machine under the continuous controller: the ratio of their runs."""
+
+from __future__ import annotations
+
+import random
+import tomllib
+from copy import deepcopy
+from math import pi
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from measure import machine, options, say, spread, table, timed, write
+
+from stribeck import Scenario, simulate
+from stribeck.examples import path
+
+PERIOD, DELAY = 2.5e-4, 1e-4  # s: 4 kHz
+ENCODERS = {"ideal": None, "2^17 counts a turn": 2 * pi / 2**17, "2^12 counts a turn": 2 * pi / 2**12}
+WANTED = 3.0
+MACHINES = Path(__file__).parents[2] / "shared" / "scenarios" / "machines"  # more of them, where they are
+
+
+def files() -> dict[str, dict[str, Any]]:
+    """Machines that turn and have a motor with an encoder."""
+    more = [MACHINES / f"{name}.toml" for name in ("servo_sampled", "servo_cascade")]
+    return {p.stem: tomllib.loads(p.read_text()) for p in (path("arm"), *more) if p.is_file()}
+
+
+def ways(data: dict[str, Any]) -> dict[str, Scenario]:
+    """The machine under its controller as if it never sampled, and at 4 kHz with each encoder."""
+    found = {}
+    for name, counts in {"continuous": None, **ENCODERS}.items():
+        given = deepcopy(data)
+        sampling = {"period": PERIOD, "delay": DELAY} | ({} if counts is None else {"resolution": counts})
+        for controller in given["controllers"].values():
+            controller.pop("sampling", None)
+            if name != "continuous":
+                controller["sampling"] = sampling
+        found[name] = Scenario(given)
+    return found
+
+
+def servo() -> dict[str, Scenario]:
+    """The pneumatic servo, whose cascade knows no encoder."""
+    plain = Scenario.load(path("servo"))
+    return {"continuous": plain, "ideal": plain.with_changes({"drive.sample_time": PERIOD})}
+
+
+def measured(name: str, scenarios: dict[str, Scenario], repetitions: int) -> list[dict[str, Any]]:
+    """Each way in its turn, in random order; ratios to the continuous one are taken within a repetition."""
+    steps = {way: simulate(scenario).stats["accepted"] for way, scenario in scenarios.items()}
+    seconds: dict[str, list[float]] = {way: [] for way in scenarios}
+    order = random.Random(0)
+    for _ in range(repetitions):
+        for way in order.sample(list(scenarios), len(scenarios)):
+            seconds[way].append(timed(lambda s=scenarios[way]: simulate(s)).cpu)
+    base = np.array(seconds["continuous"])
+    say(f"{name}: done")
+    return [
+        {"machine": name, "encoder": way, "steps": steps[way], "seconds": spread(x), "ratio": spread(list(x / base))}
+        for way, x in ((way, np.array(values)) for way, values in seconds.items())
+    ]
+
+
+def main() -> None:
+    """Measure, print, write."""
+    given = options(__doc__, "sampled", 31, 3)
+    rows = [row for name, data in files().items() for row in measured(name, ways(data), given.repetitions)]
+    rows += measured("servo", servo(), given.repetitions)
+    print(f"At {1 / PERIOD:g} Hz against the same machine under the continuous controller (at most {WANTED:g} wanted):")
+    print(table(("machine", "encoder", "steps", "ms", "ratio", "quartiles"), [
+        (r["machine"], r["encoder"], str(r["steps"]), f"{1e3 * r['seconds']['median']:.2f}", f"{r['ratio']['median']:.2f}",
+         f"{r['ratio']['q1']:.2f} to {r['ratio']['q3']:.2f}")
+        for r in rows
+    ]))  # fmt: skip
+    write(given.out, {"machine": machine(), "wanted": WANTED, "rows": rows})
+
+
+if __name__ == "__main__":
+    main()

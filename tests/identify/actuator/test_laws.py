@@ -1,0 +1,48 @@
+"""LuGre contains the static curve: from a start that leads elsewhere it must not end worse than that."""
+
+import pytest
+
+from stribeck.identify.actuator import fit_machine
+from tests.identify.actuator.recorded import body, logs, record
+
+LAW = "contacts.guide.law.parameters."
+MASS, F_C, SIGMA_2 = "bodies.a.mass", f"{LAW}F_c", f"{LAW}sigma_2"
+TRUTH = {MASS: 1.0, F_C: 1.0, SIGMA_2: 4.0}
+WANTED = {MASS: {"low": 0.2, "high": 5.0}, F_C: {"low": 0.1, "high": 10.0}, SIGMA_2: {"low": 0.4, "high": 40.0}}
+ALL = {n: {"low": x / 5, "high": 5 * x} for n, x in TRUTH.items()} | {
+    f"{LAW}{n}": {"low": x / times, "high": x * times}
+    for n, x, times in (("sigma_0", 2e4, 100), ("sigma_1", 60.0, 100), ("F_s", 1.3, 10), ("v_s", 0.02, 10))
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    found = tmp_path_factory.mktemp("recordings")
+    for i, amplitude in enumerate((3.0, 5.0, 4.0)):
+        record(found / f"run{i}.csv", body(amplitude=amplitude), seed=i)
+    return found
+
+
+def fitted(folder, data, wanted, **more):
+    """From one start, which leads elsewhere."""
+    path = logs(folder, ["run0.csv", "run1.csv", {"file": "run2.csv", "hold_out": True}], wanted)
+    found = fit_machine(data, path, starts=1, baselines=False, **more)
+    for name, x in TRUTH.items():
+        p = found.parameters[name]
+        assert p.verdict == "found", (name, found.notes)
+        assert p.value == pytest.approx(x, rel=2e-3)
+    return found
+
+
+def test_laws_left_open_are_searched_again_from_those_that_they_contain(folder):
+    data = body()
+    law = {"name": "coulomb_viscous", "k_v": 1e4, "parameters": {"F_c": 0.2, "sigma_2": 20.0}}
+    data["contacts"]["guide"]["law"] = law
+    found = fitted(folder, data, WANTED, laws={"guide": ["lugre_majorant", "stribeck"]})
+    assert found.laws["picked"] == "guide = lugre_majorant"
+    assert found.laws["errors"]["guide = lugre_majorant"] < 0.2 * found.laws["errors"]["guide = stribeck"]
+
+
+def test_a_law_by_itself_is_searched_again_from_the_static_curve(folder):
+    data = body(mass=3.3, F_c=0.5, sigma_2=5.6, sigma_0=260000.0, sigma_1=440.0, F_s=8.8, v_s=0.11)
+    fitted(folder, data, ALL)
