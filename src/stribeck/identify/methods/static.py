@@ -115,6 +115,8 @@ def settle(
     if not (whole.wanted or whole.free or whole.shapes):
         raise InputError(f"law '{made.law.name}': every constant is given: there is nothing to fit")
     solution = whole.search(warm, everywhere)
+    whole, solution = whole.as_seen(solution, warm, everywhere)
+    made = replace(made, whole=whole)
     if setting.robust:
         whole, solution = _robust(whole, solution)
         made = replace(made, whole=whole)

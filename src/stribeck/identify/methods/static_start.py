@@ -86,7 +86,7 @@ def model(
         )
     terms = _told_apart(rows, terms, unseen, notes)
     linear = [n for n in wanted if n in sliding.linear and n not in unseen]
-    shapes = [Shape(n, *_span(n, law, sizes, rows)) for n in wanted if n not in sliding.linear and n not in unseen]
+    shapes = [_shape(n, law, sizes, rows) for n in wanted if n not in sliding.linear and n not in unseen]
     if "delay" in terms:
         step = rows.log.step
         longest = min(_DELAY_STEPS * step, max(_LONGEST_DELAY, 2 * step))
@@ -146,21 +146,23 @@ def _typical(law: type[Law], sizes: Sizes, given: Mapping[str, float]) -> dict[s
     return found
 
 
-def _span(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> tuple[float, float]:
+def _shape(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> Shape:
     """Where a constant that shapes the curve is looked for."""
-    constant = law.constants()[name]
+    constant, v = law.constants()[name], rows.log.velocity
     if constant.unit == "s/m":
-        v = rows.log.velocity
         slowest = float(np.quantile(abs(v), 0.01))
         if (
             _one_way(v) and slowest > _SLOW * sizes.fast
         ):  # no row shows the sign change: a curve that fits would be guessed
-            return _CHANGED / slowest, 1e4 / sizes.fast
-        return 0.3 / sizes.fast, 1e4 / sizes.fast
+            return Shape(name, _CHANGED / slowest, 1e4 / sizes.fast)
+        return Shape(name, 0.3 / sizes.fast, 1e4 / sizes.fast)
     if constant.unit == "m/s":
-        return min(max(1e-3 * sizes.fast, _slowest(rows)), 0.35 * sizes.fast), 0.7 * sizes.fast
+        low, half = (min(max(1e-3 * sizes.fast, x), 0.35 * sizes.fast) for x in (_slowest(rows), 0.5 * _slowest(rows)))
+        if _one_way(v):  # the foot of a bend may show where its middle does not
+            return Shape(name, half, 0.7 * sizes.fast, seen=low)
+        return Shape(name, low, 0.7 * sizes.fast)
     middle = constant.example or constant.default or ranges(law, sizes)[name].value
-    return 0.2 * middle, 5 * middle
+    return Shape(name, 0.2 * middle, 5 * middle)
 
 
 def _slowest(rows: Rows) -> float:

@@ -8,7 +8,7 @@ at the shapes of a narrower one can therefore never fit worse.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,21 +19,27 @@ from stribeck.arrays import Array
 from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.terms import TERMS
 
-_GRID, _DRAWS = 25, 5  # points of one shape; 2**draws of several
+_GRID, _DRAWS = 25, 6  # points of one shape; 2**draws of several
 _DELAYS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)  # steps
-_REFINED = 3  # of the starts
+_REFINED, _APART = 4, 0.15  # starts, which differ so much in the share of one shape: neighbours lead to one minimum
 _HIGHEST = 3.0  # of the largest force: what the curve rises above F_c at most, as more was nowhere measured
+_END = 1.1  # times the lower end of a search: what lies below is the end itself
+_TOLD = 20.0  # twice the logarithm of a likelihood; five times what one record in 20 gains by chance: neighbouring rows err alike
 _LITTLE = 1e-7  # of the force: the least that Coulomb friction is
 
 
 @dataclass(frozen=True)
 class Shape:
-    """A number that the force is not linear in, and where it is looked for; ``log``: on a logarithmic scale."""
+    """A number that the force is not linear in, and where it is looked for; ``log``: on a logarithmic scale.
+
+    ``seen``, above ``low``, is how far down the record shows it: a place below counts only if it is no end of the search.
+    """
 
     name: str
     low: float
     high: float
     log: bool = True
+    seen: float | None = None
 
     def at(self, share: float) -> float:
         """The value at a share of the way from the low end to the high one."""
@@ -181,9 +187,32 @@ class Separable:
         """
         if not self.shapes:
             return self.solve({})
-        starts = [dict(s.values) for s in self.grid()[:_REFINED]] if everywhere or not warm else self._around(warm[0])
+        starts = self._apart(self.grid()) if everywhere or not warm else self._around(warm[0])
         starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in warm]
         return min((self.refined(start) for start in starts), key=self._rank)
+
+    def as_seen(
+        self, found: Minimum, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True
+    ) -> tuple[Separable, Minimum]:
+        """The same with the search no farther down than the record shows, where a place below that is not told: the search
+        ends there, or the likelihood gains little. Otherwise as it is."""
+        below = [s for s in self.shapes if s.seen and found.values[s.name] < s.seen]
+        if not below:
+            return self, found
+        shapes = [replace(s, low=s.seen, seen=None) if s.seen else s for s in self.shapes]
+        narrow = Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight)
+        near = narrow.search(warm, everywhere)
+        gain = np.count_nonzero(self.weight) * np.log(near.cost / max(found.cost, 1e-300))
+        told = gain > _TOLD and all(found.values[s.name] > _END * s.low for s in below)
+        return (self, found) if told else (narrow, near)
+
+    def _apart(self, found: Sequence[Minimum]) -> list[dict[str, float]]:
+        """The best of solutions that lie apart."""
+        starts: list[dict[str, float]] = []
+        for shape in (self._shape_of(s.values) for s in found):
+            if all(max(abs(s.share(shape[s.name]) - s.share(x[s.name])) for s in self.shapes) > _APART for x in starts):
+                starts.append(shape)
+        return starts[:_REFINED]
 
     def _around(self, known: Mapping[str, float]) -> list[dict[str, float]]:
         """The best places of the shapes that are not known yet, the others where they are known to be."""
