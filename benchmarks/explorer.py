@@ -58,7 +58,7 @@ look();
 def busy(driver: Any) -> float:
     """Processor time of the page's main thread so far, in ms."""
     metrics = driver.execute_cdp_cmd("Performance.getMetrics", {})["metrics"]
-    return 1000 * next(each["value"] for each in metrics if each["name"] == "ThreadTime")
+    return float(1000 * next(each["value"] for each in metrics if each["name"] == "ThreadTime"))
 
 
 def drags(page: Path, size: tuple[int, int, bool], repetitions: int) -> dict[str, Any]:
@@ -84,7 +84,7 @@ def drags(page: Path, size: tuple[int, int, bool], repetitions: int) -> dict[str
 
         def drag(place: int) -> dict[str, float]:
             before = busy(driver)
-            found = driver.execute_async_script(_DRAG, place, canvases)
+            found: dict[str, float] = driver.execute_async_script(_DRAG, place, canvases)
             found["cpu"] = busy(driver) - before
             driver.execute_async_script(_SETTLED)
             return found

@@ -269,3 +269,21 @@ def test_many_rows_are_thinned_while_a_slider_moves_and_whole_when_it_rests(page
     last = np.searchsorted(coarse["along"], whole["along"], side="right") - 1
     for name, pixels in zip(whole, (size[0], *(size[1] for _ in list(whole)[1:])), strict=True):
         assert np.max(abs(whole[name] - coarse[name][last])) <= 0.5001 * np.ptp(whole[name]) / pixels, name
+
+
+def test_legends_keep_their_place_when_light_becomes_dark(page):
+    places = (
+        "return Object.keys(data.panels).flatMap(name => { const view = Bokeh.index.find_one(model(name));"
+        "return model(name).above.map(each => view.views.find_one(each).el.getBoundingClientRect().right); })"
+    )
+    page.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "light"}]}
+    )
+    time.sleep(0.5)
+    before = page.execute_script(places)
+    page.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": "dark"}]}
+    )
+    time.sleep(0.5)
+    assert page.execute_script(places) == before
+    page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})

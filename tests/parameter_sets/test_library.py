@@ -24,7 +24,7 @@ def test_each_machine_is_valid_and_says_where_it_is_from(name):
         if found.origin == "fitted":
             value = found.machine
             for word in path.split("."):
-                value = value[word]
+                value = value[int(word)] if isinstance(value, list) else value[word]
             assert value == pytest.approx(p["value"])
         assert ("low" in p) == ("high" in p)
 

@@ -392,6 +392,7 @@ def test_a_fit_of_a_log_on_workers_of_which_one_is_killed_finds_the_same_bits(cl
     assert len(asked) == 1  # the probe
 
 
+@pytest.mark.thorough
 def test_a_fit_of_the_motion_on_workers_finds_the_same_bits(cluster):
     t = np.arange(0, 0.8, 2e-3)
     force = (16 + 6 * np.sin(2 * np.pi * 1.3 * t)) * np.sin(2 * np.pi * 0.8 * t)

@@ -10,7 +10,7 @@ import pytest
 import stribeck
 from stribeck import Scenario, simulate
 from stribeck.sweeps import page
-from stribeck.sweeps.maps import spread, whole_grid
+from stribeck.sweeps.maps import spread_lanes, whole_grid
 from tests.simulation.rig import needs_compiler
 
 pytest.importorskip("matplotlib")
@@ -140,7 +140,7 @@ def test_of_a_large_grid_a_lane_near_each_cell_is_kept(across, up, apart):
     order = np.random.default_rng(0).permutation(across * up)
     x, y = (each.ravel()[order] for each in np.meshgrid(np.arange(across), np.arange(up)))
     values = {"a": x + 1.0, "b": y + 1.0}
-    lanes = spread(values, whole_grid(values), 100)
+    lanes = spread_lanes(values, whole_grid(values), 100)
     assert 80 <= len(lanes) <= 100
     assert len(set(lanes.tolist())) == len(lanes)
     far = np.hypot(x[:, None] - x[lanes], y[:, None] - y[lanes]).min(axis=1)

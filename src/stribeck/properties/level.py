@@ -118,17 +118,14 @@ def at_level(law: Law, level: tuple[float, float]) -> Varied:
     if text := level_problem(level):
         raise InputError(text)
     low, high = level
+    this = f"{arg('level')}: {show([low, high])}: law '{law.name}'"
     if "F_c" not in law.values:
-        raise InputError(
-            f"{arg('level')}: {show([low, high])}: law '{law.name}' has no F_c, and so no level that could vary"
-        )
+        raise InputError(f"{this} has no F_c, and so no level that could vary")
     varied = Varied.by_level(law, low, high)
     try:
         varied.extreme(-1), varied.extreme(1)
     except InputError as error:
-        raise InputError(
-            [f"{arg('level')}: {show([low, high])}: law '{law.name}': {text}" for text in error.problems]
-        ) from None
+        raise InputError([f"{this}: {text}" for text in error.problems]) from None
     return varied
 
 

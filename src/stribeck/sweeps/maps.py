@@ -45,7 +45,7 @@ def cell_lanes(values: Mapping[str, Array], found: tuple[Array, Array]) -> NDArr
     return lanes
 
 
-def spread(values: Mapping[str, Array], found: tuple[Array, Array], most: int) -> NDArray[np.int64]:
+def spread_lanes(values: Mapping[str, Array], found: tuple[Array, Array], most: int) -> NDArray[np.int64]:
     """The lanes of a coarser grid within a whole one (:func:`whole_grid`), so that one of them is near each cell."""
     across, up = (len(each) for each in found)
     rows = min(up, max(1, most // min(across, math.isqrt(most))))

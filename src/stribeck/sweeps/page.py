@@ -34,7 +34,7 @@ from stribeck.sweeps.maps import (
     logarithmic,
     parallel_axes,
     picked,
-    spread,
+    spread_lanes,
     whole_grid,
 )  # fmt: skip
 from stribeck.sweeps.places import Folder, fetched
@@ -131,7 +131,7 @@ def _kept(sweep: Sweep) -> list[Lanes]:
     small sweep, or more of a large one (of a grid, along both axes), unless a lane takes long."""
     most = max(_LANES_SHOWN, min(_PICKED, _ROOM // sweep.lanes.scenario.rows))
     grid = whole_grid(sweep.lanes.values)
-    wanted = evenly(len(sweep.lanes), most) if grid is None else spread(sweep.lanes.values, grid, most)
+    wanted = evenly(len(sweep.lanes), most) if grid is None else spread_lanes(sweep.lanes.values, grid, most)
     few = wanted[evenly(len(wanted), _LANES_SHOWN)]
     begun = time.monotonic()
     kept = [_again(sweep, few)]

@@ -7,10 +7,9 @@ import pytest
 from scipy.integrate import odeint
 
 from stribeck import Scenario, simulate
-from stribeck.identify.actuator import Logs, fit_machine
+from stribeck.identify.actuator import Logs, fit_machine, intervals
 from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.actuator.estimate import prepared
-from stribeck.identify.actuator.intervals import spread
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.shooting import relayed, unset
@@ -82,7 +81,7 @@ def test_stretches_that_begin_anywhere_give_no_intervals(motion):
     runs, own = prepared(true, [(0, recording)], set(TRUTH))
     problem = MachineProblem(runs, [*sought, *own], {"rotor.y": NOISE})
     u = problem.start()
-    (told,) = unset(problem, u, spread(problem, u))
+    (told,) = unset(problem, u, intervals.spread(problem, u))
     assert "could not be followed from one stretch into the next" in told
     followed = MachineProblem(relayed(problem, u), problem.sought, problem.noise)
-    assert unset(followed, u, spread(followed, u)) == []
+    assert unset(followed, u, intervals.spread(followed, u)) == []

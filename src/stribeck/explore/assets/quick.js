@@ -36,16 +36,6 @@ function quick() {
     for (const each of figure.above) {
       const legend = view?.views.find_one(each), renew = legend?._render_items, sheet = home(legend?.position, "_update");
       if (renew) legend._render_items = function () { if (this._should_rerender_items !== false) renew.call(this); }; // else with all new data
-      const move = legend?.update_position;
-      if (move) {
-        let last = "";
-        legend.update_position = function () { // asks for the page's layout, which only another place of the legend changes
-          const { x, y, width, height } = this.layout?.bbox ?? {}, place = `${x} ${y} ${width} ${height}`;
-          if (place === last) return;
-          last = place;
-          move.call(this);
-        };
-      }
       if (sheet && !sheet.same) { // the same text written again makes the browser lay out the page again
         const write = sheet._update;
         sheet._update = function (css) { if (css !== this.css) write.call(this, css); };

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator import advise, gaps, sensors
+from stribeck.identify.actuator import advise, gaps, intervals, sensors
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
-from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles, spread
+from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles
 from stribeck.identify.actuator.result import Group, Parameter
 from stribeck.identify.actuator.shooting import unset
 from stribeck.identify.actuator.solve import search
@@ -40,7 +40,7 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
     if not trusted:
         return _blank(best, scenario, "no interval: the fit was stopped, or does not follow the recordings", [])
     for _ in range(_AGAIN):
-        s = spread(problem, best.u)
+        s = intervals.spread(problem, best.u)
         if lacking := gaps.unknown(problem, best.u, s):
             return _blank(best, scenario, "no interval: samples of the inputs are missing (see the notes)", lacking)
         if begun := unset(problem, best.u, s):
