@@ -121,7 +121,7 @@ ARM_MISTAKES = {
     "a wrong tolerance": (
         {"solve.atol": {"arm.x": 1e-9}}, "solve.atol.arm.x: 1e-09: there is no such state (did you mean 'arm.y'?)",
     ),
-    "a wrong version": ({"schema": 3}, "schema: 3: must be 2 (a machine)"),
+    "a wrong version": ({"schema": 3}, "schema: 3: must be 1 (a law on a body) or 2 (a machine)"),
     "an end that is no name": ({"links.gear.from": 3}, "links.gear.from: 3: must be a body's name, or a table with the signal"),
     "no end": ({"links.gear.from": GONE}, "links.gear.from: missing: must be given (a body, or { signal = ... }"),
     "a list in the place of a name": ({"motors.drive.on": [1, 2]}, "motors.drive.on: [1, 2]: must be text, not a list"),

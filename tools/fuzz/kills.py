@@ -21,14 +21,14 @@ _SUMMARY, _RIG = "summary.json", ("--stroke", "0.05", "--speed", "0.1", "--force
 _LOG = ("--time", "t", "--position", "y", "--force", "F")
 COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "run": (("stick_slip.toml",), ("--set", "solve.t_end=40.0"), _SUMMARY),
-    "compare": (("stick_slip.toml", "--law", "lugre", "--law", "dahl"), ("--law", "karnopp"), _SUMMARY),
+    "compare": (("stick_slip.toml", "--law", "lugre", "--law", "dahl"), ("--law", "lugre_majorant:k_v=1e6"), _SUMMARY),
     "sweep": (("stick_slip.toml", "--vary", "law.k_v=1e6:1e8:40:log"), (), None),
     "check": (("lugre", "--parameters", "canudas1995"), ("--set", "sigma_1=100"), "report.html"),
-    "advise": (("lugre_majorant", "--parameters", "canudas1995", "--steady-error", "0.01"), ("--set", "v_d=0.01"), _SUMMARY),
+    "advise": (("lugre_sobczyk", "--parameters", "canudas1995", "--creep", "1e-6"), ("--share", "0.5"), _SUMMARY),
     "fit": (("log.csv", *_LOG, "--law", "coulomb_viscous"), ("--trim", "3"), "parameters.toml"),
     "predict": (("log.csv", *_LOG, "--fit", "model"), (), None),
     "rig": (_RIG, ("--seed", "3"), "programme.csv"),
-    "design": (("machine.toml", "--no-proof"), ("--set", "controllers.axis.K_p=600"), _SUMMARY),
+    "design": (("machine.toml", "--no-compensations"), ("--set", "controllers.axis.K_p=600"), _SUMMARY),
     "export": (("lugre", "--target", "fmu", "--parameters", "canudas1995"), ("--fmi", "2"), None),
     "explore": (("stick_slip.toml",), ("--set", "solve.t_end=3.0"), None),
     "new": (("servo",), (), None),
