@@ -85,10 +85,12 @@ def _listed(summary: Path) -> set[Path]:
 
 def _marked(folder: Path, older: Mapping[str, str]) -> set[Path]:
     """The files of these names whose text begins as that of a command's does."""
-    found = set()
-    for path in (path for pattern in older for path in folder.glob(pattern) if re.match(older[pattern], _head(path))):
-        found.add(path.relative_to(folder))
-    return found
+    return {
+        path.relative_to(folder)
+        for pattern, begin in older.items()
+        for path in folder.glob(pattern)
+        if re.match(begin, _head(path))
+    }
 
 
 def _head(path: Path) -> str:

@@ -5,6 +5,7 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -302,3 +303,24 @@ def test_a_fit_that_ends_while_it_writes_leaves_the_older_result_whole(stribeck,
     monkeypatch.setattr("stribeck.identify.predict.saved", _ends)
     assert stribeck(*asked, "--law", "coulomb_viscous", "--mass", "0").status != 0
     assert content(tmp_path / "out") == before
+
+
+def test_a_result_waits_for_the_process_that_moves_its_own(tmp_path):
+    """One that was stopped half-way would go on over what another has written meanwhile."""
+    fcntl = pytest.importorskip("fcntl")
+    write_text(tmp_path / "summary.json", "older")
+
+    def write():
+        with together(tmp_path) as place:
+            write_text(place / "summary.json", "newer")
+
+    other = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(other, fcntl.LOCK_EX)
+    thread = threading.Thread(target=write)
+    thread.start()
+    thread.join(0.5)
+    assert thread.is_alive()
+    assert (tmp_path / "summary.json").read_text() == "older"
+    os.close(other)
+    thread.join(20)
+    assert (tmp_path / "summary.json").read_text() == "newer"

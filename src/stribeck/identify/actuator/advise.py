@@ -10,6 +10,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
+from stribeck.identify.actuator.coordinates import paths
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Spread
 from stribeck.identify.actuator.problem import STEP, MachineProblem
@@ -117,7 +118,7 @@ def candidates(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, Recorde
 
 def _loads(best: BestPoint, run: RecordedRun) -> Iterator[tuple[str, dict[str, object]]]:
     """Numbers that can be other in a further recording: those that the recordings differ in, and masses and loads."""
-    sought = {path for c in best.problem.sought for path in c.targets}
+    sought = paths(best.problem.sought)
     places = machine_places(run.scenario)
     for path in places:
         last = path.split(".")

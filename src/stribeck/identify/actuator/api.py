@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, driven, gaps, judge, sensors, transfer
-from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates
+from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates, paths
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, prepared, traces
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.problem import MachineProblem
@@ -196,9 +196,7 @@ class Fitting:
         if not best.windowed or any(r.window for _, r in self.fitted):
             return best.problem
         sought = [c for c in best.problem.sought if not c.nuisance]
-        runs, own = prepared(
-            self.scenario, self.fitted, {c.name for c in sought} | {p for c in sought for p in c.targets}
-        )
+        runs, own = prepared(self.scenario, self.fitted, {c.name for c in sought} | paths(sought))
         return replace(best.problem, runs=runs, sought=[*sought, *own], noise=dict(best.problem.noise), tied=False)
 
     def errors(self, best: BestPoint, values: dict[str, float]) -> list[LogResult]:

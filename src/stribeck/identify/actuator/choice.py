@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck import laws as known_laws
 from stribeck.errors import InputError, StribeckError, nearest
-from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, estimate, traces
 from stribeck.identify.actuator.larger import OpenLaw, again, doubtful, left_more, mend
 from stribeck.identify.actuator.recordings import Recording
@@ -107,7 +107,7 @@ def _constants(
     }  # fmt: skip
     changes: dict[str, object] = {}
     fresh: list[MachineCoordinate] = []
-    paths = {p for c in sought for p in c.targets}
+    places = paths(sought)
     for name, constant in law.constants().items():
         if name in have or constant.choices or (constant.optional and name != "k_v"):
             continue
@@ -116,7 +116,7 @@ def _constants(
         if x is None:
             continue
         changes[place] = x
-        if name in PARAMETERS and place not in paths:
+        if name in PARAMETERS and place not in places:
             fresh.append(MachineCoordinate(place, x / 100, x * 100, x, None, {place: 1.0}))
     return changes, fresh
 
@@ -196,8 +196,7 @@ def from_simpler(fit: Fitting, best: BestPoint) -> BestPoint:
     for law in reversed(BASELINES.values()):
         try:
             scenario, sought = with_laws(fit.scenario, fit.sought, dict.fromkeys(contacts, law), speeds)
-            small = OpenLaw(scenario, sought, best)
-            if not small.numbers < large.numbers:
+            if not paths(sought) < large.numbers:
                 continue
             found = estimate(scenario, fit.fitted, sought, _FEWER, fit.seed, fit.work, thorough=False)
             other = again(large, found, fit.fitted, fit.seed, fit.work)

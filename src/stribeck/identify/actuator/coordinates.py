@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -65,6 +65,11 @@ class MachineCoordinate:
     def slope(self, u: float) -> float:
         """d number / d coordinate."""
         return self.outer(u) if self.logarithmic else self.high - self.low
+
+
+def paths(sought: Sequence[MachineCoordinate]) -> frozenset[str]:
+    """The paths of what is sought."""
+    return frozenset(path for c in sought for path in c.targets)
 
 
 def coordinates(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:

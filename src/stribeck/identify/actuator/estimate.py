@@ -9,7 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.continuation import continued
-from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Trace
@@ -173,7 +173,7 @@ def estimate(
     """The best numbers for these recordings; not ``thorough``: of a model that may err, and is only compared."""
     fitted = {i for i, _ in recordings}
     sought = [c for c in sought if c.log is None or c.log in fitted]
-    named = {c.name for c in sought} | {path for c in sought for path in c.targets}
+    named = {c.name for c in sought} | paths(sought)
     noise, given = first_noise([r for _, r in recordings])
     asked = any(r.window for _, r in recordings)
     notes: list[str] = []
@@ -360,7 +360,7 @@ def traces(
 ) -> list[Trace]:  # fmt: skip
     """What was measured in a recording and what the numbers make of it, from its start (or in stretches; those that were
     ``fitted`` begin as there)."""
-    named = {c.name for c in sought} | {path for c in sought for path in c.targets}
+    named = {c.name for c in sought} | paths(sought)
     runs, own = prepared(scenario, [(log, recording)], named, window)
     shifts = {(run.log, run.piece): run.shift for run in fitted}
     runs = [replace(run, shift=shifts.get((run.log, run.piece), {})) for run in runs]

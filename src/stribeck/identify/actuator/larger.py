@@ -10,7 +10,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, estimate, leftovers, prepared
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
@@ -34,7 +34,7 @@ class OpenLaw:
     @property
     def numbers(self) -> frozenset[str]:
         """The paths that are sought."""
-        return frozenset(path for c in self.sought for path in c.targets)
+        return paths(self.sought)
 
 
 def left_more(one: BestPoint, other: BestPoint, times: float = 1.0) -> bool:

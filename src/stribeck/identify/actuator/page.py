@@ -37,9 +37,11 @@ def write_machine_fit(
         parameters, page, machine = (place / name for name in FILES)
         write_text(page, report(fit, command, title))
         write_text(parameters, toml(fit, command, None if logs is None else seen_from(folder, logs)))
-        if done := fit.status == "done":
+        written = [page, parameters]
+        if fit.status == "done":
             write_text(machine, f"# Found by: {command}\n" + tomli_w.dumps(moved(fit.data, origin, folder)))
-    return [str(folder / name) for name in (FILES[1], FILES[0], *FILES[2:][:done])]
+            written.append(machine)
+    return [str(folder / path.name) for path in written]
 
 
 def toml(fit: MachineFit, command: str, logs: str | None = None) -> str:
