@@ -90,7 +90,7 @@ def _suspects(problem: MachineProblem, u: Array, J: Array) -> Iterator[Suspect]:
             continue
         for log in [None, *logs] if len(logs) > 1 else [None]:
             x = np.where(_rows(problem, log), slopes, 0.0)
-            if ((column, what), log) not in sought and x @ x > 0:
+            if ((column, what), log) not in sought and x @ x > 0 and _room(problem, column, what)[1] > 0:
                 yield _suspect(problem, r, J, x, (column, what, log))
 
 
@@ -116,11 +116,16 @@ def _rows(problem: MachineProblem, log: int | None) -> Array:
 
 def _coordinate(problem: MachineProblem, x: Suspect) -> MachineCoordinate:
     """The number of a sensor as one that is sought."""
-    targets = [t for run in problem.runs for t in run.targets if t.column == x.column and len(t.t) > 1]
-    span = max(float(np.ptp(t.x)) for t in targets)
-    late = _SAMPLES * max(float(np.median(np.diff(t.t))) for t in targets)
+    return MachineCoordinate(x.path, *_room(problem, x.column, x.what), None, None, {}, (x.column, x.what), x.log)
+
+
+def _room(problem: MachineProblem, column: str, what: str) -> tuple[float, float]:
+    """Between what such a number may lie; nothing can be told of the offset of a column that never changes."""
+    targets = [t for run in problem.runs for t in run.targets if t.column == column and len(t.t) > 1]
+    span = max((float(np.ptp(t.x)) for t in targets), default=0.0)
+    late = _SAMPLES * max((float(np.median(np.diff(t.t))) for t in targets), default=0.0)
     room = {"clock": (-_CLOCK, _CLOCK), "delay": (-late, late), "gain": (1 / _GAIN, _GAIN), "offset": (-span, span)}
-    return MachineCoordinate(x.path, *room[x.what], None, None, {}, (x.column, x.what), x.log)
+    return room[what]
 
 
 def _words(problem: MachineProblem, x: Suspect) -> str:
