@@ -426,9 +426,11 @@ def test_parquet_files_that_are_wrong_behind_their_head(tmp_path, damage, text):
     path = tmp_path / "log.parquet"
     x = np.linspace(0, 1, 0 if damage == "no rows" else 4000)
     names = ["t", "y", "F", "F"] if damage == "twice" else ["t", "y", "F", "G"]
-    parquet.write_table(pa.Table.from_arrays([pa.array(np.sin(k * x)) for k in range(1, 5)], names=names), path)
+    parquet.write_table(
+        pa.Table.from_arrays([pa.array(np.sin(k * x)) for k in range(1, 5)], names=names), path, compression="gzip"
+    )
     if damage == "flipped":
         content = path.read_bytes()
-        path.write_bytes(content[:300] + b"\xff" * 200 + content[500:])
+        path.write_bytes(content[:1000] + bytes(500) + content[1500:])
     with pytest.raises(InputError, match=text):
         read(path, ColumnNames({"time": "t", "position": "y", "force": "F"}))
