@@ -19,7 +19,7 @@ from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
-from stribeck.scenario.trust import elsewhere, in_a_file
+from stribeck.scenario.trust import astray
 
 if TYPE_CHECKING:
     from stribeck.identify.actuator.api import Fitting
@@ -52,8 +52,7 @@ def check(scenario: Scenario, laws: Mapping[str, Sequence[str]], given: Collecti
     text = "lies outside the machine's folder, and a law is a program that would be executed"
     if strange := [
         f"laws.{contact}: {show(name)}: {text}: must be in that folder or below it, or given with {arg('laws')}"
-        for contact, names in laws.items() for name in names
-        if in_a_file(name) and name not in given and elsewhere(folder / name.rpartition(":")[0], folder)
+        for contact, names in laws.items() for name in astray([name for name in names if name not in given], folder, folder)
     ]:  # fmt: skip
         raise InputError(strange)
     problems = [f"law.{c}: no such contact{nearest(c, contacts)}" for c in laws if c not in contacts]
