@@ -240,3 +240,13 @@ def test_what_is_refused_after_the_folder_was_tried_leaves_no_folder(stribeck, s
     before = sorted(Path().iterdir())
     refused(stribeck(*words, "--out", "new/folder"))
     assert sorted(Path().iterdir()) == before
+
+
+@needs_compiler
+@pytest.mark.pictures
+@pytest.mark.filterwarnings("ignore")
+def test_a_position_at_the_end_of_the_numbers_is_not_drawn(stribeck, scenario, tmp_path):
+    """It ended in a traceback of the plots."""
+    words = ("--set", "plant.initial.y=1e308", "--set", "solve.t_end=0.1", "--out", tmp_path / "out")
+    assert stribeck("run", scenario, *words).status == 1  # its motion is none
+    assert (tmp_path / "out" / "plot.svg").is_file()
