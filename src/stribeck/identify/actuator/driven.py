@@ -2,29 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.runs import RecordedRun, roughness
+from stribeck.identify.actuator.runs import roughness
 
-_RECORDED = 8  # values of a signal: fewer were not recorded
 _ORDER = 6  # of the differences that are noise: an input may be fast
 _EXPLAINS = 0.5  # of what is left
 
 
-def recorded_inputs(run: RecordedRun) -> Iterator[tuple[str, Array]]:
-    """The signals that were recorded: path and values."""
-    for use in run.scenario.rig.signals:
-        table: object = run.scenario.data
-        for word in use.path.split("."):
-            table = table.get(word, {}) if isinstance(table, dict) else {}
-        values = table.get("value") if isinstance(table, dict) else None
-        if isinstance(values, list) and len(values) > _RECORDED:
-            yield use.path, np.asarray(values, float)
+def otherwise_held(problem: MachineProblem) -> tuple[MachineProblem, str] | None:
+    """The problem with its inputs held from sample to sample, or straight where all are held, and that in words; None
+    where no input was recorded."""
+    drives = [x for run in problem.runs for x in run.drives.values() if not x.spline]
+    if not drives:
+        return None
+    held = not all(x.held for x in drives)
+    runs = [
+        run.driven({p: replace(x, held=held and not x.spline) for p, x in run.drives.items()}) for run in problem.runs
+    ]
+    words = "held from sample to sample (held = true)" if held else "straight from sample to sample (held = false)"
+    return replace(problem, runs=runs, noise=dict(problem.noise), tied=False), words
 
 
 def by_noise(problem: MachineProblem, u: Array) -> list[str]:
@@ -32,17 +33,17 @@ def by_noise(problem: MachineProblem, u: Array) -> list[str]:
     far as they are missed, in words."""
     rng, told = np.random.default_rng(0), []
     for k, run in enumerate(problem.runs):
-        inputs = dict(recorded_inputs(run))
-        rough = {path: roughness([x], _ORDER) for path, x in inputs.items()}
-        changes = {f"{p}.value": (x + rough[p] * rng.standard_normal(len(x))).tolist() for p, x in inputs.items()}
-        if not changes:
+        rough = {path: roughness([each.x], _ORDER) for path, each in run.drives.items()}
+        if not rough:
             continue
-        noisy = replace(run, scenario=run.scenario.with_changes(changes))
+        noisy = run.driven(
+            {p: replace(each, x=each.x + rough[p] * rng.standard_normal(len(each.x))) for p, each in run.drives.items()}
+        )
         own = replace(problem, runs=[noisy], noise=dict(problem.noise), tied=False)
         r = problem.residuals(u[None])[0][problem.first[k] : problem.first[k + 1]]
         off = own.residuals(u[None])[0][: run.size] - r
         if not np.linalg.norm(off) < _EXPLAINS * np.linalg.norm(r):
-            worst = max(rough, key=lambda path: rough[path] / max(float(np.std(inputs[path])), 1e-300))
+            worst = max(rough, key=lambda path: rough[path] / max(float(np.std(run.drives[path].x)), 1e-300))
             told.append(
                 f"{run.name}: noise in its inputs ({worst}: {rough[worst]:.2g} from sample to sample) moves the simulated "
                 "outputs as far as they are missed: short windows (window = 0.3) keep that from adding up"

@@ -9,6 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate
+from stribeck.identify.actuator.driven import otherwise_held
 from stribeck.identify.actuator.estimate import POOR, BestPoint, leftovers
 from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
 from stribeck.identify.actuator.problem import MachineProblem
@@ -17,6 +18,8 @@ from stribeck.identify.actuator.solve import search
 _SURE = 4.5  # deviations
 _MATTERS = 0.02  # of what is left of the recordings that it concerns
 _MOVES = 1.0  # deviations of a number: one that would move by more has no interval
+_AS_WELL = 0.9  # of what another suspect explains: how inputs run is said first
+_WHOLE = 0.5  # how far from 1 the share of the way to inputs held otherwise may be
 _SAMPLES = 50  # sample times: the longest delay that is tried
 _CLOCK, _GAIN = 0.05, 2.0
 _TRIED, _STEPS, _ROUGHLY = 3, 12, 1e-3
@@ -46,12 +49,38 @@ def seen(best: BestPoint, s: Spread) -> tuple[list[str], bool]:
     """A number of a sensor that is not sought but that the residuals show, in words; and whether it would move what is
     sought, so that no interval can be given without it."""
     found = [x for x in _suspects(best.problem, best.u, s.J) if abs(x.value) > _SURE * x.wide and x.share > _MATTERS]
-    if not found:
+    other = _driven_otherwise(best, s.J)
+    if not (found or other):
         return [], False
-    first = max(found, key=lambda x: x.fall)  # the others may be its shadows
+    first = max(found, key=lambda x: x.fall) if found else None  # the others may be its shadows
+    if other and (first is None or other[0].fall > _AS_WELL * first.fall):
+        return [
+            f"inputs {other[1]} would be followed better: what is left would fall by {100 * other[0].share:.2g} %"
+        ], (_moves(best, s, other[0]))
+    assert first is not None
+    return [f"{_words(best.problem, first)}; seek {first.path} if that can be"], _moves(best, s, first)
+
+
+def _moves(best: BestPoint, s: Spread, x: Suspect) -> bool:
+    """Whether what is asked for would move."""
     asked = [i for i, c in enumerate(best.problem.sought) if not c.nuisance]
-    moves = bool((abs(first.moves[asked]) > _MOVES * s.deviations[asked]).any())
-    return [f"{_words(best.problem, first)}; seek {first.path} if that can be"], moves
+    return bool((abs(x.moves[asked]) > _MOVES * s.deviations[asked]).any())
+
+
+def _driven_otherwise(best: BestPoint, J: Array) -> tuple[Suspect, str] | None:
+    """Whether the residuals show that inputs run otherwise between their samples, and how, in words."""
+    other = otherwise_held(best.problem)
+    if other is None:
+        return None
+    r = best.problem.residuals(best.u[None])[0]
+    off = np.zeros(len(r))  # its ties, if any, stay
+    there = other[0].residuals(best.u[None])[0]
+    off[: best.problem.first[-1]] = (there - r[: len(there)])[: best.problem.first[-1]]
+    if not (np.isfinite(off).all() and off @ off > 0):
+        return None
+    x = _suspect(best.problem, r, J, off, ("", "held", None))
+    sure = abs(x.value) > _SURE * x.wide and abs(x.value - 1) < _WHOLE and x.share > _MATTERS
+    return (x, other[1]) if sure else None
 
 
 def tried(best: BestPoint) -> list[str]:
@@ -62,6 +91,12 @@ def tried(best: BestPoint) -> list[str]:
         return []
     order = sorted(_suspects(problem, u, J), key=lambda x: -x.fall)[:_TRIED]
     before, told = leftovers(problem, u), list[tuple[float, str]]()
+    if (other := otherwise_held(problem)) is not None:
+        found = search(other[0], 1, 0, u, steps=_STEPS, small=_ROUGHLY)
+        for column, (left, size) in leftovers(other[0], found.u).items():
+            if not found.stopped and left < min(0.5 * before[column][0], POOR * size):
+                words = f"{column}: with inputs {other[1]}, {left:.2g} is left of it, not {before[column][0]:.2g}"
+                told.append((_AS_WELL * left, words))
     for x in order:
         c = _coordinate(problem, x)
         own = replace(problem, sought=[*problem.sought, c], noise=dict(problem.noise))
