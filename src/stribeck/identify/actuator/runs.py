@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from stribeck.arrays import Array
 from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
-from stribeck.identify.actuator.drives import Drive, drive, later, table_at
+from stribeck.identify.actuator.inputs import RecordedInput, later, recorded_input, table_at
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.simulation import compiler, lanes
@@ -51,9 +51,9 @@ class RecordedRun:
     shift: dict[str, float] = field(default_factory=dict)  # what is added to other states where a stretch begins
     otherwise: Scenario | None = None  # with gaps of the inputs crossed in the other way
     doubt: float = 0.0  # how far inputs may be off in gaps, by how far they are otherwise
-    drives: dict[str, Drive] = field(default_factory=dict)  # the recorded inputs, by path
+    drives: dict[str, RecordedInput] = field(default_factory=dict)  # the recorded inputs, by path
 
-    def driven(self, drives: Mapping[str, Drive]) -> RecordedRun:
+    def driven(self, drives: Mapping[str, RecordedInput]) -> RecordedRun:
         """The same run with other signals."""
         return replace(self, scenario=self.scenario.with_changes({path: x.table() for path, x in drives.items()}))
 
@@ -203,15 +203,15 @@ def recorded_run(
 
 def driven_by(
     scenario: Scenario, recording: Recording, span: tuple[float, float]
-) -> tuple[dict[str, Drive], dict[str, Drive], float]:
+) -> tuple[dict[str, RecordedInput], dict[str, RecordedInput], float]:
     """The recorded inputs by path; those with gaps, crossed in the other way; and how far off they may be there, by how far
     the two are from each other."""
-    drives, others, doubt = dict[str, Drive](), dict[str, Drive](), 0.0
+    drives, others, doubt = dict[str, RecordedInput](), dict[str, RecordedInput](), 0.0
     for path, channel in recording.inputs.items():
         whole = channel.bridged
-        drives[path] = drive(scenario, path, whole.t, whole.x, span, channel.held)
+        drives[path] = recorded_input(scenario, path, whole.t, whole.x, span, channel.held)
         if whole.doubt > 0:
-            others[path] = drive(scenario, path, whole.t, whole.other, span, channel.held)
+            others[path] = recorded_input(scenario, path, whole.t, whole.other, span, channel.held)
             doubt = max(doubt, whole.doubt)
     return drives, others, doubt
 

@@ -12,7 +12,7 @@ from stribeck.scenario import Scenario
 
 
 @dataclass(frozen=True)
-class Drive:
+class RecordedInput:
     """A recorded signal of a machine in a stretch of a recording, times from its start.
 
     ``held``: each sample until the next; ``spline``: what a controller with feedforward differentiates.
@@ -29,12 +29,16 @@ class Drive:
         return {"kind": "spline" if self.spline else "points", "t": t.tolist(), "value": x.tolist()}
 
 
-def drive(scenario: Scenario, path: str, t: Array, x: Array, span: tuple[float, float], held: bool) -> Drive:
+def recorded_input(
+    scenario: Scenario, path: str, t: Array, x: Array, span: tuple[float, float], held: bool
+) -> RecordedInput:
     """What was recorded of a signal within ``span``; times count from its start."""
     first = max(int(np.searchsorted(t, span[0], side="right")) - 1, 0)
     last = min(int(np.searchsorted(t, span[1])) + 1, len(t))
     table = table_at(scenario, path.rpartition(".")[0])
-    return Drive(t[first:last] - span[0], x[first:last], held, isinstance(table, dict) and "feedforward" in table)
+    return RecordedInput(
+        t[first:last] - span[0], x[first:last], held, isinstance(table, dict) and "feedforward" in table
+    )
 
 
 def table_at(scenario: Scenario, path: str) -> object:
