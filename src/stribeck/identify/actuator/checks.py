@@ -169,7 +169,7 @@ def _columns_tried(whole: MachineProblem, run: RecordedRun, sought: list[Machine
 
 def _inputs_scaled(run: RecordedRun) -> Iterator[tuple[str, RecordedRun, float]]:
     """The recording with one of its inputs in other units; another sign is that of an output too."""
-    for path, each in run.drives.items():
+    for path, each in run.inputs.items():
         for factor in (1e-3, 1e3, np.pi / 180):
             yield path, run.driven({path: replace(each, x=factor * each.x)}), factor
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.identify.actuator.recordings import Channel
 from stribeck.scenario import Scenario
 
 
@@ -22,6 +23,7 @@ class RecordedInput:
     x: Array
     held: bool = False
     spline: bool = False
+    noise: float | None = None  # its standard deviation, if it was given
 
     def table(self) -> dict[str, object]:
         """The signal as a machine's file has it; two equal times make a jump."""
@@ -30,15 +32,14 @@ class RecordedInput:
 
 
 def recorded_input(
-    scenario: Scenario, path: str, t: Array, x: Array, span: tuple[float, float], held: bool
+    scenario: Scenario, path: str, t: Array, x: Array, span: tuple[float, float], channel: Channel
 ) -> RecordedInput:
     """What was recorded of a signal within ``span``; times count from its start."""
     first = max(int(np.searchsorted(t, span[0], side="right")) - 1, 0)
     last = min(int(np.searchsorted(t, span[1])) + 1, len(t))
     table = table_at(scenario, path.rpartition(".")[0])
-    return RecordedInput(
-        t[first:last] - span[0], x[first:last], held, isinstance(table, dict) and "feedforward" in table
-    )
+    spline = isinstance(table, dict) and "feedforward" in table
+    return RecordedInput(t[first:last] - span[0], x[first:last], channel.held, spline, channel.noise)
 
 
 def table_at(scenario: Scenario, path: str) -> object:

@@ -24,6 +24,7 @@ from stribeck.simulation.variations import Variations, vary
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _FINER = 5
 _EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
+_MEDIAN = 0.6745  # of a normal number's size, by its deviation
 _LIBRARIES: dict[Equations, ctypes.CDLL] = {}
 _LOCK = Lock()
 
@@ -51,7 +52,7 @@ class RecordedRun:
     shift: dict[str, float] = field(default_factory=dict)  # what is added to other states where a stretch begins
     otherwise: Scenario | None = None  # with gaps of the inputs crossed in the other way
     doubt: float = 0.0  # how far inputs may be off in gaps, by how far they are otherwise
-    drives: dict[str, RecordedInput] = field(default_factory=dict)  # the recorded inputs, by path
+    inputs: dict[str, RecordedInput] = field(default_factory=dict)  # the recorded inputs, by path
 
     def driven(self, drives: Mapping[str, RecordedInput]) -> RecordedRun:
         """The same run with other signals."""
@@ -143,6 +144,13 @@ def roughness(parts: Sequence[Array], order: int = 3) -> float:
     return float(np.sqrt(np.mean(found**2) / math.comb(2 * order, order)))
 
 
+def typical_roughness(x: Array, order: int) -> float:
+    """The noise of a column by the median of its differences, which few that are large do not move."""
+    if len(x) <= order:
+        return 0.0
+    return float(np.median(abs(np.diff(x, order)))) / _MEDIAN / math.sqrt(math.comb(2 * order, order))
+
+
 def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel]:
     """The measured columns between two times, from the first."""
     found = {}
@@ -209,9 +217,9 @@ def driven_by(
     drives, others, doubt = dict[str, RecordedInput](), dict[str, RecordedInput](), 0.0
     for path, channel in recording.inputs.items():
         whole = channel.bridged
-        drives[path] = recorded_input(scenario, path, whole.t, whole.x, span, channel.held)
+        drives[path] = recorded_input(scenario, path, whole.t, whole.x, span, channel)
         if whole.doubt > 0:
-            others[path] = recorded_input(scenario, path, whole.t, whole.other, span, channel.held)
+            others[path] = recorded_input(scenario, path, whole.t, whole.other, span, channel)
             doubt = max(doubt, whole.doubt)
     return drives, others, doubt
 
