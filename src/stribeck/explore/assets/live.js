@@ -92,7 +92,7 @@ function grid(pen, figure, [across, up], width, height, colour) {
   pen.stroke();
 }
 
-function line(pen, [xs, ys], [across, up], glyph) { // without what is nearer than half a pixel to the point before
+function line(pen, [xs, ys], [across, up], glyph) { // without what is nearer than a pixel to the point before
   pen.globalAlpha = plain(glyph.line_alpha);
   pen.strokeStyle = plain(glyph.line_color);
   pen.lineWidth = plain(glyph.line_width);
@@ -103,7 +103,7 @@ function line(pen, [xs, ys], [across, up], glyph) { // without what is nearer th
     const x = across(xs[i]), y = up(ys[i]);
     if (!(x === x && y === y)) { begun = false; continue; }
     if (!begun) pen.moveTo(x, y);
-    else if (i === last || Math.abs(x - x0) >= 0.5 || Math.abs(y - y0) >= 0.5) pen.lineTo(x, y);
+    else if (i === last || Math.abs(x - x0) >= 1 || Math.abs(y - y0) >= 1) pen.lineTo(x, y);
     else continue;
     begun = true; x0 = x; y0 = y;
   }

@@ -29,6 +29,7 @@ const model = (name) => {
 
 async function panels() {
   for (const [id, item] of Object.entries(data.figures)) await Bokeh.embed.embed_item(item, id);
+  quick();
   const dark = matchMedia("(prefers-color-scheme: dark)");
   dark.addEventListener("change", colours);
   colours();
