@@ -269,3 +269,9 @@ def test_a_law_in_a_file_that_cannot_be_shown(stribeck, tmp_path, equation):
     outcome = stribeck("laws", tmp_path / "good.py:Mine")
     assert outcome.status == 0
     assert all(c.isprintable() or c == "\n" for c in outcome.out + outcome.err)
+
+
+def test_a_store_without_a_name(stribeck, scenario):
+    """It was a traceback."""
+    pytest.importorskip("pyarrow")
+    refused(stribeck("sweep", scenario, "--vary", "plant.mass=1:2:2", "--out", "s3://"), "--out: ")
