@@ -86,7 +86,9 @@ def test_a_run_of_a_stranger_executes_no_law_elsewhere(stribeck, tmp_path, monke
     (tmp_path / "evil.py").write_text(f"open({str(tmp_path / 'executed')!r}, 'w').close()\n")
     for name in ("theirs", "mine"):
         (tmp_path / name).mkdir()
-    tables = {"schema": 1, "law": {"name": f"{str(tmp_path)[1:]}/evil.py:X"}, "drive": {"kind": "force"}}
+    tables = {"schema": 1, "law": {"name": f"{str(tmp_path)[1:]}/evil.py:X"},
+              "plant": {"mass": 1.0}, "solve": {"t_end": 1.0}, "output": {"step": 0.1},
+              "drive": {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}}}  # fmt: skip
     (tmp_path / "theirs" / "summary.json").write_text(json.dumps({"tables": tables, "folder": "/"}))
     monkeypatch.chdir(tmp_path / "mine")
     found = stribeck("explore", "--report", tmp_path / "theirs")
