@@ -1,7 +1,7 @@
 """A joint held at 0.9 F_s in PyTorch, JAX and Warp at steps of 2 to 20 ms: how far it creeps in the last half of the time, the
 bound, and each package's gradients against central differences.
 
-    python benchmarks/held_joints.py [--seconds 100]
+    python benchmarks/held_joints.py [--seconds 100] [--turns 100]
 """
 
 from __future__ import annotations
@@ -123,6 +123,9 @@ def main() -> None:
     """Print a line a law and step, and write the results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=100.0)
+    parser.add_argument(
+        "--turns", type=float, help="how long in PyTorch and Warp, which take a step after the other, s"
+    )
     parser.add_argument("--out", type=Path, default=RESULTS / "held_joints.json")
     given = parser.parse_args()
     wp.config.quiet = True
@@ -140,11 +143,13 @@ def main() -> None:
         for dt in reversed(STEPS):
             row: dict[str, Any] = {"law": name, "step": dt, "bound": bound, "gradients": gradients(law, dt)}
             for way, held in ways.items():
-                half, whole = held(dt, round(given.seconds / dt))
-                row[way] = (whole - half) / (given.seconds / 2)
+                seconds = given.seconds if way == "jax" else given.turns or given.seconds
+                half, whole = held(dt, round(seconds / dt))
+                row[way] = {"creep": (whole - half) / (seconds / 2), "seconds": seconds}
+                say(f"{name}, {dt:g} s, {way}: {row[way]}")
             rows.append(row)
             say(json.dumps(row))
-    given.out.write_text(json.dumps({"machine": machine(), "seconds": given.seconds, "rows": rows}, indent=1) + "\n")
+    given.out.write_text(json.dumps({"machine": machine(), "rows": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":
