@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 
 from stribeck.constants import show
 from stribeck.errors import InputError, arg
-from stribeck.identify.actuator import checks, choice, driven, gaps, judge, sensors, transfer
+from stribeck.identify.actuator import checks, choice, driven, gaps, judge, suspects, transfer
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates, paths
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, prepared, traces
 from stribeck.identify.actuator.kept import Kept
@@ -161,6 +161,8 @@ class Fitting:
             status, reason = "missed", f"the machine does not follow its recordings ({'; '.join(missed)}): no intervals"
             notes += self.suspected(best)
         coarse = beyond_noise(best.problem, best.u, best.found.agreeing) if status == "done" else []
+        if coarse and driven.explains(best.problem, best.u):
+            coarse = []
         if coarse:
             why = "the model errs, or there is a better minimum: no intervals (more starts, or another law, may help)"
             notes.append(f"{'; '.join(coarse)}: {why}")
@@ -187,7 +189,7 @@ class Fitting:
 
     def suspected(self, best: BestPoint) -> list[str]:
         """What may be wrong with the recordings that are not followed."""
-        lacking = gaps.unknown(best.problem, best.u) or sensors.tried(best)
+        lacking = gaps.unknown(best.problem, best.u) or suspects.tried(best)
         return lacking or driven.by_noise(best.problem, best.u) or checks.hypotheses(self.unbroken(best))
 
     def unbroken(self, best: BestPoint) -> MachineProblem:

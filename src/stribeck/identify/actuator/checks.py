@@ -10,7 +10,6 @@ import numpy as np
 
 from stribeck.identify.actuator.bridges import GAP
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.driven import recorded_inputs
 from stribeck.identify.actuator.estimate import POOR, leftovers
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
@@ -170,10 +169,9 @@ def _columns_tried(whole: MachineProblem, run: RecordedRun, sought: list[Machine
 
 def _inputs_scaled(run: RecordedRun) -> Iterator[tuple[str, RecordedRun, float]]:
     """The recording with one of its inputs in other units; another sign is that of an output too."""
-    for path, values in recorded_inputs(run):
+    for path, each in run.inputs.items():
         for factor in (1e-3, 1e3, np.pi / 180):
-            changes = {f"{path}.value": (factor * values).tolist()}
-            yield path, replace(run, scenario=run.scenario.with_changes(changes)), factor
+            yield path, run.driven({path: replace(each, x=factor * each.x)}), factor
 
 
 def _scaled(run: RecordedRun, column: str, factor: float) -> RecordedRun:

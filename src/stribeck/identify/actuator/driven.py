@@ -2,49 +2,116 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.identify.actuator.intervals import Spread, places, spread
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.runs import RecordedRun, roughness
+from stribeck.identify.actuator.runs import RecordedRun, roughness, typical_roughness
 
-_RECORDED = 8  # values of a signal: fewer were not recorded
 _ORDER = 6  # of the differences that are noise: an input may be fast
 _EXPLAINS = 0.5  # of what is left
+_PILOT, _FEWEST, _DRAWS = 4, 24, 64  # draws of the inputs' noise: to see whether it matters; of each run; of all
+_LITTLE = 0.02  # of the sum of squares that is left
+_COMMON = (0.02, 0.95)  # shares of the draws between which what is left is usual
+_MORE = 4.0  # times the usual: more is no noise of the inputs
 
 
-def recorded_inputs(run: RecordedRun) -> Iterator[tuple[str, Array]]:
-    """The signals that were recorded: path and values."""
-    for use in run.scenario.rig.signals:
-        table: object = run.scenario.data
-        for word in use.path.split("."):
-            table = table.get(word, {}) if isinstance(table, dict) else {}
-        values = table.get("value") if isinstance(table, dict) else None
-        if isinstance(values, list) and len(values) > _RECORDED:
-            yield use.path, np.asarray(values, float)
+def otherwise_held(problem: MachineProblem) -> tuple[MachineProblem, str] | None:
+    """The problem with its inputs held from sample to sample, or straight where all are held, and that in words; None
+    where no input was recorded."""
+    drives = [x for run in problem.runs for x in run.inputs.values() if not x.spline]
+    if not drives:
+        return None
+    held = not all(x.held for x in drives)
+    runs = [
+        run.driven({p: replace(x, held=held and not x.spline) for p, x in run.inputs.items()}) for run in problem.runs
+    ]
+    words = "held from sample to sample (held = true)" if held else "straight from sample to sample (held = false)"
+    return replace(problem, runs=runs, noise=dict(problem.noise), tied=False), words
+
+
+def noises(run: RecordedRun) -> dict[str, float]:
+    """The noise of each recorded input: as given, or what changes from sample to sample; steps, which few samples take, are
+    no noise."""
+    found = {}
+    for path, x in run.inputs.items():
+        found[path] = x.noise if x.noise is not None else typical_roughness(x.x, _ORDER)
+    return {path: size for path, size in found.items() if size > 0}
+
+
+def _moved(problem: MachineProblem, u: Array, k: int, draws: int, seed: int) -> Array | None:
+    """The residuals of a run as noise of its inputs moves them, a row for each draw; None where it has none."""
+    run, rng, found = problem.runs[k], np.random.default_rng([seed, k]), list[Array]()
+    if not (size := noises(run)):
+        return None
+    r = problem.residuals(u[None])[0][problem.first[k] : problem.first[k + 1]]
+    for _ in range(draws):
+        noisy = {
+            p: replace(x, x=x.x + size[p] * rng.standard_normal(len(x.x))) for p, x in run.inputs.items() if p in size
+        }
+        own = replace(problem, runs=[run.driven(noisy)], noise=dict(problem.noise), tied=False)
+        found.append(own.residuals(u[None])[0][: run.size] - r)
+    rows = np.array(found)
+    return rows if np.isfinite(rows).all() else None
+
+
+def moved_by_noise(problem: MachineProblem, u: Array, s: Spread) -> tuple[Array, bool] | None:
+    """The residuals as noise of the inputs moves them, a row for each draw, as large as what is left allows; and whether that
+    explains all that is left beside noise from sample to sample. None where it moves little.
+
+    Several numbers follow the noise, so what is left is less than what it moved: both are compared without what follows.
+    """
+    draws = max(_FEWEST, _DRAWS // len(problem.runs))
+    found = np.zeros((draws, problem.size))
+    for k in range(len(problem.runs)):
+        rows = slice(problem.first[k], problem.first[k + 1])
+        few = _moved(problem, u, k, _PILOT, 0)
+        if few is None or not np.mean(few**2) > _LITTLE * np.mean(problem.residuals(u[None])[0][rows] ** 2):
+            continue
+        more = _moved(problem, u, k, draws, 1)
+        if more is None:
+            return None
+        found[:, rows] = more
+    if not found.any():
+        return None
+    left = found - found @ s.J @ s.covariance @ s.J.T
+    r, scale, explained = problem.residuals(u[None])[0], 0.0, True
+    given = all(x.noise is not None for run in problem.runs for x in run.inputs.values())
+    for column in problem.noise:
+        parts = [slice(at, at + size) for at, size, name in places(problem) if name == column]
+        slow = sum(float(np.sum(r[x] ** 2)) - r[x].size * roughness([r[x]]) ** 2 for x in parts)
+        own = np.sum([np.sum(left[:, x] ** 2, axis=1) for x in parts], axis=0)
+        low, high = np.quantile(own, _COMMON)
+        explained &= slow <= _MORE * high
+        scale = max(scale, slow / high if slow > high else 1.0 if given or slow >= low else max(slow, 0.0) / low)
+    return np.sqrt(scale) * found, explained
+
+
+def explains(problem: MachineProblem, u: Array) -> bool:
+    """Whether noise of the inputs explains what is left beyond the noise from sample to sample."""
+    found = moved_by_noise(problem, u, spread(problem, u))
+    return found is not None and found[1]
 
 
 def by_noise(problem: MachineProblem, u: Array) -> list[str]:
     """The recordings in which noise of the inputs, as large as what changes from sample to sample, moves the outputs as
     far as they are missed, in words."""
-    rng, told = np.random.default_rng(0), []
     for k, run in enumerate(problem.runs):
-        inputs = dict(recorded_inputs(run))
-        rough = {path: roughness([x], _ORDER) for path, x in inputs.items()}
-        changes = {f"{p}.value": (x + rough[p] * rng.standard_normal(len(x))).tolist() for p, x in inputs.items()}
-        if not changes:
-            continue
-        noisy = replace(run, scenario=run.scenario.with_changes(changes))
-        own = replace(problem, runs=[noisy], noise=dict(problem.noise), tied=False)
+        off = _moved(problem, u, k, 1, 0)
         r = problem.residuals(u[None])[0][problem.first[k] : problem.first[k + 1]]
-        off = own.residuals(u[None])[0][: run.size] - r
-        if not np.linalg.norm(off) < _EXPLAINS * np.linalg.norm(r):
-            worst = max(rough, key=lambda path: rough[path] / max(float(np.std(inputs[path])), 1e-300))
-            told.append(
-                f"{run.name}: noise in its inputs ({worst}: {rough[worst]:.2g} from sample to sample) moves the simulated "
-                "outputs as far as they are missed: short windows (window = 0.3) keep that from adding up"
-            )
-    return told[:1]
+        if off is not None and not np.linalg.norm(off) < _EXPLAINS * np.linalg.norm(r):
+            return [
+                f"{run.name}: noise in its inputs ({in_words(run)}) moves the simulated outputs as far as they are missed: short "
+                "windows (window = 0.3) keep that from adding up"
+            ]
+    return []
+
+
+def in_words(run: RecordedRun) -> str:
+    """The input with the most noise, and how much."""
+    rough = noises(run)
+    worst = max(rough, key=lambda path: rough[path] / max(float(np.std(run.inputs[path].x)), 1e-300))
+    return f"{worst}: {rough[worst]:.2g} from sample to sample"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.stats import chi2, f
@@ -28,6 +28,7 @@ class Spread:
     inflation: Array
     memory: dict[str, float]  # by column: samples in which the residuals forget
     freedom: float
+    moved: Array | None = None  # residuals as noise of the inputs moves them, a row for each draw
 
     @property
     def deviations(self) -> Array:
@@ -38,6 +39,16 @@ class Spread:
         """How far each coordinate would move, in its deviations, if these residuals were off by so much."""
         with np.errstate(all="ignore"):
             return np.asarray(abs(self.covariance @ (self.J[rows].T @ off)) / self.deviations)
+
+
+def widened(s: Spread, moved: Array, explained: bool) -> Spread:
+    """The spread with noise of the inputs, which moves the residuals so, a row for each draw; where it has ``explained`` what
+    is left, its size is known from the inputs, and the residuals need not tell it."""
+    plain = np.diag(s.covariance)
+    more = np.mean((moved @ s.J @ s.covariance) ** 2, axis=0)
+    with np.errstate(all="ignore"):
+        inflation = np.where(plain > 0, np.maximum(s.inflation, 1 + more / np.where(plain > 0, plain, 1.0)), 1.0)
+    return replace(s, inflation=inflation, freedom=float(len(s.J)) if explained else s.freedom, moved=moved)
 
 
 def spread(problem: MachineProblem, u: Array) -> Spread:
@@ -74,7 +85,7 @@ def remembered(problem: MachineProblem, r: Array) -> tuple[dict[int, int], dict[
     lags: dict[int, int] = {}
     times: dict[str, list[float]] = {}
     independent = 0.0
-    for at, size, column in _places(problem):
+    for at, size, column in places(problem):
         x = r[at : at + size]
         x = x - x.mean()
         n = len(x)
@@ -90,7 +101,7 @@ def remembered(problem: MachineProblem, r: Array) -> tuple[dict[int, int], dict[
     return lags, {name: float(np.mean(x)) for name, x in times.items()}, independent
 
 
-def _places(problem: MachineProblem) -> list[tuple[int, int, str]]:
+def places(problem: MachineProblem) -> list[tuple[int, int, str]]:
     """Where the residuals of each target stand: their first, how many, and the column."""
     found = []
     for k, run in enumerate(problem.runs):
@@ -104,7 +115,7 @@ def _places(problem: MachineProblem) -> list[tuple[int, int, str]]:
 def scores(problem: MachineProblem, r: Array, J: Array, lags: dict[int, int]) -> Array:
     """The covariance of the slopes times the residuals: Newey and West's, with Bartlett's window over each memory."""
     total = np.zeros((J.shape[1], J.shape[1]))
-    for at, size, _ in _places(problem):
+    for at, size, _ in places(problem):
         g = J[at : at + size] * r[at : at + size, None]
         own = g.T @ g
         reach = lags[at]

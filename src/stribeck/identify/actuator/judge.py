@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator import advise, gaps, intervals, sensors
+from stribeck.identify.actuator import advise, driven, gaps, intervals, suspects
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles
@@ -41,13 +41,15 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
         return _blank(best, scenario, "no interval: the fit was stopped, or does not follow the recordings", [])
     for _ in range(_AGAIN):
         s = intervals.spread(problem, best.u)
+        if (noisy := driven.moved_by_noise(problem, best.u, s)) is not None:
+            s = intervals.widened(s, *noisy)
         if lacking := gaps.unknown(problem, best.u, s):
             return _blank(best, scenario, "no interval: samples of the inputs are missing (see the notes)", lacking)
         if begun := unset(problem, best.u, s):
             return _blank(
                 best, scenario, "no interval: stretches begin in states that nobody knows (see the notes)", begun
             )
-        told_of, moves = sensors.seen(best, s)
+        told_of, moves = suspects.seen(best, s)
         if moves:
             return _blank(
                 best, scenario, "no interval: a sensor errs by what would move the numbers (see the notes)", told_of
@@ -68,6 +70,9 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
     result = JudgedParameters(
         best, found, told, ([names[k] for k in asked], relation), _widened(s, problem.sought, asked)
     )
+    if s.moved is not None:
+        run = max(problem.runs, key=lambda each: len(driven.noises(each)))
+        result.notes.append(f"noise of the inputs ({driven.in_words(run)}) is counted in the intervals")
     result.notes += told_of
     return result
 

@@ -24,7 +24,9 @@ class Kept:
         for r in logs.recordings:
             made.update(repr((r.file, r.known, r.hold_out, r.window)).encode())
             for name, channel in {**r.outputs, **r.inputs}.items():
-                made.update(repr((name, channel.noise)).encode() + channel.t.tobytes() + channel.x.tobytes())
+                made.update(
+                    repr((name, channel.noise, channel.held)).encode() + channel.t.tobytes() + channel.x.tobytes()
+                )
         made.update(repr((logs.sought, logs.laws)).encode())
         self.digest = made.hexdigest()
         self.stages: dict[str, Any] = {}

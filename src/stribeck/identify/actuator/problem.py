@@ -238,7 +238,7 @@ class MachineProblem:
             if x is None and c.output is not None:
                 x = NEUTRAL[c.output[1]]
             if x is None:
-                x = _present(self.runs[0], c)
+                x = number_at(self.runs[0], next(iter(c.targets), ""))
             inside = x is not None and c.low <= x <= c.high
             found.append(c.inner(x) if inside and x is not None else float(np.mean(c.bounds)))
         return np.asarray(self.repaired(np.array([found]))[0])
@@ -248,10 +248,10 @@ class MachineProblem:
         return {c.name: c.outer(x) for c, x in zip(self.sought, u, strict=True)}
 
 
-def _present(run: RecordedRun, c: MachineCoordinate) -> float | None:
+def number_at(run: RecordedRun, path: str) -> float | None:
     """The machine's own number at a path."""
     value: object = run.scenario.data
-    for word in next(iter(c.targets), "").split("."):
+    for word in path.split("."):
         if isinstance(value, dict):
             value = value.get(word)
         elif isinstance(value, list) and word.isdigit() and int(word) < len(value):

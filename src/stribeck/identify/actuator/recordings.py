@@ -37,6 +37,7 @@ class Channel:
     x: Array
     unit: str = ""
     noise: float | None = None
+    held: bool = False  # between samples, as a sampled controller holds it
 
     @cached_property
     def bridged(self) -> Bridged:
@@ -48,13 +49,15 @@ class Channel:
 
 @dataclass(frozen=True)
 class Named:
-    """What LOGS.toml says of a column: its name, its factor to SI, its noise, its unit, its own column of times."""
+    """What LOGS.toml says of a column: its name, its factor to SI, its noise, its unit, its own column of times, and whether
+    it holds between samples."""
 
     column: str
     factor: float = 1.0
     noise: float | None = None
     unit: str = ""
     time: str | None = None
+    held: bool = False
 
 
 @dataclass(frozen=True)
@@ -203,8 +206,11 @@ def _recording(entry: object, where: str, folder: Path, window: Any) -> Recordin
     time = _column(entry["time"], f"{where}.time", TIME, problems) if "time" in entry else None
     for group in ("outputs", "inputs"):
         for name, given in _table(entry.get(group, {}), f"{where}.{group}", problems).items():
-            if (column := _column(given, f"{where}.{group}.{name}", _UNITS, problems)) is not None:
-                wanted[group, name] = column
+            if (column := _column(given, f"{where}.{group}.{name}", _UNITS, problems)) is None:
+                continue
+            if column.held and group == "outputs":
+                problems.append(f"{where}.{group}.{name}.held: true: must be said of an input: an output is a sample")
+            wanted[group, name] = column
     if not any(group == "outputs" for group, _ in wanted) and not problems:
         problems.append(f"{where}.outputs: missing: at least one measured column must be given")
     if problems:
@@ -216,12 +222,15 @@ def _column(given: object, where: str, units: Mapping[str, float], problems: lis
     """A column's name, or a table that says more of it."""
     if isinstance(given, str):
         return Named(given)
-    keys = ("column", "unit", "gain", "noise", "time")
+    keys = ("column", "unit", "gain", "noise", "time", "held")
     if not isinstance(given, Mapping) or not isinstance(given.get("column"), str):
         problems.append(f"{where}: {show(given)}: must be a column's name, or {{ column = NAME, unit = UNIT }}")
         return None
     wrong = [f"{where}.{k}: unknown key{nearest(k, keys)} (known: {', '.join(keys)})" for k in given if k not in keys]
     unit, noise, time, gain = given.get("unit", ""), given.get("noise"), given.get("time"), given.get("gain", 1.0)
+    held = given.get("held", False)
+    if not isinstance(held, bool):
+        wrong.append(f"{where}.held: {show(held)}: must be true or false")
     if unit and (not isinstance(unit, str) or unit not in units):
         wrong.append(f"{where}.unit: {show(unit)}: unknown unit{nearest(str(unit), units)}")
     if not (_number(gain) and gain != 0):
@@ -231,7 +240,11 @@ def _column(given: object, where: str, units: Mapping[str, float], problems: lis
     if time is not None and not isinstance(time, str):
         wrong.append(f"{where}.time: {show(time)}: must be the name of a column")
     problems += wrong
-    return None if wrong else Named(given["column"], gain * (units[unit] if unit else 1.0), noise, unit, time)
+    return (
+        None
+        if wrong
+        else Named(given["column"], gain * (units[unit] if unit else 1.0), noise, unit, time, held is True)
+    )
 
 
 def _source(entry: Mapping[str, Any], where: str, folder: Path) -> Source:
@@ -278,7 +291,7 @@ def _read(
             raise InputError(f"{label}: {show(c.column)}: has {len(x)} rows, its times have {len(at)}")
         if not np.isfinite(x[rows]).any():
             raise InputError(f"{label}: {show(c.column)}: holds no number")
-        found[group][name] = Channel(c.column, at[rows] - origin, x[rows], c.unit, c.noise)
+        found[group][name] = Channel(c.column, at[rows] - origin, x[rows], c.unit, c.noise, c.held)
     known = {k: float(x) for k, x in entry.get("known", {}).items()}
     return Recording(
         str(entry.get("name", entry["file"])), t[keep] - origin, found["outputs"], found["inputs"], known,

@@ -14,6 +14,7 @@ from scipy.interpolate import CubicSpline
 from stribeck.arrays import Array
 from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
+from stribeck.identify.actuator.inputs import RecordedInput, later, recorded_input, table_at
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.simulation import compiler, lanes
@@ -23,6 +24,7 @@ from stribeck.simulation.variations import Variations, vary
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _FINER = 5
 _EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
+_MEDIAN = 0.6745  # of a normal number's size, by its deviation
 _LIBRARIES: dict[Equations, ctypes.CDLL] = {}
 _LOCK = Lock()
 
@@ -50,6 +52,11 @@ class RecordedRun:
     shift: dict[str, float] = field(default_factory=dict)  # what is added to other states where a stretch begins
     otherwise: Scenario | None = None  # with gaps of the inputs crossed in the other way
     doubt: float = 0.0  # how far inputs may be off in gaps, by how far they are otherwise
+    inputs: dict[str, RecordedInput] = field(default_factory=dict)  # the recorded inputs, by path
+
+    def driven(self, drives: Mapping[str, RecordedInput]) -> RecordedRun:
+        """The same run with other signals."""
+        return replace(self, scenario=self.scenario.with_changes({path: x.table() for path, x in drives.items()}))
 
     @property
     def size(self) -> int:
@@ -137,6 +144,13 @@ def roughness(parts: Sequence[Array], order: int = 3) -> float:
     return float(np.sqrt(np.mean(found**2) / math.comb(2 * order, order)))
 
 
+def typical_roughness(x: Array, order: int) -> float:
+    """The noise of a column by the median of its differences, which few that are large do not move."""
+    if len(x) <= order:
+        return 0.0
+    return float(np.median(abs(np.diff(x, order)))) / _MEDIAN / math.sqrt(math.comb(2 * order, order))
+
+
 def rows_of(recording: Recording, begin: float, end: float) -> dict[str, Channel]:
     """The measured columns between two times, from the first."""
     found = {}
@@ -159,13 +173,12 @@ def recorded_run(
     begin, end = span or (0.0, float(recording.t[-1]))
     changes: dict[str, object] = dict(recording.known)
     problems = []
-    otherwise, doubt = dict[str, object](), 0.0
-    for path, channel in recording.inputs.items():
-        whole = channel.bridged
-        changes[path] = signal(scenario, path, whole.t, whole.x, begin, end)
-        if whole.doubt > 0:
-            otherwise[path] = signal(scenario, path, whole.t, whole.other, begin, end)
-            doubt = max(doubt, whole.doubt)
+    drives, others, doubt = driven_by(scenario, recording, (begin, end))
+    changes |= {path: each.table() for path, each in drives.items()}
+    problems += [
+        f"log.{log}.inputs.{path}.held: true: must be false: a feedforward needs a smooth command"
+        for path, each in drives.items() if each.held and each.spline
+    ]  # fmt: skip
     if begin > 0:
         changes |= _signals_later(scenario, recording, begin)
     known = [c.name for c in scenario.rig.machine.columns]
@@ -178,7 +191,7 @@ def recorded_run(
     problems += [
         f"log.{log}.inputs.{path}: no signal of the machine"
         for path in recording.inputs
-        if not (path.endswith("signal") and _at(scenario, path.rpartition(".")[0]) is not None)
+        if not (path.endswith("signal") and table_at(scenario, path.rpartition(".")[0]) is not None)
     ]
     if problems:
         raise InputError(problems)
@@ -192,8 +205,23 @@ def recorded_run(
     targets = [Compared(n, c.t, c.x) for n, c in rows_of(recording, begin, min(end, new.end + begin)).items()]
     piece = None if span is None else f"{begin:g}"
     there = [x for x in targets if len(x.t)]
-    other = new.with_changes(otherwise) if otherwise else None
-    return RecordedRun(recording.file, log, piece, new, there, {}, recording.hold_out, {}, other, doubt)
+    run = RecordedRun(recording.file, log, piece, new, there, {}, recording.hold_out, {}, None, doubt, drives)
+    return replace(run, otherwise=run.driven(others).scenario) if others else run
+
+
+def driven_by(
+    scenario: Scenario, recording: Recording, span: tuple[float, float]
+) -> tuple[dict[str, RecordedInput], dict[str, RecordedInput], float]:
+    """The recorded inputs by path; those with gaps, crossed in the other way; and how far off they may be there, by how far
+    the two are from each other."""
+    drives, others, doubt = dict[str, RecordedInput](), dict[str, RecordedInput](), 0.0
+    for path, channel in recording.inputs.items():
+        whole = channel.bridged
+        drives[path] = recorded_input(scenario, path, whole.t, whole.x, span, channel)
+        if whole.doubt > 0:
+            others[path] = recorded_input(scenario, path, whole.t, whole.other, span, channel)
+            doubt = max(doubt, whole.doubt)
+    return drives, others, doubt
 
 
 def _step(recording: Recording) -> float:
@@ -208,48 +236,12 @@ def _step(recording: Recording) -> float:
     return step / 2
 
 
-def signal(scenario: Scenario, path: str, t: Array, x: Array, begin: float, end: float) -> dict[str, object]:
-    """What was recorded as a signal of the machine, from ``begin`` on."""
-    first = max(int(np.searchsorted(t, begin, side="right")) - 1, 0)
-    last = min(int(np.searchsorted(t, end)) + 1, len(t))
-    table = _at(scenario, path.rpartition(".")[0])
-    kind = "spline" if isinstance(table, dict) and "feedforward" in table else "points"
-    return {"kind": kind, "t": (t[first:last] - begin).tolist(), "value": x[first:last].tolist()}
-
-
-def later(signal: object, by: float) -> dict[str, object] | None:
-    """A signal's table as it is from ``by`` seconds on, or None where its kind cannot say so."""
-    if not isinstance(signal, dict):
-        return None
-    kind = signal.get("kind")
-    if kind == "sine":
-        return {**signal, "phase": signal.get("phase", 0.0) + 2 * np.pi * signal["frequency"] * by}
-    if kind == "step":
-        return {**signal, "time": max(signal["time"] - by, 0.0)}
-    if kind == "points":
-        t, x = np.array(signal["t"], float) - by, np.array(signal["value"], float)
-        after = t > 0
-        if not after.any():
-            return {**signal, "t": [0.0, 1.0], "value": [float(x[-1])] * 2}
-        first = [] if t[0] > 0 else [0.0]
-        values = [float(np.interp(0.0, t, x)) for _ in first]
-        return {**signal, "t": [*first, *t[after].tolist()], "value": [*values, *x[after].tolist()]}
-    return None
-
-
 def unshifted(scenario: Scenario, recording: Recording) -> list[str]:
     """The signals of the machine that were not recorded, and cannot begin in the middle of a recording."""
     return [
         use.path for use in scenario.rig.signals
-        if use.path not in recording.inputs and later(_at(scenario, use.path), 1.0) is None
+        if use.path not in recording.inputs and later(table_at(scenario, use.path), 1.0) is None
     ]  # fmt: skip
-
-
-def _at(scenario: Scenario, path: str) -> object:
-    table: object = scenario.data
-    for word in path.split("."):
-        table = table.get(word) if isinstance(table, dict) else None
-    return table
 
 
 def _signals_later(scenario: Scenario, recording: Recording, begin: float) -> dict[str, object]:
@@ -266,7 +258,7 @@ def _signals_later(scenario: Scenario, recording: Recording, begin: float) -> di
             ]
         )
     paths = [use.path for use in scenario.rig.signals if use.path not in recording.inputs]
-    return {path: later(_at(scenario, path), begin) for path in paths}
+    return {path: later(table_at(scenario, path), begin) for path in paths}
 
 
 def varies(scenario: Scenario, path: str) -> bool:

@@ -1,112 +1,34 @@
-"""Sensors that err: a delay, a clock, a gain or an offset, of all recordings or of one, that the residuals show."""
+"""Sensors that err: a delay, a clock, a gain or an offset, of all recordings or of one."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate
-from stribeck.identify.actuator.estimate import POOR, BestPoint, leftovers
-from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.solve import search
 
-_SURE = 4.5  # deviations
-_MATTERS = 0.02  # of what is left of the recordings that it concerns
-_MOVES = 1.0  # deviations of a number: one that would move by more has no interval
 _SAMPLES = 50  # sample times: the longest delay that is tried
 _CLOCK, _GAIN = 0.05, 2.0
-_TRIED, _STEPS, _ROUGHLY = 3, 12, 1e-3
 
 
-@dataclass(frozen=True)
-class Suspect:
-    """What may be wrong with a sensor: its number, how far that would be off and its deviation; by how much the sum of
-    squares would fall, and by what share of that of the recordings that it concerns; how far each coordinate would move."""
-
-    column: str
-    what: str
-    log: int | None
-    value: float
-    wide: float
-    fall: float
-    share: float
-    moves: Array
-
-    @property
-    def path(self) -> str:
-        """What would be sought."""
-        return f"{'' if self.log is None else f'log.{self.log}.'}outputs.{self.column}.{self.what}"
-
-
-def seen(best: BestPoint, s: Spread) -> tuple[list[str], bool]:
-    """A number of a sensor that is not sought but that the residuals show, in words; and whether it would move what is
-    sought, so that no interval can be given without it."""
-    found = [x for x in _suspects(best.problem, best.u, s.J) if abs(x.value) > _SURE * x.wide and x.share > _MATTERS]
-    if not found:
-        return [], False
-    first = max(found, key=lambda x: x.fall)  # the others may be its shadows
-    asked = [i for i, c in enumerate(best.problem.sought) if not c.nuisance]
-    moves = bool((abs(first.moves[asked]) > _MOVES * s.deviations[asked]).any())
-    return [f"{_words(best.problem, first)}; seek {first.path} if that can be"], moves
-
-
-def tried(best: BestPoint) -> list[str]:
-    """The number of a sensor with which a machine that errs would follow its recordings far better."""
-    problem, u = best.problem, best.u
-    r, J = (x[0] for x in problem.slopes(u[None], np.full(len(u), problem.step)))
-    if not (np.isfinite(r).all() and np.isfinite(J).all()):
-        return []
-    order = sorted(_suspects(problem, u, J), key=lambda x: -x.fall)[:_TRIED]
-    before, told = leftovers(problem, u), list[tuple[float, str]]()
-    for x in order:
-        c = _coordinate(problem, x)
-        own = replace(problem, sought=[*problem.sought, c], noise=dict(problem.noise))
-        there = np.append(u, c.inner(NEUTRAL[x.what] + x.value))
-        found = search(own, 1, 0, there, steps=_STEPS, small=_ROUGHLY)
-        left, size = leftovers(own, found.u)[x.column]
-        if found.stopped or not left < min(0.5 * before[x.column][0], POOR * size):
-            continue
-        now = replace(x, value=c.outer(found.u[-1]) - NEUTRAL[x.what], wide=0.0)
-        told.append(
-            (
-                left,
-                f"{_words(problem, now)}: with {x.path} sought, {left:.2g} is left of it, not {before[x.column][0]:.2g}",
-            )
-        )
-    return [min(told)[1]] if told else []
-
-
-def _suspects(problem: MachineProblem, u: Array, J: Array) -> Iterator[Suspect]:
-    """What each sensor's numbers would be, from the slopes."""
-    r = problem.residuals(u[None])[0]
+def candidates(problem: MachineProblem, u: Array) -> Iterator[tuple[MachineCoordinate, float, Array]]:
+    """Each number of a sensor that is not sought, of all recordings and of each, as a coordinate, with its value and the
+    residuals' slopes by it."""
     sought = {(c.output, c.log) for c in problem.sought}
     logs = list(dict.fromkeys(run.log for run in problem.runs))
     for (column, what), slopes in _slopes(problem, u).items():
         if ((column, what), None) in sought:
             continue
         for log in [None, *logs] if len(logs) > 1 else [None]:
-            x = np.where(_rows(problem, log), slopes, 0.0)
+            x = np.where(rows(problem, log), slopes, 0.0)
             if ((column, what), log) not in sought and x @ x > 0:
-                yield _suspect(problem, r, J, x, (column, what, log))
+                yield _coordinate(problem, column, what, log), NEUTRAL[what], x
 
 
-def _suspect(problem: MachineProblem, r: Array, J: Array, slopes: Array, which: tuple[str, str, int | None]) -> Suspect:
-    J = np.column_stack([J, slopes])
-    covariance = inverse(J)
-    move = -(covariance @ (J.T @ r))
-    left = r + J @ move  # what is left with it
-    lags, _, _ = remembered(problem, left)
-    wide = np.sqrt(max((covariance @ scores(problem, left, J, lags) @ covariance)[-1, -1], covariance[-1, -1]))
-    own = r[_rows(problem, which[2])]
-    fall = float(r @ r) - float(left @ left)
-    return Suspect(*which, float(move[-1]), float(wide), fall, fall / max(float(own @ own), 1e-300), move[:-1])
-
-
-def _rows(problem: MachineProblem, log: int | None) -> Array:
+def rows(problem: MachineProblem, log: int | None) -> Array:
     """Which residuals are those of a recording, or of all."""
     found = np.zeros(problem.size, bool)
     for k, run in enumerate(problem.runs):
@@ -114,26 +36,29 @@ def _rows(problem: MachineProblem, log: int | None) -> Array:
     return found
 
 
-def _coordinate(problem: MachineProblem, x: Suspect) -> MachineCoordinate:
+def _coordinate(problem: MachineProblem, column: str, what: str, log: int | None) -> MachineCoordinate:
     """The number of a sensor as one that is sought."""
-    targets = [t for run in problem.runs for t in run.targets if t.column == x.column and len(t.t) > 1]
+    targets = [t for run in problem.runs for t in run.targets if t.column == column and len(t.t) > 1]
     span = max(float(np.ptp(t.x)) for t in targets)
     late = _SAMPLES * max(float(np.median(np.diff(t.t))) for t in targets)
     room = {"clock": (-_CLOCK, _CLOCK), "delay": (-late, late), "gain": (1 / _GAIN, _GAIN), "offset": (-span, span)}
-    return MachineCoordinate(x.path, *room[x.what], None, None, {}, (x.column, x.what), x.log)
+    path = f"{'' if log is None else f'log.{log}.'}outputs.{column}.{what}"
+    return MachineCoordinate(path, *room[what], None, None, {}, (column, what), log)
 
 
-def _words(problem: MachineProblem, x: Suspect) -> str:
-    where = "" if x.log is None else next(f"{run.name}: " for run in problem.runs if run.log == x.log)
-    within = f" ± {2 * x.wide:.2g}" if x.wide else ""
-    said = f"{abs(x.value):.3g}{within}"
-    if x.what == "clock":
+def words(problem: MachineProblem, c: MachineCoordinate, off: float, within: str) -> str:
+    """What a sensor does whose number is off by so much."""
+    assert c.output is not None
+    column, what = c.output
+    where = "" if c.log is None else next(f"{run.name}: " for run in problem.runs if run.log == c.log)
+    said = f"{abs(off):.3g}{within}"
+    if what == "clock":
         text = f"its clock drifts from that of the drive, by {said} s in a second"
-    elif x.what == "delay":
-        text = f"it comes {said} s {'late' if x.value > 0 else 'early'}"
+    elif what == "delay":
+        text = f"it comes {said} s {'late' if off > 0 else 'early'}"
     else:
-        text = f"its {x.what} seems to be {x.value:+.3g}{within} off"
-    return f"{where}{x.column}: {text}"
+        text = f"its {what} seems to be {off:+.3g}{within} off"
+    return f"{where}{column}: {text}"
 
 
 def _slopes(problem: MachineProblem, u: Array) -> dict[tuple[str, str], Array]:

@@ -1,0 +1,70 @@
+"""What drove a machine in a recording: its recorded signals, straight from sample to sample or held as a sampled controller
+holds them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.actuator.recordings import Channel
+from stribeck.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class RecordedInput:
+    """A recorded signal of a machine in a stretch of a recording, times from its start.
+
+    ``held``: each sample until the next; ``spline``: what a controller with feedforward differentiates.
+    """
+
+    t: Array
+    x: Array
+    held: bool = False
+    spline: bool = False
+    noise: float | None = None  # its standard deviation, if it was given
+
+    def table(self) -> dict[str, object]:
+        """The signal as a machine's file has it; two equal times make a jump."""
+        t, x = (np.repeat(self.t, 2)[1:], np.repeat(self.x, 2)[:-1]) if self.held else (self.t, self.x)
+        return {"kind": "spline" if self.spline else "points", "t": t.tolist(), "value": x.tolist()}
+
+
+def recorded_input(
+    scenario: Scenario, path: str, t: Array, x: Array, span: tuple[float, float], channel: Channel
+) -> RecordedInput:
+    """What was recorded of a signal within ``span``; times count from its start."""
+    first = max(int(np.searchsorted(t, span[0], side="right")) - 1, 0)
+    last = min(int(np.searchsorted(t, span[1])) + 1, len(t))
+    table = table_at(scenario, path.rpartition(".")[0])
+    spline = isinstance(table, dict) and "feedforward" in table
+    return RecordedInput(t[first:last] - span[0], x[first:last], channel.held, spline, channel.noise)
+
+
+def table_at(scenario: Scenario, path: str) -> object:
+    """What the machine's file has at a path."""
+    table: object = scenario.data
+    for word in path.split("."):
+        table = table.get(word) if isinstance(table, dict) else None
+    return table
+
+
+def later(signal: object, by: float) -> dict[str, object] | None:
+    """A signal's table as it is from ``by`` seconds on, or None where its kind cannot say so."""
+    if not isinstance(signal, dict):
+        return None
+    kind = signal.get("kind")
+    if kind == "sine":
+        return {**signal, "phase": signal.get("phase", 0.0) + 2 * np.pi * signal["frequency"] * by}
+    if kind == "step":
+        return {**signal, "time": max(signal["time"] - by, 0.0)}
+    if kind == "points":
+        t, x = np.array(signal["t"], float) - by, np.array(signal["value"], float)
+        after = t > 0
+        if not after.any():
+            return {**signal, "t": [0.0, 1.0], "value": [float(x[-1])] * 2}
+        first = [] if t[0] > 0 else [0.0]
+        values = [float(np.interp(0.0, t, x)) for _ in first]
+        return {**signal, "t": [*first, *t[after].tolist()], "value": [*values, *x[after].tolist()]}
+    return None

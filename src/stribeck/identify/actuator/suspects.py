@@ -1,0 +1,195 @@
+"""Numbers that are not sought and that the residuals show to be wrong: of a sensor, of the machine, or how inputs run between
+their samples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.actuator import fixed, sensors
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.driven import otherwise_held
+from stribeck.identify.actuator.estimate import POOR, BestPoint, leftovers
+from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.solve import search
+
+_SURE = 4.5  # deviations
+_MATTERS = 0.02  # of what is left of the recordings that it concerns
+_MOVES = 1.0  # deviations of a number: one that would move by more has no interval
+_AS_WELL = 0.9  # of what the first explains: others that explain as much are named with it
+_WHOLE = 0.5  # how far from 1 the share of the way to inputs held otherwise may be
+_NAMED = 3
+_TRIED, _STEPS, _ROUGHLY = 3, 12, 1e-3
+_TOGETHER = 8  # fixed numbers that are sought together
+_FEWER = 0.9  # of what one number more leaves: several must leave less
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """A number that may be wrong: the coordinate that it would be, what it is now, how far it would be off and its deviation;
+    by how much the sum of squares would fall, and by what share of that of the recordings that it concerns; how far each
+    coordinate would move."""
+
+    coordinate: MachineCoordinate
+    now: float
+    off: float
+    wide: float
+    fall: float
+    share: float
+    moves: Array
+
+    @property
+    def sure(self) -> bool:
+        """Whether the residuals show it."""
+        return abs(self.off) > _SURE * self.wide and self.share > _MATTERS
+
+
+def seen(best: BestPoint, s: Spread) -> tuple[list[str], bool]:
+    """What is not sought but the residuals show, in words; and whether it would move what is sought, so that no interval can
+    be given without it."""
+    problem = best.problem
+    found = sorted((x for x in _suspects(problem, best.u, s.J, s.moved) if x.sure), key=lambda x: -x.fall)
+    other = _driven_otherwise(best, s)
+    if other and (not found or other[0].fall > _AS_WELL * found[0].fall):
+        text = f"inputs {other[1]} would be followed better: what is left would fall by {100 * other[0].share:.2g} %"
+        return [text], _moves(best, s, other[0])
+    if not found:
+        return [], False
+    found = [x for x in found if x.fall > _AS_WELL * found[0].fall][:_NAMED]  # the rest may be their shadows
+    words = "; or ".join(_words(problem, x) for x in found)
+    names = " or ".join(x.coordinate.name for x in found)
+    return [f"{words}; seek {names} if that can be"], any(_moves(best, s, x) for x in found)
+
+
+def tried(best: BestPoint) -> list[str]:
+    """The number with which a machine that errs would follow its recordings far better, or the fixed numbers of the machine
+    that are wrong together."""
+    problem, u = best.problem, best.u
+    r, J = (x[0] for x in problem.slopes(u[None], np.full(len(u), problem.step)))
+    if not (np.isfinite(r).all() and np.isfinite(J).all()):
+        return []
+    before, told = leftovers(problem, u), _held_tried(problem, u)
+    suspects = sorted(_suspects(problem, u, J, None), key=lambda x: -x.fall)
+    of_machine = [x for x in suspects if x.coordinate.output is None]
+    of_sensors = [x for x in suspects if x.coordinate.output is not None]
+    for x in [*of_sensors[:_TRIED], *of_machine[:_TRIED]]:
+        if (better := _with(problem, u, [x])) is not None:
+            words = _words(problem, replace(x, off=better.values[0] - x.now, wide=0.0))
+            told.append((better.share, f"{words}: with {x.coordinate.name} sought, {better.words(before)}"))
+    together = of_machine[:_TOGETHER]
+    better = _with(problem, u, together) if len(together) > 1 else None
+    if better is not None and (not told or better.share < _FEWER * min(told)[0]):
+        order = sorted(zip(together, better.values, strict=True), key=lambda x: -abs(np.log(x[1] / x[0].now)))
+        names = ", ".join(f"{x.coordinate.name} ({x.now:.3g}, then {value:.3g})" for x, value in order[:_NAMED])
+        told = [(0.0, f"with {len(together)} fixed numbers sought too, {better.words(before)}; most move {names}")]
+    return [min(told)[1]] if told else []
+
+
+def _held_tried(problem: MachineProblem, u: Array) -> list[tuple[float, str]]:
+    """Inputs that run otherwise between their samples, where that leaves far less: the share of it, and in words."""
+    other = otherwise_held(problem)
+    if other is None:
+        return []
+    found, before = search(other[0], 1, 0, u, steps=_STEPS, small=_ROUGHLY), leftovers(problem, u)
+    better = None if found.stopped else _better(before, leftovers(other[0], found.u), [])
+    return [] if better is None else [(_AS_WELL * better.share, f"with inputs {other[1]}, {better.words(before)}")]
+
+
+@dataclass(frozen=True)
+class Better:
+    """What is left with numbers sought that were not: the column that has most of what it had, and the numbers."""
+
+    share: float
+    column: str
+    left: float
+    values: list[float]
+
+    def words(self, before: dict[str, tuple[float, float]]) -> str:
+        """What is left, and was."""
+        return f"{self.left:.2g} of {self.column} is left, not {before[self.column][0]:.2g}"
+
+
+def _better(
+    before: dict[str, tuple[float, float]], after: dict[str, tuple[float, float]], values: list[float]
+) -> Better | None:
+    """What is left, where that is far less than before."""
+    shares = {c: after[c][0] / before[c][0] for c in after if before[c][0] > 0}
+    if not shares:
+        return None
+    column = max(shares, key=lambda c: shares[c])
+    left, size = after[column]
+    return Better(shares[column], column, left, values) if left < min(0.5 * before[column][0], POOR * size) else None
+
+
+def _with(problem: MachineProblem, u: Array, suspects: Sequence[Suspect]) -> Better | None:
+    """What is left where these numbers are sought too, if that is far less."""
+    added = [x.coordinate for x in suspects]
+    own = replace(problem, sought=[*problem.sought, *added], noise=dict(problem.noise))
+    first = suspects[0].now + suspects[0].off if len(suspects) == 1 else None
+    there = [c.inner(x.now if first is None else first) for c, x in zip(added, suspects, strict=True)]
+    found = search(own, 1, 0, own.repaired(np.append(u, there)[None])[0], steps=_STEPS, small=_ROUGHLY)
+    if found.stopped:
+        return None
+    values = [c.outer(x) for c, x in zip(added, found.u[len(u) :], strict=True)]
+    return _better(leftovers(problem, u), leftovers(own, found.u), values)
+
+
+def _moves(best: BestPoint, s: Spread, x: Suspect) -> bool:
+    """Whether what is asked for would move."""
+    asked = [i for i, c in enumerate(best.problem.sought) if not c.nuisance]
+    return bool((abs(x.moves[asked]) > _MOVES * s.deviations[asked]).any())
+
+
+def _driven_otherwise(best: BestPoint, s: Spread) -> tuple[Suspect, str] | None:
+    """Whether the residuals show that inputs run otherwise between their samples, and how, in words."""
+    other = otherwise_held(best.problem)
+    if other is None:
+        return None
+    r = best.problem.residuals(best.u[None])[0]
+    off, there = np.zeros(len(r)), other[0].residuals(best.u[None])[0]
+    compared = int(best.problem.first[-1])  # priors and ties stay
+    off[:compared] = there[:compared] - r[:compared]
+    if not (np.isfinite(off).all() and off @ off > 0):
+        return None
+    share = MachineCoordinate("inputs", 0.0, 1.0)
+    x = _suspect(best.problem, r, s.J, off, share, 0.0, s.moved)
+    return (x, other[1]) if x.sure and abs(x.off - 1) < _WHOLE else None
+
+
+def _suspects(problem: MachineProblem, u: Array, J: Array, moved: Array | None) -> list[Suspect]:
+    """What each number that is not sought would be, from the slopes."""
+    r = problem.residuals(u[None])[0]
+    return [
+        _suspect(problem, r, J, slopes, c, now, moved)
+        for candidates in (sensors.candidates, fixed.candidates)
+        for c, now, slopes in candidates(problem, u)
+    ]
+
+
+def _suspect(
+    problem: MachineProblem, r: Array, J: Array, slopes: Array, c: MachineCoordinate, now: float, moved: Array | None
+) -> Suspect:
+    """A number from its slopes; ``moved``: residuals as noise of the inputs moves them, a row for each draw."""
+    J = np.column_stack([J, slopes])
+    covariance = inverse(J)
+    move = -(covariance @ (J.T @ r))
+    left = r + J @ move  # what is left with it
+    lags, _, _ = remembered(problem, left)
+    variance = max((covariance @ scores(problem, left, J, lags) @ covariance)[-1, -1], covariance[-1, -1])
+    if moved is not None:
+        variance = max(variance, covariance[-1, -1] + np.mean((moved @ (J @ covariance[-1])) ** 2))
+    wide = np.sqrt(variance)
+    own = r[sensors.rows(problem, c.log)]
+    fall = float(r @ r) - float(left @ left)
+    return Suspect(c, now, float(move[-1]), float(wide), fall, fall / max(float(own @ own), 1e-300), move[:-1])
+
+
+def _words(problem: MachineProblem, x: Suspect) -> str:
+    within = f" ± {2 * x.wide:.2g}" if x.wide else ""
+    if x.coordinate.output is not None:
+        return sensors.words(problem, x.coordinate, x.off, within)
+    return f"{x.coordinate.name} is fixed at {x.now:.4g} and seems to be {x.now + x.off:.4g}{within}"

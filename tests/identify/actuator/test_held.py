@@ -1,0 +1,49 @@
+"""Inputs that a sampled controller holds from sample to sample, and those that run straight."""
+
+import numpy as np
+import pytest
+
+from stribeck.errors import InputError
+from stribeck.identify.actuator import fit_machine, read_logs
+from tests.identify.actuator.recorded import body, logs, record
+
+F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
+WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
+HELD = {"loads.push.signal": {"column": "u", "held": True}}
+
+
+def recorded(path, noise):
+    """A body whose push is held for 10 ms."""
+    data = body(amplitude=5.0)
+    push = data["loads"]["push"]["signal"]
+    push |= {"t": np.repeat(push["t"], 2)[1:].tolist(), "value": np.repeat(push["value"], 2)[:-1].tolist()}
+    record(path, data, noise=noise, change=lambda x: {**x, "u": x["u"][::2]})
+
+
+@pytest.mark.parametrize("noise", [2e-5, 3e-4])
+def test_a_held_input_is_followed_as_held_and_told_where_it_is_not_said(tmp_path, noise):
+    recorded(tmp_path / "run.csv", noise)
+    path = logs(tmp_path, [{"file": "run.csv", "inputs": HELD}], WANTED)
+    found = fit_machine(body(mass=1.2), path, starts=1, baselines=False)
+    for name in (F_C, MASS):
+        assert found.parameters[name].low < 1.0 < found.parameters[name].high
+    assert not any("sample to sample (held" in n for n in found.notes), found.notes
+    told = fit_machine(body(mass=1.2), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
+    assert any("inputs held from sample to sample (held = true)" in n for n in told.notes), told.notes
+    assert {p.verdict for p in told.parameters.values()} == {"not judged"}  # they would move
+
+
+def test_what_is_wrong_with_held_is_said(tmp_path):
+    recorded(tmp_path / "run.csv", 0.0)
+    entry = {
+        "file": "run.csv",
+        "outputs": {"a.y": {"column": "y", "held": True}},
+        "inputs": {"x": {"column": "u", "held": 1}},
+    }
+    with pytest.raises(InputError) as told:
+        read_logs(logs(tmp_path, [entry], WANTED))
+    lines = [line.partition(": ")[2] for line in told.value.problems]
+    assert lines == [
+        "log.0.outputs.a.y.held: true: must be said of an input: an output is a sample",
+        "log.0.inputs.x.held: 1: must be true or false",
+    ]
