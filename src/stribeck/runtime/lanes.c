@@ -107,7 +107,7 @@ static void put_row(const Batch *b, Lanes *l, int lane, const double *x)
 
 static void put_present_rows(const Batch *b, Lanes *l, int lane, double until)
 {
-    l->row_t[lane] = 1e300;
+    l->row_t[lane] = INFINITY;
     if (l->index[lane] < 0) return;
     double x[N];
     for (int n = 0; n < N; n++) x[n] = l->x[n][lane];
@@ -279,7 +279,7 @@ static void write_rows(const Batch *b, Lanes *l, int lane, double h, double t_ne
         for (int n = 0; n < N; n++) x[n] = interpolate(s, l->x[n][lane], x_new[n][lane], d[n][0], d[n][1], d[n][2]);
         put_row(b, l, lane, x);
     }
-    l->row_t[lane] = l->row[lane] < b->rows ? t : 1e300;
+    l->row_t[lane] = l->row[lane] < b->rows ? t : INFINITY;
 }
 
 /* Steps of lanes that start anew or come out of a breakpoint. */

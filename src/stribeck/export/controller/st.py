@@ -5,7 +5,7 @@ from __future__ import annotations
 from stribeck.errors import InputError
 from stribeck.export.c.ccode import render
 from stribeck.export.controller.block import Block
-from stribeck.export.text.st import StWriter, st_number
+from stribeck.export.text.st import StWriter, st_number, unspeakable
 from stribeck.expressions.graph import ordered
 
 _OWN = ("reset", "ok", "x")
@@ -17,7 +17,7 @@ def files(block: Block) -> dict[str, str | bytes]:
     inputs = {f"input.{c.name}": c.name for c in block.inputs} | kept | block.of_symbols("")
     names = [*_OWN, *(c.name for c in (*block.inputs, *block.outputs)), *kept.values(), *block.constants]
     lower = [name.lower() for name in names]  # the language knows no case
-    if clash := sorted({name for name in names if lower.count(name.lower()) > 1}):
+    if clash := sorted({name for name in names if lower.count(name.lower()) > 1 or unspeakable(name)}):
         raise InputError([f"{name}: a constant of this name cannot be exported to Structured Text" for name in clash])
     writer = StWriter(block.name, inputs, block.called)
     writer.taken.update(lower)

@@ -60,9 +60,9 @@ def fit_machine(
     other = transfer_to if transfer_to is None or isinstance(transfer_to, Logs) else read_logs(transfer_to, False)
     sought = checked(scenario, logs)
     tried = {name: list(names) for name, names in {**logs.laws, **(laws or {})}.items()}
-    choice.check(scenario, tried)
     if starts < 1:
         raise InputError(f"{arg('starts')}: {show(starts)}: must be a whole number >= 1")
+    choice.check(scenario, tried, {name for names in (laws or {}).values() for name in names})
     work = Work(progress)
     with threadpool_limits(1):
         return Fitting(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)

@@ -23,6 +23,7 @@ from stribeck.simulation.variations import Variations, vary
 
 Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that grows with time, s/s, of each lane
 _FINER = 5
+_ATTEMPTS, _LEAST_ROWS = 10_000, 100  # steps a row, after which a motion is given up
 _EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
 _MEDIAN = 0.6745  # of a normal number's size, by its deviation
 _LIBRARIES: dict[Equations, ctypes.CDLL] = {}
@@ -198,6 +199,10 @@ def recorded_run(
     step = _step(recording) / (_FINER if fine else 1)
     length = end - begin
     changes |= {"solve.t_end": length, "output.step": step, "output.energy": False}
+    attempts = int(min(scenario.solve.max_steps, _ATTEMPTS * max(length / step, _LEAST_ROWS)))
+    changes["solve.max_steps"] = (
+        attempts  # times in another unit make a motion of a million swings: nobody can wait for it
+    )
     try:
         new = scenario.with_changes(changes)
     except InputError as error:
