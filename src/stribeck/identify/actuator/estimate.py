@@ -102,7 +102,7 @@ def beyond_solver(problem: MachineProblem, u: Array) -> list[str]:
 
 def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
     """By column: the root mean square of what is left, and that of the column's changes within a recording."""
-    r = problem.residuals(u[None])[0]
+    r = problem.raw(u[None])[0]
     left: dict[str, list[Array]] = {}
     size: dict[str, list[Array]] = {}
     for k, run in enumerate(problem.runs):
