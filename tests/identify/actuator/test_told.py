@@ -5,7 +5,8 @@ import re
 import numpy as np
 import pytest
 
-from stribeck.identify.actuator import fit_machine
+from stribeck import Scenario
+from stribeck.identify.actuator import checks, fit_machine, read_logs
 from tests.identify.actuator.recorded import body, logs, record
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
@@ -101,3 +102,12 @@ def test_how_far_a_fixed_number_may_be_off_is_said(tmp_path):
     share = float(re.search(r"law.parameters.sigma_2 is off by ([\d.]+) %", told)[1]) / 100
     wrong = fit_machine(body(sigma_2=4.0 * (1 + 3 * share)), path, starts=1, baselines=False)
     assert any(p.verdict == "found" and not p.low < 1.0 < p.high for p in wrong.parameters.values())
+
+
+def test_the_shorter_of_two_recordings_is_told(tmp_path):
+    record(tmp_path / "a.csv", body())
+    record(tmp_path / "b.csv", body(), change=lambda x: {n: column[:60] for n, column in x.items()})
+    told = checks.before(read_logs(logs(tmp_path, ["a.csv", "b.csv"], WANTED)), Scenario(body()))
+    assert [n for n in told if "cut short" in n] == [
+        "b.csv: ends at 0.59 s, the others at about 1 s: was it cut short?"
+    ]
