@@ -201,10 +201,10 @@ def odeint() -> Solve:
 
 
 def prototype() -> Solve:
-    """The C++ prototype in vectors of 8."""
+    """The C++ prototype, in vectors as wide as ours."""
     folder = tempfile.mkdtemp()
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
-    made = PrototypeOfLanes(Path(folder))
+    made = PrototypeOfLanes(Path(folder), width())
 
     def solve(rtol: float, atol: float, count: int) -> Run:
         varied = values(count)
@@ -254,7 +254,7 @@ def ways(quick: bool) -> tuple[list[Way], dict[str, str]]:
     else:
         missing[NARROW] = f"the compiler without AVX-512 makes vectors of {narrow}"
     try:
-        found.insert(1, Way(PROTOTYPE, "the prototype's lanes of 8, no events", prototype(), LANES // share))
+        found.insert(1, Way(PROTOTYPE, "the prototype's lanes, no events", prototype(), LANES // share))
     except Missing as error:
         missing[PROTOTYPE] = str(error)
     makers: list[tuple[str, str, str, int, Callable[[Way], Solve]]] = [

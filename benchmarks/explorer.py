@@ -1,7 +1,7 @@
 """The explorer: from a slider's event to the curves in sight redrawn, for 40 s of stick-slip in a headless Chromium.
 
-Each drag moves F_s to another place and waits until every canvas in sight that the page draws has been drawn anew and
-the frame with it is done. ``solved`` is when the worker's result is back; both count from the slider's event, on the wall.
+Each drag moves F_s to another place and waits until a canvas over every chart in sight has been drawn anew and the frame
+with it is done. ``solved`` is when the worker's result is back; both count from the slider's event, on the wall.
 Where other processes are at work, the processor time of the page's main thread up to then says more.
 """
 
@@ -27,19 +27,23 @@ CanvasRenderingContext2D.prototype.stroke = function (...given) {
 };
 """
 _DRAG = """
-const [share, wanted, done] = arguments;
+const [share, done] = arguments;
 const slider = document.querySelector("input[type=range][data-path='law.parameters.F_s']");
-const seen = (canvas) => { const r = canvas.getBoundingClientRect(); return r.bottom > 0 && r.top < innerHeight; };
-const found = { solved: 0, drawn: 0 }, begun = performance.now(), until = begun + 3000;
-const heard = ({ data }) => { if (data.result) found.solved ||= performance.now() - begun; };
+const charts = Object.keys(data.panels).map((name) => Bokeh.index.find_one(model(name)).el.getBoundingClientRect())
+  .filter((r) => r.bottom > 0 && r.top < innerHeight);
+const found = { solved: 0, drawn: 0, charts: charts.length }, begun = performance.now(), until = begun + 3000;
+const heard = (event) => { if (event.data.result) found.solved ||= event.timeStamp - begun; }; // the page hears it first
 worker.addEventListener("message", heard);
 window.drawn.clear();
 const look = () => {
-  const canvases = [...window.drawn].filter(([canvas, at]) => seen(canvas) && found.solved && at >= begun + found.solved);
-  if (canvases.length >= wanted && wanted) found.drawn ||= performance.now() - begun;
-  if (found.drawn || (!wanted && found.solved && window.stribeck.idle) || performance.now() > until) {
+  const places = [...window.drawn].filter(([, at]) => found.solved && at >= begun + found.solved)
+    .map(([canvas]) => canvas.getBoundingClientRect());
+  const anew = (chart) => places.some((r) => r.left >= chart.left - 1 && r.right <= chart.right + 1
+    && r.top >= chart.top - 1 && r.bottom <= chart.bottom + 1);
+  if (charts.every(anew)) found.drawn = performance.now() - begun;
+  if (found.drawn || performance.now() > until) {
     worker.removeEventListener("message", heard);
-    done({ ...found, canvases: canvases.length });
+    done(found);
     return;
   }
   requestAnimationFrame(() => { const c = new MessageChannel(); c.port1.onmessage = look; c.port2.postMessage(0); });
@@ -79,12 +83,11 @@ def drags(page: Path, size: tuple[int, int, bool], repetitions: int) -> dict[str
         driver.get(page.as_uri())
         driver.execute_async_script(_SETTLED)
         places = [560 + 20 * (i % 10) for i in range(repetitions)]
-        canvases = driver.execute_async_script(_DRAG, 540, 0)["canvases"]
         driver.execute_cdp_cmd("Performance.enable", {"timeDomain": "threadTicks"})
 
         def drag(place: int) -> dict[str, float]:
             before = busy(driver)
-            found: dict[str, float] = driver.execute_async_script(_DRAG, place, canvases)
+            found: dict[str, float] = driver.execute_async_script(_DRAG, place)
             found["cpu"] = busy(driver) - before
             driver.execute_async_script(_SETTLED)
             return found
@@ -92,12 +95,12 @@ def drags(page: Path, size: tuple[int, int, bool], repetitions: int) -> dict[str
         for warm in (600, 550, 580):
             drag(warm)
         found = [drag(place) for place in places]
-        if not canvases or not all(each["drawn"] for each in found):
+        if not all(each["drawn"] and each["charts"] for each in found):
             raise SystemExit("the page was not redrawn after a drag")
     finally:
         driver.quit()
     return {
-        "canvases": canvases,
+        "charts": found[0]["charts"],
         "solved_ms": spread([each["solved"] for each in found]),
         "drawn_ms": spread([each["drawn"] for each in found]),
         "main_thread_cpu_ms": spread([each["cpu"] for each in found]),

@@ -13,11 +13,13 @@ import argparse
 import json
 import tempfile
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.optimize import curve_fit
+from scipy.stats import binomtest
 
 import stribeck
 from stribeck.identify.api import read_log
@@ -77,23 +79,30 @@ def record(m: dict[str, float], v: np.ndarray, draw: np.random.Generator) -> dic
     }  # fmt: skip
 
 
-def least_squares(v: np.ndarray, a: np.ndarray, force: np.ndarray) -> Any:
-    """Mass, Coulomb, viscous and offset."""
-    found = np.linalg.lstsq(np.column_stack([a, np.sign(v), v, np.ones(len(v))]), force, rcond=None)[0]
-    return lambda v, a: np.column_stack([a, np.sign(v), v, np.ones(len(v))]) @ found
+def least_squares(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.ndarray | None = None) -> Any:
+    """Mass, Coulomb, viscous and offset, and columns ``beside`` these."""
+
+    def columns(v: np.ndarray, a: np.ndarray, beside: np.ndarray | None = None) -> np.ndarray:
+        return np.column_stack([a, np.sign(v), v, np.ones(len(v)), *([] if beside is None else beside.T)])
+
+    found = np.linalg.lstsq(columns(v, a, beside), force, rcond=None)[0]
+    return lambda v, a, beside=None: columns(v, a, beside) @ found
 
 
-def tanh_stribeck(v: np.ndarray, a: np.ndarray, force: np.ndarray) -> Any:
+def tanh_stribeck(v: np.ndarray, a: np.ndarray, force: np.ndarray, beside: np.ndarray | None = None) -> Any:
     """The same with a Stribeck curve and a smooth sign."""
 
-    def curve(x: Any, mass: float, f_c: float, df: float, v_s: float, width: float, s2: float, offset: float) -> Any:
-        return mass * x[1] + (f_c + df * np.exp(-((x[0] / v_s) ** 2))) * np.tanh(x[0] / width) + s2 * x[0] + offset
+    def curve(x: Any, mass: float, f_c: float, df: float, v_s: float, width: float, s2: float, *rest: float) -> Any:
+        level = f_c + df * np.exp(-((x[0] / v_s) ** 2))
+        further = 0.0 if x[2] is None else x[2] @ np.array(rest[1:])
+        return mass * x[1] + level * np.tanh(x[0] / width) + s2 * x[0] + rest[0] + further
 
+    start = [1, 8, 2, 0.1, 0.01, 1, 0, *([] if beside is None else [0] * beside.shape[1])]
     try:
-        found, _ = curve_fit(curve, (v, a), force, [1, 8, 2, 0.1, 0.01, 1, 0], maxfev=5000)
+        found, _ = curve_fit(lambda _, *p: curve((v, a, beside), *p), v, force, start, maxfev=5000)
     except RuntimeError:
         return None
-    return lambda v, a: curve((v, a), *found)
+    return lambda v, a, beside=None: curve((v, a, beside), *found)
 
 
 def one(seed: int) -> dict[str, Any]:
@@ -136,25 +145,34 @@ def scatter(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.std(np.log(blocks[0][taken].sum(1) / blocks[1][taken].sum(1)) / 2))
 
 
-def main() -> None:
+def counted(of: Callable[[int], dict[str, Any]], given: argparse.Namespace) -> None:
     """Run the cases that are asked for, and name those where ours is worse by more than a hundredth of the error.
 
-    Beside stands by how much (in logarithms), and the standard error of that on this one record.
+    Beside stands by how much (in logarithms), and the standard error of that on this one record. Last the count, with the 95 %
+    interval of its rate (Clopper and Pearson).
     """
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--cases", type=int, default=100)
-    parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--out", type=Path, default=RESULTS)
-    given = parser.parse_args()
     found: dict[str, Any] = {}
     for seed in range(given.first, given.first + given.cases):
-        found[str(seed)] = case = one(seed)
+        found[str(seed)] = case = of(seed)
         shown = {n: round(e, 4) for n, e in case["errors"].items()}
         told = f"{case['worse']:+.2%} +- {case['standard_error']:.2%}"
         worse = "WORSE" if case["worse"] > 0.01 else ""
         print(seed, case["friction"], case["motion"], case["law"], shown, told, worse, flush=True)
         given.out.write_text(json.dumps({"cases": found}, indent=1) + "\n", encoding="utf-8")
+    good = sum(case["worse"] <= 0.01 for case in found.values())
+    rate = binomtest(good, len(found)).proportion_ci()
+    mean = float(np.mean([case["worse"] for case in found.values()]))
+    print(f"{good} of {len(found)} within a hundredth or better: {rate.low:.1%} to {rate.high:.1%}; mean {mean:+.2%}")
+
+
+def asked(told: str | None, cases: int, out: Path) -> argparse.Namespace:
+    """The options."""
+    parser = argparse.ArgumentParser(description=told, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--cases", type=int, default=cases)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--out", type=Path, default=out)
+    return parser.parse_args()
 
 
 if __name__ == "__main__":
-    main()
+    counted(one, asked(__doc__, 100, RESULTS))

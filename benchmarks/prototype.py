@@ -72,11 +72,11 @@ class Prototype:
 
 
 class PrototypeOfLanes:
-    """The compiled prototype of the ensemble: vectors of 8, one thread, no events, one absolute tolerance. With
+    """The compiled prototype of the ensemble: the processor's vectors, one thread, no events, one absolute tolerance. With
     -ffast-math it does not come to an end."""
 
-    def __init__(self, folder: Path) -> None:
-        flags = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-DINL")
+    def __init__(self, folder: Path, width: int) -> None:
+        flags = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-DINL", f"-DW={width}")
         self._run = _compiled(_sources() / "simdi.cpp", folder, flags).ens_simd
         pointer = POINTER(c_double)
         self._run.restype = ctypes.c_int64

@@ -71,3 +71,12 @@ def test_the_correlations_stand_in_the_page_once():
     head = text.index("correlation</th>")
     rows = text[head : text.index("</table>", head)].count("<tr>")
     assert rows == len(fit.names)
+
+
+@pytest.mark.parametrize("method", ["static", "presliding", "dynamic"])
+def test_given_constants_that_contradict_are_named(method):
+    """By simulation it said that 'no values near the data's are allowed'."""
+    t = np.arange(500) * 2e-3
+    log = {"t": t, "y": np.sin(t), "F": np.cos(t)}
+    with pytest.raises(InputError, match=r"constants.F_s\]?: 3.0: must be at least F_c \(F_c = 6.0\)"):
+        stribeck.fit(log, "lugre", time="t", position="y", force="F", method=method, constants={"F_c": 6.0, "F_s": 3.0})

@@ -32,7 +32,7 @@ _RESERVED = (
     p c t x dx piece jac fac shift inv_shift df_dt
     abs_of sign_of exp_of log_of sqrt_of sin_of cos_of atan_of tanh_of pow_of real mask choose splat any
     floor_of piece_ w dw m u which noise memory timing sample watch moved_energy
-    N WATCHES WATCHED CURVED PIECE HELD SHOWN MOVED LANES BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
+    N WATCHES WATCHED CURVED PIECE HELD SHOWN MOVED BY_TIME LANES GROUPS BY_LANE EXPORT HUGE_VAL M_PI M_E UNUSED
     """.split()  # noqa: SIM905
     )
 )
@@ -260,6 +260,8 @@ UNUSED static const int IS_CURVED[] = {{{curved}}}; /* those that are no linear 
             f"#define WATCHES {len(self.watched)} /* quantities that events are told by */\n"
             f"#define WATCHED {len(moving)}\n"
             f"#define CURVED {sum(self.curved)}\n"
+            f"static const int BY_TIME[N] = {{{', '.join(str(int(not is_zero(x))) for x in self.by_time)}}};"
+            " /* states whose rates depend on time itself */\n"
             f"#define MOVED {self.names.index('E_in') if self.moved else -1} /* the state of the energy put in, or -1 */"
             f"{tables}"
         )

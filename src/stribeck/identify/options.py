@@ -116,6 +116,9 @@ class FitOptions:
             for name, value in self.constants.items()
             if name in found and (text := found[name].problem(value))
         ]
+        if not problems:
+            broken = laws.find(law).broken({n: x for n, x in self.constants.items() if n in found})
+            problems += [f"{arg(f'constants.{name}')}: {text}" for name, text in broken]
         problems += self._wrong_terms()
         problems += [
             f"{arg('free')}: {name}: is a word, not a number; must be given with {arg('constants')}"

@@ -213,10 +213,10 @@ class Law(AsObject, Evaluation, ToTools):
         wrong = {name for name, _ in found}
         defaults = {n: c.default for n, c in declared.items() if c.default is not None}
         on = defaults | {n: x for n, x in values.items() if x is not None}
-        return found + cls._broken({n: x for n, x in on.items() if n not in wrong})
+        return found + cls.broken({n: x for n, x in on.items() if n not in wrong})
 
     @classmethod
-    def _broken(cls, on: Mapping[str, float | str]) -> list[tuple[str, str]]:
+    def broken(cls, on: Mapping[str, float | str]) -> list[tuple[str, str]]:
         """The relations that do not hold, of those whose constants are all ``on`` and valid by themselves."""
         found = []
         for relation in dict.fromkeys((*cls.relations, *STATIC_ABOVE_COULOMB)):

@@ -24,6 +24,7 @@ using std::exp, std::floor, std::atan, std::fabs, std::sqrt, std::log, std::sin,
 #define UNUSED [[maybe_unused]]
 #define EXPORT extern "C" DEVICE
 #define LANES 1
+#define GROUPS 1
 
 struct mask {
     int64_t x;
@@ -70,6 +71,8 @@ UNUSED static DEVICE inline mask operator!=(real a, real b) { return -(int64_t)(
 
 UNUSED static DEVICE inline real splat(double x) { return x; }
 UNUSED static DEVICE inline real choose(mask condition, real a, real b) { return condition.x ? a : b; }
+UNUSED static DEVICE inline real larger(real a, real b) { return a.x > b.x ? a : b; }
+UNUSED static DEVICE inline real smaller(real a, real b) { return a.x < b.x ? a : b; }
 UNUSED static DEVICE inline int any(mask m) { return m.x != 0; }
 UNUSED static DEVICE inline real abs_of(real a) { return fabs(a.x); }
 UNUSED static DEVICE inline real sign_of(real a) { return (double)((a.x > 0) - (a.x < 0)); }

@@ -20,6 +20,7 @@ typedef struct {
     int64_t *turn;                /* shared by all threads: the next trajectory, how many are finished, whether to stop */
     double rtol, t_end, step;
     int64_t count, rows, most_attempts, queue_room, noise_room;
+    int64_t groups;               /* how many vectors a thread may take, at most GROUPS */
 } Batch;
 
 enum { DONE = 0, GAVE_UP = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2 };
@@ -58,6 +59,10 @@ typedef struct {
     int64_t index[LANES], piece_at[LANES], row[LANES]; /* index -1: no trajectory left for this lane */
     int restart[LANES], after_output[LANES];
     int64_t alive;
+    Attempt now;                       /* the attempt at a step under way, until when it goes, whether to t_stop */
+    real k[STAGES][N], x_new[N], t_new;
+    mask last;
+    int anew;                          /* whether a lane restarts */
 } Lanes;
 
 static int64_t of_lane(const Batch *b, const Lanes *l, int lane)
@@ -394,64 +399,92 @@ static void count_events(const Batch *b, const Lanes *l, mask events, const real
 }
 #endif
 
-/* Solve trajectories of the batch until none is left; several threads may do so at once. */
+/* Begin an attempt at a step of each lane. */
+static inline void begin(const Batch *b, Lanes *l)
+{
+    if (l->anew) restart(b, l);
+    l->anew = 0;
+    rates(&l->p, &l->c, &l->piece, l->t, l->x, l->now.f0);
+    jacobian(&l->p, &l->c, &l->piece, l->t, l->x, &l->now.jac, l->now.df_dt);
+    const real wanted = smaller(l->h, l->h_limit);
+    l->last = l->t + wanted * 1.000001 >= l->t_stop;
+    const real h = choose(l->last, l->t_stop - l->t, wanted);
+    l->t_new = choose(l->last, l->t_stop, l->t + h);
+    begin_attempt(&l->p, &l->c, h, &l->now);
+}
+
+/* After its stages: accept or reject, each lane for itself, and choose the next step. */
+static inline void end(const Batch *b, Lanes *l)
+{
+    real(*k)[N] = l->k;
+    const real *x_new = l->x_new, h = l->now.h, t_new = l->t_new;
+    const mask last = l->last;
+    const real error = end_attempt(l->atol, b->rtol, l->x, l->k, l->x_new);
+    const mask good = error <= 1, finite = error < 1e30;
+    const real root = steering(error), plain = growth(root);
+    real factor = choose(l->last_h > 0, predictive_growth(root, h, l->last_root, l->last_h), plain);
+    factor = choose(l->held & (factor > 1), splat(1), factor);
+    const real grown = h * choose(good, factor, choose(finite, plain, splat(0.1)));
+    const real next_h = choose(good & last, larger(l->h, grown), grown);
+    const mask rows = good & (t_new >= l->row_t), ends = good & last;
+    const mask tried = l->accepted + l->rejected;
+    const mask failed = (~good & ((l->t + next_h * 0.25 <= l->t) | (next_h < 1e-290))) | (tried >= b->most_attempts);
+#if WATCHES > 0 /* apart from the rest, which comes often: this branch hardly ever does, and the other need not wait for it */
+    real w[5][WATCHES];
+    const mask events = good & ~failed & look_out(l, h, t_new, k, x_new, w);
+    if (any(events)) count_events(b, l, events, (const real(*)[WATCHES])w);
+#endif
+    l->accepted -= good; /* true is -1 */
+    l->rejected -= ~good;
+    l->h = next_h;
+    l->held = ~good;
+    l->last_h = choose(good, h, l->last_h);
+    l->last_root = choose(good, remembered(root), l->last_root);
+    mask attention = rows | ends | failed;
+#if HELD > 0
+    for (int lane = 0; lane < LANES; lane++) {
+        if (good[lane] && l->after_output[lane]) {
+            const double begun = last[lane] && l->output_h[lane] > grown[lane] ? l->output_h[lane] : grown[lane];
+            l->output_h[lane] = begun;
+            l->after_output[lane] = 0;
+        }
+        for (int m = 0; m < HELD; m++)
+            if (good[lane] && (double)l->sampled[m][lane] * l->timing.period[m][lane] <= t_new[lane])
+                attention[lane] = -1;
+    }
+#endif
+    if (any(attention)) {
+        attend(b, l, rows, ends, failed, good, h, t_new, error, k, x_new);
+        for (int lane = 0; lane < LANES; lane++) l->anew |= l->restart[lane];
+    }
+    const mask moves = good & ~ends & ~failed; /* the others were moved, or given another trajectory, above */
+    for (int n = 0; n < N; n++) l->x[n] = choose(moves, x_new[n], l->x[n]);
+    l->t = choose(moves, t_new, l->t);
+}
+
+/* Solve trajectories of the batch until none is left; several threads may do so at once. The stages of several vectors
+   take turns, so that one computes while another waits for its numbers. */
 EXPORT void stribeck_solve_batch(const Batch *b)
 {
-    Lanes lanes = {.alive = 0}, *l = &lanes;
-    for (int lane = 0; lane < LANES; lane++) l->index[lane] = -1;
-    for (int lane = 0; lane < LANES; lane++) refill(b, l, lane);
-    real k[STAGES][N], x_new[N], f0[N], df_dt[N];
-    Jacobian jac;
-    int anew = 1;
-    while (l->alive > 0 && !__atomic_load_n(&b->turn[2], __ATOMIC_RELAXED)) {
-        if (anew) restart(b, l);
-        anew = 0;
-        rates(&l->p, &l->c, &l->piece, l->t, l->x, f0);
-        jacobian(&l->p, &l->c, &l->piece, l->t, l->x, &jac, df_dt);
-        const real wanted = smaller(l->h, l->h_limit);
-        const mask last = l->t + wanted * 1.000001 >= l->t_stop;
-        const real h = choose(last, l->t_stop - l->t, wanted), t_new = choose(last, l->t_stop, l->t + h);
-        const real error =
-            attempt(l->atol, b->rtol, &l->p, &l->c, &l->piece, &jac, f0, df_dt, l->t, l->x, h, k, x_new);
-        const mask good = error <= 1, finite = error < 1e30;
-        const real root = steering(error), plain = growth(root);
-        real factor = choose(l->last_h > 0, predictive_growth(root, h, l->last_root, l->last_h), plain);
-        factor = choose(l->held & (factor > 1), splat(1), factor);
-        const real grown = h * choose(good, factor, choose(finite, plain, splat(0.1)));
-        const real next_h = choose(good & last, larger(l->h, grown), grown);
-        const mask rows = good & (t_new >= l->row_t), ends = good & last;
-        const mask tried = l->accepted + l->rejected;
-        const mask failed = (~good & ((l->t + next_h * 0.25 <= l->t) | (next_h < 1e-290))) | (tried >= b->most_attempts);
-#if WATCHES > 0 /* apart from the rest, which comes often: this branch hardly ever does, and the other need not wait for it */
-        real w[5][WATCHES];
-        const mask events = good & ~failed & look_out(l, h, t_new, k, x_new, w);
-        if (any(events)) count_events(b, l, events, (const real(*)[WATCHES])w);
-#endif
-        l->accepted -= good; /* true is -1 */
-        l->rejected -= ~good;
-        l->h = next_h;
-        l->held = ~good;
-        l->last_h = choose(good, h, l->last_h);
-        l->last_root = choose(good, remembered(root), l->last_root);
-        mask attention = rows | ends | failed;
-#if HELD > 0
-        for (int lane = 0; lane < LANES; lane++) {
-            if (good[lane] && l->after_output[lane]) {
-                const double begun = last[lane] && l->output_h[lane] > grown[lane] ? l->output_h[lane] : grown[lane];
-                l->output_h[lane] = begun;
-                l->after_output[lane] = 0;
+    Lanes lanes[GROUPS] = {{.alive = 0}}, *live[GROUPS];
+    int groups = b->groups < GROUPS ? (int)b->groups : GROUPS;
+    for (int g = 0; g < GROUPS; g++) live[g] = &lanes[g];
+    for (int g = 0; g < groups; g++) {
+        Lanes *l = live[g];
+        for (int lane = 0; lane < LANES; lane++) l->index[lane] = -1;
+        for (int lane = 0; lane < LANES; lane++) refill(b, l, lane);
+        l->anew = 1;
+    }
+    while (!__atomic_load_n(&b->turn[2], __ATOMIC_RELAXED)) {
+        for (int g = groups; g-- > 0;)
+            if (live[g]->alive == 0) live[g] = live[--groups];
+        if (groups == 0) break;
+        for (int g = 0; g < groups; g++) begin(b, live[g]);
+        UNROLL for (int s = 0; s < STAGES; s++)
+            for (int g = 0; g < groups; g++) {
+                Lanes *l = live[g];
+                stage(s, &l->p, &l->c, &l->piece, l->t, l->x, &l->now, l->k, l->x_new);
             }
-            for (int m = 0; m < HELD; m++)
-                if (good[lane] && (double)l->sampled[m][lane] * l->timing.period[m][lane] <= t_new[lane])
-                    attention[lane] = -1;
-        }
-#endif
-        if (any(attention)) {
-            attend(b, l, rows, ends, failed, good, h, t_new, error, k, x_new);
-            for (int lane = 0; lane < LANES; lane++) anew |= l->restart[lane];
-        }
-        const mask moves = good & ~ends & ~failed; /* the others were moved, or given another trajectory, above */
-        for (int n = 0; n < N; n++) l->x[n] = choose(moves, x_new[n], l->x[n]);
-        l->t = choose(moves, t_new, l->t);
+        for (int g = 0; g < groups; g++) end(b, live[g]);
     }
 }

@@ -15,20 +15,23 @@
 #else
 #define UNROLL
 #endif
+#if defined(__GNUC__) && !defined(__CUDACC__)
+#define ALWAYS_INLINE __attribute__((always_inline))
+#else
+#define ALWAYS_INLINE
+#endif
 static const double GAMMA = 0.21193756319429014;
 static const double NODE[STAGES] = {
     0, 0.6358126895828704, 0.4095798393397535, 0.9769306725060716, 0.4288403609558664, 1, 1, 1};
 static const double TIME[STAGES] = {
     0.21193756319429014, -0.42387512638858027, -0.3384627126235924, 1.8046452872882734, 2.325825639765069, 0, 0, 0};
-static const double A[STAGES][STAGES] = {
+static const double A[STAGES - 2][STAGES] = {
     {0},
     {3.0},
     {2.849394379747939, 0.45842242204463923},
     {-6.954028509809101, 2.489845061869568, -10.358996098473584},
     {2.8029986275628964, 0.5072464736228206, -0.3988312541770524, -0.04721187230404641},
-    {-7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256, 0.030198172008377946},
-    {-7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256, 0.030198172008377946, 1.0},
-    {-7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256, 0.030198172008377946, 1.0, 1.0}};
+    {-7.502846399306121, 2.561846144803919, -11.627539656261098, -0.18268767659942256, 0.030198172008377946}}; /* of the last two: the row before, and 1 for the stage before */
 static const double C[STAGES][STAGES] = {
     {0},
     {-14.155112264123755},
@@ -47,9 +50,6 @@ static const double DENSE[3][STAGES] = {
      15.98066361424651, -6.789040303419874, -6.710236069923372},
     {11.419903575922262, 2.8879645146136994, 72.92137995996029, 80.12511834622643, -52.072871366152654,
      -59.78993625266729, -0.15582684282751913, 4.883087185713722}};
-
-static inline real larger(real a, real b) { return choose(a > b, a, b); }
-static inline real smaller(real a, real b) { return choose(a < b, a, b); }
 
 /* Mean square of values, each in units of its tolerance for magnitudes between |x0| and |x1|. */
 static inline real scaled_square(const real *atol, double rtol, const real *x0, const real *x1, const real *values)
@@ -106,36 +106,53 @@ UNUSED static const double SAME_TIME = 1e-12;
 enum { SMOOTH = 0, JUMP = 1, CORNER = 2, OUTPUT = 3 };
 static const double CORNER_EASE = 16; /* a corner allows a longer first step than a jump */
 
-/* One attempt at a step of length h from x: the stages, the new state and its squared error against the tolerances. */
-static inline real attempt(const real *atol, double rtol, const Parameters *p, const Coefficients *c,
-                           const Segment *piece, const Jacobian *jac, const real *f0, const real *df_dt, real t,
-                           const real *x, real h, real k[STAGES][N], real *x_new)
-{
+/* What the stages of an attempt at a step share. */
+typedef struct {
+    Jacobian jac;
     Factors fac;
-    const real inv_h = 1 / h, shift = inv_h * (1 / GAMMA), inv_shift = h * GAMMA;
-    factorise(p, c, jac, shift, inv_shift, &fac);
-    UNROLL for (int s = 0; s < STAGES; s++)
-    {
-        real right[N];
-        if (s == 0) {
-            for (int i = 0; i < N; i++) right[i] = f0[i];
-        } else {
-            for (int i = 0; i < N; i++) {
-                real sum = x[i];
-                UNROLL for (int j = 0; j < s; j++) sum += A[s][j] * k[j][i];
-                x_new[i] = sum;
-            }
-            rates(p, c, piece, t + NODE[s] * h, x_new, right);
-            for (int i = 0; i < N; i++) {
-                real sum = splat(0);
-                UNROLL for (int j = 0; j < s; j++) sum += C[s][j] * k[j][i];
-                right[i] += sum * inv_h;
-            }
+    real f0[N], df_dt[N], h, inv_h, shift, inv_shift;
+} Attempt;
+
+/* Begin one of length h; f0, df_dt and jac are known. */
+static inline void begin_attempt(const Parameters *p, const Coefficients *c, real h, Attempt *a)
+{
+    a->h = h;
+    a->inv_h = 1 / h;
+    a->shift = a->inv_h * (1 / GAMMA);
+    a->inv_shift = h * GAMMA;
+    factorise(p, c, &a->jac, a->shift, a->inv_shift, &a->fac);
+}
+
+/* Stage s. The last two begin where the one before them ended. */
+ALWAYS_INLINE static inline void stage(int s, const Parameters *p, const Coefficients *c, const Segment *piece, real t,
+                                       const real *x, const Attempt *a, real k[STAGES][N], real *x_new)
+{
+    real right[N], at[N]; /* at: kept in registers; what later stages need of it is stored */
+    if (s == 0) {
+        for (int i = 0; i < N; i++) right[i] = a->f0[i];
+    } else {
+        for (int i = 0; i < N; i++) {
+            at[i] = s > STAGES - 3 ? x_new[i] + k[s - 1][i] : x[i];
+            if (s <= STAGES - 3)
+                UNROLL for (int j = 0; j < s; j++) at[i] += A[s][j] * k[j][i];
+            if (s >= STAGES - 3) x_new[i] = at[i];
         }
-        if (TIME[s] != 0)
-            for (int i = 0; i < N; i++) right[i] += TIME[s] * h * df_dt[i];
-        solve(p, c, jac, shift, inv_shift, &fac, right, k[s]);
+        rates(p, c, piece, t + NODE[s] * a->h, at, right);
+        for (int i = 0; i < N; i++) {
+            real sum = splat(0);
+            UNROLL for (int j = 0; j < s; j++) sum += C[s][j] * k[j][i];
+            right[i] += sum * a->inv_h;
+        }
     }
+    if (TIME[s] != 0)
+        for (int i = 0; i < N; i++)
+            if (BY_TIME[i]) right[i] += TIME[s] * a->h * a->df_dt[i];
+    solve(p, c, &a->jac, a->shift, a->inv_shift, &a->fac, right, k[s]);
+}
+
+/* After the last stage: the new state, and its squared error against the tolerances. */
+static inline real end_attempt(const real *atol, double rtol, const real *x, real k[STAGES][N], real *x_new)
+{
     for (int i = 0; i < N; i++) x_new[i] += k[STAGES - 1][i];
     return scaled_square(atol, rtol, x, x_new, k[STAGES - 1]);
 }

@@ -237,8 +237,8 @@ EXPORT int stribeck_advance(Run *run)
     Timing timing;
     find_timing(p, &timing);
 #endif
-    double k[STAGES][N], x_new[N], f0[N], df_dt[N];
-    Jacobian jac = {0};
+    Attempt now = {0};
+    double k[STAGES][N], x_new[N];
     int fresh = 0;        /* f0 and the Jacobian belong to the present state */
     int after_output = 0; /* the present step is the first after an output */
     if (run->row == 0 && run->rows > 0) { /* the first call: the first row is kept whatever comes after */
@@ -261,8 +261,8 @@ EXPORT int stribeck_advance(Run *run)
             run->restart = 0;
         }
         if (!fresh) {
-            rates(p, c, &piece, run->t, run->x, f0);
-            jacobian(p, c, &piece, run->t, run->x, &jac, df_dt);
+            rates(p, c, &piece, run->t, run->x, now.f0);
+            jacobian(p, c, &piece, run->t, run->x, &now.jac, now.df_dt);
             run->rates++;
             run->jacobians++;
             fresh = 1;
@@ -270,8 +270,9 @@ EXPORT int stribeck_advance(Run *run)
         double h = smaller(run->h, run->h_limit);
         const int last = run->t + h * 1.000001 >= t_stop;
         if (last) h = t_stop - run->t;
-        const double error =
-            attempt(run->atol, run->rtol, p, c, &piece, &jac, f0, df_dt, run->t, run->x, h, k, x_new);
+        begin_attempt(p, c, h, &now);
+        UNROLL for (int s = 0; s < STAGES; s++) stage(s, p, c, &piece, run->t, run->x, &now, k, x_new);
+        const double error = end_attempt(run->atol, run->rtol, run->x, k, x_new);
         run->rates += STAGES - 1;
         if (!(error <= 1)) {
             run->rejected++;

@@ -3,6 +3,8 @@ typedef double real;
 typedef int mask;
 UNUSED static inline real splat(double x) { return x; }
 UNUSED static inline real choose(mask condition, real a, real b) { return condition ? a : b; }
+UNUSED static inline real larger(real a, real b) { return a > b ? a : b; }
+UNUSED static inline real smaller(real a, real b) { return a < b ? a : b; }
 UNUSED static inline real abs_of(real x) { return fabs(x); }
 UNUSED static inline real sign_of(real x) { return (x > 0) - (x < 0); }
 UNUSED static inline real sqrt_of(real x) { return sqrt(x); }

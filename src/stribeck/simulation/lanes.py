@@ -108,6 +108,7 @@ def lane_arrays(lanes: Variations) -> Arrays:
     batch = Batch(count=count, rows=scenario.rows, most_attempts=scenario.solve.max_steps)
     batch.queue_room, batch.noise_room = room, noise.shape[1]
     batch.rtol, batch.t_end, batch.step = share * scenario.solve.rtol, scenario.end, scenario.output.step
+    batch.groups = 1
     made = Arrays({**numbers, **integers, "piece_restart": restart}, batch)
     for name, x in made.by_name.items():
         setattr(batch, name, x.ctypes.data)
@@ -158,6 +159,7 @@ def are_elsewhere() -> bool:
 def solve_here(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
     """Integrate every lane; the threads take lanes from one queue, and the result does not depend on which took which."""
     made = lane_arrays(lanes)
+    made.batch.groups = -(-len(lanes) // (library.stribeck_lanes() * threads))  # no thread takes what another could
     _run(library, made.batch, made.by_name["turn"], threads, progress)
     return outcome(made)
 

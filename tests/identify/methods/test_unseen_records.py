@@ -78,7 +78,8 @@ def test_what_changes_in_time_is_not_taken_for_what_changes_with_the_direction(t
     fit = choice.best
     assert "F_c_by_time" in fit.body
     assert not {"sigma_2_by_direction", "delay"} & set(fit.body)
-    assert fit.estimates["F_c"].low < 0.95 * 12.0 < fit.estimates["F_c"].high
+    level = 12.0 * (1 - 0.1 * np.mean(log.time[[0, -1]]) / 5.998)  # in the middle of what the filter leaves
+    assert fit.estimates["F_c"].low < level < fit.estimates["F_c"].high
     assert fit.body["F_c_by_time"].value == pytest.approx(-0.1 * 12.0 / 6, rel=0.1)
     (tmp_path / "fit.json").write_text(saved(fit), encoding="utf-8")
     model = load(tmp_path)
@@ -161,3 +162,33 @@ def test_the_search_for_shapes_looks_apart():
     places = [{s.name: s.at(x) for s, x in zip(whole.shapes, at, strict=True)} for at in product(shares, shares)]
     best = sorted((whole.solve(place) for place in places), key=lambda m: m.cost)[:10]
     assert found.solution.cost <= 1.0001 * min(whole.refined(m.values, 40).cost for m in best)
+
+
+def test_cogging_over_one_tooth_is_no_weight(monkeypatch):
+    """A direct drive that went half a radian: its cogging was taken for a weight of 40 N, fifteen times the largest force, and
+    on a longer way the force was missed by 6.5 times its size."""
+    monkeypatch.syspath_prepend(Path(__file__).parent.parent.parent.parent / "benchmarks")
+    import held_out_rigs
+
+    found = held_out_rigs.one(2)
+    assert not {"gravity_sin", "gravity_cos"} & set(found["values"])
+    assert found["errors"]["ours"] < 1.02 * found["errors"]["tanh-Stribeck"]
+
+
+def test_a_loop_of_presliding_has_no_mass_of_hundreds_of_kilogrammes():
+    """A body of 0.1 kg that never broke away: 380 kg [243, 595] and a delay of 82 ms [21, 142] bent a spring's line to its loop,
+    and were called known. Dahl's rate with half the level of break-away, from branch to branch."""
+    draw = np.random.default_rng(5)
+    t = np.arange(0, 20, 2e-3)
+    force = 6 * np.sin(2 * np.pi * 0.5 * t)
+    y, turn, at, way = np.zeros_like(t), 0.0, 0.0, 1.0
+    for i in range(1, len(t)):
+        if (force[i] - force[i - 1]) * way < 0:
+            turn, at, way = force[i - 1], y[i - 1], -way
+        reach = 9.0 - way * turn  # Masing: F = turn + way reach (1 - exp(-s x / reach))
+        y[i] = at - way * reach / 3e4 * np.log1p(-(force[i] - turn) * way / reach)
+    fit = stribeck.fit(
+        {"t": t, "y": y + 2e-6 * draw.standard_normal(len(t)), "F": force}, time="t", position="y", force="F"
+    )
+    assert "stiffness" in fit.best.body
+    assert not [n for n in ("mass", "delay") if n in fit.best.body and fit.best.body[n].identifiable]

@@ -156,7 +156,7 @@ function setting() {
 }
 
 let worker;
-const flying = { id: 0, since: 0, pending: false, timer: 0 };
+const flying = { id: 0, since: 0, pending: false, timer: 0, link: 0 };
 const PATIENCE = 150; // ms after which a newer setting ends the run of an older one
 
 function simulate() {
@@ -175,13 +175,14 @@ function pump() { // one run at a time: curves follow a slider that moves faster
   try { wanted = setting(); } catch (error) { complain(error.message); flying.id = 0; window.stribeck.idle = true; return; }
   const id = ++state.id, own = law();
   Object.assign(flying, { id, since: performance.now() });
-  own.module ??= bytes(own.wasm);
-  own.module.then((module) => {
-    const { wasm, module: _, ...plain } = own;
-    worker.postMessage({ id, law: plain, module, setting: wanted });
-  });
+  (own.sent ??= send(own)).then(() => worker.postMessage({ id, law: own.name, setting: wanted }));
   setTimeout(() => { if (flying.id === id) progress(0); }, 100);
-  link();
+  clearTimeout(flying.link);
+  flying.link = setTimeout(link, REST); // the browser takes milliseconds for it
+}
+
+async function send({ wasm, sent, ...plain }) { // a law goes to the worker once
+  worker.postMessage({ law: plain, module: await bytes(wasm) });
 }
 
 function arrived({ data: { id, result, share, error } }) {
@@ -365,7 +366,7 @@ async function begin() {
   $("reset").onclick = reset;
   $("keep").onclick = () => { keep(); };
   $("toml").onclick = () => copy(toml(), $("toml"));
-  $("link").onclick = () => copy(location.href, $("link"));
+  $("link").onclick = () => { link(); copy(location.href, $("link")); };
   $("command").onclick = () => copy(data.command, $("command"));
   window.onhashchange = () => { state.values = {}; state.law = data.law; readLink(); choose(state.law); };
   if (data.machine) machineForm();

@@ -23,12 +23,7 @@ const peak = (...lists) => {
 
 const models = new Map();
 const model = (name) => {
-  if (!models.has(name)) {
-    for (const each of Bokeh.documents) {
-      const found = each.get_model_by_name(name);
-      if (found) models.set(name, found);
-    }
-  }
+  if (!models.has(name)) models.set(name, Bokeh.documents.map((each) => each.get_model_by_name(name)).find((found) => found));
   return models.get(name);
 };
 
@@ -69,52 +64,50 @@ function put(source, from, rows) { // new data only where they are others: each 
   model(source).data = rows();
 }
 
-// The columns of one panel, divided by the unit's factor; the unit is chosen by what is shown now. A coarse panel leaves
-// out what is nearer than half a pixel to the row before; told is whether it left out anything.
-function fill(name, result, ghost, coarse) {
-  const panel = data.panels[name], figure = model(name), { x } = panel, curve = x === "speed";
-  const pick = (from, column) => column === "speed" ? from.curve.v : column === "steady" ? from.curve.F : from.columns[column];
-  const scale = (columns, unit) => prefix(peak(...columns.map((c) => pick(result, c))), unit);
-  const [xf, xu] = panel.log ? [1, panel.xUnit] : panel.x === "t" ? [1, "s"] : scale([x], panel.xUnit);
-  const [yf, yu] = scale(panel.y.map((s) => s.column), panel.yUnit);
-  let left = false;
+const pick = (result, column) => column === "speed" ? result.curve.v : column === "steady" ? result.curve.F : result.columns[column];
+const scaled = new Map(); // chart -> what its axes are divided by
+
+// A chart's sources for a result: what each depends on, and its rows divided by the units' factors.
+function contents(name, result, ghost, [xf, yf]) {
+  const panel = data.panels[name], found = {};
   const rows = (from) => {
-    const found = { along: divide(pick(from, x), xf) };
-    for (const series of panel.y) found[series.column] = divide(pick(from, series.column) ?? new Float64Array(found.along.length).fill(NaN), yf);
-    if (curve) return cut(found, found.along.length - 1); // the last is the working point
-    const kept = coarse ? thin(found, figure) : found;
-    left ||= kept !== found;
-    return kept;
+    const all = { along: divide(pick(from, panel.x), xf) };
+    for (const { column } of panel.y) all[column] = divide(pick(from, column) ?? new Float64Array(all.along.length).fill(NaN), yf);
+    return panel.x === "speed" ? cut(all, all.along.length - 1) : all; // the last is the working point
   };
-  put(`${name}-now`, [result, xf, yf, coarse], () => rows(result));
-  put(`${name}-ghost`, ghost ? [ghost, xf, yf, coarse] : [], () => ghost ? rows(ghost) : { along: [], ...Object.fromEntries(panel.y.map((s) => [s.column, []])) });
+  const empty = () => ({ along: [], ...Object.fromEntries(panel.y.map((s) => [s.column, []])) });
+  found[`${name}-now`] = { from: [result, xf, yf], rows: () => rows(result) };
+  found[`${name}-ghost`] = ghost ? { from: [ghost, xf, yf], rows: () => rows(ghost) } : { from: [], rows: empty };
+  for (const kind of panel.marks.length ? ["slip", "stick"] : []) {
+    const marks = { x: [], y: [] };
+    for (const column of panel.marks) {
+      const element = column.includes(".") ? column.slice(0, column.lastIndexOf(".")) : "";
+      for (const t of happened(result, element, kind)) { marks.x.push(t / xf); marks.y.push(at(result, column, t) / yf); }
+    }
+    found[`${name}-${kind}`] = { from: marks.x.length ? [result, xf, yf] : [], rows: () => marks };
+  }
+  if (name === "curve" && result.curve) {
+    const { v, F } = result.curve, last = v.length - 1;
+    found["curve-point"] = { from: [result, yf], rows: () => ({ x: [v[last]], y: [F[last] / yf] }) };
+  }
+  return found;
+}
+const cut = (found, n) => Object.fromEntries(Object.entries(found).map(([key, list]) => [key, list.slice(0, n)]));
+
+function chart(name, result, ghost, room = 0.1) { // in BokehJS; the units are chosen by what is shown now
+  const panel = data.panels[name], figure = model(name);
+  const fitting = (columns, unit) => prefix(peak(...columns.map((column) => pick(result, column))), unit);
+  const [xf, xu] = panel.log ? [1, panel.xUnit] : panel.x === "t" ? [1, "s"] : fitting([panel.x], panel.xUnit);
+  const [yf, yu] = fitting(panel.y.map((s) => s.column), panel.yUnit);
+  scaled.set(name, [xf, yf]);
+  figure.y_range.range_padding = room;
+  if (panel.x !== "t" && !panel.log) figure.x_range.range_padding = room;
+  for (const [source, { from, rows }] of Object.entries(contents(name, result, ghost, [xf, yf]))) put(source, from, rows);
   measuredPoints(name, xf, yf);
   figure.below[0].axis_label = `${panel.xLabel}${xu ? ` (${xu})` : ""}`;
   figure.left[0].axis_label = `${panel.yLabel}${yu ? ` (${yu})` : ""}`;
   const hover = model(`${name}-hover`);
   if (hover) hover.tooltips = [[panel.x === "t" ? "t" : panel.xName, `@along{0.0000} ${xu}`], ...panel.y.map((s) => [s.name, `@{${s.column}}{0.0000} ${yu}`])];
-  return [yf, left];
-}
-const cut = (found, n) => Object.fromEntries(Object.entries(found).map(([key, list]) => [key, list.slice(0, n)]));
-
-const FEW = 8000; // rows that are drawn as soon as they are thinned
-function thin(found, figure) { // rows that lie half a pixel or more from the one kept before, in any line
-  const lists = Object.values(found), n = found.along.length, kept = new Uint32Array(n);
-  if (n < FEW) return found;
-  const least = lists.map((list, i) => {
-    const range = i ? figure.y_range : figure.x_range, size = (i ? figure.inner_height : figure.inner_width) || 500;
-    let low = Infinity, high = -Infinity;
-    for (const each of list) { if (each < low) low = each; if (each > high) high = each; }
-    return 0.5 * Math.min(high - low, Math.abs(range.end - range.start)) / size;
-  });
-  const apart = (a, b, length) => !(Math.abs(a - b) <= length) && (a === a || b === b);
-  let count = 0;
-  for (let i = 0, last = -1; i < n; i++) {
-    if (last < 0 || i === n - 1 || lists.some((list, j) => apart(list[i], list[last], least[j]))) kept[count++] = last = i;
-  }
-  if (count === n) return found;
-  const picked = kept.subarray(0, count);
-  return Object.fromEntries(Object.entries(found).map(([key, list]) => [key, Float64Array.from(picked, (i) => list[i])]));
 }
 
 function measuredPoints(name, xf, yf) { // what was measured, in the chart's present units
@@ -142,50 +135,6 @@ function missed(result) {
   return `Misses the measured ${told.join(", ")} rms.`;
 }
 const divide = (list, factor) => factor === 1 ? list : Float64Array.from(list, (x) => x / factor);
-
-// Panels in sight are drawn at once, coarsely; when the hand rests, with every row, and the others one by one.
-const REST = 60; // ms
-const waiting = { panels: [], timer: 0 };
-
-function draw(result) {
-  const ghost = state.ghost, names = Object.keys(data.panels);
-  if (data.panels.energy) {
-    energy(result);
-    if (ghost && ghost.columns && model("energy-ghost")) energy(ghost, true);
-  }
-  const seen = Object.fromEntries(["trajectories", ...names].map((id) => [id, inSight(document.getElementById(id))]));
-  const now = names.filter((name) => seen[document.getElementById(name) ? name : "trajectories"]);
-  const coarse = now.filter((name) => one(name, result, ghost, true));
-  clearTimeout(waiting.timer);
-  waiting.panels = [...coarse, ...names.filter((name) => !now.includes(name))];
-  const next = () => {
-    if (waiting.panels.length) one(waiting.panels.shift(), result, ghost, false);
-    if (waiting.panels.length) waiting.timer = setTimeout(next);
-    else window.stribeck.idle = !flying.pending && !flying.id;
-  };
-  window.stribeck.idle = false;
-  waiting.timer = setTimeout(next, waiting.panels.length ? REST : 0);
-}
-function inSight(element) {
-  if (!element) return false;
-  const { top, bottom } = element.getBoundingClientRect();
-  return bottom > 0 && top < innerHeight;
-}
-function one(name, result, ghost, coarse) {
-  const [factor, left] = fill(name, result, ghost, coarse), { marks } = data.panels[name];
-  for (const kind of marks.length ? ["slip", "stick"] : []) {
-    const found = { x: [], y: [] };
-    for (const column of marks) {
-      const element = column.includes(".") ? column.slice(0, column.lastIndexOf(".")) : "";
-      for (const t of happened(result, element, kind)) { found.x.push(t); found.y.push(at(result, column, t) / factor); }
-    }
-    put(`${name}-${kind}`, found.x.length ? [result, factor] : [], () => found);
-  }
-  if (name !== "curve" || !result.curve) return left;
-  const { v, F } = result.curve, last = v.length - 1;
-  put("curve-point", [result, factor], () => ({ x: [v[last]], y: [F[last] / factor] }));
-  return left;
-}
 
 function happened(result, element, kind) { // when: data.watched names what the solver's numbers mean
   return result.events.filter(([, what]) => {

@@ -3,7 +3,7 @@
 const DONE = 0, MORE = 1, EVENTS_FULL = 2;
 const FIRST_SLICE = 4000, SLICE = 20000; // attempted steps between two looks at what is asked for meanwhile
 const REST = 8; // ms at least between two looks
-const modules = new Map(); // law -> WebAssembly.Instance
+const laws = new Map(); // name -> what is told of the law, and its WebAssembly.Instance
 let layout, newest = 0;
 
 class Memory { // what a run needs, laid out behind the module's own data
@@ -161,21 +161,19 @@ async function solve(instance, law, setting, tell, current) {
   return { ...result, mean, curve: { v: speeds, F: steady(memory, p, speeds) } };
 }
 
-async function instance(name, module) {
-  if (!modules.has(name)) modules.set(name, await WebAssembly.instantiate(await WebAssembly.compile(module), {}));
-  return modules.get(name);
-}
-
-onmessage = async ({ data }) => {
-  if (data.layout) { layout = data.layout; return; }
-  newest = data.id;
+onmessage = async ({ data: { id, layout: fields, law, module, setting } }) => {
+  if (fields) { layout = fields; return; }
+  if (module) {
+    laws.set(law.name, { law, made: WebAssembly.instantiate(module, {}) });
+    return;
+  }
+  newest = id;
   try {
-    const made = await instance(data.law.name, data.module);
-    if (newest !== data.id) return;
-    const tell = (share) => postMessage({ id: data.id, share });
-    const result = await solve(made, data.law, data.setting, tell, () => newest === data.id);
-    if (result) postMessage({ id: data.id, result }, Object.values(result.columns ?? {}).map((column) => column.buffer)); // moved, not copied
+    const { law: own, made } = laws.get(law), { instance } = await made;
+    if (newest !== id) return;
+    const result = await solve(instance, own, setting, (share) => postMessage({ id, share }), () => newest === id);
+    if (result) postMessage({ id, result }, Object.values(result.columns ?? {}).map((column) => column.buffer)); // moved, not copied
   } catch (error) {
-    postMessage({ id: data.id, error: String(error) });
+    postMessage({ id, error: String(error) });
   }
 };

@@ -11,11 +11,13 @@ from stribeck.identify.data.filters import low_pass
 
 _RAISE = 2.5  # from one cut-off that is tried to the next
 _HIGHEST = 0.4  # of the sampling rate
-_CLEARLY = 0.8  # of what is missed with the lower cut-off: less is worth a higher one
-_AS_GOOD = 1.1  # of the least that is missed
-_ENDS = 5.0  # periods of the lowest cut-off left out at both ends
-_BAND = 1.0  # of the lowest cut-off, in which the force is compared
-_BENDS = 8  # of the free curve of the speed
+_CLEARLY = 0.92  # of what is missed with the lower cut-off: less is worth a higher one
+_AS_GOOD = 1.05  # of the least that is missed
+_START, _END = 5.0, 1.5  # periods of the lowest cut-off left out at the start of a run, and at an end in motion
+_SHARE = 6  # of the longest run, the most that its start is
+_SLOWED, _REST = 0.1, 0.1  # of a period, in which less than this share of the fastest speed is rest
+_BAND = 2.5  # lowest cut-offs, in which the force is compared: above, its own noise hides what the filter does
+_BENDS = (0, 1 / 128, 1 / 64, 1 / 32, 1 / 16, *np.linspace(1 / 8, 1, 8))  # of the free curve: closest where it turns
 _FEWEST, _MOST = 400, 100_000  # rows that are compared
 
 Run = tuple[Array, Array]
@@ -35,11 +37,13 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
     tried = [cutoff]
     while tried[-1] * _RAISE < _HIGHEST / step:
         tried.append(tried[-1] * _RAISE)
-    edge = int(_ENDS / (cutoff * step))
-    chosen = _some([r for r in runs if len(r[1]) - 2 * edge >= 2 * edge + 2])
-    if len(tried) < 2 or sum(len(f) - 2 * edge for _, f in chosen) < _FEWEST:
+    longest, period = max((len(f) for _, f in runs), default=0), 1 / (cutoff * step)
+    edge = int(np.clip(longest // _SHARE, _END * period, _START * period))
+    chosen = _some([r for r in runs if len(r[1]) >= 4 * edge + 2])
+    inside = [slice(edge, len(f) - _end(x, position, cutoff, step)) for x, f in chosen]
+    if len(tried) < 2 or sum(rows.stop - rows.start for rows in inside) < _FEWEST:
         return cutoff
-    missed = [_missed(chosen, position, c, cutoff, step, edge) for c in tried]
+    missed = [_missed(chosen, inside, position, c, cutoff, step) for c in tried]
     least = min(missed)
     if least > _CLEARLY * missed[0]:
         return cutoff
@@ -54,19 +58,31 @@ def _some(runs: Sequence[Run]) -> list[Run]:
     return found
 
 
-def _missed(runs: Sequence[Run], position: bool, cutoff: float, lowest: float, step: float, edge: int) -> float:
-    """What a regression on acceleration, a free odd curve of the speed and a constant misses of the force."""
-    motions = []
+def _end(motion: Array, position: bool, cutoff: float, step: float) -> int:
+    """The rows to leave out at the end of a run: none where it comes to rest there, and the ramp before is worth a look."""
+    few = max(round(_SLOWED / (cutoff * step)), 1)
+    speed = abs(motion[few:] - motion[:-few]) / few if position else abs(motion)
+    at_end = speed[-1] if position else abs(motion[-few:].mean())
+    return round(_END / (cutoff * step)) if at_end > _REST * float(speed.max()) else 0
+
+
+def _missed(
+    runs: Sequence[Run], inside: Sequence[slice], position: bool, cutoff: float, lowest: float, step: float
+) -> float:
+    """What a regression on acceleration, a free odd curve of the speed and a constant misses of the force; beside a measured
+    position also a weight's and a spring's share, which may be most of it."""
+    motions, band = [], min(_BAND * lowest, _HIGHEST / step)
     for motion, _ in runs:
         x = low_pass(motion, cutoff, step)
         v = np.gradient(x, step) if position else x
-        motions.append((v, np.gradient(v, step)))
-    speeds = np.abs(np.concatenate([v[edge:-edge] for v, _ in motions]))
-    knots = np.unique(np.quantile(speeds, np.linspace(0, 1, _BENDS + 1)))
+        place = (x - x[0], np.sin(x), np.cos(x)) if position else ()
+        motions.append((v, np.gradient(v, step), *place))
+    speeds = np.abs(np.concatenate([v[rows] for (v, *_), rows in zip(motions, inside, strict=True)]))
+    knots = np.unique(np.quantile(speeds, _BENDS))
     matrix, force = [], []
-    for (v, a), (_, f) in zip(motions, runs, strict=True):
+    for (v, *rest), (_, f), rows in zip(motions, runs, inside, strict=True):
         bends = [np.interp(abs(v), knots, unit) * np.sign(v) for unit in np.eye(len(knots))]
-        passed = [low_pass(x, _BAND * lowest, step)[edge:-edge] for x in (a, *bends, f)]
+        passed = [low_pass(x, band, step)[rows] for x in (*rest, *bends, f)]
         matrix.append(np.column_stack([*passed[:-1], np.ones(len(passed[0]))]))
         force.append(passed[-1])
     columns, target = np.concatenate(matrix), np.concatenate(force)

@@ -199,7 +199,8 @@ def _without_ends(
             astray = how.simulated or float(a[stop - end : stop].max()) > rest
             if not astray and _missed(columns, stop - n, stop, end):
                 astray = not how.published or end > _TRIFLE * n
-                left, spoilt = left + astray * end, spoilt + (not astray) * end
+                spoilt += (not astray) * end
+            left += astray * end
             keep[stop - end : stop] = not astray
     said = (
         [f"the last {left} rows are left out: the filter goes astray where the record ends in motion"] if left else []

@@ -7,7 +7,7 @@ independent rows.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -33,6 +33,8 @@ from stribeck.identify.statistics.static_intervals import linearised, static_int
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
 _SIGN_FROM = 200_000  # rows that tell the force's sign
+_FIFTH = 0.2  # of the way, left out at an end
+_OF_A_LOOP = ("mass", "delay", "sigma_2")
 _HUBER = 1.345
 _LONGEST_STEP = 0.5  # of a shape's logarithm, in the fit without a part
 
@@ -129,8 +131,9 @@ def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
     made, solution, log = settled.model, settled.solution, rows.log
     judged = static_intervals(rows, made, solution, profiles)
     law, values = made.law, solution.values
-    estimates = {n: judged.estimates[n] for n in law.constants() if n in judged.estimates}
-    body = {n: e for n, e in judged.estimates.items() if n in TERMS}
+    told, of_bristles = _bristles(judged.estimates)
+    estimates = {n: told[n] for n in law.constants() if n in told}
+    body = {n: e for n, e in told.items() if n in TERMS}
     body |= _by_direction(estimates, body, judged.names, judged.covariance)
     known = set(law.constants()) - set(made.unseen)
     prediction, friction = _prediction(made.whole, values, log, rows)
@@ -153,7 +156,7 @@ def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
             *rows.why,
             *made.notes,
             *_zeros(judged.estimates),
-            *_bristles(judged.estimates),
+            *of_bristles,
             *judged.notes,
             f"cross-validated {settled.left_out.how}",
         ),
@@ -184,12 +187,18 @@ def _zeros(estimates: Mapping[str, Estimate]) -> list[str]:
     ]
 
 
-def _bristles(estimates: Mapping[str, Estimate]) -> list[str]:
-    """What a spring and no friction level may stand for."""
+def _bristles(estimates: Mapping[str, Estimate]) -> tuple[Mapping[str, Estimate], list[str]]:
+    """What a spring and no friction level may stand for; a mass and a delay that bend its line to a loop are not known."""
     spring, level = estimates.get("stiffness"), estimates.get("F_c")
     if spring is None or level is None or level.identifiable or (spring.value is not None and spring.value <= 0):
-        return []
-    return [
+        return estimates, []
+    why = "it may imitate the loop of presliding: there is a spring and no friction level"
+    doubted = {
+        n: replace(e, value=None, identifiable=False, why=why, best=e.value)
+        for n, e in estimates.items()
+        if n in _OF_A_LOOP and e.identifiable
+    }
+    return {**estimates, **doubted}, [
         "a spring and no friction level: if nothing but the contact holds the body, the record is one of presliding, and the "
         "spring is that of the bristles; a law that has them tells it (lugre, fitted by the method 'presliding')"
     ]
@@ -329,6 +338,22 @@ def cross_validated(whole: Separable, solution: Minimum, rows: Rows, folds: int,
     Coefficients are solved for exactly; shapes move by a step of Gauss and Newton where that fits the rest better. All that
     was sought counts as a parameter, also where it came out at its bound: rounding decides about that.
     """
+    missed_without = _foretelling(whole, solution, rows)
+    sought = len(whole.wanted) + len(whole.free) + len(whole.shapes) + unseen
+    return cross_validate(rows.log.rows(rows.kept), folds, sought, missed_without)
+
+
+def missed_beyond(settled: Settled) -> Array:
+    """The sums of the squared residuals at both ends of the way, a fifth of it each, of fits without that end."""
+    position = settled.rows.log.position[settled.rows.kept]
+    foretold = _foretelling(settled.model.whole, settled.solution, settled.rows)
+    low, high = np.quantile(position, (0.0, 1.0))
+    ends = (position < low + _FIFTH * (high - low), position > high - _FIFTH * (high - low))
+    return np.array([foretold(end)[0] for end in ends])
+
+
+def _foretelling(whole: Separable, solution: Minimum, rows: Rows) -> Callable[[NDArray[np.bool_]], tuple[float, float]]:
+    """What tells the sums of the squared residual and the squared force at rows, of a fit without them."""
     at = linearised(whole, solution)
     here = {s.name: solution.values[s.name] for s in whole.shapes}
 
@@ -342,8 +367,7 @@ def cross_validated(whole: Separable, solution: Minimum, rows: Rows, folds: int,
         missed, force = (whole.force - whole.force_at(found.values))[counted], whole.force[counted]
         return float(missed @ missed), float(force @ force)
 
-    sought = len(whole.wanted) + len(whole.free) + len(whole.shapes) + unseen
-    return cross_validate(rows.log.rows(rows.kept), folds, sought, missed_without)
+    return missed_without
 
 
 def _stepped(

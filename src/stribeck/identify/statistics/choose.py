@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import TypedDict
 
 import numpy as np
@@ -12,7 +13,7 @@ from stribeck import laws
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.details import AddedTerm, Candidate, FitDetails
 from stribeck.identify.log import INTEGRAL, Log
-from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, settle
+from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, missed_beyond, settle
 from stribeck.identify.models import terms
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import OF_POSITION, TERMS
@@ -22,6 +23,7 @@ from stribeck.identify.statistics import crossvalidate
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
 _CLEARLY = 2.0  # standard errors
+_HEAVIEST = 3.0  # of the largest force: no heavier weight is taken from a part of a turn
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
 _CANDIDATES = ("coulomb_viscous", "stribeck", "stribeck_tanh")
@@ -104,11 +106,8 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     terms.check(tuple(setting.body), log)
     rows = rows_of(log, setting.decimate)
     found, steps = _forward(rows, law, settle(rows, law, setting), tell)
-    fit = finished(rows, found)
-    return replace(
-        fit,
-        details={**fit.details, "selection": steps, "candidates": [*baselines(rows, setting), _row("this fit", found)]},
-    )
+    compared = _compared(finished(rows, found), rows, setting, found)
+    return replace(compared, details={**compared.details, "selection": steps})
 
 
 def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
@@ -117,7 +116,11 @@ def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
     terms.check(tuple(setting.body), log)
     rows = rows_of(log, setting.decimate)
     settled = settle(rows, law, setting)
-    fit = finished(rows, settled)
+    return _compared(finished(rows, settled), rows, setting, settled)
+
+
+def _compared(fit: Fit, rows: Rows, setting: Setting, settled: Settled) -> Fit:
+    """The fit with what plainer models come to on data left out, and a note where one of them is better."""
     found = [*baselines(rows, setting), _row("this fit", settled)]
     least = min(found, key=lambda r: r["cross_validated_error"])
     notes = fit.notes
@@ -218,13 +221,27 @@ def _forward(
                 tell(min(0.1 + 0.15 * (len(steps) - 1 + k / len(names)), 0.9))
         if not trials:
             return best, steps
-        likely = sorted(trials, key=lambda n: trials[n].solution.cost)[:_TRIED]
+        by_cost = sorted(trials, key=lambda n: trials[n].solution.cost)
+        likely = list(islice((n for n in by_cost if _holds_farther_on(n, trials[n], best)), _TRIED))
+        if not likely:
+            return best, steps
         name = min(likely, key=lambda n: trials[n].left_out.error)
         found = trials[name]
         if found.left_out.error > (1 - _WORTH) * best.left_out.error or not _beyond_chance(found, best):
             return best, steps
         best = found
         steps.append(_step(name, found))
+
+
+def _holds_farther_on(added: str, wide: Settled, narrow: Settled) -> bool:
+    """Whether a term of the position, told by a part of the way, helps on the rest of it: what imitates cogging over half a
+    tooth, or sticks out of the noise, grows without bound on a longer way."""
+    if not set(added.split(" and ")) & set(OF_POSITION):
+        return True
+    values, force = wide.solution.values, wide.rows.log.force
+    if np.hypot(values.get("gravity_sin", 0.0), values.get("gravity_cos", 0.0)) > _HEAVIEST * float(np.max(abs(force))):
+        return False
+    return bool(np.all(missed_beyond(wide) <= missed_beyond(narrow)))
 
 
 def _beyond_chance(wide: Settled, narrow: Settled) -> bool:
