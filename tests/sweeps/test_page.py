@@ -10,7 +10,7 @@ import pytest
 import stribeck
 from stribeck import Scenario, simulate
 from stribeck.sweeps import page
-from stribeck.sweeps.maps import spread_lanes, whole_grid
+from stribeck.sweeps.maps import axis_of, spread_lanes, varied, whole_grid
 from tests.simulation.rig import needs_compiler
 
 pytest.importorskip("matplotlib")
@@ -58,6 +58,7 @@ def test_every_lane_is_a_cell_of_each_map_and_shows_its_own_run(written):
     peak = next(panel for panel in panels if panel["title"] == "largest |F| (N)")
     assert (len(peak["cells"]["x"]), len(peak["cells"]["y"])) == (4, 3)
     assert sorted(map(int, kept["curves"])) == list(range(6))
+    assert (peak["x"]["label"], peak["y"]["label"]) == ("law.parameters.F_s (N)", "plant.mass (kg)")
     for lane in (1, 4):
         values = {path: float(x[lane]) for path, x in GRID.items()}
         solution = simulate(SCENARIO.with_changes(values))
@@ -75,6 +76,25 @@ def test_every_lane_is_a_cell_of_each_map_and_shows_its_own_run(written):
             expected = np.interp(kept["t"], solution.t, solution[column])
             # five figures each; a lane and a single run, which is compiled otherwise, differ by less
             assert np.max(abs(np.array(x) / factor - expected)) <= 1e-4 * solution.peaks[column], column
+
+
+def test_ranges_and_axes_have_the_units_that_a_person_would_use():
+    wide = page.Quantity("y at the end", "m", "", np.array([3.95e-5, 7.54]))
+    narrow = page.Quantity("largest |F|", "N", "", np.array([1.09, 1.97]))
+    assert page._in_short(2, [wide, narrow]) == "2 lanes: y at the end 39.5 µm to 7.54 m, largest |F| 1.09 to 1.97 N."
+    values = {
+        "law.parameters.v_s": np.array([1e-3, 2e-3]), "drive.signal.rate": np.array([0.1, 0.6]), "solve.rtol": np.ones(2)
+    }  # fmt: skip
+    over = varied(SCENARIO, values)
+    assert [q.unit for q in over] == ["m/s", "m/s", ""]
+    shown = axis_of(over[0])
+    assert (shown.label, shown.of(over[0].values).tolist()) == ("law.parameters.v_s (mm/s)", [1.0, 2.0])
+
+
+def test_a_grid_of_two_numbers_is_a_map_up_to_200_values_a_side():
+    side = np.arange(200.0)
+    grid = {"a": np.repeat(side, 200), "b": np.tile(side, 200)}
+    assert [len(each) for each in whole_grid(grid)] == [200, 200]
 
 
 def test_many_cells_are_an_image_and_the_page_stays_small(tmp_path, monkeypatch):

@@ -18,6 +18,7 @@ from stribeck.constants import Constant
 from stribeck.errors import InputError, StribeckNote
 from stribeck.explore.numbers import MOST_POINTS, Number, number_of, of_run
 from stribeck.scenario import Scenario
+from stribeck.scenario.declared import declared
 from stribeck.simulation.native import solver_input
 
 Arrays = dict[str, Array]
@@ -121,15 +122,11 @@ def _declared(scenario: Scenario, path: str, value: float) -> Number:
 
 
 def _constant(scenario: Scenario, group: str, name: str) -> tuple[Constant, float]:
+    own = declared(scenario, f"{group}.{name}")
+    if own is not None:
+        return own, 1.0
     rig = scenario.rig
     machine = rig.machine
-    owner, key = group.removesuffix(".parameters"), name.replace(".", "_")
-    if owner in machine.tables and key in machine.tables[owner][0]:
-        return machine.constant(owner, key), 1.0
-    for use, signal in rig.signals.items():
-        if use.path == group and name in signal.constants:
-            own = signal.constants[name]
-            return replace(own, unit="" if "signal" in own.unit else own.unit), 1.0
     column, words = f"{group.split('.')[1]}.{name}" if "." in group else "", {"y": "position", "v": "velocity"}
     if group.endswith(".initial") and name in words:
         unit = next((c.unit for c in machine.columns if c.name == column), "")

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg, LaneCurves
-from stribeck.report.quantities import Quantity, human, scale
+from stribeck.report.quantities import Quantity, Scale, human, prefixed, scale
+from stribeck.scenario import Scenario
+from stribeck.scenario.declared import declared
 from stribeck.simulation import Ensemble
 
 Lanes = tuple[NDArray[np.int64], Ensemble]  # some lanes by number, and their trajectories
-_CELLS = 4096  # of a heat map
+_CELLS = 40_000  # of a heat map
 _DRAWN = 600  # cells of a figure that are drawn each by itself; more are an image
 _LINES = 400  # of a picture with parallel axes
 _POINTS = 240  # of a trajectory
@@ -54,9 +56,22 @@ def spread_lanes(values: Mapping[str, Array], found: tuple[Array, Array], most: 
     return np.sort(cells[np.ix_(evenly(up, rows), evenly(across, columns))].ravel())
 
 
-def heat_map(values: Mapping[str, Array], found: tuple[Array, Array], quantities: Sequence[Quantity]) -> FigureSvg:
+def varied(scenario: Scenario, values: Mapping[str, Array]) -> list[Quantity]:
+    """What varied, with units where the file's tables declare them."""
+    units = {path: own.unit if (own := declared(scenario, path)) else "" for path in values}
+    return [Quantity(path, units[path], "", x) for path, x in values.items()]
+
+
+def axis_of(quantity: Quantity) -> Scale:
+    """How an axis shows what varied: from zero, whatever the change."""
+    factor, unit = prefixed(quantity.unit, float(np.max(np.abs(quantity.values))))
+    return Scale(factor, 0.0, f"{quantity.name} ({unit})" if unit else quantity.name)
+
+
+def heat_map(over: Sequence[Quantity], found: tuple[Array, Array], quantities: Sequence[Quantity]) -> FigureSvg:
     """A cell a lane, coloured by each measure, over the values along both axes (:func:`whole_grid`)."""
-    (first, second), edges = values, [_edges(each) for each in found]
+    values, scales = {q.name: q.values for q in over}, [axis_of(q) for q in over]
+    (first, second), edges = values, [s.of(_edges(each)) for s, each in zip(scales, found, strict=True)]
     order = cell_lanes(values, found)
     with plots.style():
         layout = [[q.name for q in quantities[i : i + 2]] for i in range(0, len(quantities), 2)]
@@ -69,7 +84,7 @@ def heat_map(values: Mapping[str, Array], found: tuple[Array, Array], quantities
             axis.set_facecolor("#bbbbbb")
             axis.grid(False)
             drawn = axis.pcolormesh(*edges, z, cmap="viridis", rasterized=len(order) * len(quantities) > _DRAWN)
-            axis.set(xlabel=first, ylabel=second, title=shown.label)
+            axis.set(xlabel=scales[0].label, ylabel=scales[1].label, title=shown.label)
             for log, name in ((logarithmic(found[0]), "x"), (logarithmic(found[1]), "y")):
                 if log:
                     getattr(axis, f"set_{name}scale")("log")
@@ -96,12 +111,13 @@ def drawn_lanes(count: int) -> NDArray[np.int64]:
     return evenly(count, _LINES)
 
 
-def parallel_axes(values: Mapping[str, Array], quantities: Sequence[Quantity]) -> FigureSvg:
+def parallel_axes(over: Sequence[Quantity], quantities: Sequence[Quantity]) -> FigureSvg:
     """An axis for each varied number and each measure, and a line a lane, coloured by the first measure."""
     from matplotlib import colormaps
 
-    columns = {**values, **{scale([q]).label: scale([q]).of(q.values) for q in quantities}}
-    count = len(next(iter(values.values())))
+    columns = {axis_of(q).label: axis_of(q).of(q.values) for q in over}
+    columns |= {scale([q]).label: scale([q]).of(q.values) for q in quantities}
+    count = len(over[0].values)
     lanes = drawn_lanes(count)
     heights = {name: _height(x) for name, x in columns.items()}
     colour = heights[scale([quantities[0]]).label]

@@ -19,13 +19,14 @@ from stribeck.report import chapters, plots
 from stribeck.report.cells import digits
 from stribeck.report.files import write_figure
 from stribeck.report.page import Chapter, FigureSvg, LaneCurves, Table
-from stribeck.report.quantities import Quantity, prefixed, scale
+from stribeck.report.quantities import Quantity, human, prefixed, scale
 from stribeck.scenario import Scenario
 from stribeck.simulation import Ensemble, simulate_ensemble
 from stribeck.sweeps import tables as tables_of
 from stribeck.sweeps.job import Sweep
 from stribeck.sweeps.maps import (
     Lanes,
+    axis_of,
     cell_lanes,
     drawn_lanes,
     evenly,
@@ -35,6 +36,7 @@ from stribeck.sweeps.maps import (
     parallel_axes,
     picked,
     spread_lanes,
+    varied,
     whole_grid,
 )  # fmt: skip
 from stribeck.sweeps.places import Folder, fetched
@@ -109,8 +111,9 @@ def _in_short(count: int, quantities: Sequence[Quantity]) -> str:
     told = []
     for q in quantities:
         low, high = float(np.nanmin(q.values)), float(np.nanmax(q.values))
-        factor, unit = prefixed(q.unit, max(abs(low), abs(high)))
-        told.append(f"{q.name} {low / factor:.3g} to {high / factor:.3g} {unit}".rstrip())
+        unit = prefixed(q.unit, abs(high))[1]
+        first = human(low, q.unit).removesuffix(f" {unit}") if low else "0"  # one unit where both have the same
+        told.append(f"{q.name} {first} to {human(high, q.unit)}")
     return f"{count} lanes: {', '.join(told)}." if told else f"{count} lanes."
 
 
@@ -164,8 +167,8 @@ def _over_several(sweep: Sweep, quantities: Sequence[Quantity]) -> list[FigureSv
     often = [q for q in quantities if np.isfinite(q.values).mean() > 0.5]
     if not often or len(values) < 2:
         return []
-    found = whole_grid(values)
-    return [parallel_axes(values, often) if found is None else heat_map(values, found, often)]
+    found, over = whole_grid(values), varied(sweep.lanes.scenario, values)
+    return [parallel_axes(over, often) if found is None else heat_map(over, found, often)]
 
 
 def _shown(sweep: Sweep, rows: Rows) -> list[str]:
@@ -206,6 +209,7 @@ def _table(sweep: Sweep, rows: Rows) -> Table:
 def _measures(sweep: Sweep, rows: Rows) -> FigureSvg:
     """A panel for each measure and path: the measure against the path, other paths by colour."""
     paths = list(sweep.lanes.values)
+    of_path = {q.name: axis_of(q) for q in varied(sweep.lanes.scenario, sweep.lanes.values)}
     measures = _shown(sweep, rows)
     pick = np.arange(len(sweep.lanes))[:: max(1, len(sweep.lanes) // _MOST)]
     layout = [[f"{m}|{p}" for p in paths[:3]] for m in measures]
@@ -214,22 +218,22 @@ def _measures(sweep: Sweep, rows: Rows) -> FigureSvg:
         for key, axis in axes.items():
             measure, path = key.split("|")
             of_y = scale([_quantity(sweep, rows, measure)])
-            x, y = rows[path][pick], of_y.of(rows[measure][pick].astype(float))
+            x, y = of_path[path].of(rows[path][pick]), of_y.of(rows[measure][pick].astype(float))
             other = next((p for p in paths if p != path), None)
             if other is None:
                 order = np.argsort(x)
                 dense = len(pick) * len(axes) > _DOTS
                 axis.plot(x[order], y[order], "-" if dense else "o-", color=plots.COLOURS[2], markersize=3)
             else:
-                values = rows[other][pick]
+                values = of_path[other].of(rows[other][pick])
                 dots = axis.scatter(
                     x, y, c=values, s=9, cmap="viridis", norm="log" if logarithmic(values) else None,
                     rasterized=len(pick) * len(axes) > _DOTS,
                 )  # fmt: skip
-                made.colorbar(dots, ax=axis, label=other)
+                made.colorbar(dots, ax=axis, label=of_path[other].label)
             if logarithmic(x):
                 axis.set_xscale("log")
-            axis.set(xlabel=path, ylabel=of_y.label)
+            axis.set(xlabel=of_path[path].label, ylabel=of_y.label)
         caption = "What came of each lane, against what varied"
         caption += "; the colour is another path's value." if len(paths) > 1 else "."
         return plots.finish(made, "sweep", caption, pdf=True)

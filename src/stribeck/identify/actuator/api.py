@@ -161,8 +161,8 @@ class Fitting:
             status, reason = "missed", f"the machine does not follow its recordings ({'; '.join(missed)}): no intervals"
             notes += self.suspected(best)
         coarse = beyond_noise(best.problem, best.u, best.found.agreeing) if status == "done" else []
-        if coarse and driven.explains(best.problem, best.u):
-            coarse = []
+        if coarse and (noisy := driven.weighed(best)) is not None:
+            best, coarse, values = noisy, [], noisy.values()
         if coarse:
             why = "the model errs, or there is a better minimum: no intervals (more starts, or another law, may help)"
             notes.append(f"{'; '.join(coarse)}: {why}")

@@ -25,7 +25,7 @@ def candidates(problem: MachineProblem, u: Array) -> Iterator[tuple[MachineCoord
         for log in [None, *logs] if len(logs) > 1 else [None]:
             x = np.where(rows(problem, log), slopes, 0.0)
             if ((column, what), log) not in sought and x @ x > 0 and _room(problem, column, what)[1] > 0:
-                yield _coordinate(problem, column, what, log), NEUTRAL[what], x
+                yield _coordinate(problem, column, what, log), NEUTRAL[what], problem.whitened(x)
 
 
 def rows(problem: MachineProblem, log: int | None) -> Array:
