@@ -88,6 +88,14 @@ def one_line(text: str) -> str:
     return text if len(text) <= _LONGEST_LINE else f"{text[:_HEAD]}...{text[_HEAD + 3 - _LONGEST_LINE :]}"
 
 
+def said_by(error: BaseException) -> str:
+    """An error's kind and words, also where a user's own kind of error cannot be shown."""
+    try:
+        return f"{type(error).__name__}: {error}"
+    except Exception:
+        return type(error).__name__
+
+
 def printable(text: str) -> str:
     """The text with what is no printable character as an escape (``\\x1b``): a terminal shows it and obeys nothing."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
@@ -104,6 +112,19 @@ def nearest(name: str, known: Iterable[str]) -> str:
 
     match = get_close_matches(name, list(known), n=1, cutoff=0.6)
     return f" (did you mean '{match[0]}'?)" if match else ""
+
+
+def refuse_twice(names: Sequence[str], what: str) -> None:
+    """Refuse names of which one is given more than once: which value is meant nobody can know.
+
+    Args:
+        what: what gives them, in messages.
+
+    Raises:
+        InputError: a line for each such name.
+    """
+    if twice := [name for name in dict.fromkeys(names) if names.count(name) > 1]:
+        raise InputError([f"{what} {name}: given {names.count(name)} times; must be given once" for name in twice])
 
 
 # The packages that the base installation does not have, and the extra that brings each.

@@ -6,13 +6,14 @@ import importlib
 import pkgutil
 import sys
 import threading
+import traceback
 from collections.abc import Iterable
 from hashlib import sha256
 from pathlib import Path
 from types import ModuleType
 from typing import TypeVar
 
-from stribeck.errors import InputError
+from stribeck.errors import InputError, said_by
 from stribeck.files import read_file
 
 T = TypeVar("T")
@@ -43,6 +44,16 @@ def classes(module: ModuleType, base: type[T]) -> list[type[T]]:
 def of_a_file(kind: type) -> bool:
     """True for a class that a user's file defines."""
     return kind.__module__.startswith(_OF_FILE)
+
+
+def at_fault(error: BaseException) -> str | None:
+    """What a user's file raised, and in which line, where one did while it was called; else None."""
+    found = [
+        (frame.f_code.co_filename, line)
+        for frame, line in traceback.walk_tb(error.__traceback__)
+        if str(frame.f_globals.get("__name__")).startswith(_OF_FILE)
+    ]
+    return f"{found[-1][0]}: line {found[-1][1]}: {said_by(error)}" if found else None
 
 
 def load_module(name: str, folder: Path | None) -> tuple[ModuleType, Path, str]:
@@ -93,7 +104,7 @@ def _module(name: str, path: Path, text: bytes) -> ModuleType:
                 del sys.modules[module_name]
                 if isinstance(error, InputError):
                     raise InputError([f"{name!r}: {path}: {problem}" for problem in error.problems]) from error
-                if not isinstance(error, Exception | SystemExit):
+                if isinstance(error, KeyboardInterrupt):
                     raise
-                raise InputError(f"{name!r}: {path} does not load: {type(error).__name__}: {error}") from error
+                raise InputError(f"{name!r}: {path} does not load: {said_by(error)}") from error
     return sys.modules[module_name]

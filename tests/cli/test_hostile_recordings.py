@@ -8,6 +8,7 @@ import tomli_w
 
 from stribeck import InputError
 from stribeck.identify.actuator import fit_machine, read_logs
+from stribeck.identify.data.quality import wild
 from tests.identify.actuator.recorded import body, logs
 from tests.simulation.rig import needs_compiler
 
@@ -75,6 +76,33 @@ def test_options_of_a_log_are_refused_beside_recordings(place, stribeck):
     done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--position", "y", "--mass", "3", "--robust")
     assert done.status == 2
     assert [line.partition(":")[0] for line in done.err.splitlines()] == ["--position", "--mass", "--robust"]
+
+
+@pytest.mark.parametrize(("rest", "size"), [(0.0, 1e15), (1.0, 1e9), (1.0, -1e15)])
+@pytest.mark.parametrize("role", ["inputs.loads.push.signal", "outputs.a.y"])
+def test_a_single_wild_sample(place, stribeck, role, rest, size):
+    """One of an input took a minute, with steps as small as it is large."""
+    column = "u" if "inputs" in role else "y"
+    x = rest * np.sin(0.1 * np.arange(60.0))
+    x[30] = size
+    other = np.sin(0.2 * np.arange(60.0))
+    y, u = (other, x) if column == "u" else (x, other)
+    rows = "".join(f"{0.01 * i!r},{a!r},{b!r}\n" for i, (a, b) in enumerate(zip(y.tolist(), u.tolist(), strict=True)))
+    (place / "run.csv").write_text("t,y,u\n" + rows)
+    logs(place, ["run.csv"], WANTED)
+    done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--out", "out")
+    assert (done.status, done.out) == (2, "")
+    assert f"log.0.{role}: '{column}': 1 single samples of up to {abs(size):.3g} beyond all others" in done.err
+    assert not (place / "out").exists()
+
+
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_a_blow_and_a_short_move_are_not_wild(size):
+    """Of one row in silence; of some rows over noise."""
+    blow, move = np.zeros(300), 1e-12 * np.sin(np.arange(300.0))
+    blow[100], move[100:103] = size, size
+    assert wild(blow) is None
+    assert wild(move) is None
 
 
 @needs_compiler

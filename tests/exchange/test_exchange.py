@@ -185,3 +185,30 @@ def test_what_mujoco_s_elements_cannot_hold_is_told(tmp_path):
     path.write_text(ARM.format(DCMOTOR.replace("damping", 'saturation="0 2 0" damping')))
     with pytest.warns(StribeckNote, match=r"actuator m: .*left out"):
         from_mujoco_file(path)
+
+
+@pytest.mark.parametrize("word", ["frictionloss", "damping", "armature", "stiffness"])
+@pytest.mark.parametrize("number", ["nan", "inf", "-inf"])
+def test_a_mujoco_model_s_numbers_are_finite(tmp_path, monkeypatch, word, number):
+    """A nan was taken for nothing, and MuJoCo's complaint left a file in the current folder."""
+    pytest.importorskip("mujoco")
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(
+        f'<mujoco><worldbody><body><joint name="elbow" type="hinge" {word}="{number}"/>'
+        '<geom type="sphere" size="0.1" mass="2"/></body></worldbody></mujoco>'
+    )
+    with pytest.raises(InputError, match=f"joint 'elbow': {word}: {number}: must be a finite number"):
+        from_mujoco_file("arm.xml")
+    assert [path.name for path in tmp_path.iterdir()] == ["arm.xml"]
+
+
+def test_a_nan_elsewhere_in_a_mujoco_model_is_refused(tmp_path, monkeypatch):
+    pytest.importorskip("mujoco")
+    monkeypatch.chdir(tmp_path)
+    Path("arm.xml").write_text(
+        '<mujoco><worldbody><body><joint name="elbow" type="hinge" ref="nan"/>'
+        '<geom type="sphere" size="0.1" mass="2"/></body></worldbody></mujoco>'
+    )
+    with pytest.raises(InputError, match=r"arm\.xml: MuJoCo: XML contains a 'NaN'"):
+        from_mujoco_file("arm.xml")
+    assert [path.name for path in tmp_path.iterdir()] == ["arm.xml"]

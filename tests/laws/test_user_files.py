@@ -138,3 +138,60 @@ def test_the_file_of_a_set_as_a_path(tmp_path):
     file = tmp_path / "set.toml"
     file.write_text("[parameters]\nF_c = 1.0\nsigma_2 = 0.5\n")
     assert law("coulomb_viscous", file).values["F_c"] == 1.0
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "class Own(BaseException): pass\nraise Own('\\x1b[2J')\n",
+        "class Own(BaseException):\n    def __str__(self): raise RuntimeError\nraise Own\n",
+        "raise GeneratorExit\n",
+        "raise SystemExit(0)\n",
+    ],
+)
+def test_a_file_that_raises_what_is_no_exception(tmp_path, text):
+    """It ended in a traceback, or as if all were done."""
+    (tmp_path / "mine.py").write_text(text)
+    with pytest.raises(InputError, match="does not load"):
+        find(f"{tmp_path}/mine.py:Mine")
+
+
+@pytest.mark.parametrize(
+    "raised", ["raise SystemExit(0)", "raise type('Own', (BaseException,), {})('no')", "import nowhere_to_be_found"]
+)
+@pytest.mark.parametrize(
+    "words",
+    ["laws {0}:Mine", "check {0}:Mine --set c=1", "export {0}:Mine --set c=1 --out o.st"],
+)
+def test_an_equation_that_raises_what_is_no_exception(tmp_path, raised, words):
+    """So did one of these."""
+    path = written(tmp_path)
+    text = path.read_text().replace("return 3.0", f"{raised}\n        return 3.0")
+    path.write_text(text.replace("at_least=0", "at_least=0, example=1.0"))
+    words = words.format(path).split() + (["--target", "st"] if "export" in words else [])
+    done = subprocess.run([sys.executable, "-m", "stribeck", *words], capture_output=True, text=True, cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, ""), done.stderr
+    assert done.stderr.count("\n") == 1
+    assert "mine.py" in done.stderr
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.py"]
+
+
+def test_a_signal_while_a_file_is_read_is_not_its_fault(tmp_path):
+    (tmp_path / "mine.py").write_text("raise KeyboardInterrupt\n")
+    with pytest.raises(KeyboardInterrupt):
+        find(f"{tmp_path}/mine.py:Mine")
+
+
+@pytest.mark.parametrize(
+    "words", ["laws {}:Mine", "check {}:Mine --set c=1", "export {}:Mine --set c=1 --target st --out {}.st"]
+)
+def test_an_equation_that_gives_nan_is_refused(tmp_path, words):
+    """It was shown as a law, and written as one."""
+    path = written(tmp_path)
+    path.write_text(path.read_text().replace("return 3.0", "return float('nan')"))
+    done = subprocess.run(
+        [sys.executable, "-m", "stribeck", *words.format(path, path).split()], capture_output=True, text=True
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "its equations give nan as F at v = " in done.stderr
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.py"]

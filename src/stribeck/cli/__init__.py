@@ -110,7 +110,7 @@ def _outcome(arguments: list[str] | None) -> int:
         command = _command(arguments)
         package = error.package if isinstance(error, MissingExtra) else (error.name or "").partition(".")[0]
         if package not in EXTRAS:
-            raise
+            return _of_a_file(error)
         if isinstance(error, MissingExtra) and (command not in _EXTRA or error.extra in _BEYOND.get(command, ())):
             print(f"stribeck: {said(Line(error.marked()), command)}", file=sys.stderr)
         else:
@@ -137,10 +137,22 @@ def _outcome(arguments: list[str] | None) -> int:
     except Exception as error:
         usage = getattr(error, "format_message", None)
         if usage is None:
-            raise
+            return _of_a_file(error)
         if text := " ".join(usage().split()):  # none where the help was printed instead
             print(one_line(f"stribeck: {text} (stribeck --help)"), file=sys.stderr)
         return 2
+    except BaseException as error:  # a user's file may raise any: sys.exit() in a law would end the command as if done
+        return _of_a_file(error)
+
+
+def _of_a_file(error: BaseException) -> int:
+    """Say what a user's own law or element raised; what nobody's file is at fault for is raised again."""
+    from stribeck.kinds import at_fault
+
+    if (text := at_fault(error)) is None:
+        raise error
+    print(f"stribeck: {one_line(text)}", file=sys.stderr)
+    return 2
 
 
 def _show(message: Warning | str, category: type[Warning], *rest: object) -> None:

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 
 from stribeck.cli import show
 from stribeck.cli.text import say
-from stribeck.errors import InputError
+from stribeck.errors import InputError, refuse_twice
 from stribeck.identify.actuator import MachineFit, fit_machine
 from stribeck.identify.actuator.page import FILES, number_or_open, write_machine_fit
-from stribeck.scenario import Scenario, parse_assignment
+from stribeck.scenario import Scenario, parse_assignments
 
 if TYPE_CHECKING:
     import typer
@@ -49,7 +49,7 @@ def fit(
         raise InputError(f"DATA: {len(machine)} files: with --logs there must be one, the machine's")
     if out is not None:
         show.check_folder(out, [machine[0], logs], FILES)
-    scenario = Scenario.load(machine[0], dict(parse_assignment(text) for text in assignments))
+    scenario = Scenario.load(machine[0], parse_assignments(assignments))
     with show.lanes_on(on), show.progress("fit") as tell:
         found = fit_machine(
             scenario, logs, laws=_laws(laws), transfer_to=transfer, starts=starts, seed=seed, progress=tell, folder=out
@@ -68,13 +68,14 @@ def fit(
 
 def _laws(texts: Sequence[str]) -> dict[str, list[str]]:
     """``CONTACT=NAME,NAME`` as a mapping."""
-    found = {}
+    found = []
     for text in texts:
         contact, equals, names = text.partition("=")
         if not equals or not contact or not names:
             raise InputError(f"--law: {text!r}: must be CONTACT=NAME,NAME with --logs")
-        found[contact.strip()] = [name.strip() for name in names.split(",")]
-    return found
+        found.append((contact.strip(), [name.strip() for name in names.split(",")]))
+    refuse_twice([contact for contact, _ in found], "--law")
+    return dict(found)
 
 
 def _print(fit: MachineFit, files: Sequence[str]) -> None:

@@ -12,7 +12,7 @@ from stribeck.cli.check import level_of
 from stribeck.cli.text import say
 from stribeck.constants import rotary_unit
 from stribeck.errors import InputError
-from stribeck.scenario import Scenario, parse_assignment
+from stribeck.scenario import Scenario, parse_assignments
 from stribeck.steepness import Advice, LevelAdvice
 from stribeck.steepness import advise as find
 
@@ -28,7 +28,7 @@ def advise(
 ) -> int:
     """Print the smallest k_v that meets what is tolerated; with ``out``, write the curves."""
     tolerated["level"] = level_of(tolerated["level"])
-    constants = dict(parse_assignment(text) for text in assignments)
+    constants = parse_assignments(assignments)
     if taken := [name for name in constants if name in tolerated or name in ("law", "parameters")]:
         raise InputError([f"--set: '{name}': must be a constant of the law" for name in taken])
     if tolerated["scenario"] is not None:

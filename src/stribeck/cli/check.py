@@ -21,7 +21,7 @@ from stribeck.properties import NAMES, Verdict, Verdicts
 from stribeck.properties import check as decide
 from stribeck.properties.plain import Json
 from stribeck.properties.verdicts import ranges_in_words
-from stribeck.scenario import parse_assignment
+from stribeck.scenario import parse_assignments
 
 if TYPE_CHECKING:
     from stribeck.properties.margins import Margins
@@ -48,7 +48,7 @@ def check(
     if every and (margins or out is not None or certificate is not None):
         raise InputError("--all: must stand without --margins, --out and --certificate, which are for one law")
     refuse_v_max(v_max)
-    given = dict(parse_assignment(text) for text in assignments)
+    given = parse_assignments(assignments)
     if parameters is None and not set(given) & set(PARAMETERS) and (every or _needs_parameters(name)):
         parameters = _DEFAULT_SET
         note(f"no parameters given: checked with the set {parameters}")

@@ -9,7 +9,7 @@ from pathlib import Path
 from stribeck.analysis.comparison import Comparison, compare_laws, law_path
 from stribeck.cli import show
 from stribeck.cli.text import say, width
-from stribeck.errors import InputError, StribeckNote
+from stribeck.errors import InputError, StribeckNote, refuse_twice
 from stribeck.laws.base import PARAMETERS
 from stribeck.report.cells import percent
 from stribeck.scenario import parse_assignment
@@ -53,14 +53,15 @@ def _changes(text: str, table: str) -> dict[str, object]:
     match = _LAW.fullmatch(text)
     if match is None:
         raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
-    changes: dict[str, object] = {f"{table}.name": match["name"]}
+    given = []
     for part in (match["constants"] or "").split(","):
         if part.strip() or match["constants"] == "":
             if "=" not in part:
                 raise InputError(f"--law: {text!r}: must be NAME or NAME:KEY=VALUE,...")
-            key, value = parse_assignment(part)
-            changes[f"{table}.parameters.{key}" if key in PARAMETERS else f"{table}.{key}"] = value
-    return changes
+            given.append(parse_assignment(part))
+    refuse_twice([key for key, _ in given], f"--law: {text!r}:")
+    places = {f"{table}.parameters.{key}" if key in PARAMETERS else f"{table}.{key}": value for key, value in given}
+    return {f"{table}.name": match["name"], **places}
 
 
 def _print(comparison: Comparison, files: list[str]) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import app
+from stribeck.cli.shared import app, place
 from stribeck.constants import show
 from stribeck.errors import InputError
 
@@ -20,7 +20,7 @@ def import_(
         Path, typer.Argument(metavar="FILE", help="The file; a machine (.toml) is turned back into the other's.")
     ],
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Where to write it; else it is printed.")
+        Path | None, typer.Option("--out", metavar="FILE", parser=place, help="Where to write it; else it is printed.")
     ] = None,
 ) -> int:
     """A machine from another program's file, and back."""

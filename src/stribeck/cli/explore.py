@@ -11,7 +11,7 @@ from stribeck.explore import explore as write
 from stribeck.explore.beside import Report
 from stribeck.explore.report import of_folder
 from stribeck.explore.variants import subject
-from stribeck.scenario import parse_assignment
+from stribeck.scenario import parse_assignments
 
 
 def explore(
@@ -19,7 +19,7 @@ def explore(
     trust: bool, json: bool,
 ) -> int:  # fmt: skip
     """Write the page, say where it is."""
-    changes = dict(parse_assignment(text) for text in assignments)
+    changes = parse_assignments(assignments)
     if report is not None and what is not None:
         raise InputError(
             f"--report: {str(report)!r}: must stand alone: the folder holds the scenario ({what} is given too)"

@@ -10,7 +10,7 @@ from stribeck.analysis.comparison import law_path
 from stribeck.cli.show import check_file, print_json
 from stribeck.errors import InputError
 from stribeck.laws.base import Law
-from stribeck.scenario import Scenario, parse_assignment
+from stribeck.scenario import Scenario, parse_assignments
 from stribeck.scenario.cascade import cascade_of
 from stribeck.scenario.counterpart import as_servo
 
@@ -100,7 +100,7 @@ def _whole(
     given = {"LAW": law, "--parameters": parameters, "--contact": contact}
     if wrong := [f"{n}: {x!r}: must be left out: part '{part}' takes all from the file" for n, x in given.items() if x]:
         raise InputError(wrong)
-    return rig.with_changes(dict(parse_assignment(text) for text in assignments)) if rig is not None else None
+    return rig.with_changes(parse_assignments(assignments)) if rig is not None else None
 
 
 def _controlled(
@@ -111,7 +111,7 @@ def _controlled(
         raise InputError(f"--parameters: {parameters!r}: must be left out: part 'cascade' has the scenario's constants")
     if rig is None:
         return None
-    rig = as_servo(rig.with_changes(dict(parse_assignment(text) for text in assignments)), controller)
+    rig = as_servo(rig.with_changes(parse_assignments(assignments)), controller)
     own = cascade_of(rig)
     if law is not None and own is not None and law != (name := own.law_name):
         raise InputError(f"LAW: {law!r}: must be left out, or that of the scenario's [drive.observer], {name!r}")
@@ -129,7 +129,7 @@ def _law(
             raise InputError("LAW: missing: must be given, unless --scenario names it")
         name = own_law.name
     found = laws.find(name)
-    given = dict(parse_assignment(text) for text in assignments)
+    given = parse_assignments(assignments)
     values, rotary = {}, False
     if parameters is not None:
         values, rotary = laws.parameters_for(found, parameters), parameter_sets.load(parameters).rotary

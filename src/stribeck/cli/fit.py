@@ -8,7 +8,7 @@ from pathlib import Path
 from stribeck.cli import show
 from stribeck.cli.text import say
 from stribeck.constants import show as shown
-from stribeck.errors import InputError
+from stribeck.errors import InputError, refuse_twice
 from stribeck.identify import api as fitting
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
@@ -101,20 +101,25 @@ def drive(text: str | None) -> dict[str, object] | None:
         return None
     kind, _, rest = text.partition(":")
     found: dict[str, object] = {"kind": kind}
+    given = ["kind"]
     for part in filter(None, rest.split(",")):
         if "=" not in part:
             raise InputError(f"--drive: {text!r}: must be KIND or KIND:KEY=VALUE,...")
         name, found_value = parse_assignment(part)
+        given.append(name)
         found[name] = float(found_value) if type(found_value) is int else found_value
+    refuse_twice(given, f"--drive: {text!r}:")
     return found
 
 
 def constants(assignments: list[str]) -> dict[str, float | str]:
     """``KEY=VALUE`` as a mapping."""
     found: dict[str, float | str] = {}
-    for text in assignments:
-        name, value = parse_assignment(text)
-        name = name.removeprefix("law.").removeprefix("parameters.")
+    given = [
+        (path.removeprefix("law.").removeprefix("parameters."), x) for path, x in map(parse_assignment, assignments)
+    ]
+    refuse_twice([name for name, _ in given], "--set")
+    for name, value in given:
         if isinstance(value, bool) or not isinstance(value, int | float | str):
             raise InputError(f"--set {name}: {shown(value)}: must be a number or a word")
         found[name] = value if isinstance(value, str) else float(value)
@@ -123,13 +128,14 @@ def constants(assignments: list[str]) -> dict[str, float | str]:
 
 def columns(names: dict[str, str | None], units: list[str], force_gain: str | None) -> ColumnNames:
     """The columns that options name, each by its role, and their units, each as ``COL=UNIT``."""
-    found = {}
+    given = []
     for text in units:
         column, equals, unit = text.rpartition("=")
         if not equals or not column or not unit:
             raise InputError(f"--unit: {text!r}: must be COL=UNIT, such as pos=mm")
-        found[column.strip()] = unit.strip()
-    return ColumnNames({role: name for role, name in names.items() if name is not None}, found, force_gain)
+        given.append((column.strip(), unit.strip()))
+    refuse_twice([column for column, _ in given], "--unit")
+    return ColumnNames({role: name for role, name in names.items() if name is not None}, dict(given), force_gain)
 
 
 def _print(result: Fit | Choice, log: Log, files: list[str]) -> None:

@@ -9,7 +9,7 @@ from stribeck import laws as registry
 from stribeck.cli.show import print_json
 from stribeck.cli.text import say
 from stribeck.constants import DECIDED
-from stribeck.errors import InputError
+from stribeck.errors import InputError, said_by
 from stribeck.laws.base import Claims, Law
 from stribeck.laws.form import USUAL, Form
 from stribeck.laws.render import Equation, condition, equations
@@ -66,11 +66,29 @@ def _sets(names: list[str], json: bool) -> int:
 
 def _described(law: type[Law], name: str) -> dict[str, object]:
     try:
-        return _describe(law)
-    except Exception as error:
+        described, trouble = _describe(law), _trouble(law) if in_a_file(name) else None
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
         if not in_a_file(name):
             raise
-        raise InputError(f"{name!r}: its equations cannot be evaluated: {type(error).__name__}: {error}") from error
+        raise InputError(f"{name!r}: its equations cannot be evaluated: {said_by(error)}") from error
+    if trouble:
+        raise InputError(f"{name!r}: {trouble}")
+    return described
+
+
+def _trouble(law: type[Law]) -> str | None:
+    """What keeps its equations from being evaluated with constants that are allowed; None where none are at hand."""
+    values = _example(law)
+    values |= {n: 1.0 for n, c in law.constants().items() if c.required and n not in values and not c.problem(1.0)}
+    return None if law.problems(values) else registry.trouble(law(values))
+
+
+def _example(law: type[Law]) -> dict[str, float]:
+    """Constants that make sense."""
+    values = {n: v for n, v in parameters()["canudas1995"].values.items() if n in law.constants()}
+    return values | {n: c.example for n, c in law.own_constants().items() if c.example is not None and n not in values}
 
 
 def _describe(law: type[Law]) -> dict[str, object]:
@@ -150,9 +168,7 @@ def _test(chosen: list[type[Law]], json: bool) -> int:
 
     found: dict[str, list[str]] = {}
     for law in chosen:
-        values = {n: v for n, v in parameters()["canudas1995"].values.items() if n in law.constants()}
-        values |= {n: c.example for n, c in law.own_constants().items() if c.example is not None and n not in values}
-        found[law.name] = violations(law(values))
+        found[law.name] = violations(law(_example(law)))
     if json:
         print_json({"violations": found})
     else:

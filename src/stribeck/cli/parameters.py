@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, app
+from stribeck.cli.shared import Json, app, place
 from stribeck.cli.text import say
 from stribeck.errors import InputError
 
@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 def parameters(
     name: Annotated[str | None, typer.Argument(metavar="NAME", help="One set; all unless given.")] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE", help="Write the machine, ready for 'stribeck run'.")
+        Path | None,
+        typer.Option("--out", metavar="FILE", parser=place, help="Write the machine, ready for 'stribeck run'."),
     ] = None,
     json: Json = False,
 ) -> int:

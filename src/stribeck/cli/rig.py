@@ -13,7 +13,7 @@ from stribeck.parameter_sets import load
 from stribeck.rig import report as made
 from stribeck.rig.plan import Limits, programme
 from stribeck.rig.synthetic import LABEL
-from stribeck.scenario import parse_assignment
+from stribeck.scenario import parse_assignments
 
 
 def rig(
@@ -29,7 +29,7 @@ def rig(
     if seed < 0:
         raise InputError(f"--seed: {seed}: must be a whole number >= 0")
     given = dict(load(parameters).values) if parameters else {}
-    given |= made.numbers([parse_assignment(text) for text in assignments])
+    given |= made.numbers(list(parse_assignments(assignments).items()))
     experiment = made.simulated(bounds, law, given, seed) if simulate else None
     tests, files = programme(bounds), []
     if out is not None:

@@ -20,7 +20,24 @@ app = typer.Typer(
 ScenarioFile = Annotated[
     Path, typer.Argument(metavar="SCENARIO.toml", help="Scenario file; 'stribeck new' writes one.")
 ]
-Out = Annotated[Path | None, typer.Option("--out", metavar="DIR", help="Folder for the files; made if need be.")]
+
+
+def written_to(text: str) -> str:
+    """Where a command writes: an empty path would be the current folder."""
+    if not str(text):
+        raise typer.BadParameter("'': must be a path")
+    return text
+
+
+def place(text: str) -> Path:
+    """The same as a path."""
+    return Path(written_to(text))
+
+
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", parser=place, help="Folder for the files; made if need be."),
+]
 Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="PATH=VALUE", help="Replace a value, such as law.k_v=1e6; may be repeated."),

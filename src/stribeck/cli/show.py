@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, printable
 from stribeck.files import trouble
-from stribeck.scenario import Scenario, parse_assignment
+from stribeck.scenario import Scenario, parse_assignments
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -23,7 +23,7 @@ _MADE: list[Path] = []  # folders that this command made before it ran, the inne
 
 def load(path: Path, assignments: list[str], trust: bool) -> Scenario:
     """The scenario of the command line: the file with every --set applied."""
-    return Scenario.load(path, dict(parse_assignment(text) for text in assignments), trust=trust)
+    return Scenario.load(path, parse_assignments(assignments), trust=trust)
 
 
 def print_json(data: object) -> None:

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
-from stribeck.constants import show
+import numpy as np
+
+from stribeck.constants import Constant, show
 from stribeck.errors import InputError, needed, note
 from stribeck.exchange.bam import STEEPNESS
 
 Tables = dict[str, Any]
 Read = Mapping[str, Any]
+Model = Any  # MuJoCo has no types
 
 _SINGLE = ("slide", "hinge")
 _STILL = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
@@ -28,10 +32,7 @@ def from_mujoco_file(path: str | Path) -> Tables:
     """
     with needed("import mujoco"):
         import mujoco
-    try:
-        model = mujoco.MjModel.from_xml_path(str(path))
-    except ValueError as error:
-        raise InputError(f"{path}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
+    model = _read(mujoco, path)
     made: Tables = {
         "schema": 2,
         "name": Path(path).stem,
@@ -61,11 +62,42 @@ def from_mujoco_file(path: str | Path) -> Tables:
     return {**{n: x for n, x in made.items() if x != {}}, "solve": {"t_end": 1.0}, "output": {"step": 0.005}}
 
 
+def _read(mujoco: ModuleType, path: str | Path) -> Model:
+    """The model, whose joints' numbers can be a machine's; what MuJoCo warns of is refused or told, not left in a file."""
+    told: list[str] = []
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(told.append)
+    try:
+        model = mujoco.MjModel.from_xml_path(str(path))
+    except ValueError as error:
+        raise InputError(f"{path}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
+    finally:
+        mujoco.set_mju_user_warning(before)
+    problems = []
+    for j in range(model.njnt):
+        d, name = int(model.jnt_dofadr[j]), model.joint(j).name or f"joint{j}"
+        numbers = {
+            "frictionloss": (model.dof_frictionloss[d], 0.0), "damping": (model.dof_damping[d], 0.0),
+            "armature": (model.dof_armature[d], None), "stiffness": (model.jnt_stiffness[j], None),
+        }  # fmt: skip
+        for word, (given, least) in numbers.items():
+            number = float(np.ravel(given)[0])  # of the damping the first alone is linear
+            if text := Constant("", "", at_least=least).problem(number):
+                problems.append(f"{path}: joint {show(name)}: {word}: {number:g}: {text}")
+    if not problems:
+        problems = [f"{path}: MuJoCo: {text}" for text in told if "nan" in text.lower()]
+    if problems:
+        raise InputError(problems)
+    for text in told:
+        note(f"{path}: MuJoCo: {text}")
+    return model
+
+
 def _plain(name: str) -> str:
     return "".join(c if c.isalnum() else "_" for c in name)
 
 
-def _dcmotor(made: Tables, model: Any, a: int, joint: str) -> None:
+def _dcmotor(made: Tables, model: Model, a: int, joint: str) -> None:
     """Motor, cogging and LuGre friction of a dcmotor on a joint, whose gear is the ratio; MuJoCo keeps R and K in gainprm,
     the cogging, F_c, F_s and v_s in biasprm, L/R, sigma_0 and sigma_1 in dynprm."""
     name, gear = _plain(model.actuator(a).name or f"motor{a}"), float(model.actuator_gear[a, 0])

@@ -12,7 +12,7 @@ import numpy as np
 
 from stribeck import kinds, parameter_sets
 from stribeck.constants import kind_of, show
-from stribeck.errors import InputError, arg, nearest
+from stribeck.errors import InputError, arg, nearest, said_by
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
 
@@ -106,10 +106,17 @@ def trouble(law: Law) -> str | None:
     """What keeps a law's equations from being evaluated, for a law of the user's own; None where all is well."""
     try:
         scales = law.scales(law.p)
-        values = (law.force(scales.speed, 0.5 * scales.length), *law.jacobian(scales.speed, 0.5 * scales.length))
-    except Exception as error:
-        return f"its equations cannot be evaluated: {type(error).__name__}: {error}"
-    return None if all(np.ndim(x) == 0 for x in values) else "its equations must give one number for one v and z"
+        at = scales.speed, 0.5 * scales.length
+        values = (law.force(*at), *law.jacobian(*at))
+        given = {"F": values[0]} | ({"dz/dt": law.rate(*at)} if law.has_z else {})
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        return f"its equations cannot be evaluated: {said_by(error)}"
+    if not all(np.ndim(x) == 0 for x in values):
+        return "its equations must give one number for one v and z"
+    wrong = next((n for n, x in given.items() if np.isnan(x)), None)
+    return None if wrong is None else f"its equations give nan as {wrong} at v = {at[0]:g} m/s, z = {at[1]:g} m"
 
 
 def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None) -> dict[str, float]:

@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError, arg
+from stribeck.errors import InputError, arg, refuse_twice
 from stribeck.loops import boundary, compensation, tuning, uncertainty
 from stribeck.loops.excess import Excess, excess
 from stribeck.loops.judge import Judgement, judge
@@ -209,4 +209,5 @@ def _ranges(loop: Loop, vary: Sequence[str]) -> list[boundary.Turned]:
             problems += error.problems
     if problems:
         raise InputError(problems)
+    refuse_twice([each.path for each in found], arg("vary"))
     return found

@@ -32,6 +32,8 @@ from stribeck.signals import Signal
 from stribeck.signals.pieces import DIRECTION, Reference, constants, fields, reference
 
 RATIO = Constant("", "how far `from` counts", default=1.0)
+RATIO_LARGEST = 1e30  # and its inverse the smallest: squares of it, times a mass, stay numbers
+RATIO_ALLOWED = f"a finite number from {1 / RATIO_LARGEST:g} to {RATIO_LARGEST:g}, or the negative of one"
 INPUT = "input"  # what an exported machine adds to a signal
 _INPUT = Constant("", "added to the signal", default=0.0)
 Named = dict[str, Constant]

@@ -18,7 +18,7 @@ from stribeck.machine.system import MachineSystem
 from stribeck.parameter_sets import read_toml
 from stribeck.plants import Plant
 from stribeck.scenario import memory, tables
-from stribeck.scenario.changes import changed, parse_assignment, plain_table, unfolds
+from stribeck.scenario.changes import changed, parse_assignment, parse_assignments, plain_table, unfolds
 from stribeck.scenario.parts import Parts, Settings
 from stribeck.scenario.reader import Reader
 from stribeck.scenario.rig import Rig
@@ -27,7 +27,7 @@ from stribeck.scenario.trust import named
 from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces
 
-__all__ = ["Scenario", "parse_assignment"]
+__all__ = ["Scenario", "parse_assignment", "parse_assignments"]
 
 # In presliding all of the motion is a few natural scales: a tenth keeps y and v within 1e-6 of their peaks there too.
 _ATOL_SHARE = 0.1

@@ -16,7 +16,7 @@ from stribeck.errors import InputError, nearest
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import PARAMETERS, STATIC_ABOVE_COULOMB, Law
 from stribeck.machine.dither import WAVES_A_STEP
-from stribeck.machine.parts import SignalUse
+from stribeck.machine.parts import RATIO_ALLOWED, RATIO_LARGEST, SignalUse
 from stribeck.scenario import Scenario
 from stribeck.scenario.rig import AT_LIMIT, Rig, evaluate
 from stribeck.signals import Signal
@@ -238,8 +238,9 @@ class Variations:
                 bad |= ~(x >= constant.at_least)
             for lane in map(int, np.flatnonzero(bad)):
                 found[lane] = found[lane] or f"{path}: {x[lane]}: must be {constant.allowed}"
-            for lane in map(int, np.flatnonzero(x == 0)) if self.places[path][1] == "ratio" else ():
-                found[lane] = found[lane] or f"{path}: 0: must be a finite number other than 0"
+            if self.places[path][1] == "ratio":
+                for lane in map(int, np.flatnonzero((abs(x) < 1 / RATIO_LARGEST) | (abs(x) > RATIO_LARGEST))):
+                    found[lane] = found[lane] or f"{path}: {x[lane]:g}: must be {RATIO_ALLOWED}"
         for owner, law in self.laws().items():
             self._relations(owner, law, found)
         return found

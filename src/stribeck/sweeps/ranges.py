@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError, arg
+from stribeck.errors import InputError, arg, refuse_twice
 
 _MOST_LANES = 10**8
 
@@ -77,10 +77,7 @@ def lanes_of(ranges: Sequence[Range], samples: int | None = None, seed: int = 0)
     paths = [r.path for r in ranges]
     if not ranges:
         raise InputError(f"{arg('ranges')}: missing: must be given at least once, such as law.k_v=1e6:1e8:5:log")
-    if twice := [path for path in dict.fromkeys(paths) if paths.count(path) > 1]:
-        raise InputError(
-            [f"{arg('ranges')} {path}: given {paths.count(path)} times; must be given once" for path in twice]
-        )
+    refuse_twice(paths, arg("ranges"))
     count = math.prod(r.count for r in ranges) if samples is None else samples
     if not 1 <= count <= _MOST_LANES:
         what = "the grid has" if samples is None else arg("samples")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import ControllerName, Json, Trust, Undetermined, app
+from stribeck.cli.shared import ControllerName, Json, Trust, Undetermined, app, place
 
 ExportTarget = Annotated[
     str,
@@ -24,6 +24,7 @@ ExportOut = Annotated[
     typer.Option(
         "--out",
         metavar="PATH",
+        parser=place,
         help="Where to: a folder for c, mujoco, mujoco_plugin and ros2_control, else a file.",
     ),
 ]

@@ -7,7 +7,12 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, Out, Trust, Undetermined, app
+from stribeck.cli.shared import Json, Out, Trust, Undetermined, app, place
+
+Certificate = Annotated[
+    Path | None,
+    typer.Option("--certificate", metavar="FILE", parser=place, help="Write the proofs here, for others to check."),
+]
 
 
 @app.command(epilog="Example: stribeck laws lugre_majorant")
@@ -92,9 +97,7 @@ def check(
     verify: Annotated[
         bool, typer.Option("--verify", help="Check each proof by other code, and replay each counterexample.")
     ] = False,
-    certificate: Annotated[
-        Path | None, typer.Option("--certificate", metavar="FILE", help="Write the proofs here, for others to check.")
-    ] = None,
+    certificate: Certificate = None,
     level: Annotated[
         str | None,
         typer.Option(
@@ -113,7 +116,9 @@ def check(
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="DIR", help="Folder for a page, and for counterexamples as scenarios to run."),
+        typer.Option(
+            "--out", metavar="DIR", parser=place, help="Folder for a page, and for counterexamples as scenarios to run."
+        ),
     ] = None,
     trust: Trust = False,
     json: Json = False,

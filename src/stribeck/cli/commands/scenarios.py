@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from stribeck.cli.shared import Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app
+from stribeck.cli.shared import Json, On, Out, ScenarioFile, Set, Trust, Undetermined, app, place, written_to
 
 
 @app.command(epilog="Example: stribeck run my_rig.toml --set law.k_v=1e7 --out first")
@@ -18,7 +18,8 @@ def run(
     trust: Trust = False,
     json: Json = False,
     keep_c: Annotated[
-        Path | None, typer.Option("--keep-c", metavar="FILE", help="Write the generated C here, to read or debug.")
+        Path | None,
+        typer.Option("--keep-c", metavar="FILE", parser=place, help="Write the generated C here, to read or debug."),
     ] = None,
     _undetermined: Undetermined = False,
 ) -> int:
@@ -31,7 +32,9 @@ def run(
 @app.command(epilog="Example: stribeck show machine.toml --out machine.svg")
 def show(
     machine: Annotated[Path, typer.Argument(metavar="MACHINE.toml", help="A machine file, or one of schema 1.")],
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE.svg", help="Draw it here, as a picture.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE.svg", parser=place, help="Draw it here, as a picture.")
+    ] = None,
     set_: Set = None,
     trust: Trust = False,
     json: Json = False,
@@ -68,7 +71,13 @@ def compare(
 def sweep(
     scenario: ScenarioFile,
     out: Annotated[
-        str, typer.Option("--out", metavar="DIR", help="Folder for the parts, made if need be; or a URL (s3://...).")
+        str,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            parser=written_to,
+            help="Folder for the parts, made if need be; or a URL (s3://...).",
+        ),
     ],
     vary: Annotated[
         list[str] | None,
@@ -105,7 +114,9 @@ def new(
     name: Annotated[
         str, typer.Argument(metavar="[NAME]", help="A name for it, or that of a built-in example.")
     ] = "my_rig",
-    out: Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Where to; NAME.toml unless given.")] = None,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", parser=place, help="Where to; NAME.toml unless given.")
+    ] = None,
     examples: Annotated[bool, typer.Option("--list", help="List the built-in examples.")] = False,
     schema: Annotated[
         bool, typer.Option("--schema", help="Write the JSON Schema with which editors complete and check such files.")
@@ -126,7 +137,7 @@ def explore(
         ),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", metavar="FILE.html", help="The page; NAME.html unless given.")
+        Path | None, typer.Option("--out", metavar="FILE.html", parser=place, help="The page; NAME.html unless given.")
     ] = None,
     law: Annotated[
         list[str] | None,
@@ -148,7 +159,9 @@ def explore(
 
 @app.command(epilog="Example: stribeck paper --out report")
 def paper(
-    out: Annotated[Path, typer.Option("--out", metavar="DIR", help="Folder for the report.")] = Path("stribeck-report"),
+    out: Annotated[Path, typer.Option("--out", metavar="DIR", parser=place, help="Folder for the report.")] = Path(
+        "stribeck-report"
+    ),
     json: Json = False,
 ) -> int:
     """Simulate the phenomena of the paper and leave one page with the plots."""

@@ -18,7 +18,7 @@ from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator import lerobot
 from stribeck.identify.actuator.bridges import Bridged, bridged
 from stribeck.identify.actuator.readers import opened_log, time_of
-from stribeck.identify.data.quality import LARGEST, impossible
+from stribeck.identify.data.quality import LARGEST, impossible, wild
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed
 from stribeck.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
@@ -302,7 +302,7 @@ def _read(
             raise InputError(f"{label}: {show(c.column)}: has {len(x)} rows, its times have {len(at)}")
         if not np.isfinite(x[rows]).any():
             raise InputError(f"{label}: {show(c.column)}: holds no number")
-        if text := impossible(x[rows]):
+        if text := impossible(x[rows]) or wild(x[rows]):
             raise InputError(f"{label}: {show(c.column)}: {text}")
         found[group][name] = Channel(c.column, at[rows] - origin, x[rows], c.unit, c.noise, c.held)
     known = {k: float(x) for k, x in entry.get("known", {}).items()}

@@ -28,6 +28,7 @@ _ANSWER = 4.0  # times the usual change of the speed
 _WRAPPED = 0.4  # of the position's range, from a row to the next: a turn is over
 _STUCK = 50  # samples of one and the same value, while the others move
 _AT_LIMIT = 5  # samples in a row at the largest or smallest value
+_WILD, _WILDEST, _ALL_BUT = 1e6, 1e9, 0.99  # of the largest of most samples; where these are 0, in SI units; most
 LARGEST = 1e30  # of a value in SI units, and its inverse of a column's largest: squares of them stay numbers
 _LEVELS = 100  # a sensor with fewer different values is too coarse to tell clipping from rest
 
@@ -286,6 +287,19 @@ def impossible(x: Array) -> str | None:
         return None
     text = f"values up to {peak:.3g} in SI units; the largest must lie between {1 / LARGEST:g} and {LARGEST:g}"
     return f"{text} (is the unit right?)"
+
+
+def wild(x: Array) -> str | None:
+    """What is wrong with a column (SI) of which single samples are far beyond all others, or None: whoever simulates with one
+    takes steps as small as it is large."""
+    size = abs(x[np.isfinite(x)])
+    usual = float(np.quantile(size, _ALL_BUT, method="lower"))
+    far = size > (_WILD * usual if usual else _WILDEST)
+    alone = np.flatnonzero(far & ~np.append(False, far[:-1]) & ~np.append(far[1:], False))
+    if not len(alone):
+        return None
+    text = f"{len(alone)} single samples of up to {size[alone].max():.3g} beyond all others ({usual:.3g} or less)"
+    return f"{text}: must be mended, or left empty"
 
 
 def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> dict[str, Array]:

@@ -16,6 +16,8 @@ from stribeck.machine import controllers
 from stribeck.machine.element import Element
 from stribeck.machine.links import LinkElement
 from stribeck.machine.parts import (
+    RATIO_ALLOWED,
+    RATIO_LARGEST,
     DrivePart,
     SignalUse,
 )
@@ -174,7 +176,7 @@ class Reading:
     def _ratio(self, ratio: float | None, path: str) -> bool:
         if ratio is None:
             return False
-        if ratio == 0:
-            self.problems.append((f"{path}.ratio", "0: must be a finite number other than 0"))
+        if not 1 / RATIO_LARGEST <= abs(ratio) <= RATIO_LARGEST:
+            self.problems.append((f"{path}.ratio", f"{show(ratio)}: must be {RATIO_ALLOWED}"))
         self.values[path, "ratio"] = ratio
         return True
