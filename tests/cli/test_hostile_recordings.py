@@ -9,6 +9,7 @@ import tomli_w
 from stribeck import InputError
 from stribeck.identify.actuator import fit_machine, read_logs
 from stribeck.identify.data.quality import wild
+from stribeck.identify.work import Stopped
 from tests.identify.actuator.recorded import body, logs
 from tests.simulation.rig import needs_compiler
 
@@ -103,6 +104,18 @@ def test_a_blow_and_a_short_move_are_not_wild(size):
     blow[100], move[100:103] = size, size
     assert wild(blow) is None
     assert wild(move) is None
+
+
+def test_work_that_is_ended_while_recordings_are_looked_at(place, stribeck, monkeypatch):
+    """What a signal ended there was shown as a traceback."""
+    logs(place, ["run.csv"], WANTED)
+
+    def ended(*rest):
+        raise Stopped
+
+    monkeypatch.setattr("stribeck.identify.actuator.checks.leftovers", ended)
+    done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--starts", "1")
+    assert (done.status, done.out, done.err) == (130, "", "stribeck: interrupted\n")
 
 
 @needs_compiler

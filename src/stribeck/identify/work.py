@@ -16,7 +16,7 @@ _TYPICAL = 300  # simulations
 _MOST = 32  # things done at once while a cluster solves the lanes: they only wait for it
 
 
-class Stopped(Exception):
+class Stopped(KeyboardInterrupt):
     """The work is to end; what was found so far is kept."""
 
 
