@@ -115,3 +115,24 @@ def test_a_fitted_machine_is_shown_in_its_first_recording(stribeck, tmp_path):  
     assert data["measured"]["columns"]["a.y"]["t"] == pytest.approx(0.01)
     assert {n["path"]: n["interval"] for n in data["numbers"]}["contacts.guide.law.parameters.F_c"] == [low, high]
     assert not any(".signal." in n["path"] for n in data["numbers"])  # a record is no set of numbers to turn
+
+
+@pytest.mark.parametrize("at", [0.0, 0.05])
+def test_a_fitted_machine_begins_as_its_recording_did(stribeck, tmp_path, at):  # noqa: F811
+    """As the fit took it or found it: the first samples alone tell it too roughly."""
+    import tomli_w
+
+    from tests.identify.actuator.recorded import NOISE as ENCODER
+    from tests.identify.actuator.recorded import body, logs, record
+
+    truth = body()
+    truth["bodies"]["a"]["initial"] = {"y": at}
+    record(tmp_path / "a.csv", truth)
+    del truth["bodies"]["a"]["initial"]
+    (tmp_path / "axis.toml").write_text(tomli_w.dumps(truth))
+    listed = logs(tmp_path, ["a.csv"], {"contacts.guide.law.parameters.F_c": {"low": 0.5, "high": 2.0}})
+    words = ("--logs", listed, "--starts", "1", "--out", tmp_path / "fit")
+    assert stribeck("fit", tmp_path / "axis.toml", *words).status == 0
+    found = of_folder(tmp_path / "fit", {}, trust=False)
+    _, y = found.measured.columns["a.y"]
+    assert np.sqrt(np.mean((simulate(found.scenario)["a.y"] - y) ** 2)) < 1.3 * ENCODER

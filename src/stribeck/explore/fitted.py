@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import cast
 
@@ -16,9 +17,12 @@ from stribeck.errors import InputError, arg
 from stribeck.explore.beside import Beside, Report, short
 from stribeck.files import read_file
 from stribeck.identify import api, predict
-from stribeck.identify.actuator.coordinates import NEUTRAL
+from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate
+from stribeck.identify.actuator.estimate import first_noise
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording, read_logs
-from stribeck.identify.actuator.runs import Compared
+from stribeck.identify.actuator.runs import Compared, RecordedRun
+from stribeck.identify.actuator.solve import search
 from stribeck.identify.actuator.starts import begun
 from stribeck.identify.data.prepare import Preparation
 from stribeck.identify.data.read import ColumnNames
@@ -154,16 +158,27 @@ def _of_machine_fit(folder: Path, trust: bool) -> Report:
     value = {name: float(each["value"]) for name, each in parameters.items()}
     scenario = Scenario.load(folder / "machine.toml", {}, trust=trust)
     recording = read_logs(folder / logs, needs_unknown=False).recordings[0]
-    end = float(recording.t[min(len(recording.t), _MOST) - 1])
-    run, begins = begun(scenario, recording, 0, set(parameters), (0.0, end))
-    start = run.start | {
-        path: share * value[c.name] for c in begins if c.name in value for path, share in c.targets.items()
-    }
+    last = min(len(recording.t), _MOST) - 1
+    end, shown = float(recording.t[last]), None if last + 1 == len(recording.t) else (0.0, float(recording.t[last]))
+    run, begins = begun(scenario, recording, 0, set(parameters), shown)
     columns = {each.column: _true(each, value) for each in run.targets}
+    start = _started(run, begins, columns, recording)
     about = f"{Path(recording.file).name}, {_part(recording, end)}"
     return Report(
         run.scenario.with_changes(start) if start else run.scenario, _ends(parameters), Beside(about, columns)
     )
+
+
+def _started(
+    run: RecordedRun, begins: list[MachineCoordinate], columns: Mapping[str, tuple[Array, Array]], recording: Recording
+) -> dict[str, float]:
+    """The start from which the fitted machine follows the recording: the fit does not keep the one that it found."""
+    if not begins:
+        return run.start
+    run = replace(run, targets=[Compared(name, t, x) for name, (t, x) in columns.items()])
+    problem = MachineProblem([run], begins, first_noise([recording])[0])
+    found = problem.values(search(problem, 1, 0).u)
+    return run.start | {path: share * found[c.name] for c in begins for path, share in c.targets.items()}
 
 
 def _toml(path: Path) -> dict[str, object]:

@@ -31,7 +31,7 @@ _LISTED = """
     super tan task then this time to tod trunc true type udint uint ulint until usint var var_external var_global
     var_in_out var_input var_output var_temp while wchar with word wstring xor
 """
-_WORDS = frozenset(_LISTED.split())
+WORDS = frozenset(_LISTED.split())
 _PARTS = 16  # of a step, for laws whose dz/dt is not linear in z
 
 # EXP, TANH and SIGN are functions of the file: the standard has no TANH, and controllers may stop on an overflow.
@@ -84,7 +84,7 @@ def st_number(x: float) -> str:
 
 def unspeakable(name: str) -> bool:
     """Whether the language cannot call a variable so; it knows no case, and no two underscores in a row."""
-    return name.lower() in _WORDS or not name.isascii() or "__" in name or name.endswith("_")
+    return name.lower() in WORDS or not name.isascii() or "__" in name or name.endswith("_")
 
 
 def files(request: Request) -> dict[str, str | bytes]:
