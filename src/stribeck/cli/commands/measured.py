@@ -186,6 +186,7 @@ def validate(
     unit: Unit = None,
     set_: Set = None,
     trust: Trust = False,
+    _undetermined: Undetermined = False,
     out: Out = None,
     json: Json = False,
 ) -> int:

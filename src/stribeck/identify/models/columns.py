@@ -130,7 +130,7 @@ class Columns:
             self._kept.popitem(last=False)
 
     def _moved(self, x: Array, delay: float) -> Array:
-        """x later by a delay, by cubics through four rows; the ends of runs are held."""
+        """x later by a delay; the ends of runs are held."""
         parts = filters.whole_shifts(delay / self.log.step if delay else 0.0)
         return _sum_of(parts, lambda by: self._held(x, by))
 

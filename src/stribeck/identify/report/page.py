@@ -18,6 +18,7 @@ from stribeck.report.cells import digits, percent
 from stribeck.report.page import Chapter, Table, html
 from stribeck.version import __version__
 
+_LONG = 80  # letters: names of more files than fit in a head are counted
 _SAME = 0.05  # of a speed: closer ones share a line
 
 
@@ -40,7 +41,9 @@ def page(result: Fit | Choice, log: Log, command: str, data: str) -> str:
         if unknown
         else "The data determine every parameter of the law.",
     ]
-    return html(f"{fit.law} fitted to {data}", about, introduction, chapters, command)
+    names = data.split(", ")
+    title = data if len(data) <= _LONG else f"{len(names)} files, {names[0]} to {names[-1]}"
+    return html(f"{fit.law} fitted to {title}", about, introduction, chapters, command)
 
 
 def _result(fit: Fit) -> Chapter:

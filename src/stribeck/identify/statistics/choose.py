@@ -12,18 +12,18 @@ import numpy as np
 from stribeck import laws
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.details import AddedTerm, Candidate, FitDetails
-from stribeck.identify.log import INTEGRAL, Log
+from stribeck.identify.log import Log
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, missed_beyond, settle
 from stribeck.identify.models import terms
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import OF_POSITION, TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate
+from stribeck.identify.statistics.lacking import beside, open_terms
 
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
 _CLEARLY = 2.0  # standard errors
-_FAR = 0.7  # of the error: a law that is beaten by more is not the machine's
 _HEAVIEST = 2.0  # of the largest force: no heavier weight, with the offset, is taken from a part of a turn
 _AT_END = 0.99  # of the longest delay that is tried
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
@@ -123,15 +123,17 @@ def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
 
 def _compared(fit: Fit, rows: Rows, setting: Setting, settled: Settled) -> Fit:
     """The fit with what plainer models come to on data left out, and a note where one of them is better."""
-    found = [*baselines(rows, setting), _row("this fit", settled)]
-    least = min(found, key=lambda r: r["cross_validated_error"])
-    notes = fit.notes
-    if least["cross_validated_error"] < (1 - _WORTH) * settled.left_out.error:
-        told = f"{least['name']} ({least['law']}) predicts data left out better: {least['cross_validated_error']:.3%}"
-        if least["cross_validated_error"] < _FAR * settled.left_out.error:
-            told += ", so that the intervals hold for a law that the data speak against"
-        notes = (f"{told}; where no law is named, the best law and terms are looked for", *notes)
-    return replace(fit, notes=notes, details={**fit.details, "candidates": found})
+    plainer = _plainer(rows, setting)
+    found = [*(_row(name, each) for name, each in plainer.items()), _row("this fit", settled)]
+    better = min(plainer, key=lambda n: plainer[n].left_out.error, default="")
+    if better and plainer[better].left_out.error < (1 - _WORTH) * settled.left_out.error:
+        least = plainer[better]
+        told = f"{better} ({least.model.law.name}) predicts data left out better: {least.left_out.error:.3%}"
+        if _beyond_chance(least, settled):
+            fit = beside(fit, least.solution.values)
+            told += ", beyond chance, so that intervals are wider by what it differs by"
+        fit = replace(fit, notes=(f"{told}; where no law is named, the best law and terms are looked for", *fit.notes))
+    return replace(fit, details={**fit.details, "candidates": found})
 
 
 def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None = None) -> Choice:
@@ -164,7 +166,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
                 failed.setdefault(law, str(error).splitlines()[0])
     settled = {**plain, **{f"{law}, selected": s for law, (s, _) in wider.items() if _differs(s, plain[law])}}
     picked, reason = crossvalidate.choose({n: s.left_out for n, s in settled.items()})
-    fits, plainer = {}, baselines(rows, setting)
+    fits, plainer = {}, [_row(name, each) for name, each in _plainer(rows, setting).items()]
     for name, each in settled.items():
         law = name.removesuffix(", selected")
         fit = finished(rows, each, profiles=name == picked)
@@ -179,9 +181,9 @@ def _differs(one: Settled, other: Settled) -> bool:
     return (tuple(one.setting.body), one.setting.free) != (tuple(other.setting.body), other.setting.free)
 
 
-def baselines(rows: Rows, setting: Setting) -> list[Candidate]:
-    """What least squares and a tanh-Stribeck curve come to on the same parts, with the asked-for terms only."""
-    found = []
+def _plainer(rows: Rows, setting: Setting) -> dict[str, Settled]:
+    """Least squares and a tanh-Stribeck curve of the same rows, with the asked-for terms only."""
+    found = {}
     for name, law in BASELINES.items():
         plain = Setting(
             {n: v for n, v in setting.fixed.items() if n in TERMS},
@@ -191,7 +193,7 @@ def baselines(rows: Rows, setting: Setting) -> list[Candidate]:
             folds=setting.folds,
         )
         try:
-            found.append(_row(name, settle(rows, law, plain)))
+            found[name] = settle(rows, law, plain)
         except StribeckError:
             continue
     return found
@@ -270,14 +272,7 @@ def _beyond_chance(wide: Settled, narrow: Settled) -> bool:
 def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
     """The terms that may be added, and k_v where the law has one."""
     log, own = rows.log, laws.find(law).constants()
-    names = [
-        n for n, t in TERMS.items()
-        if n not in ("mass", *setting.body) and n not in setting.fixed
-        and (not t.needs or getattr(log, t.needs) is not None)
-        and (not t.level or "F_c" in own)
-        and not (n.startswith("gravity") and float(np.ptp(log.position)) < 0.3)
-        and (n not in OF_POSITION or log.sources.get("position") != INTEGRAL)  # its zero is the record's own
-    ]  # fmt: skip
+    names = open_terms(log, (*setting.body, *setting.fixed), "F_c" in own)
     names += [f"{n} and {_PAIRED[n]}" for n in names if n == "gravity_sin" and _PAIRED[n] in names]
     free = setting.free or ()
     if "k_v" in own and not own["k_v"].required and "k_v" not in setting.fixed and "k_v" not in free:

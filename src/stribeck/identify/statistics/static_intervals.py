@@ -22,6 +22,7 @@ from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
+from stribeck.identify.statistics.lacking import lacking, lateness
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
 _HUGE = 1e100
@@ -171,12 +172,27 @@ def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
         f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, bias, half, at.log, strict=True) if log and s > h
     ]:
         notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
+    further, why = _systematic(rows, model, solution, at)
     details: FitDetails = {
         "intervals_over": parts.what,
         "misfit_share": share,
         "filter_bias": dict(zip(at.names, bias.tolist(), strict=True)),
     }
-    return half + bias, notes, details
+    return half + bias + further, notes + why, details
+
+
+def _systematic(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> tuple[Array, list[str]]:
+    """How far each coordinate may be off because of terms that were not fitted, and of a delay that a filter imitates."""
+    asked = lacking(rows, model, solution.values, at.slopes, at.misfit)
+    shift, notes = abs(asked.shift), []
+    if asked.names:
+        notes.append(
+            f"{' and '.join(asked.names)} would take {asked.share:.0%} of the squared residual away: intervals are wider by what "
+            "that would shift"
+        )
+    if "delay" in at.names:
+        shift = shift + abs(lateness(rows, at.names.index("delay"), at.slopes, at.misfit).shift)
+    return shift, notes
 
 
 def _filter_bias(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> Array:
@@ -215,6 +231,11 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
             found[name] = f"it is hardly told apart from the others{together}"
     if "F_s" in at.names and _at_lowest(model, solution):
         found["F_s"] = "v_s comes out at the lowest speed measured, and F_s hangs on it"
+    if "delay" in at.names and (side := lateness(rows, at.names.index("delay"), at.slopes, at.misfit).side):
+        found["delay"] = (
+            f"nearly all that tells it lies where the speed {side}: there the filter of the motion does the same; it "
+            "takes starts and stops, or reversals"
+        )
     return {**_physical(rows, model, solution, at), **found}
 
 

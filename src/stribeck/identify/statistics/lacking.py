@@ -1,0 +1,139 @@
+"""What a static fit may lack: terms that were not fitted and that the residual asks for, and what a delay is told by."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.log import INTEGRAL, Log
+from stribeck.identify.methods.static_start import StaticModel
+from stribeck.identify.models.problem import linear_step
+from stribeck.identify.models.static_problem import Rows
+from stribeck.identify.models.terms import OF_POSITION, TERMS
+from stribeck.identify.result import Estimate, Fit
+from stribeck.identify.statistics import clusters
+
+_SHARE = 0.02  # of the squared residual: what takes less away is left alone
+_MOST = 3  # terms
+_CLEARLY = 1.5  # halves of a 95 % interval
+_ONE_SIDED = 0.75  # of what tells a delay
+_WIDEST = 2.0  # to each side: a wider interval is not determined
+_SHORT = 0.3  # rad: on less way a weight is a constant
+
+
+@dataclass(frozen=True)
+class Lacking:
+    """Terms that the residual asks for: by how much they would move each coordinate, and what share of the squared residual
+    they would take away."""
+
+    names: tuple[str, ...]
+    share: float
+    shift: Array
+
+
+def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bool) -> list[str]:
+    """The terms that may be added to those that are there; ``level``: the law has one, F_c, that may vary."""
+    return [
+        n for n, t in TERMS.items()
+        if n != "mass" and n not in given
+        and (not t.needs or getattr(log, t.needs) is not None)
+        and (not t.level or level)
+        and not (n.startswith("gravity") and float(np.ptp(log.position)) < _SHORT)
+        and (n not in OF_POSITION or log.sources.get("position") != INTEGRAL)  # its zero is the record's own
+    ]  # fmt: skip
+
+
+def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], slopes: Array, misfit: Array) -> Lacking:
+    """The terms that take most of the residual away, one after the other, and beyond what parts of the record differ by; each
+    by the linear step from the optimum."""
+    count, parts = slopes.shape[1], clusters.parts_of(rows.log.rows(rows.kept)).number
+    columns = _columns(rows, model, values)
+    found: list[str] = []
+    whole = rest = float(misfit @ misfit)
+    while columns and count and len(found) < _MOST and rest > 0:
+        left = {n: _left(np.column_stack([slopes, x]), misfit) for n, x in columns.items()}
+        name = min(left, key=lambda n: left[n])
+        if left[name] > rest - _SHARE * whole:
+            break
+        wider = np.column_stack([slopes, columns.pop(name)])
+        told = linear_step(wider, misfit)[-1]
+        half = clusters.half_widths(wider, misfit - wider @ linear_step(wider, misfit), parts, True)[-1]
+        if abs(told) < _CLEARLY * half:
+            continue
+        found.append(name)
+        slopes, rest = wider, left[name]
+    shift = linear_step(slopes, misfit)[:count] if found else np.zeros(count)
+    return Lacking(tuple(found), 1 - rest / whole if whole > 0 else 0.0, shift)
+
+
+def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dict[str, Array]:
+    """What each term that was not fitted would add to the weighted force, per unit."""
+    whole = model.whole
+    there = {**whole.held, **values}
+    of_law = "F_c" in whole.columns.sliding.linear
+    names = [n for n in open_terms(rows.log, (*whole.terms, *model.unseen), of_law) if n != "delay"]
+    made = whole.columns.at(there, names)
+    found = {n: whole.weight * made[n] for n in names}
+    if "delay" not in [s.name for s in whole.shapes]:
+        step = rows.log.step
+        later, sooner = (whole.force_at({**there, "delay": there.get("delay", 0.0) + by}) for by in (step, -step))
+        found["delay"] = whole.weight * (later - sooner) / (2 * step)
+    return {n: x for n, x in found.items() if np.any(x)}
+
+
+def _left(slopes: Array, misfit: Array) -> float:
+    missed = misfit - slopes @ linear_step(slopes, misfit)
+    return float(missed @ missed)
+
+
+@dataclass(frozen=True)
+class Lateness:
+    """What a delay is told by.
+
+    Attributes:
+        side: where nearly all of it lies, in words; or nothing.
+        shift: of each coordinate, where the motion is late while the speed rises by as much as it is early while it falls.
+    """
+
+    side: str
+    shift: Array
+
+
+def lateness(rows: Rows, delay: int, slopes: Array, misfit: Array) -> Lateness:
+    """What tells a delay: a filter that rounds off a stop makes the speed late there, and early at a start. Only where both are
+    in the record can the two be told apart."""
+    log, kept = rows.log, rows.kept
+    way = np.sign(log.acceleration[kept] * log.velocity[kept])
+    own = slopes[:, delay] ** 2
+    rising, falling = (float(np.sum(own[way == side])) for side in (1, -1))
+    most = _ONE_SIDED * max(rising + falling, 1e-300)
+    side = "rises" if rising > most else "falls" if falling > most else ""
+    shift = linear_step(np.column_stack([slopes, slopes[:, delay] * way]), misfit)[:-1]
+    return Lateness(side, shift)
+
+
+def beside(fit: Fit, values: Mapping[str, float]) -> Fit:
+    """A fit that another law beats, with intervals that are wider to each side by what that law's numbers differ by."""
+
+    def wider(name: str, told: Estimate) -> Estimate:
+        other = values.get(name)
+        if other is None or not told.identifiable or told.value is None or told.low is None or told.high is None:
+            return told
+        if min(told.value, told.low, other) > 0:
+            factor = max(told.value / other, other / told.value)
+            low, high = told.low / factor, told.high * factor
+            if high / low > _WIDEST**2:
+                why = f"another law predicts data left out better, and has {other:.4g} {told.unit} for it"
+                return replace(told, value=None, low=low, high=high, identifiable=False, why=why, best=told.value)
+            return replace(told, low=low, high=high)
+        by = abs(other - told.value)
+        return replace(told, low=told.low - by, high=told.high + by)
+
+    return replace(
+        fit,
+        estimates={n: wider(n, e) for n, e in fit.estimates.items()},
+        body={n: wider(n, e) for n, e in fit.body.items()},
+    )

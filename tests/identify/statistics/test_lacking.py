@@ -1,0 +1,85 @@
+"""Intervals where the model lacks something: a delay, a direction, the right law; and a delay that only stops tell."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.ndimage import gaussian_filter1d
+
+from stribeck import fit
+from stribeck.identify.data.filters import shifted
+from stribeck.identify.result import Fit
+
+_COLUMNS = {"time": "t", "position": "y", "force": "F"}
+
+
+def _friction(v: np.ndarray, soft: float) -> np.ndarray:
+    return (10 + 3 * np.exp(-((v / 0.05) ** 2))) * np.tanh(v / soft) + 6 * v
+
+
+def _fitted(data: object, law: str, **how: object) -> Fit:
+    found = fit(data, law, columns=_COLUMNS, **how)
+    assert isinstance(found, Fit)
+    return found
+
+
+def _run(seed: int, speed: float, delay: float, length: float, step: float) -> dict[str, np.ndarray]:
+    """A move from rest to rest at a held speed; the measured motion lags by the delay."""
+    draw, fine = np.random.default_rng(seed), 5e-5
+    t = np.arange(-0.1, length + 0.1, fine)
+    v = gaussian_filter1d(speed * np.clip(np.minimum(t, length - t) / 0.3, 0, 1), 0.006 / fine)
+    y, f = np.cumsum(v) * fine, 2 * np.gradient(v, fine) + _friction(v, 0.002)
+    at = np.arange(0, length, step)
+    return {
+        "t": at,
+        "y": np.interp(at - delay, t, y) + 1e-6 * draw.standard_normal(len(at)),
+        "F": np.interp(at, t, f) + 0.2 * draw.standard_normal(len(at)),
+    }
+
+
+def test_a_delay_is_not_told_by_stops_alone() -> None:
+    runs = [_run(k, s, 1e-3, 1.5, 2e-3) for k, s in enumerate((0.02, -0.05, 0.15, -0.5))]
+    late = _fitted(runs, "stribeck_tanh", terms=["delay"], trim=200).body["delay"]
+    assert not late.identifiable
+    assert "speed falls" in late.why
+
+
+def test_a_shift_by_half_a_sample_keeps_fast_motion() -> None:
+    rows = np.arange(400)
+    w = 0.44 * np.pi
+    moved = shifted(np.sin(w * rows), 0.5)[20:-20]
+    assert np.max(abs(moved - np.sin(w * (rows + 0.5))[20:-20])) < 0.01
+
+
+def _swings(seed: int, delay: float, direction: float, step: float = 2e-3) -> dict[str, np.ndarray]:
+    draw, w, size = np.random.default_rng(seed), 2 * np.pi * np.array([0.4, 1.1, 2.3]), np.array([0.3, 0.1, 0.03])
+    phase, t = draw.uniform(0, 6, 3), np.arange(0, 16, step)
+    v = np.cos(np.outer(t, w) + phase) @ (size * w)
+    a = -np.sin(np.outer(t, w) + phase) @ (size * w**2)
+    y = np.sin(np.outer(t - delay, w) + phase) @ size + 1e-6 * draw.standard_normal(len(t))
+    force = 5 * a + 10 * np.tanh(v / 0.01) + 4 * v + direction * abs(v) + 0.2 * draw.standard_normal(len(t))
+    return {"t": t, "y": y, "F": force}
+
+
+@pytest.mark.parametrize(("delay", "direction"), [(4e-3, 0.0), (1e-3, 1.5)])
+def test_intervals_are_wider_for_terms_that_were_not_fitted(delay: float, direction: float) -> None:
+    found = _fitted(_swings(5, delay, direction), "coulomb_viscous", select=False)
+    assert any("would shift" in note for note in found.notes)
+    for name, truth in (("F_c", 10.0), ("sigma_2", 4.0)):
+        told = found.estimates[name]
+        assert not told.identifiable or told.low <= truth <= told.high
+
+
+def test_intervals_of_a_complete_model_are_not_wider() -> None:
+    found = _fitted(_swings(5, 0.0, 0.0), "stribeck_tanh", select=False)
+    assert not any("would shift" in note for note in found.notes)
+
+
+def test_a_law_that_another_beats_has_wider_intervals() -> None:
+    """The arctan for the sign comes to its end slowly: its levels are too high where the truth is a tanh."""
+    runs = [_run(k, s, 0.0, 1.5, 2e-3) for k, s in enumerate(np.geomspace(0.005, 0.6, 6).tolist())]
+    found = _fitted(runs, "stribeck", free=["k_v"])
+    for name, truth in (("F_s", 13.0), ("v_s", 0.05), ("sigma_2", 6.0), ("mass", 2.0)):
+        told = {**found.estimates, **found.body}[name]
+        assert not told.identifiable or told.low <= truth <= told.high
+    assert any("beyond chance" in note for note in found.notes)
