@@ -90,7 +90,9 @@ def validate(
     if out is not None:
         from stribeck.identify.report import overlay
 
-        rows = [[name, f"{e['rms']:.4g} {e['unit']}, {percent(e['relative'], 3)}"] for name, e in found.errors.items()]
+        rows = [
+            [name, f"{human(e['rms'], e['unit'])}, {percent(e['relative'], 3)}"] for name, e in found.errors.items()
+        ]
         figures = overlay.figure("validation", found.time, found.traces, ("measured", "simulated"))
         off = [
             f"{name} by {human(e['rms'], e['unit'])} (rms), at most {human(e['largest'], e['unit'])}"
@@ -108,7 +110,7 @@ def validate(
         print(f"{loaded.name} against {data.name}: {found.status}, {len(found.time)} rows")
         for name, e in found.errors.items():
             print(
-                f"  {name:10} rms {e['rms']:.4g} {e['unit']}, largest {e['largest']:.4g}, relative {percent(e['relative'], 3)}"
+                f"  {name:10} rms {human(e['rms'], e['unit'])}, largest {human(e['largest'], e['unit'])}, relative {percent(e['relative'], 3)}"
             )
         for file in files:
             print(f"  wrote {file}")
