@@ -27,6 +27,7 @@ import numpy as np
 import stribeck
 from stribeck.sweeps import job
 
+WORKERS = (1, 2, 4)
 RESULTS = Path(__file__).parent / "results" / "cluster.json"
 SCENARIO = {
     "law": {"name": "lugre_majorant", "k_v": 1e6, "parameters": "canudas1995"}, "plant": {"mass": 1.0},
@@ -106,6 +107,19 @@ def attack(values: dict[str, Any], folder: Path, kills: int, random_: random.Ran
     return {"kills": done, "sweeps": rounds, "same_bytes": same}
 
 
+def figures(seconds: dict[str, float], lanes: int, parts: int) -> dict[str, Any]:
+    """What the times say: the efficiency of w workers, time alone/(w time), where there are as many cores; what a part costs
+    beside its lanes; and what a million lanes would take on 100 cores if each went on like the one worker did here."""
+    cores = os.cpu_count() or 1
+    efficiency = {w: seconds["alone"] / (w * seconds[f"{w} workers"]) for w in WORKERS if w <= cores}
+    return {
+        "efficiency": efficiency,
+        "parts": parts,
+        "seconds_a_part_beside_its_lanes": (seconds["1 workers"] - seconds["alone"]) / parts,
+        "a_million_lanes_on_100_cores_in_seconds": 1e6 / lanes * seconds["1 workers"] / 100,
+    }
+
+
 def main() -> None:
     """Attack, then measure."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -119,7 +133,8 @@ def main() -> None:
         folder = Path(name)
         result = attack(values, folder, given.kills, random.Random(given.seed))
         seconds = {"alone": sweep(values, folder / "timed")}
-        for workers in (1, 2, 4):
+        parts = len(list((folder / "timed").glob("part-*")))
+        for workers in WORKERS:
             (place := folder / f"workers{workers}").mkdir()
             cluster = Cluster(place, workers)
             try:
@@ -132,6 +147,7 @@ def main() -> None:
             finally:
                 cluster.close()
     result |= {"lanes": given.lanes, "cores": os.cpu_count(), "seconds": seconds}
+    result |= figures(seconds, given.lanes, parts)
     RESULTS.write_text(json.dumps(result, indent=2) + "\n", encoding="utf-8")
     print(json.dumps(result, indent=2))
 

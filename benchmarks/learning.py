@@ -78,11 +78,12 @@ class Newton:
     def __init__(self, step: float, own: bool, worlds: int = 1) -> None:
         import newton
 
+        world = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
+        link = world.add_link(mass=1.0, inertia=wp.mat33(1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
+        joint = world.add_joint_prismatic(-1, link, axis=(1, 0, 0), armature=0.0, friction=0.0 if own else 1.0)
+        world.add_articulation([joint])
         builder = newton.ModelBuilder(gravity=(0.0, 0.0, 0.0))
-        for _ in range(worlds):
-            link = builder.add_link(mass=1.0, inertia=wp.mat33(1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
-            joint = builder.add_joint_prismatic(-1, link, axis=(1, 0, 0), armature=0.0, friction=0.0 if own else 1.0)
-            builder.add_articulation([joint])
+        builder.replicate(world, worlds)  # else all links are one system of as many coupled joints
         model = builder.finalize(device="cpu")
         self.solver = newton.solvers.SolverMuJoCo(model)
         self.state, self.other, self.control, self.step = model.state(), model.state(), model.control(), step
@@ -174,6 +175,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=RESULTS / "learning.json")
     parser.add_argument("--seconds", type=float, default=100.0, help="how long the load is held")
+    parser.add_argument("--steps", type=float, nargs="+", default=STEPS, help="s")
     parser.add_argument("--only", help="engines whose name has this in it")
     parser.add_argument("--repetitions", type=int, help="of no use here: the behaviour does not vary")
     options = parser.parse_args()
@@ -183,7 +185,7 @@ def main() -> None:
         if options.only and options.only not in name:
             continue
         row: dict[str, Any] = {"engine": name}
-        for step in STEPS:
+        for step in options.steps:
             seconds = options.seconds if "this law" in name else min(10.0, options.seconds)  # theirs creep evenly
             row[f"{step:g}"] = {**behaviour(make, step, seconds), "held": seconds}
         if name != "MuJoCo, frictionloss":

@@ -96,6 +96,12 @@ class Source:
         return found
 
 
+def _once(source: Source, wanted: Mapping[str, str]) -> None:
+    if twice := [(role, name) for role, name in wanted.items() if source.names.count(name) > 1]:
+        text = f"{source.path} has this column more than once; the name must be unique"
+        raise InputError([f"{arg(role)}: {name!r}: {text}" for role, name in twice])
+
+
 class CsvSource(Source):
     """A CSV file, read in blocks; separators , ; and tab, decimal points or commas, with a head or without."""
 
@@ -127,9 +133,7 @@ class CsvSource(Source):
 
     def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
         """The columns by role, as arrays of their own."""
-        if twice := [(role, name) for role, name in wanted.items() if self.names.count(name) > 1]:
-            text = f"{self.path} has this column more than once; the name must be unique"
-            raise InputError([f"{arg(role)}: {name!r}: {text}" for role, name in twice])
+        _once(self, wanted)
         include = list(dict.fromkeys(wanted.values()))
         joined = self._by_arrow(include, wanted) if find_spec("pyarrow") else self._by_lines(include, wanted)
         return {
@@ -282,7 +286,7 @@ def _is_number(text: str) -> bool:
 
 def _parquet(path: Path) -> Source:
     with needed("reading Parquet files"):
-        from pyarrow import parquet
+        from pyarrow import ArrowException, parquet
 
     class Lazy(Source):
         def __init__(self) -> None:
@@ -290,9 +294,19 @@ def _parquet(path: Path) -> Source:
             self.file = parquet.ParquetFile(path, pre_buffer=False)
             self.names = list(self.file.schema_arrow.names)
             self.constants = {}
+            if not self.file.metadata.num_rows:
+                raise InputError(f"{arg('data')}: '{path}': has a head but no rows")
 
         def columns(self, wanted: dict[str, str]) -> dict[str, Array]:
-            names = list(dict.fromkeys(wanted.values()))
+            _once(self, wanted)
+            try:
+                self._read(list(dict.fromkeys(wanted.values())))
+            except (OSError, ArrowException) as error:  # damaged behind the head
+                text = (str(error).splitlines() or [type(error).__name__])[0]
+                raise InputError(f"{arg('data')}: '{path}': cannot be read: {text}") from None
+            return super().columns(wanted)
+
+        def _read(self, names: list[str]) -> None:
             rows, place = self.file.metadata.num_rows, 0
             self.variables = {}
             for batch in self.file.iter_batches(1 << 18, columns=names, use_threads=False):
@@ -303,7 +317,6 @@ def _parquet(path: Path) -> Source:
                         continue
                     self.variables.setdefault(name, np.empty(rows))[place : place + len(part)] = part
                 place += len(batch)
-            return super().columns(wanted)
 
     return Lazy()
 

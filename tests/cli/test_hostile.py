@@ -240,3 +240,38 @@ def test_what_is_refused_after_the_folder_was_tried_leaves_no_folder(stribeck, s
     before = sorted(Path().iterdir())
     refused(stribeck(*words, "--out", "new/folder"))
     assert sorted(Path().iterdir()) == before
+
+
+@needs_compiler
+@pytest.mark.pictures
+@pytest.mark.filterwarnings("ignore")
+def test_a_position_at_the_end_of_the_numbers_is_not_drawn(stribeck, scenario, tmp_path):
+    """It ended in a traceback of the plots."""
+    words = ("--set", "plant.initial.y=1e308", "--set", "solve.t_end=0.1", "--out", tmp_path / "out")
+    assert stribeck("run", scenario, *words).status == 1  # its motion is none
+    assert (tmp_path / "out" / "plot.svg").is_file()
+
+
+@pytest.mark.parametrize(
+    "equation",
+    ["pass", "return 'x'", "return p.c if v > 0 else -p.c", "return v * 10**400", "return p.q * v", "return 1j * v"],
+)
+def test_a_law_in_a_file_that_cannot_be_shown(stribeck, tmp_path, equation):
+    """Its mistakes were tracebacks of the command that shows laws, and what it says went to the terminal as it was."""
+    text = (
+        "from stribeck.constants import Constant\nfrom stribeck.laws import StaticLaw\n\n"
+        'class Mine(StaticLaw):\n    "V\\x1b[2J"\n    c = Constant("N s/m", "x")\n\n    @staticmethod\n'
+        f"    def friction(p, v, z, dz_dt):\n        {equation}\n"
+    )
+    (tmp_path / "mine.py").write_text(text)
+    refused(stribeck("laws", tmp_path / "mine.py:Mine"), "mine.py:Mine", "its equations cannot be")
+    (tmp_path / "good.py").write_text(text.replace(equation, "return p.c * v"))
+    outcome = stribeck("laws", tmp_path / "good.py:Mine")
+    assert outcome.status == 0
+    assert all(c.isprintable() or c == "\n" for c in outcome.out + outcome.err)
+
+
+def test_a_store_without_a_name(stribeck, scenario):
+    """It was a traceback."""
+    pytest.importorskip("pyarrow")
+    refused(stribeck("sweep", scenario, "--vary", "plant.mass=1:2:2", "--out", "s3://"), "--out: ")

@@ -40,11 +40,13 @@ EXPORT void test_steps(Run *run, double h, int n, double s, double *inside)
     Coefficients c;
     prepare(p, &c);
     for (int step = 0; step < n; step++) {
-        double k[STAGES][N], x_new[N], f0[N], df_dt[N], d[3];
-        Jacobian jac;
-        rates(p, &c, &piece, run->t, run->x, f0);
-        jacobian(p, &c, &piece, run->t, run->x, &jac, df_dt);
-        attempt(run->atol, run->rtol, p, &c, &piece, &jac, f0, df_dt, run->t, run->x, h, k, x_new);
+        double k[STAGES][N], x_new[N], d[3];
+        Attempt now;
+        rates(p, &c, &piece, run->t, run->x, now.f0);
+        jacobian(p, &c, &piece, run->t, run->x, &now.jac, now.df_dt);
+        begin_attempt(p, &c, h, &now);
+        for (int stage_ = 0; stage_ < STAGES; stage_++) stage(stage_, p, &c, &piece, run->t, run->x, &now, k, x_new);
+        end_attempt(run->atol, run->rtol, run->x, k, x_new);
         for (int i = 0; i < N; i++) {
             dense(k, i, d);
             inside[step * N + i] = interpolate(s, run->x[i], x_new[i], d[0], d[1], d[2]);

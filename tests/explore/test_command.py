@@ -1,6 +1,7 @@
 """``stribeck explore`` as a user calls it."""
 
 import base64
+import json
 
 import pytest
 
@@ -78,3 +79,21 @@ def test_a_page_is_added_to_what_run_left(stribeck, tmp_path):  # noqa: F811
     number = text[text.index('"solve.t_end"') :]
     assert '"value": 2.0' in number[:200]
     assert Scenario.load(examples.path("stick_slip")).solve.t_end == 40.0
+
+
+def test_a_run_of_a_stranger_executes_no_law_elsewhere(stribeck, tmp_path, monkeypatch):  # noqa: F811
+    """Its summary.json says which folder its laws are seen from: / held every file of the disk."""
+    (tmp_path / "evil.py").write_text(f"open({str(tmp_path / 'executed')!r}, 'w').close()\n")
+    for name in ("theirs", "mine"):
+        (tmp_path / name).mkdir()
+    tables = {"schema": 1, "law": {"name": f"{str(tmp_path)[1:]}/evil.py:X"},
+              "plant": {"mass": 1.0}, "solve": {"t_end": 1.0}, "output": {"step": 0.1},
+              "drive": {"kind": "force", "signal": {"kind": "ramp", "rate": 1.0}}}  # fmt: skip
+    (tmp_path / "theirs" / "summary.json").write_text(json.dumps({"tables": tables, "folder": "/"}))
+    monkeypatch.chdir(tmp_path / "mine")
+    found = stribeck("explore", "--report", tmp_path / "theirs")
+    assert found.status == 2
+    assert "must be in the current folder, in the result's or below them, or allowed with" in found.err
+    assert not (tmp_path / "executed").exists()
+    (tmp_path / "theirs" / "summary.json").write_text(json.dumps({"tables": 3, "folder": "/"}))
+    assert "must be a folder that" in stribeck("explore", "--report", tmp_path / "theirs").err

@@ -92,3 +92,19 @@ def test_table(name, tmp_path):
 def test_a_table_says_what_it_loses(tmp_path):
     with pytest.warns(stribeck.StribeckNote, match="none of the law's dynamics"):
         stribeck.export(law("lugre"), "table", tmp_path / "law.csv", step=1e-3)
+
+
+@pytest.mark.parametrize("name", ["int", "Real", "exp", "While", "a__b", "a_"])
+def test_words_of_the_language_are_refused_as_names(tmp_path, name):
+    """They were written, and no controller would have read the block."""
+    text = (
+        "from stribeck.constants import Constant\nfrom stribeck.laws import StaticLaw\n\n\nclass Mine(StaticLaw):\n"
+        f'    "Viscous."\n    {name} = Constant("N s/m", "x")\n\n    @staticmethod\n'
+        f"    def friction(p, v, z, dz_dt):\n        return p.{name} * v\n"
+    )
+    (tmp_path / "mine.py").write_text(text)
+    with pytest.raises(
+        stribeck.InputError, match=f"{name}: a constant of this name cannot be exported to Structured Text"
+    ):
+        stribeck.export(stribeck.law(f"{tmp_path / 'mine.py'}:Mine", **{name: 2.0}), "st", tmp_path / "mine.st")
+    assert not (tmp_path / "mine.st").exists()

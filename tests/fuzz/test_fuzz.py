@@ -16,14 +16,15 @@ pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="a hanging comma
 @pytest.fixture
 def attack(monkeypatch):
     monkeypatch.syspath_prepend(str(FOLDER))
+    import machines
     import mutations
     import parameters
 
-    return {"mutations": mutations, "parameters": parameters}
+    return {"mutations": mutations, "parameters": parameters, "machines": machines}
 
 
 @needs_compiler
-@pytest.mark.parametrize(("name", "count"), [("mutations", 24), ("parameters", 6)])
+@pytest.mark.parametrize(("name", "count"), [("mutations", 24), ("parameters", 6), ("machines", 1)])
 def test_nothing_is_found(attack, name, count):
     ended, faults = attack[name].campaign(2026, count)
     assert faults == []
@@ -55,3 +56,24 @@ def test_a_signal_while_the_commands_are_read(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "stribeck.cli.app", Halfway("stribeck.cli.app"))
     assert _status(["doctor"]) == 130
     assert "interrupted" in capsys.readouterr().err
+
+
+def test_the_attack_sees_a_machine_that_is_off(attack, monkeypatch):
+    """Equations that differ in one number are told apart."""
+    machines = attack["machines"]
+    data = machines.random_machine(5)
+    assert machines.one(data) == ("agree", None)
+    other = {
+        **data,
+        "bodies": {
+            n: {**b, **({"mass": 1.01 * b["mass"]} if "mass" in b else {"inertia": 1.01 * b["inertia"]})}
+            if "velocity" not in b
+            else b
+            for n, b in data["bodies"].items()
+        },
+    }
+    solve = machines.apart.solve
+    monkeypatch.setattr(machines.apart, "solve", lambda _, **more: solve(other, **more))
+    what, fault = machines.one(data)
+    assert what == "differ"
+    assert "off by" in fault

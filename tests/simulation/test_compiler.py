@@ -229,3 +229,11 @@ def test_another_compiler_or_other_options_make_another_key(use, tmp_path, monke
 def test_zig(monkeypatch):
     monkeypatch.setenv("STRIBECK_CC", f"{sys.executable} -m ziglang cc")
     assert said("rodas5p") == []
+
+
+def test_where_a_compiler_puts_its_temporary_files(use, tmp_path, monkeypatch):
+    """$TMPDIR may be full: Python then takes another folder, and the compiler failed in the full one."""
+    (tmp_path / "full").mkdir()
+    monkeypatch.setenv("TMPDIR", str(tmp_path / "full"))
+    use(f'#!/bin/sh\n[ "$TMPDIR" = {tmp_path / "full"} ] && exit 1\nexec {shutil.which("cc") or "cc"} "$@"\n')
+    assert simulate(Scenario(DATA)).stats["solver"] == "rodas5p"

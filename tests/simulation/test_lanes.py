@@ -78,7 +78,35 @@ def test_every_width_agrees_with_single_runs(width):
         assert abs(found.counts["accepted"][lane] + found.counts["rejected"][lane] - steps) < 0.05 * steps
 
 
+def test_one_vector_and_two_by_turns_make_the_same_bits():
+    loaded, found = library(), []
+    for groups in (1, 2, 1000):
+        made = lanes.lane_arrays(Variations(Scenario(DATA), VALUES))
+        made.batch.groups = groups
+        loaded.stribeck_solve_batch(ctypes.byref(made.batch))
+        found.append(lanes.outcome(made))
+    assert np.all(np.isfinite(found[0].states))
+    assert found[0].digest == found[1].digest == found[2].digest
+
+
 def test_a_library_of_another_kind_is_refused():
     other, _ = cache.library(source(Scenario(DATA).system), compiler.find())
     with pytest.raises(BuildError, match="not a compiled system for lanes"):
         lanes.check(other)
+
+
+def test_nothing_is_written_outside_the_rows():
+    """Lanes for which no trajectory was left wrote before the first row where times passed 1e300."""
+    data = rig("lugre_sobczyk", spring("canudas1995"), {"kind": "ramp", "rate": 0.0}, 99e300)
+    few = Variations(Scenario(data | {"output": {"step": 1e300}}), {"law.k_v": np.array([1e6, 1e7])})
+    made = lanes.lane_arrays(few)
+    out = made.by_name["out"]
+    guarded = np.full(3 * out.size, 1.25)
+    inside = guarded[out.size : 2 * out.size]
+    inside[:] = np.nan
+    made.batch.out = inside.ctypes.data
+    lanes._run(library(), made.batch, made.by_name["turn"], 1, None)
+    assert lanes.outcome(made).counts["status"].tolist() == [0, 0]
+    assert (guarded[: out.size] == 1.25).all()
+    assert (guarded[2 * out.size :] == 1.25).all()
+    assert np.isfinite(inside).all()

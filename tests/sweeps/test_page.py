@@ -68,7 +68,9 @@ def test_every_lane_is_a_cell_of_each_map_and_shows_its_own_run(written):
             at = [cell % 3, cell // 3][k]
             low, high = peak["cells"][side][at : at + 2]
             assert low < list(values.values())[k] < high
-        assert kept["about"][str(lane)].startswith(", ".join(f"{path} = {x:.6g}" for path, x in values.items()) + ": ")
+        assert kept["about"][str(lane)].startswith(
+            f"law.parameters.F_s = {values['law.parameters.F_s']:.6g} N, plant.mass = {values['plant.mass']:.6g} kg: "
+        )
         assert f"largest |F| {solution.peaks['F']:.3g} N" in kept["about"][str(lane)]
         for name, x in zip(kept["columns"], kept["curves"][str(lane)], strict=True):
             column = name.split(" ")[0]

@@ -25,10 +25,10 @@ def test_a_click_shows_the_lane(browser, tmp_path):  # noqa: F811
         "svg.dispatchEvent(new MouseEvent(arguments[0], {bubbles: true, clientX: p.x, clientY: p.y}));"  # fmt: skip
     browser.execute_script(where, "click")
     told = browser.execute_script(about)
-    assert told.startswith("law.parameters.F_s = 1.5, plant.mass = 2: largest |F| ")
+    assert told.startswith("law.parameters.F_s = 1.5 N, plant.mass = 2 kg: largest |F| ")
     browser.execute_script(where, "pointermove")
     tip = browser.execute_script("return document.querySelector('.tip').innerText").replace("\n", ", ")
-    assert tip.startswith("law.parameters.F_s = 1.5, plant.mass = 2")
+    assert tip.startswith("law.parameters.F_s = 1.5 N, plant.mass = 2 kg")
     peak = float(re.search(r"largest \|F\| = ([\d.]+) N", tip)[1])
     assert f"largest |F| {peak:.3g} N" in told
     assert browser.execute_script("return document.querySelector('.picked input').value") == "3"
@@ -57,6 +57,8 @@ def test_a_click_on_a_cell_that_was_not_kept_shows_the_nearest_cell(browser, tmp
         "svg.dispatchEvent(new MouseEvent('click', {bubbles: true, clientX: p.x, clientY: p.y}));"
     )
     told = browser.execute_script("return document.querySelector('.picked span').textContent")
-    assert told.startswith("law.parameters.F_s = 1.8, plant.mass = 2:")  # lane 80; by its number 76 would be next to 79
+    assert told.startswith(
+        "law.parameters.F_s = 1.8 N, plant.mass = 2 kg:"
+    )  # lane 80; by its number 76 would be next to 79
     assert told.endswith("(lane 80, the one kept here that is next to 79: dots mark those kept)")
     assert not browser.get_log("browser")

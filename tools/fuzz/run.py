@@ -1,4 +1,4 @@
-"""The attack, kept: ``make fuzz``, or ``python tools/fuzz/run.py --seed 7 --mutations 3000 --kills 60 --parameters 300``."""
+"""The attack, kept: ``make fuzz``, or ``python tools/fuzz/run.py --seed 7 --mutations 3000 --machines 300 ...``."""
 
 from __future__ import annotations
 
@@ -15,10 +15,13 @@ sys.path[:0] = [str(HERE), str(HERE.parent.parent)]
 def main() -> None:
     """Print how everything ended and each fault; the exit status is 1 where there is one."""
     import kills
+    import machines
     import mutations
     import parameters
 
-    campaigns = {"mutations": (mutations, 3000), "kills": (kills, 60), "parameters": (parameters, 300)}
+    campaigns = {
+        "mutations": (mutations, 3000), "kills": (kills, 60), "parameters": (parameters, 300), "machines": (machines, 300),
+    }  # fmt: skip
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--seed", type=int, default=1)
     for name, (_, count) in campaigns.items():

@@ -144,7 +144,7 @@ def _outcome(arguments: list[str] | None) -> int:
 
 
 def _show(message: Warning | str, category: type[Warning], *rest: object) -> None:
-    text = f"{category.__name__}: {message}"
+    text = one_line(f"{category.__name__}: {message}")
     if isinstance(message, StribeckNote):
         text = said(message.args[0], _command(None))
     print(f"stribeck: {text}", file=sys.stderr)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from stribeck.cli import show
 from stribeck.cli.text import say
@@ -11,6 +12,30 @@ from stribeck.errors import InputError
 from stribeck.identify.actuator import MachineFit, fit_machine
 from stribeck.identify.actuator.page import FILES, number_or_open, write_machine_fit
 from stribeck.scenario import Scenario, parse_assignment
+
+if TYPE_CHECKING:
+    import typer
+
+
+_OPTIONS = ("law", "set_", "starts", "seed", "logs", "transfer", "on", "out", "json")
+
+
+def check_options(context: typer.Context) -> None:
+    """Refuse options that say something of a log: of recordings LOGS.toml says it.
+
+    Raises:
+        InputError: a line for each.
+    """
+    given = [x for x in context.command.params if x.param_type_name == "option" and x.name not in _OPTIONS]
+    wrong = [
+        x.opts[0]
+        for x in given
+        if x.name and (source := context.get_parameter_source(x.name)) and source.name == "COMMANDLINE"
+    ]
+    if wrong:
+        raise InputError(
+            [f"{name}: is for a log: with --logs, LOGS.toml says what is measured and sought" for name in wrong]
+        )
 
 
 def fit(

@@ -14,6 +14,7 @@ from stribeck.laws.base import Claims, Law
 from stribeck.laws.form import USUAL, Form
 from stribeck.laws.render import Equation, condition, equations
 from stribeck.parameter_sets import parameters
+from stribeck.scenario.trust import in_a_file
 
 
 def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
@@ -23,7 +24,7 @@ def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
     chosen = [registry.find(name) for name in names] or list(registry.builtin().values())
     if test:
         return _test(chosen, json)
-    described = [_describe(law) for law in chosen]
+    described = [_described(law, name) for law, name in zip(chosen, names or registry.builtin(), strict=True)]
     if json:
         known = {name: {k: v for k, v in asdict(s).items() if k != "name"} for name, s in parameters().items()}
         print_json({"laws": described, "parameter_sets": known})
@@ -61,6 +62,15 @@ def _sets(names: list[str], json: bool) -> int:
         say(f"passive with {', '.join(passive) or 'no law'} (with {own})", 6, "    ")
         say(f"source: {s['source']}", 6, "    ")
     return 0
+
+
+def _described(law: type[Law], name: str) -> dict[str, object]:
+    try:
+        return _describe(law)
+    except Exception as error:
+        if not in_a_file(name):
+            raise
+        raise InputError(f"{name!r}: its equations cannot be evaluated: {type(error).__name__}: {error}") from error
 
 
 def _describe(law: type[Law]) -> dict[str, object]:

@@ -7,7 +7,7 @@ from stribeck.errors import Line
 # Where an option is not called as the argument: the rest is --argument with dashes.
 _WORDS = {
     "constants": "--set", "changes": "--set", "terms": "--term", "units": "--unit", "data": "DATA", "every": "--all",
-    "ranges": "--vary", "forces": "--force", "as_csv": "--csv", "folder": "--out",
+    "ranges": "--vary", "forces": "--force", "laws": "--law", "as_csv": "--csv", "folder": "--out",
 }  # fmt: skip
 _POSITIONAL = {"law": ("advise", "check", "export"), "scenario": ("run", "compare", "sweep", "gains")}
 

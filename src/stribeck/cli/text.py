@@ -5,6 +5,8 @@ from __future__ import annotations
 import shutil
 import textwrap
 
+from stribeck.errors import printable
+
 _WIDEST = 100  # columns: longer lines are hard to read
 
 
@@ -22,7 +24,7 @@ def say(text: str, indent: int = 0, first: str = "") -> None:
         first: what the first line begins with: a heading, to which ``indent`` makes the others stand beside.
     """
     lines = textwrap.wrap(
-        text, width(), initial_indent=first, subsequent_indent=" " * indent, break_long_words=False,
+        printable(" ".join(text.split())), width(), initial_indent=first, subsequent_indent=" " * indent, break_long_words=False,
         break_on_hyphens=False,
     )  # fmt: skip
     print("\n".join(lines) if lines else first.rstrip())

@@ -132,7 +132,7 @@ class _Source:
             *self._sampling(),
             runtime_text("method.c"),
             runtime_text("events.c"),
-            runtime_text("lanes.c" if self.lanes else "run.c"),
+            *map(runtime_text, ("lanes.c", "batch.c") if self.lanes else ("run.c",)),
         ]  # fmt: skip
         return "\n\n".join(parts)
 

@@ -12,6 +12,7 @@ from stribeck.errors import InputError, arg, needed
 from stribeck.explore.beside import Report
 from stribeck.files import read_file
 from stribeck.scenario import Scenario
+from stribeck.scenario.trust import astray, named
 
 
 def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Report:
@@ -32,8 +33,12 @@ def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Repor
 def _run(folder: Path, trust: bool) -> Scenario:
     try:
         found = json.loads(read_file(folder / "summary.json"))
-        tables, beside = found["tables"], folder / found["folder"]
+        tables, beside = dict(found["tables"]), folder / found["folder"]
     except (OSError, ValueError, KeyError, TypeError):
         must = "must be a folder that 'stribeck run --out' or 'stribeck fit --out' wrote"
         raise InputError(f"{arg('report')}: {show(str(folder))}: {must}") from None
+    if not trust and (strange := astray(named(tables).values(), beside, Path(), folder)):
+        text = "lies elsewhere, and a law is a program that would be executed"
+        remedy = "must be in the current folder, in the result's or below them, or allowed with trust=True (--trust)"
+        raise InputError([f"{arg('report')}: {show(str(folder))}: {show(name)}: {text}: {remedy}" for name in strange])
     return Scenario(tables, folder=beside, trust=trust)

@@ -105,7 +105,7 @@ def _build(source: str) -> bytes:
         code, built = Path(work) / "system.c", Path(work) / "system.wasm"
         code.write_text(source, encoding="utf-8")
         command = [sys.executable, "-m", "ziglang", "cc", *_FLAGS, "-o", str(built), str(code)]
-        result = compiler.called(command, "zig cc", _TIME_LIMIT)
+        result = compiler.called(command, "zig cc", _TIME_LIMIT, built.parent)
         content = built.read_bytes() if built.is_file() else b""
         if result.returncode or not content.startswith(_MAGIC):
             lines = [line.strip() for line in result.stderr.splitlines() if "error" in line.lower()]

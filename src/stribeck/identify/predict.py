@@ -29,7 +29,7 @@ from stribeck.identify.models.separable import Separable
 from stribeck.identify.models.static_problem import RATES, kept_rows, thinning
 from stribeck.identify.models.terms import OF_RECORD, TERMS
 from stribeck.identify.result import Fit, Prediction
-from stribeck.scenario.trust import elsewhere, in_a_file
+from stribeck.scenario.trust import astray
 
 FILE = "fit.json"
 _FORMAT = 1
@@ -230,8 +230,7 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
 def _strange(law: str, others: Mapping[str, Mapping[str, str]], folder: Path) -> list[str]:
     """Laws in files that a fit's model may not have executed unasked: it may come from a stranger."""
     told = [law, *(other["law"] for other in others.values())]
-    files = {name: Path(name.rpartition(":")[0]) for name in dict.fromkeys(told) if in_a_file(name)}
-    return [name for name, file in files.items() if elsewhere(file, Path()) and elsewhere(file, folder)]
+    return astray(told, Path(), Path(), folder)
 
 
 def predict(model: FittedModel, log: Log) -> Predicted:

@@ -55,6 +55,7 @@ _STYLE: dict[str, Any] = {
     "svg.hashsalt": "stribeck",
 }
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_LARGEST = 1e300  # of what is drawn: its axis ends beyond, and is a number too
 _LONGEST = 60  # characters of a label
 _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
 
@@ -121,6 +122,7 @@ def line(axis: Axes, i: int, x: ArrayLike, y: ArrayLike, label: str, **options: 
         "linestyle": DASHES[i % len(DASHES)],
         "label": plain(label),
     }
+    x, y = (np.where(abs(there := np.asarray(each, float)) < _LARGEST, there, np.nan) for each in (x, y))
     axis.plot(x, y, **style, **options)
 
 

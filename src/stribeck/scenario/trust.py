@@ -51,6 +51,12 @@ def problems(data: Mapping[str, object], folder: Path, trusted: Iterable[str]) -
     ]
 
 
+def astray(names: Iterable[object], base: Path, *homes: Path) -> list[str]:
+    """The laws in files, as seen from ``base``, that lie in none of these folders nor below them."""
+    files = {name: base / name.rpartition(":")[0] for name in names if in_a_file(name)}
+    return [name for name, file in files.items() if all(elsewhere(file, home) for home in homes)]
+
+
 def elsewhere(file: Path, folder: Path) -> bool:
     """Whether a file lies neither in a folder nor below it."""
     try:

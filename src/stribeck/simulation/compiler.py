@@ -59,7 +59,7 @@ class Compiler:
         own = "-march=native"
         for target in dict.fromkeys([(own, *self.moves), (own,), ()]):  # not every compiler knows its own machine
             command = [*self.command, *_FLAGS, *self.options, *target, "-o", str(library), str(source), "-lm"]
-            result = called(command, self.command[0], _TIME_LIMIT)
+            result = called(command, self.command[0], _TIME_LIMIT, library.parent)
             if result.returncode == 0 and library.is_file():
                 return
             silent = f"exit status {result.returncode}, no message" if result.returncode else "it wrote no library"
@@ -67,8 +67,10 @@ class Compiler:
         raise BuildError(f"{Path(self.command[0]).name} failed: {complaint}")
 
 
-def called(command: list[str], name: str, limit: float) -> subprocess.CompletedProcess[str]:
+def called(command: list[str], name: str, limit: float, folder: Path) -> subprocess.CompletedProcess[str]:
     """What a compiler's command ended with; ``name`` is what messages call it, ``limit`` how long it may take, s.
+
+    Its temporary files go where its result will be: $TMPDIR may be full, and Python then took another folder.
 
     Raises:
         BuildError: it did not end in time, or cannot be run.
@@ -76,7 +78,7 @@ def called(command: list[str], name: str, limit: float) -> subprocess.CompletedP
     try:
         return subprocess.run(
             command, capture_output=True, text=True, timeout=limit, check=False, errors="replace",
-            stdin=subprocess.DEVNULL,
+            stdin=subprocess.DEVNULL, env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder)),
         )  # fmt: skip
     except subprocess.TimeoutExpired:
         raise BuildError(f"{name} did not finish within {limit:g} s") from None

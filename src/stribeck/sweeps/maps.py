@@ -164,13 +164,13 @@ def picked(kept: Sequence[Lanes], names: Sequence[str]) -> LaneCurves:
     return LaneCurves([_brief(t) for t in first.t[pick]], [scales[name].label for name in names], curves, {})
 
 
-def lane_words(values: Mapping[str, Array], quantities: Sequence[Quantity], lanes: NDArray[np.int64]) -> dict[int, str]:
+def lane_words(over: Sequence[Quantity], quantities: Sequence[Quantity], lanes: NDArray[np.int64]) -> dict[int, str]:
     """What some lanes are, and what came of them, in words."""
     found = {}
     for lane in lanes.tolist():
         came = [f"{q.name} {human(float(q.values[lane]), q.unit)}" for q in quantities if np.isfinite(q.values[lane])]
-        varied = ", ".join(f"{path} = {x[lane]:.6g}" for path, x in values.items())
-        found[lane] = f"{varied}: {', '.join(came)}" if came else varied
+        given = ", ".join(f"{q.name} = {q.values[lane]:.6g} {q.unit}".rstrip() for q in over)
+        found[lane] = f"{given}: {', '.join(came)}" if came else given
     return found
 
 

@@ -126,7 +126,7 @@ def _picked(sweep: Sweep, kept: Sequence[Lanes], quantities: Sequence[Quantity])
     else:
         lanes = np.array(sorted(found.curves))
     order = cell_lanes(values, grid).tolist() if grid is not None else []
-    return replace(found, about=lane_words(values, quantities, lanes), cells=order)
+    return replace(found, about=lane_words(varied(sweep.lanes.scenario, values), quantities, lanes), cells=order)
 
 
 def _kept(sweep: Sweep) -> list[Lanes]:

@@ -241,7 +241,7 @@ class Store:
         try:
             self.put(name, lambda beside: beside.write_bytes(b""))
             self._files.delete_file(self._at(name))
-        except OSError as error:
+        except (OSError, ValueError) as error:  # Arrow's are ValueErrors where no store has such a path
             return f"cannot be written: {' '.join(str(error).split())}"
         return None
 

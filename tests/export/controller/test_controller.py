@@ -115,6 +115,8 @@ def test_structured_text_computes_the_same(tmp_path):
     (file,) = stribeck.export(scenario, "st", tmp_path / "axis.st", part="controller")
     blocks = structured_text.parse(file.read_text())
     x = structured_text.declared(blocks["stage_axis"])
+    assert "limit_value" in x  # LIMIT is a function of the language
+    assert "limit" not in x
     run = stribeck.simulate(scenario)
     signal = scenario.rig.signals[scenario.rig.machine.controllers[0].signal]
     t, h = np.asarray(run.t), 1e-5

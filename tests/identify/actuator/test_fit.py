@@ -140,3 +140,13 @@ def test_a_fit_that_was_stopped_keeps_what_it_found_and_goes_on(recordings, tmp_
     found = fit_machine(machine(), path, starts=4, folder=tmp_path, baselines=False)
     assert found.status == "done"
     assert not (tmp_path / "fit.partial.json").exists()
+
+
+def test_intervals_are_those_of_the_noise_that_is_left(tmp_path):
+    """From a poor start the noise settles over several rounds; it was taken as twice as much."""
+    record(tmp_path / "run.csv", body(amplitude=5.0))
+    law = {"F_c": 1.0, "F_s": 1.3, "v_s": 0.02, "sigma_0": 2e4, "sigma_1": 60.0, "sigma_2": 4.0}
+    truth = {f"contacts.guide.law.parameters.{n}": x for n, x in law.items()} | {"bodies.a.mass": 1.0}
+    wanted = {n: {"low": x / 5, "high": 5 * x, "start": 2.5 * x} for n, x in truth.items()}
+    found = fit_machine(body(), logs(tmp_path, ["run.csv"], wanted), starts=1, baselines=False)
+    assert abs(found.noise["a.y"] / 2e-5 - 1) < 0.2

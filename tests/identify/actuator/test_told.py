@@ -1,9 +1,12 @@
 """What is told beside the numbers: clocks that drift, another unit, the files."""
 
+import re
+
 import numpy as np
 import pytest
 
-from stribeck.identify.actuator import fit_machine
+from stribeck import Scenario
+from stribeck.identify.actuator import checks, fit_machine, read_logs
 from tests.identify.actuator.recorded import body, logs, record
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
@@ -87,3 +90,24 @@ def test_fixed_numbers_that_are_wrong_are_named(tmp_path, noise, said):
     told = fit_machine(wrong, logs(tmp_path, ["a.csv", "b.csv"], WANTED), starts=1, baselines=False)
     assert {p.verdict for p in told.parameters.values()} == {"not judged"}
     assert any(said in n for n in told.notes), told.notes
+
+
+def test_how_far_a_fixed_number_may_be_off_is_said(tmp_path):
+    """Residuals that are white tell nothing of it: the interval misses where the number is off by some times as much."""
+    record(tmp_path / "run.csv", body(amplitude=5.0), noise=2e-3)
+    path = logs(tmp_path, ["run.csv"], WANTED)
+    found = fit_machine(body(), path, starts=1, baselines=False)
+    assert found.parameters[F_C].low < 1.0 < found.parameters[F_C].high
+    (told,) = [n for n in found.notes if n.startswith("what is fixed counts as exact")]
+    share = float(re.search(r"law.parameters.sigma_2 is off by ([\d.]+) %", told)[1]) / 100
+    wrong = fit_machine(body(sigma_2=4.0 * (1 + 3 * share)), path, starts=1, baselines=False)
+    assert any(p.verdict == "found" and not p.low < 1.0 < p.high for p in wrong.parameters.values())
+
+
+def test_the_shorter_of_two_recordings_is_told(tmp_path):
+    record(tmp_path / "a.csv", body())
+    record(tmp_path / "b.csv", body(), change=lambda x: {n: column[:60] for n, column in x.items()})
+    told = checks.before(read_logs(logs(tmp_path, ["a.csv", "b.csv"], WANTED)), Scenario(body()))
+    assert [n for n in told if "cut short" in n] == [
+        "b.csv: ends at 0.59 s, the others at about 1 s: was it cut short?"
+    ]

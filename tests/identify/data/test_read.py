@@ -415,3 +415,22 @@ def test_what_a_body_does_is_left_as_it_is(event):
     found = clean({"time": t, "position": x.copy(), "force": np.sin(t)}, "log.csv")
     assert np.array_equal(found.columns["position"], x)
     assert not any("single rows" in note for note in found.notes)
+
+
+@pytest.mark.parametrize(
+    ("damage", "text"),
+    [("twice", "has this column more than once"), ("no rows", "has a head but no rows"), ("flipped", "cannot be read")],
+)
+def test_parquet_files_that_are_wrong_behind_their_head(tmp_path, damage, text):
+    """Two were tracebacks, one came too late as exit status 1."""
+    path = tmp_path / "log.parquet"
+    x = np.linspace(0, 1, 0 if damage == "no rows" else 4000)
+    names = ["t", "y", "F", "F"] if damage == "twice" else ["t", "y", "F", "G"]
+    parquet.write_table(
+        pa.Table.from_arrays([pa.array(np.sin(k * x)) for k in range(1, 5)], names=names), path, compression="gzip"
+    )
+    if damage == "flipped":
+        content = path.read_bytes()
+        path.write_bytes(content[:1000] + bytes(500) + content[1500:])
+    with pytest.raises(InputError, match=text):
+        read(path, ColumnNames({"time": "t", "position": "y", "force": "F"}))

@@ -82,6 +82,7 @@ Transfer = Annotated[
 
 @app.command(epilog="Example: stribeck fit log.csv --time t --position y --force F --out fit")
 def fit(
+    context: typer.Context,
     data: Data,
     law: Laws = None,
     time: Time = None,
@@ -121,6 +122,7 @@ def fit(
     if logs is not None or transfer is not None:
         from stribeck.cli import actuator
 
+        actuator.check_options(context)
         return actuator.fit(data, logs, law or [], set_ or [], transfer, starts, seed, out, json, on)
     from stribeck.cli import fit as work
     from stribeck.identify.options import FitOptions

@@ -211,9 +211,9 @@ class Block:
                 found.append((f"friction_{r.key}", r.allowed, text))
         return found
 
-    def of_symbols(self, place: str = "p->") -> dict[str, str]:
+    def of_symbols(self) -> dict[str, str]:
         """How each constant is written, by the symbol that stands for it."""
-        return {path: f"{place}{name}" for name, (_, _, path) in self.constants.items()}
+        return {path: f"p->{name}" for name, (_, _, path) in self.constants.items()}
 
     # -- words -----------------------------------------------------------------------------------------------------
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import importlib.util
 import platform
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -65,12 +64,7 @@ def _compiled(command: list[str], folder: Path) -> bytes:
     library = folder / "library"
     libm = [] if "windows" in " ".join(command) else ["-lm"]
     words = [*command, *_FLAGS, "-o", str(library), str(folder / "fmu.c"), *libm]
-    try:
-        done = subprocess.run(
-            words, capture_output=True, text=True, timeout=_TIME_LIMIT, check=False, stdin=subprocess.DEVNULL
-        )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise BuildError(f"{command[0]}: {error}") from None
+    done = compiler.called(words, command[0], _TIME_LIMIT, folder)
     if done.returncode or not library.is_file():
         complaint = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr[:200])
         raise BuildError(f"{' '.join(command)} failed: {complaint.strip()}")

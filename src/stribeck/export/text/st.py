@@ -21,6 +21,17 @@ TARGET = Target(
 )
 
 _OWN = ("v", "dt", "reset", "f", "z", "ok")  # of the block itself; the language knows no case
+# Keywords, types and standard functions of IEC 61131-3, which no variable may be called.
+_LISTED = """
+    abs acos add and any array asin at atan bool by byte case char concat configuration constant continue cos date delete
+    dint div do dt dword else elsif end_case end_for end_function end_function_block end_if end_repeat end_var end_while eq
+    exit exp expt false find for from function function_block ge goto gt if insert int interface interval le left len limit
+    lint ln log lreal lt lword max method mid min mod move mul mux namespace ne not null of on or override private program
+    protected public real ref repeat replace resource retain return right rol ror sel shl shr sin sint sqrt string struct sub
+    super tan task then this time to tod trunc true type udint uint ulint until usint var var_external var_global
+    var_in_out var_input var_output var_temp while wchar with word wstring xor
+"""
+WORDS = frozenset(_LISTED.split())
 _PARTS = 16  # of a step, for laws whose dz/dt is not linear in z
 
 # EXP, TANH and SIGN are functions of the file: the standard has no TANH, and controllers may stop on an overflow.
@@ -71,12 +82,17 @@ def st_number(x: float) -> str:
     return f"{mantissa if '.' in mantissa else mantissa + '.0'}{'E' if e else ''}{int(exponent) if e else ''}"
 
 
+def unspeakable(name: str) -> bool:
+    """Whether the language cannot call a variable so; it knows no case, and no two underscores in a row."""
+    return name.lower() in WORDS or not name.isascii() or "__" in name or name.endswith("_")
+
+
 def files(request: Request) -> dict[str, str | bytes]:
     """The function block, with the functions that it needs."""
     law, equations = request.law, LawCode(request.law)
     names = [*_OWN, *(name.lower() for name in request.constants)]
     if bad := [
-        name for name in request.constants if names.count(name.lower()) > 1 or name in ARGUMENTS or not name.isascii()
+        name for name in request.constants if names.count(name.lower()) > 1 or name in ARGUMENTS or unspeakable(name)
     ]:
         text = "a constant of this name cannot be exported to Structured Text: rename it"
         raise InputError([f"{name}: {text}" for name in bad])

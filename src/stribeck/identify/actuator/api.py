@@ -60,9 +60,9 @@ def fit_machine(
     other = transfer_to if transfer_to is None or isinstance(transfer_to, Logs) else read_logs(transfer_to, False)
     sought = checked(scenario, logs)
     tried = {name: list(names) for name, names in {**logs.laws, **(laws or {})}.items()}
-    choice.check(scenario, tried)
     if starts < 1:
         raise InputError(f"{arg('starts')}: {show(starts)}: must be a whole number >= 1")
+    choice.check(scenario, tried, {name for names in (laws or {}).values() for name in names})
     work = Work(progress)
     with threadpool_limits(1):
         return Fitting(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)
@@ -161,8 +161,8 @@ class Fitting:
             status, reason = "missed", f"the machine does not follow its recordings ({'; '.join(missed)}): no intervals"
             notes += self.suspected(best)
         coarse = beyond_noise(best.problem, best.u, best.found.agreeing) if status == "done" else []
-        if coarse and driven.explains(best.problem, best.u):
-            coarse = []
+        if coarse and (noisy := driven.weighed(best)) is not None:
+            best, coarse, values = noisy, [], noisy.values()
         if coarse:
             why = "the model errs, or there is a better minimum: no intervals (more starts, or another law, may help)"
             notes.append(f"{'; '.join(coarse)}: {why}")

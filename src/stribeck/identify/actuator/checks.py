@@ -34,9 +34,9 @@ def before(logs: Logs, scenario: Scenario) -> list[str]:
     """What the recordings show by themselves."""
     found: list[str] = []
     lengths = [float(r.t[-1]) for r in logs.recordings]
-    for r, length in zip(logs.recordings, lengths, strict=True):
+    for i, (r, length) in enumerate(zip(logs.recordings, lengths, strict=True)):
         found += [*r.notes, *_gaps(r), *_tails(r), *_rates(r)]
-        typical = float(np.median(lengths))
+        typical = float(np.median([*lengths[:i], *lengths[i + 1 :]] or lengths))
         if len(lengths) > 1 and length < _SHORT * typical:
             found.append(f"{r.file}: ends at {length:.4g} s, the others at about {typical:.4g} s: was it cut short?")
         elif length < _SHORT * scenario.solve.t_end and len(lengths) == 1:

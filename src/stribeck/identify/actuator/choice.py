@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING
@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from stribeck import laws as known_laws
-from stribeck.errors import InputError, StribeckError, nearest
+from stribeck.constants import show
+from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, estimate, traces
 from stribeck.identify.actuator.larger import OpenLaw, again, doubtful, left_more, mend
@@ -18,6 +19,7 @@ from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
+from stribeck.scenario.trust import astray
 
 if TYPE_CHECKING:
     from stribeck.identify.actuator.api import Fitting
@@ -39,13 +41,20 @@ class Chosen:
     notes: list[str] = field(default_factory=list)
 
 
-def check(scenario: Scenario, laws: Mapping[str, Sequence[str]]) -> None:
-    """Refuse contacts and laws that do not exist.
+def check(scenario: Scenario, laws: Mapping[str, Sequence[str]], given: Collection[str]) -> None:
+    """Refuse contacts and laws that do not exist, and laws in files elsewhere that are not among those ``given``:
+    LOGS.toml may come from a stranger.
 
     Raises:
         InputError: a line for each.
     """
-    contacts = scenario.data.get("contacts", {})
+    folder, contacts = scenario.folder, scenario.data.get("contacts", {})
+    text = "lies outside the machine's folder, and a law is a program that would be executed"
+    if strange := [
+        f"laws.{contact}: {show(name)}: {text}: must be in that folder or below it, or given with {arg('laws')}"
+        for contact, names in laws.items() for name in astray([name for name in names if name not in given], folder, folder)
+    ]:  # fmt: skip
+        raise InputError(strange)
     problems = [f"law.{c}: no such contact{nearest(c, contacts)}" for c in laws if c not in contacts]
     for contact, names in laws.items():
         for name in names:

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.identify.actuator.estimate import BestPoint, floor_of
 from stribeck.identify.actuator.intervals import Spread, places, spread
-from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.problem import Colour, MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun, roughness, typical_roughness
+from stribeck.identify.actuator.solve import search
 
 _ORDER = 6  # of the differences that are noise: an input may be fast
 _EXPLAINS = 0.5  # of what is left
-_PILOT, _FEWEST, _DRAWS = 4, 24, 64  # draws of the inputs' noise: to see whether it matters; of each run; of all
+_PILOT, _FEWEST, _DRAWS = 4, 24, 128  # draws of the inputs' noise: to see whether it matters; of each run; of all
+_WEIGHINGS = 2  # the draws are those at the numbers found with the ones before
 _LITTLE = 0.02  # of the sum of squares that is left
 _COMMON = (0.02, 0.95)  # shares of the draws between which what is left is usual
 _MORE = 4.0  # times the usual: more is no noise of the inputs
@@ -47,38 +51,44 @@ def _moved(problem: MachineProblem, u: Array, k: int, draws: int, seed: int) -> 
     run, rng, found = problem.runs[k], np.random.default_rng([seed, k]), list[Array]()
     if not (size := noises(run)):
         return None
-    r = problem.residuals(u[None])[0][problem.first[k] : problem.first[k + 1]]
+    r = problem.raw(u[None])[0][problem.first[k] : problem.first[k + 1]]
     for _ in range(draws):
         noisy = {
             p: replace(x, x=x.x + size[p] * rng.standard_normal(len(x.x))) for p, x in run.inputs.items() if p in size
         }
-        own = replace(problem, runs=[run.driven(noisy)], noise=dict(problem.noise), tied=False)
-        found.append(own.residuals(u[None])[0][: run.size] - r)
+        own = replace(problem, runs=[run.driven(noisy)], noise=dict(problem.noise), tied=False, colours=())
+        found.append(own.raw(u[None])[0][: run.size] - r)
     rows = np.array(found)
     return rows if np.isfinite(rows).all() else None
+
+
+def drawn(problem: MachineProblem, u: Array, seed: int) -> Array | None:
+    """The residuals of all runs as noise of the inputs moves them, a row for each draw; None where it moves little."""
+    draws = max(_FEWEST, _DRAWS // len(problem.runs))
+    found, r = np.zeros((draws, problem.size)), problem.raw(u[None])[0]
+    for k in range(len(problem.runs)):
+        rows = slice(problem.first[k], problem.first[k + 1])
+        few = _moved(problem, u, k, _PILOT, 0)
+        if few is None or not np.mean(few**2) > _LITTLE * np.mean(r[rows] ** 2):
+            continue
+        more = _moved(problem, u, k, draws, seed)
+        if more is None:
+            return None
+        found[:, rows] = more
+    return found if found.any() else None
 
 
 def moved_by_noise(problem: MachineProblem, u: Array, s: Spread) -> tuple[Array, bool] | None:
     """The residuals as noise of the inputs moves them, a row for each draw, as large as what is left allows; and whether that
     explains all that is left beside noise from sample to sample. None where it moves little.
 
-    Several numbers follow the noise, so what is left is less than what it moved: both are compared without what follows.
+    The numbers sought follow the noise, so what is left is less than what it moved: both are compared without what follows.
     """
-    draws = max(_FEWEST, _DRAWS // len(problem.runs))
-    found = np.zeros((draws, problem.size))
-    for k in range(len(problem.runs)):
-        rows = slice(problem.first[k], problem.first[k + 1])
-        few = _moved(problem, u, k, _PILOT, 0)
-        if few is None or not np.mean(few**2) > _LITTLE * np.mean(problem.residuals(u[None])[0][rows] ** 2):
-            continue
-        more = _moved(problem, u, k, draws, 1)
-        if more is None:
-            return None
-        found[:, rows] = more
-    if not found.any():
-        return None
+    found = drawn(problem, u, 1)
+    if found is None or problem.colours:
+        return None if found is None else (problem.whitened(found), True)
     left = found - found @ s.J @ s.covariance @ s.J.T
-    r, scale, explained = problem.residuals(u[None])[0], 0.0, True
+    r, scale, explained = problem.raw(u[None])[0], 0.0, True
     given = all(x.noise is not None for run in problem.runs for x in run.inputs.values())
     for column in problem.noise:
         parts = [slice(at, at + size) for at, size, name in places(problem) if name == column]
@@ -90,10 +100,28 @@ def moved_by_noise(problem: MachineProblem, u: Array, s: Spread) -> tuple[Array,
     return np.sqrt(scale) * found, explained
 
 
-def explains(problem: MachineProblem, u: Array) -> bool:
-    """Whether noise of the inputs explains what is left beyond the noise from sample to sample."""
+def weighed(best: BestPoint) -> BestPoint | None:
+    """The fit with residuals made white by what noise of the inputs does to them, where that explains what is left beyond the
+    noise from sample to sample; else None."""
+    problem, u = best.problem, best.u
     found = moved_by_noise(problem, u, spread(problem, u))
-    return found is not None and found[1]
+    if found is None or not found[1]:
+        return None
+    r = problem.raw(u[None])[0]
+    for column, old in problem.noise.items():
+        parts = [r[at : at + size] for at, size, name in places(problem) if name == column]
+        problem = replace(
+            problem, noise={**problem.noise, column: max(old * roughness(parts), floor_of(problem, column))}
+        )
+    for seed in range(_WEIGHINGS):
+        draws = drawn(problem, u, 2 + seed)
+        if draws is None:
+            return None
+        colours = tuple(Colour.of(draws[:, a:b]) for a, b in pairwise(problem.first))
+        problem = replace(problem, noise=dict(problem.noise), colours=colours)
+        end = search(problem, 1, 0, u)
+        u = end.u
+    return replace(best, problem=problem, u=u, found=replace(end, agreeing=best.found.agreeing))
 
 
 def by_noise(problem: MachineProblem, u: Array) -> list[str]:
@@ -101,7 +129,7 @@ def by_noise(problem: MachineProblem, u: Array) -> list[str]:
     far as they are missed, in words."""
     for k, run in enumerate(problem.runs):
         off = _moved(problem, u, k, 1, 0)
-        r = problem.residuals(u[None])[0][problem.first[k] : problem.first[k + 1]]
+        r = problem.raw(u[None])[0][problem.first[k] : problem.first[k + 1]]
         if off is not None and not np.linalg.norm(off) < _EXPLAINS * np.linalg.norm(r):
             return [
                 f"{run.name}: noise in its inputs ({in_words(run)}) moves the simulated outputs as far as they are missed: short "

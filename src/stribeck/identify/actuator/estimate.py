@@ -22,7 +22,7 @@ from stribeck.scenario import Scenario
 
 POOR = 0.25  # of a column's changes: a fit that leaves more misses
 _FIRST = 0.05  # of a column's changes: the noise to begin with
-_WEIGHTINGS = 2
+_WEIGHTINGS = 8  # a poor start may need some: each lets the search see more
 _SETTLED = 0.05
 _BEYOND = 10.0  # times a column's noise: more is no noise, and an interval of noise would be wrong
 _DOUBTED = 2.0  # times: more may be another minimum, unless so many starts came to this one
@@ -102,7 +102,7 @@ def beyond_solver(problem: MachineProblem, u: Array) -> list[str]:
 
 def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float]]:
     """By column: the root mean square of what is left, and that of the column's changes within a recording."""
-    r = problem.residuals(u[None])[0]
+    r = problem.raw(u[None])[0]
     left: dict[str, list[Array]] = {}
     size: dict[str, list[Array]] = {}
     for k, run in enumerate(problem.runs):
@@ -329,6 +329,8 @@ def _weighted(estimate: BestPoint, given: set[str], keep: Keep | None) -> BestPo
             break
         found = search(problem, 1, 0, estimate.u, _kept(problem, keep))
         estimate.u, estimate.found = found.u, replace(found, agreeing=estimate.found.agreeing)
+    else:
+        _weigh(problem, estimate.u, given)  # the last search may have left less
     return estimate
 
 

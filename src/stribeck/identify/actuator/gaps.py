@@ -20,10 +20,12 @@ def unknown(problem: MachineProblem, u: Array, s: Spread | None = None) -> list[
     for k, run in enumerate(problem.runs):
         if run.otherwise is None or run.doubt <= 0:
             continue
-        own = replace(problem, runs=[replace(run, scenario=run.otherwise)], noise=dict(problem.noise), tied=False)
+        own = replace(
+            problem, runs=[replace(run, scenario=run.otherwise)], noise=dict(problem.noise), tied=False, colours=()
+        )
         rows = slice(problem.first[k], problem.first[k + 1])
-        there = own.residuals(u[None])[0][: run.size]
-        off = run.doubt * (there - problem.residuals(u[None])[0][rows])
+        there = own.raw(u[None])[0][: run.size]
+        off = run.doubt * (there - problem.raw(u[None])[0][rows])
         if s is None:
             much = float(np.sqrt(np.mean(off**2)))
             if not much > _MOVES:
@@ -31,7 +33,9 @@ def unknown(problem: MachineProblem, u: Array, s: Spread | None = None) -> list[
             words = f"its outputs could be off by {much:.2g} times what is left"
         else:
             asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
-            moves = s.moved_by(off, rows)[asked]
+            whole = np.zeros(problem.size)
+            whole[rows] = off
+            moves = s.moved_by(problem.whitened(whole))[asked]
             if not moves.max() > _MOVES:
                 continue
             name = problem.sought[asked[int(np.argmax(moves))]].name

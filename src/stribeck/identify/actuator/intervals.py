@@ -35,10 +35,10 @@ class Spread:
         """The standard deviation of each coordinate, with the inflation."""
         return np.sqrt(np.maximum(np.diag(self.covariance) * self.inflation, 0.0))
 
-    def moved_by(self, off: Array, rows: slice = slice(None)) -> Array:
+    def moved_by(self, off: Array) -> Array:
         """How far each coordinate would move, in its deviations, if these residuals were off by so much."""
         with np.errstate(all="ignore"):
-            return np.asarray(abs(self.covariance @ (self.J[rows].T @ off)) / self.deviations)
+            return np.asarray(abs(self.covariance @ (self.J.T @ off)) / self.deviations)
 
 
 def widened(s: Spread, moved: Array, explained: bool) -> Spread:

@@ -11,6 +11,7 @@ from stribeck.identify.actuator import advise, driven, gaps, intervals, suspects
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.result import Group, Parameter
 from stribeck.identify.actuator.shooting import unset
 from stribeck.identify.actuator.solve import search
@@ -67,13 +68,8 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
         found[names[k]].experiment = text
     size = np.sqrt(np.maximum(np.diag(s.covariance), 1e-300))
     relation = (s.covariance / np.outer(size, size))[np.ix_(asked, asked)]
-    result = JudgedParameters(
-        best, found, told, ([names[k] for k in asked], relation), _widened(s, problem.sought, asked)
-    )
-    if s.moved is not None:
-        run = max(problem.runs, key=lambda each: len(driven.noises(each)))
-        result.notes.append(f"noise of the inputs ({driven.in_words(run)}) is counted in the intervals")
-    result.notes += told_of
+    result = JudgedParameters(best, found, told, ([names[k] for k in asked], relation), _widened(s, problem, asked))
+    result.notes += [*told_of, *suspects.taken_as_exact(best, s)]
     return result
 
 
@@ -120,7 +116,14 @@ def partners(best: BestPoint, s: Spread, k: int) -> str:
     return " and ".join(best.problem.sought[i].name for i in others[:2])
 
 
-def _widened(s: Spread, sought: list[MachineCoordinate], asked: list[int]) -> list[str]:
+def _widened(s: Spread, problem: MachineProblem, asked: list[int]) -> list[str]:
+    if s.moved is not None:
+        run, wider = max(problem.runs, key=lambda each: len(driven.noises(each))), np.sqrt(s.inflation[asked])
+        how = ", by which residuals are weighed" if problem.colours else ""
+        return [
+            f"noise of the inputs ({driven.in_words(run)}{how}) is counted: intervals are {wider.min():.2g} to {wider.max():.2g} "
+            "times as wide as for noise of the outputs alone"
+        ]
     coloured = {name: x for name, x in s.memory.items() if x > _WHITE}
     if not coloured:
         return ["residuals are white: the intervals need no widening"]

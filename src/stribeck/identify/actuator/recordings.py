@@ -18,6 +18,7 @@ from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator import lerobot
 from stribeck.identify.actuator.bridges import Bridged, bridged
 from stribeck.identify.actuator.readers import opened_log, time_of
+from stribeck.identify.data.quality import LARGEST, impossible
 from stribeck.parameter_sets import read_toml
 from stribeck.recorded import Source, listed
 from stribeck.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, SPEED, TIME
@@ -25,6 +26,7 @@ from stribeck.units import ACCELERATION, ANGLE, DRIVE, FORCE, LENGTH, PRESSURE, 
 _UNITS = LENGTH | ANGLE | SPEED | ACCELERATION | FORCE | PRESSURE | DRIVE
 _KEYS = ("file", "time", "outputs", "inputs", "known", "hold_out", "window", "name", "episode")
 _SOUGHT = ("low", "high", "start", "prior")
+_FEWEST = 8  # samples of a recording, or of a stretch of it
 _TOP = ("log", "unknown", "laws", "window", "schema")
 
 
@@ -237,6 +239,8 @@ def _column(given: object, where: str, units: Mapping[str, float], problems: lis
         wrong.append(f"{where}.gain: {show(gain)}: must be a number other than 0, by which the column is multiplied")
     if noise is not None and not (_number(noise) and noise > 0):
         wrong.append(f"{where}.noise: {show(noise)}: must be a number > 0, the standard deviation")
+    elif noise is not None and not 1 / LARGEST <= noise <= LARGEST:
+        wrong.append(f"{where}.noise: {show(noise)}: must lie between {1 / LARGEST:g} and {LARGEST:g}")
     if time is not None and not isinstance(time, str):
         wrong.append(f"{where}.time: {show(time)}: must be the name of a column")
     problems += wrong
@@ -258,6 +262,8 @@ def _source(entry: Mapping[str, Any], where: str, folder: Path) -> Source:
         return opened_log(folder / entry["file"], episode)
     except InputError as error:
         raise InputError([f"{where}.file: {line}" for line in error.problems]) from None
+    except OSError as error:  # a name that no file can have
+        raise InputError(f"{where}.file: {show(entry['file'])}: cannot be read: {error.strerror}") from None
 
 
 def _read(
@@ -278,8 +284,13 @@ def _read(
     t = columns.pop(f"{where}.time") * time.factor
     keep, more = _in_order(t, str(entry["file"]))
     notes += more
-    if len(keep) < 8:
-        raise InputError(f"{where}.file: {show(entry['file'])}: has {len(keep)} rows with a time: must have at least 8")
+    if len(keep) < _FEWEST:
+        few = f"has {len(keep)} rows with a time: must have at least {_FEWEST}"
+        raise InputError(f"{where}.file: {show(entry['file'])}: {few}")
+    if text := impossible(t[keep]):
+        raise InputError(f"{where}.time: {show(time.column)}: {text}")
+    if window is not None and window < (least := _FEWEST * float(np.median(np.diff(t[keep])))):
+        raise InputError(f"{where}.window: {show(window)}: must be at least {least:.3g} s, {_FEWEST} samples")
     origin, found = float(t[keep[0]]), {"outputs": {}, "inputs": {}}  # type: ignore[var-annotated]
     for (group, name), c in wanted.items():
         label, x, at, rows = f"{where}.{group}.{name}", columns[f"{where}.{group}.{name}"] * c.factor, t, keep
@@ -291,6 +302,8 @@ def _read(
             raise InputError(f"{label}: {show(c.column)}: has {len(x)} rows, its times have {len(at)}")
         if not np.isfinite(x[rows]).any():
             raise InputError(f"{label}: {show(c.column)}: holds no number")
+        if text := impossible(x[rows]):
+            raise InputError(f"{label}: {show(c.column)}: {text}")
         found[group][name] = Channel(c.column, at[rows] - origin, x[rows], c.unit, c.noise, c.held)
     known = {k: float(x) for k, x in entry.get("known", {}).items()}
     return Recording(

@@ -24,8 +24,8 @@ def candidates(problem: MachineProblem, u: Array) -> Iterator[tuple[MachineCoord
             continue
         for log in [None, *logs] if len(logs) > 1 else [None]:
             x = np.where(rows(problem, log), slopes, 0.0)
-            if ((column, what), log) not in sought and x @ x > 0:
-                yield _coordinate(problem, column, what, log), NEUTRAL[what], x
+            if ((column, what), log) not in sought and x @ x > 0 and _room(problem, column, what)[1] > 0:
+                yield _coordinate(problem, column, what, log), NEUTRAL[what], problem.whitened(x)
 
 
 def rows(problem: MachineProblem, log: int | None) -> Array:
@@ -38,12 +38,17 @@ def rows(problem: MachineProblem, log: int | None) -> Array:
 
 def _coordinate(problem: MachineProblem, column: str, what: str, log: int | None) -> MachineCoordinate:
     """The number of a sensor as one that is sought."""
-    targets = [t for run in problem.runs for t in run.targets if t.column == column and len(t.t) > 1]
-    span = max(float(np.ptp(t.x)) for t in targets)
-    late = _SAMPLES * max(float(np.median(np.diff(t.t))) for t in targets)
-    room = {"clock": (-_CLOCK, _CLOCK), "delay": (-late, late), "gain": (1 / _GAIN, _GAIN), "offset": (-span, span)}
     path = f"{'' if log is None else f'log.{log}.'}outputs.{column}.{what}"
-    return MachineCoordinate(path, *room[what], None, None, {}, (column, what), log)
+    return MachineCoordinate(path, *_room(problem, column, what), None, None, {}, (column, what), log)
+
+
+def _room(problem: MachineProblem, column: str, what: str) -> tuple[float, float]:
+    """Between what such a number may lie; nothing can be told of the offset of a column that never changes."""
+    targets = [t for run in problem.runs for t in run.targets if t.column == column and len(t.t) > 1]
+    span = max((float(np.ptp(t.x)) for t in targets), default=0.0)
+    late = _SAMPLES * max((float(np.median(np.diff(t.t))) for t in targets), default=0.0)
+    room = {"clock": (-_CLOCK, _CLOCK), "delay": (-late, late), "gain": (1 / _GAIN, _GAIN), "offset": (-span, span)}
+    return room[what]
 
 
 def words(problem: MachineProblem, c: MachineCoordinate, off: float, within: str) -> str:

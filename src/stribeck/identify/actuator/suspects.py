@@ -21,6 +21,8 @@ _SURE = 4.5  # deviations
 _MATTERS = 0.02  # of what is left of the recordings that it concerns
 _MOVES = 1.0  # deviations of a number: one that would move by more has no interval
 _AS_WELL = 0.9  # of what the first explains: others that explain as much are named with it
+_TWO_SIDED = 1.96  # deviations in half of an interval
+_UNSURE = 0.2  # of a fixed number: one that must be off by more to matter is not named
 _WHOLE = 0.5  # how far from 1 the share of the way to inputs held otherwise may be
 _NAMED = 3
 _TRIED, _STEPS, _ROUGHLY = 3, 12, 1e-3
@@ -63,6 +65,28 @@ def seen(best: BestPoint, s: Spread) -> tuple[list[str], bool]:
     words = "; or ".join(_words(problem, x) for x in found)
     names = " or ".join(x.coordinate.name for x in found)
     return [f"{words}; seek {names} if that can be"], any(_moves(best, s, x) for x in found)
+
+
+def taken_as_exact(best: BestPoint, s: Spread) -> list[str]:
+    """The fixed numbers of the machine by which the intervals stand or fall, in words: no residual shows what the numbers
+    sought can make up for."""
+    problem, found = best.problem, list[tuple[float, str]]()
+    asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
+    for c, now, slopes in fixed.candidates(problem, best.u):
+        moves = abs(s.covariance @ (s.J.T @ slopes))[asked] * abs(now)
+        with np.errstate(all="ignore"):
+            off = _TWO_SIDED * s.deviations[asked] / moves
+        moved = [problem.sought[asked[i]].name for i in np.argsort(off) if off[i] < _UNSURE]
+        if moved:
+            found.append(
+                (float(off.min()), f"{c.name} is off by {100 * off.min():.2g} % ({', '.join(moved[:_NAMED])})")
+            )
+    told = [words for _, words in sorted(found)[:_NAMED]]
+    if not told:
+        return []
+    return [
+        f"what is fixed counts as exact; intervals miss where {'; or '.join(told)}: seek what is not sure, with a prior"
+    ]
 
 
 def tried(best: BestPoint) -> list[str]:

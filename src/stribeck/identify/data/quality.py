@@ -273,16 +273,19 @@ def _possible(columns: dict[str, Array], number: str) -> None:
     Raises:
         InputError: a line for each such column.
     """
-    wrong = []
-    for role, x in columns.items():
-        peak = float(np.max(abs(x)))
-        if peak and not 1 / LARGEST <= peak <= LARGEST:
-            wrong.append(
-                f"{arg(role)}: {number}: values up to {peak:.3g} in SI units; the largest must lie between {1 / LARGEST:g} "
-                f"and {LARGEST:g} (is the unit right?)"
-            )
+    wrong = [f"{arg(role)}: {number}: {text}" for role, x in columns.items() if (text := impossible(x))]
     if wrong:
         raise InputError(wrong)
+
+
+def impossible(x: Array) -> str | None:
+    """What is wrong with the magnitude of a column (SI), or None."""
+    with np.errstate(all="ignore"):
+        peak = float(np.nanmax(abs(x)))
+    if not peak or 1 / LARGEST <= peak <= LARGEST:
+        return None
+    text = f"values up to {peak:.3g} in SI units; the largest must lie between {1 / LARGEST:g} and {LARGEST:g}"
+    return f"{text} (is the unit right?)"
 
 
 def _without_empty(columns: dict[str, Array], number: str, notes: list[str]) -> dict[str, Array]:

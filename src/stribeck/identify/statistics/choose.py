@@ -23,7 +23,9 @@ from stribeck.identify.statistics import crossvalidate
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
 _CLEARLY = 2.0  # standard errors
-_HEAVIEST = 3.0  # of the largest force: no heavier weight is taken from a part of a turn
+_FAR = 0.7  # of the error: a law that is beaten by more is not the machine's
+_HEAVIEST = 2.0  # of the largest force: no heavier weight, with the offset, is taken from a part of a turn
+_AT_END = 0.99  # of the longest delay that is tried
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
 _CANDIDATES = ("coulomb_viscous", "stribeck", "stribeck_tanh")
@@ -126,6 +128,8 @@ def _compared(fit: Fit, rows: Rows, setting: Setting, settled: Settled) -> Fit:
     notes = fit.notes
     if least["cross_validated_error"] < (1 - _WORTH) * settled.left_out.error:
         told = f"{least['name']} ({least['law']}) predicts data left out better: {least['cross_validated_error']:.3%}"
+        if least["cross_validated_error"] < _FAR * settled.left_out.error:
+            told += ", so that the intervals hold for a law that the data speak against"
         notes = (f"{told}; where no law is named, the best law and terms are looked for", *notes)
     return replace(fit, notes=notes, details={**fit.details, "candidates": found})
 
@@ -222,7 +226,7 @@ def _forward(
         if not trials:
             return best, steps
         by_cost = sorted(trials, key=lambda n: trials[n].solution.cost)
-        likely = list(islice((n for n in by_cost if _holds_farther_on(n, trials[n], best)), _TRIED))
+        likely = list(islice((n for n in by_cost if _credible(n, trials[n], best)), _TRIED))
         if not likely:
             return best, steps
         name = min(likely, key=lambda n: trials[n].left_out.error)
@@ -233,14 +237,24 @@ def _forward(
         steps.append(_step(name, found))
 
 
-def _holds_farther_on(added: str, wide: Settled, narrow: Settled) -> bool:
-    """Whether a term of the position, told by a part of the way, helps on the rest of it: what imitates cogging over half a
-    tooth, or sticks out of the noise, grows without bound on a longer way."""
-    if not set(added.split(" and ")) & set(OF_POSITION):
+def _credible(added: str, wide: Settled, narrow: Settled) -> bool:
+    """Whether a term may be taken to another motion.
+
+    A delay at the end of what is tried is none. A term of the position, told by a part of the way, must help on the rest of it:
+    what imitates cogging over half a tooth, or backlash, grows without bound on a longer way.
+    """
+    values, names = wide.solution.values, set(added.split(" and "))
+    for shape in wide.model.whole.shapes:
+        if shape.name == "delay" and abs(values["delay"]) > _AT_END * shape.high:
+            return False
+    if not names & set(OF_POSITION):
         return True
-    values, force = wide.solution.values, wide.rows.log.force
-    if np.hypot(values.get("gravity_sin", 0.0), values.get("gravity_cos", 0.0)) > _HEAVIEST * float(np.max(abs(force))):
-        return False
+    turn = np.linspace(0, 2 * np.pi, 100)
+    weight = values.get("gravity_sin", 0.0) * np.sin(turn) + values.get("gravity_cos", 0.0) * np.cos(turn)
+    if names & set(_PAIRED):
+        largest = float(np.max(abs(weight + values.get("offset", 0.0))))
+        if largest > _HEAVIEST * float(np.max(abs(wide.rows.log.force))):
+            return False
     return bool(np.all(missed_beyond(wide) <= missed_beyond(narrow)))
 
 

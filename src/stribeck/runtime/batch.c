@@ -1,0 +1,208 @@
+/* ---- A batch of trajectories: attempts at steps of all lanes, and what becomes of each. ------------------------------- */
+
+/* Steps of lanes that start anew or come out of a breakpoint. */
+static void restart(const Batch *b, Lanes *l)
+{
+    prepare(&l->p, &l->c);
+    const real h = first_step(l->atol, b->rtol, &l->p, &l->c, &l->piece, l->t, l->x, l->t_stop - l->t);
+    for (int lane = 0; lane < LANES; lane++)
+        if (l->restart[lane]) {
+            const int output = l->restart[lane] == OUTPUT;
+            double wanted = h[lane] * (l->restart[lane] == CORNER ? CORNER_EASE : 1);
+            if (output && l->output_h[lane] > 0) wanted = l->output_h[lane];
+            l->h[lane] = wanted < l->h[lane] ? wanted : l->h[lane];
+            l->last_h[lane] = 0;
+            l->held[lane] = 0;
+            l->restart[lane] = 0;
+            l->after_output[lane] = output;
+        }
+}
+
+/* What happened to single lanes in a step: rows to write, samples, breakpoints, failures. */
+static void attend(const Batch *b, Lanes *l, mask rows, mask last, mask failed, mask good, real h, real t_new, real error,
+                   real k[STAGES][N], const real *x_new)
+{
+    for (int lane = 0; lane < LANES; lane++) {
+        if (failed[lane]) {
+            const int few = l->accepted[lane] + l->rejected[lane] < b->most_attempts;
+            finish(b, l, lane, !few ? GAVE_UP : error[lane] < 1e30 ? STEP_TOO_SMALL : NOT_FINITE);
+            continue;
+        }
+        const double t_before = last[lane] ? l->t_stop[lane] * (1 - SAME_TIME) : INFINITY;
+        if (rows[lane]) write_rows(b, l, lane, h[lane], t_new[lane], t_before, k, x_new);
+#if HELD > 0
+        if (good[lane])
+            take_samples(b, l, lane, h[lane], last[lane] ? t_before : t_new[lane] * (1 - SAME_TIME), k, x_new);
+#else
+        (void)good;
+#endif
+        if (last[lane]) {
+            for (int n = 0; n < N; n++) l->x[n][lane] = x_new[n][lane];
+            l->t[lane] = t_new[lane];
+            pass(b, l, lane, 0);
+            put_present_rows(b, l, lane, t_new[lane] * (1 + SAME_TIME));
+            if (l->t[lane] >= b->t_end) finish(b, l, lane, DONE);
+        }
+    }
+}
+
+#if WATCHES > 0
+/* Where a watched quantity may pass its threshold in a step; w holds its ends and, between them, the coefficients of its
+   dense output, or its values at equal distances where it is no linear function of the states. */
+static mask look_out(const Lanes *l, real h, real t_new, real k[STAGES][N], const real *x_new, real w[5][WATCHES])
+{
+    real d[3][N];
+    mask events = l->accepted & 0;
+    for (int i = 0; i < WATCHED; i++) {
+        real of_state[3];
+        dense(k, WATCHED_STATES[i], of_state);
+        for (int m = 0; m < 3; m++) d[m][WATCHED_STATES[i]] = of_state[m];
+    }
+    watch(&l->p, &l->c, &l->piece, l->t, l->x, w[0]);
+    watch(&l->p, &l->c, &l->piece, t_new, x_new, w[4]);
+    for (int m = 0; m < 3; m++) watch_dense(&l->p, &l->c, d[m], w[m + 1]);
+#if CURVED > 0
+    for (int q = 1; q < 4; q++) {
+        real x[N], inside[WATCHES];
+        const double s = 0.25 * q;
+        for (int n = 0; n < N; n++) x[n] = l->x[n];
+        for (int i = 0; i < WATCHED; i++) {
+            const int n = WATCHED_STATES[i];
+            x[n] = (1 - s) * l->x[n] + s * (x_new[n] + (1 - s) * (d[0][n] + s * (d[1][n] + s * d[2][n])));
+        }
+        watch(&l->p, &l->c, &l->piece, l->t + s * h, x, inside);
+        for (int j = 0; j < WATCHES; j++)
+            if (IS_CURVED[j]) w[q][j] = inside[j];
+    }
+#else
+    (void)h;
+#endif
+    for (int j = 0; j < WATCHES; j++) {
+        real low = smaller(w[0][j], w[4][j]), high = larger(w[0][j], w[4][j]);
+        if (IS_CURVED[j]) { /* a quartic strays from the values that it passes by a share of their range */
+            for (int q = 1; q < 4; q++) {
+                low = smaller(low, w[q][j]);
+                high = larger(high, w[q][j]);
+            }
+            const real stray = high - low;
+            low -= stray;
+            high += stray;
+        } else { /* it strays from its chord by at most this */
+            const real stray = 0.25 * (abs_of(w[1][j]) + abs_of(w[2][j]) + abs_of(w[3][j]));
+            low -= stray;
+            high += stray;
+        }
+        const real threshold = l->threshold[j];
+        events |= ((low <= threshold) & (high >= threshold)) | ((low <= -threshold) & (high >= -threshold));
+    }
+    return events;
+}
+
+/* Count what happened in a step. */
+static void count_events(const Batch *b, const Lanes *l, mask events, const real w[5][WATCHES])
+{
+    for (int lane = 0; lane < LANES; lane++)
+        for (int j = 0; events[lane] && j < WATCHES; j++) {
+            double q[5];
+            int8_t what[MOST_EVENTS];
+            if (!(l->threshold[j][lane] > 0)) continue;
+            if (IS_CURVED[j]) {
+                const double f[5] = {w[0][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], w[4][j][lane]};
+                bernstein_of_values(f, q);
+            } else
+                bernstein_of_dense(w[0][j][lane], w[4][j][lane], w[1][j][lane], w[2][j][lane], w[3][j][lane], q);
+            const int count = events_within(l->threshold[j][lane], q, NULL, what);
+            for (int e = 0; e < count; e++) count_event(b, l, lane, j, what[e]);
+        }
+}
+#endif
+
+/* Begin an attempt at a step of each lane. */
+static inline void begin(const Batch *b, Lanes *l)
+{
+    if (l->anew) restart(b, l);
+    l->anew = 0;
+    rates(&l->p, &l->c, &l->piece, l->t, l->x, l->now.f0);
+    jacobian(&l->p, &l->c, &l->piece, l->t, l->x, &l->now.jac, l->now.df_dt);
+    const real wanted = smaller(l->h, l->h_limit);
+    l->last = l->t + wanted * 1.000001 >= l->t_stop;
+    const real h = choose(l->last, l->t_stop - l->t, wanted);
+    l->t_new = choose(l->last, l->t_stop, l->t + h);
+    begin_attempt(&l->p, &l->c, h, &l->now);
+}
+
+/* After its stages: accept or reject, each lane for itself, and choose the next step. */
+static inline void end(const Batch *b, Lanes *l)
+{
+    real(*k)[N] = l->k;
+    const real *x_new = l->x_new, h = l->now.h, t_new = l->t_new;
+    const mask last = l->last;
+    const real error = end_attempt(l->atol, b->rtol, l->x, l->k, l->x_new);
+    const mask good = error <= 1, finite = error < 1e30;
+    const real root = steering(error), plain = growth(root);
+    real factor = choose(l->last_h > 0, predictive_growth(root, h, l->last_root, l->last_h), plain);
+    factor = choose(l->held & (factor > 1), splat(1), factor);
+    const real grown = h * choose(good, factor, choose(finite, plain, splat(0.1)));
+    const real next_h = choose(good & last, larger(l->h, grown), grown);
+    const mask rows = good & (t_new >= l->row_t), ends = good & last;
+    const mask tried = l->accepted + l->rejected;
+    const mask failed = (~good & ((l->t + next_h * 0.25 <= l->t) | (next_h < 1e-290))) | (tried >= b->most_attempts);
+#if WATCHES > 0 /* apart from the rest, which comes often: this branch hardly ever does, and the other need not wait for it */
+    real w[5][WATCHES];
+    const mask events = good & ~failed & look_out(l, h, t_new, k, x_new, w);
+    if (any(events)) count_events(b, l, events, (const real(*)[WATCHES])w);
+#endif
+    l->accepted -= good; /* true is -1 */
+    l->rejected -= ~good;
+    l->h = next_h;
+    l->held = ~good;
+    l->last_h = choose(good, h, l->last_h);
+    l->last_root = choose(good, remembered(root), l->last_root);
+    mask attention = rows | ends | failed;
+#if HELD > 0
+    for (int lane = 0; lane < LANES; lane++) {
+        if (good[lane] && l->after_output[lane]) {
+            const double begun = last[lane] && l->output_h[lane] > grown[lane] ? l->output_h[lane] : grown[lane];
+            l->output_h[lane] = begun;
+            l->after_output[lane] = 0;
+        }
+        for (int m = 0; m < HELD; m++)
+            if (good[lane] && (double)l->sampled[m][lane] * l->timing.period[m][lane] <= t_new[lane])
+                attention[lane] = -1;
+    }
+#endif
+    if (any(attention)) {
+        attend(b, l, rows, ends, failed, good, h, t_new, error, k, x_new);
+        for (int lane = 0; lane < LANES; lane++) l->anew |= l->restart[lane];
+    }
+    const mask moves = good & ~ends & ~failed; /* the others were moved, or given another trajectory, above */
+    for (int n = 0; n < N; n++) l->x[n] = choose(moves, x_new[n], l->x[n]);
+    l->t = choose(moves, t_new, l->t);
+}
+
+/* Solve trajectories of the batch until none is left; several threads may do so at once. The stages of several vectors
+   take turns, so that one computes while another waits for its numbers. */
+EXPORT void stribeck_solve_batch(const Batch *b)
+{
+    Lanes lanes[GROUPS] = {{.alive = 0}}, *live[GROUPS];
+    int groups = b->groups < GROUPS ? (int)b->groups : GROUPS;
+    for (int g = 0; g < GROUPS; g++) live[g] = &lanes[g];
+    for (int g = 0; g < groups; g++) {
+        Lanes *l = live[g];
+        for (int lane = 0; lane < LANES; lane++) l->index[lane] = -1;
+        for (int lane = 0; lane < LANES; lane++) refill(b, l, lane);
+        l->anew = 1;
+    }
+    while (!__atomic_load_n(&b->turn[2], __ATOMIC_RELAXED)) {
+        for (int g = groups; g-- > 0;)
+            if (live[g]->alive == 0) live[g] = live[--groups];
+        if (groups == 0) break;
+        for (int g = 0; g < groups; g++) begin(b, live[g]);
+        UNROLL for (int s = 0; s < STAGES; s++)
+            for (int g = 0; g < groups; g++) {
+                Lanes *l = live[g];
+                stage(s, &l->p, &l->c, &l->piece, l->t, l->x, &l->now, l->k, l->x_new);
+            }
+        for (int g = 0; g < groups; g++) end(b, live[g]);
+    }
+}

@@ -1,0 +1,92 @@
+"""Recordings and LOGS.toml that nobody means well with: a line, early, and nothing executed."""
+
+import math
+
+import numpy as np
+import pytest
+import tomli_w
+
+from stribeck import InputError
+from stribeck.identify.actuator import fit_machine, read_logs
+from tests.identify.actuator.recorded import body, logs
+from tests.simulation.rig import needs_compiler
+
+WANTED = {"bodies.a.mass": {"low": 0.2, "high": 5.0}}
+STRANGE = "open('executed', 'w').close()\n"
+
+
+def written(folder, y=lambda t: 0.01 * t, name="run.csv"):
+    t = np.arange(60) * 0.01
+    rows = "".join(
+        f"{a!r},{b!r},{math.sin(9 * a)!r}\n" for a, b in zip(t.tolist(), (y(t) + 0 * t).tolist(), strict=True)
+    )
+    (folder / name).write_text("t,y,u\n" + rows)
+
+
+@pytest.fixture
+def place(tmp_path, monkeypatch):
+    (tmp_path / "in" / "below").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "in")
+    written(tmp_path / "in")
+    (tmp_path / "in" / "axis.toml").write_text(tomli_w.dumps(body()))
+    return tmp_path / "in"
+
+
+@pytest.mark.parametrize("name", ["../evil.py:X", "{}/evil.py:X", "link.py:X", "below/../../evil.py:X"])
+def test_laws_of_a_stranger_are_not_executed(place, stribeck, name):
+    """[laws] of LOGS.toml was executed wherever it lay."""
+    (place.parent / "evil.py").write_text(STRANGE)
+    (place / "link.py").symlink_to(place.parent / "evil.py")
+    law = name.format(place.parent)
+    logs(place, ["run.csv"], WANTED, laws={"guide": [law]})
+    done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--out", "out")
+    assert (done.status, done.out) == (2, "")
+    assert "laws.guide" in done.err
+    assert "must be in that folder or below it, or given with --law" in " ".join(done.err.split()), done.err
+    assert not (place / "executed").exists()
+    assert not (place / "out").exists()
+    stribeck("fit", "axis.toml", "--logs", "logs.toml", "--law", f"guide={law}")
+    assert (place / "executed").exists()  # named by the user
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ({"file": "a/" * 3000}, "log.0.file: "),
+        ({"window": 1e-9}, "log.0.window: 1e-09: must be at least 0.08 s, 8 samples"),
+        ({"outputs": {"a.y": {"column": "y", "noise": 1e-300}}}, "noise: 1e-300: must lie between 1e-30 and 1e+30"),
+        ({"outputs": {"a.y": {"column": "y", "gain": 1e308}}}, "log.0.outputs.a.y: 'y': values up to"),
+        ({"time": {"column": "t", "gain": 1e300}}, "log.0.time: 't': values up to"),
+        ({"inputs": {"loads.push.signal": {"column": "u", "gain": 1e200}}}, "log.0.inputs.loads.push.signal: 'u': values"),
+    ],
+)  # fmt: skip
+def test_what_no_recording_can_be(place, stribeck, change, text):
+    """Tracebacks, hangs, and lanes that wrote before their memory."""
+    logs(place, [{"file": "run.csv", **change}], WANTED)
+    done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--starts", "1", "--out", "out")
+    assert (done.status, done.out) == (2, "")
+    assert text in done.err
+    assert not (place / "out").exists()
+
+
+def test_options_of_a_log_are_refused_beside_recordings(place, stribeck):
+    """They were taken without a word, and did nothing."""
+    logs(place, ["run.csv"], WANTED)
+    done = stribeck("fit", "axis.toml", "--logs", "logs.toml", "--position", "y", "--mass", "3", "--robust")
+    assert done.status == 2
+    assert [line.partition(":")[0] for line in done.err.splitlines()] == ["--position", "--mass", "--robust"]
+
+
+@needs_compiler
+@pytest.mark.filterwarnings("ignore")
+def test_a_column_that_never_changes(place):
+    """It was a division by zero."""
+    written(place, y=lambda t: 1.0)
+    path = logs(place, ["run.csv"], WANTED)
+    assert fit_machine(body(), read_logs(path), starts=1, baselines=False).status == "missed"
+
+
+def test_a_law_in_a_file_that_is_not_there(place):
+    path = logs(place, ["run.csv"], WANTED, laws={"guide": ["none.py:X"]})
+    with pytest.raises(InputError, match="cannot read"):
+        fit_machine(body(), read_logs(path))
