@@ -109,9 +109,8 @@ def validate(
     else:
         print(f"{loaded.name} against {data.name}: {found.status}, {len(found.time)} rows")
         for name, e in found.errors.items():
-            print(
-                f"  {name:10} rms {human(e['rms'], e['unit'])}, largest {human(e['largest'], e['unit'])}, relative {percent(e['relative'], 3)}"
-            )
+            rms, largest = (human(e[each], e["unit"]) for each in ("rms", "largest"))
+            print(f"  {name:10} rms {rms}, largest {largest}, relative {percent(e['relative'], 3)}")
         for file in files:
             print(f"  wrote {file}")
     if found.status != "done":
