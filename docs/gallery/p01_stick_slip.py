@@ -28,4 +28,7 @@ below.set(xlabel="time in s", ylabel="friction in N")
 print("slips at", [f"{t:.2f} s" for t in solution.events["slip"]])
 
 # %%
+# Here ``F_s`` is as low as ``F_c``: the body slips once, and follows. Drag the slider of ``F_s`` to the right: above some 1.3 N
+# the position becomes a staircase, and the line at the top says how often the body sticks and slips.
+#
 # .. explorer:: stick_slip --law lugre --law lugre_majorant --law coulomb_viscous #law.parameters.F_s=1

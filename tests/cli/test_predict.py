@@ -96,7 +96,7 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     assert errors["force"]["unit"] == "N"
     page = Page(tmp_path / "page" / "validation.html")
     assert page.pictures == 2
-    assert page.rows(["of", "error"])["force"][0].startswith(f"{errors['force']['rms']:.4g} N, ")
+    assert page.rows(["of", "error"])["position"][0].startswith(f"{1e12 * errors['position']['rms']:.3g} pm, ")
     other = stribeck(
         "validate", tmp_path / "rig.toml", "--log", log, *columns, "--set", "law.parameters.F_c=1.2", "--json"
     )

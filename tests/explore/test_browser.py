@@ -86,6 +86,34 @@ def test_a_slider_moves_the_numbers_of_run(page, scenario):
                                ".filter(name => !name.startsWith('blob:'))") == []  # fmt: skip
 
 
+def test_a_chart_tells_its_values_by_keyboard(page, scenario):
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
+
+    page.execute_script("document.getElementById('link').focus()")
+    inner = "let e = document.activeElement; while (e.shadowRoot?.activeElement) e = e.shadowRoot.activeElement;"
+    for _ in range(80):
+        ActionChains(page).send_keys(Keys.TAB).perform()
+        if "bk-events" in page.execute_script(f"{inner} return e.className"):
+            break
+    assert "the arrow keys tell values" in page.execute_script(f"{inner} return e.getAttribute('aria-label')")
+    ActionChains(page).send_keys(Keys.END).perform()
+    last = simulate(scenario)
+    assert page.find_element("id", "reading").text == (
+        f"t {last.t[-1]:.3g} s: y position {last['y'][-1]:.3g} m, x spring's end {last['x'][-1]:.3g} m"
+    )
+    ActionChains(page).key_down(Keys.SHIFT).send_keys(Keys.ARROW_LEFT * 100).key_up(Keys.SHIFT).perform()
+    told = page.find_element("id", "reading").text
+    assert told.startswith(f"t {last.t[-101]:.3g} s: y position {last['y'][-101]:.3g} m")
+    ActionChains(page).send_keys(Keys.ESCAPE).perform()
+    assert not page.find_element("id", "reading").is_displayed()
+    assert [e for e in page.get_log("browser") if e["level"] == "SEVERE"] == []
+
+
+def test_the_page_says_what_to_drag(page):
+    assert "Try F_s" in page.find_element("id", "measured").text
+
+
 def test_a_machine_moves_with_its_numbers(browser, tmp_path):
     from stribeck import examples
     from stribeck.explore import explore

@@ -90,7 +90,9 @@ def validate(
     if out is not None:
         from stribeck.identify.report import overlay
 
-        rows = [[name, f"{e['rms']:.4g} {e['unit']}, {percent(e['relative'], 3)}"] for name, e in found.errors.items()]
+        rows = [
+            [name, f"{human(e['rms'], e['unit'])}, {percent(e['relative'], 3)}"] for name, e in found.errors.items()
+        ]
         figures = overlay.figure("validation", found.time, found.traces, ("measured", "simulated"))
         off = [
             f"{name} by {human(e['rms'], e['unit'])} (rms), at most {human(e['largest'], e['unit'])}"
@@ -107,9 +109,8 @@ def validate(
     else:
         print(f"{loaded.name} against {data.name}: {found.status}, {len(found.time)} rows")
         for name, e in found.errors.items():
-            print(
-                f"  {name:10} rms {e['rms']:.4g} {e['unit']}, largest {e['largest']:.4g}, relative {percent(e['relative'], 3)}"
-            )
+            rms, largest = (human(e[each], e["unit"]) for each in ("rms", "largest"))
+            print(f"  {name:10} rms {rms}, largest {largest}, relative {percent(e['relative'], 3)}")
         for file in files:
             print(f"  wrote {file}")
     if found.status != "done":

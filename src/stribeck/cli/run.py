@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stribeck.cli import show
+from stribeck.report.quantities import prefixed
 from stribeck.simulation import c_source, simulate
 
 if TYPE_CHECKING:
@@ -57,8 +58,8 @@ def _print(solution: Solution, files: list[str]) -> None:
     print(f"  {'':{width}}{'peak':>16}{'final':>16}")
     peaks, final = solution.peaks, solution.final
     for column in solution.columns:
-        print(
-            f"  {column.name:{width}}{peaks[column.name]:16.8g}{final.get(column.name, float('nan')):16.8g} {column.unit}"
-        )
+        factor, unit = prefixed(column.unit, peaks[column.name])
+        last = final.get(column.name, float("nan"))
+        print(f"  {column.name:{width}}{peaks[column.name] / factor:16.8g}{last / factor:16.8g} {unit}")
     for file in files:
         print(f"  wrote {file}")

@@ -104,6 +104,7 @@ def figures(found: dict[str, Chart], measured: Collection[str] = ()) -> dict[str
 
 def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool, measured: Collection[str]) -> Any:
     from bokeh.models import ColumnDataSource, HoverTool
+    from bokeh.models.annotations.geometry import Span
     from bokeh.models.annotations.legends import Legend
     from bokeh.plotting import figure
 
@@ -140,6 +141,11 @@ def _figure(name: str, panel: Chart, x_range: Any, toolbar: bool, measured: Coll
         drawn.scatter("x", "y", source=point, size=11, color=_COLOURS[1], line_color="white", **named)
     mode: Any = "vline" if over_time or panel.log else "mouse"
     drawn.add_tools(HoverTool(name=f"{name}-hover", renderers=shown[:1], mode=mode))
+    for side in ("height", "width"):  # cross hairs of who reads by keyboard
+        hair = Span(
+            name=f"{name}-{side}", dimension=side, location=0.1, visible=False, line_color=_GHOST, line_dash="dotted"
+        )
+        drawn.add_layout(hair)
     return drawn
 
 

@@ -145,7 +145,7 @@ def _filled(data: Mapping[str, object], sections: Iterable[tuple[str, str]], lib
         "style": _asset("page.css"),
         "data": json.dumps(data, allow_nan=False).replace("</", "<\\/"),
         "solver": _asset("solver.js"),
-        "script": "\n".join(map(_asset, ("quick.js", "panels.js", "live.js", "machine.js", "explore.js"))),
+        "script": "\n".join(map(_asset, ("quick.js", "panels.js", "live.js", "keys.js", "machine.js", "explore.js"))),
         "charts": library,
         "foot": escape(command),
         "version": __version__,

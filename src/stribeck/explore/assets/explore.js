@@ -205,6 +205,7 @@ function answer(result, error) {
   complain(result.reason ? `The run failed: ${result.reason}; the part that was reached is shown.` : "");
   complete(result);
   state.latest = result;
+  unread();
   window.stribeck.result = result;
   draw(result);
   claims(result.claims);
@@ -360,6 +361,10 @@ function reset() {
   choose(data.law);
 }
 
+function pullsAndGivesWay() { // a body that is pulled by a spring, and friction that falls with speed
+  return data.scenario.drive?.kind === "spring" && numbers().some((n) => n.path === "law.parameters.F_s");
+}
+
 async function begin() {
   for (const [name, own] of Object.entries(data.laws)) $("law").append(make("option", { value: name, title: own.about }, name));
   $("law").onchange = () => choose($("law").value);
@@ -370,6 +375,7 @@ async function begin() {
   $("command").onclick = () => copy(data.command, $("command"));
   window.onhashchange = () => { state.values = {}; state.law = data.law; readLink(); choose(state.law); };
   if (data.machine) machineForm();
+  if (pullsAndGivesWay()) $("measured").textContent += " Try F_s: well above F_c the body sticks and slips, at F_c it follows smoothly.";
   if (data.measured) $("measured").textContent = `Dots: measured, ${data.measured.about}. Shaded on the sliders: 95 % intervals of the fit.`;
   readLink();
   const library = make("script", {}, new TextDecoder().decode(await bytes($("charts").textContent)));

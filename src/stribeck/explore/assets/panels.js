@@ -30,6 +30,7 @@ const model = (name) => {
 async function panels() {
   for (const [id, item] of Object.entries(data.figures)) await Bokeh.embed.embed_item(item, id);
   quick();
+  keyboard();
   const dark = matchMedia("(prefers-color-scheme: dark)");
   dark.addEventListener("change", colours);
   colours();
