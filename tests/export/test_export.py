@@ -52,7 +52,7 @@ def test_parts_of_c(tmp_path):
         ((*BASE, "--target", "c", "--step", "nan"), "--step: nan: must be"),
         ((*BASE, "--target", "fmu", "--fmi", "1"), "--fmi: 1: must be 2 or 3"),
         ((*BASE, "--target", "fmu", "--part", "body"), "plant.mass"),
-        ((*BASE, "--target", "c", "--set", "k_v=-1"), "k_v: -1: must be"),
+        ((*BASE[:-1], "k_v=-1", "--target", "c"), "k_v: -1: must be"),
         (("lugre_majorant", "--parameters", "canudas1995", "--target", "c"), "k_v: missing"),
         (("stribeck", "--parameters", "canudas1995", "--target", "c", "--part", "observer"), "no internal state"),
         (("lugger", "--target", "c"), "did you mean 'lugre'"),

@@ -38,7 +38,7 @@ ARM_MISTAKES = {
     "an unknown key": ({"links.gear.stifness": 1.0}, "links.gear.stifness: 1.0: unknown key (did you mean 'stiffness'?)"),
     "a ratio whose square no float holds": ({"links.gear.ratio": 1e200}, "links.gear.ratio: 1e+200: must be a finite number"),
     "a ratio whose square is 0": ({"links.gear.ratio": -1e-200}, "links.gear.ratio: -1e-200: must be a finite number"),
-    "a ratio of 0": ({"links.gear.ratio": 0}, "links.gear.ratio: 0.0: must be a finite number from 1e-30 to 1e+30"),
+    "a ratio of 0": ({"links.gear.ratio": 0}, "links.gear.ratio: 0: must be a finite number from 1e-30 to 1e+30"),
     "to itself": ({"links.gear.to": "rotor"}, "links.gear.to: 'rotor': must be another body than from, or 'ground'"),
     "no inertia": ({"bodies.arm": {}}, "bodies.arm.mass: missing: must be given"),
     "mass and inertia": ({"bodies.arm.mass": 1.0}, "bodies.arm.inertia: 0.12: must be left out where mass is given"),

@@ -50,7 +50,7 @@ MISTAKES = [
     ({'bodies.drum.initial': {'y': 1.0}},
      'bodies.drum.initial: a table with y, v: must be left out: a body that is tied to another has no stat'),
     ({'bodies.drum.ratio': 0.0},
-     'bodies.drum.ratio: 0.0: must be a finite number from 1e-30 to 1e+30'),
+     'bodies.drum.ratio: 0: must be a finite number from 1e-30 to 1e+30'),
     ({'links.rope.ratio': nan},
      'links.rope.ratio: nan: must be a finite number'),
     ({'links.rope.ratio': '1:100'},

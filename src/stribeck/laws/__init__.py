@@ -108,15 +108,15 @@ def trouble(law: Law) -> str | None:
         scales = law.scales(law.p)
         at = scales.speed, 0.5 * scales.length
         values = (law.force(*at), *law.jacobian(*at))
-        given = {"F": values[0]} | ({"dz/dt": law.rate(*at)} if law.has_z else {})
+        if not all(np.ndim(x) == 0 for x in values):
+            return "its equations must give one number for one v and z"
+        given = {"F": law.force} | ({"dz/dt": law.rate} if law.has_z else {})
+        wrong = [n for n, f in given.items() if np.isnan(f(*at)) and np.isnan(f(at[0], 0.0))]  # some end on the way
     except KeyboardInterrupt:
         raise
     except BaseException as error:
         return f"its equations cannot be evaluated: {said_by(error)}"
-    if not all(np.ndim(x) == 0 for x in values):
-        return "its equations must give one number for one v and z"
-    wrong = next((n for n, x in given.items() if np.isnan(x)), None)
-    return None if wrong is None else f"its equations give nan as {wrong} at v = {at[0]:g} m/s, z = {at[1]:g} m"
+    return f"its equations give nan as {wrong[0]} at v = {at[0]:g} m/s, z = {at[1]:g} m and 0" if wrong else None
 
 
 def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None) -> dict[str, float]:

@@ -266,7 +266,9 @@ def test_a_misfit_is_told_and_widens():
     clean = stribeck.fit(log_of(motion(), lambda t, y, v, a: force(t, y, 1e3 * v, a) + 3 * v), "coulomb_viscous")
     assert clean.details["misfit_share"] < 0.05
     wide, narrow = (f.estimates["F_c"] for f in (fit, clean))
-    assert (wide.high - wide.low) / wide.value > 3 * (narrow.high - narrow.low) / narrow.value
+    assert narrow.identifiable
+    # tanh fits better, and its number lies too far away for an interval
+    assert not wide.identifiable or (wide.high - wide.low) / wide.value > 3 * (narrow.high - narrow.low) / narrow.value
 
 
 def test_the_error_is_told_against_friction_too():

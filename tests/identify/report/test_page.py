@@ -1,8 +1,11 @@
 """What a fit's page says of its model, and which rows it shows."""
 
+import json
 import re
+from html import unescape
 
 import numpy as np
+import pytest
 
 import stribeck
 from stribeck.identify.api import read_log
@@ -61,6 +64,21 @@ def test_the_page_has_the_formula_of_what_was_fitted_with_every_unit(tmp_path):
         "k_v": "s/m",
     }
     assert {n: rows.get(n) for n in units} == units
+
+
+@pytest.mark.pictures
+def test_axes_are_in_units_that_a_person_would_use(tmp_path):
+    """They were in metres: a stiffness of 2e6 N/m had its 1e6 beside the axis, a Stribeck velocity 0.00498 m/s."""
+    small = record()
+    small |= {"y": 1e-3 * small["y"], "F": 1e4 * small["F"]}
+    log = read_log(small, columns={"time": "t", "position": "y", "force": "F"})
+    fit = stribeck.fit(log, "coulomb_viscous", terms=["stiffness"], constants={"k_v": 1e7})
+    (tmp_path / "report.html").write_text(page(fit, log, "stribeck fit", "log.csv"), encoding="utf-8")
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    axes = [a for found in re.findall(r'data-axes="([^"]*)"', text) for a in json.loads(unescape(found))]
+    labels = {a[side]["label"] for a in axes for side in "xy"}
+    assert {"position (mm)", "velocity (mm/s)", "force (kN)", "stiffness (MN/m)"} <= labels
+    assert not any(re.search(r"\((m|m/s|N/m)\)", label) for label in labels)
 
 
 def test_a_law_with_bristles_has_its_deflection_explained():

@@ -16,6 +16,7 @@ from stribeck.identify.report.traces import inner_rows
 from stribeck.identify.result import Fit
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
+from stribeck.report.quantities import Quantity, prefixed, scale
 
 _DOTS = 2500  # points of a cloud: more make the page heavy and show nothing new
 _LOOPS = 6
@@ -33,11 +34,11 @@ def data(log: Log) -> list[FigureSvg]:
         made, axes = plots.figure([[name] for name in columns], 1.5 * len(columns) + 0.4)
         time, label = _in_a_row(log.time)
         for name, unit in columns.items():
+            shown = scale([Quantity(name, unit, "", getattr(log, name))])
             for rows in log.runs():
-                axes[name].plot(
-                    *plots.thin(time[rows], getattr(log, name)[rows]), color=plots.COLOURS[2], linewidth=0.8
-                )
-            axes[name].set_ylabel(f"{name} ({unit})")
+                x, y = plots.thin(time[rows], shown.of(getattr(log, name)[rows]))
+                axes[name].plot(x, y, color=plots.COLOURS[2], linewidth=0.8)
+            axes[name].set_ylabel(shown.label)
         axes[next(reversed(columns))].set_xlabel(label)
         found = [plots.finish(made, "data", "The log as it was fitted.")]
     if log.spectrum is not None:
@@ -79,25 +80,35 @@ def curve(fit: Fit, log: Log) -> FigureSvg:
     assert p is not None
     inner = np.flatnonzero(inner_rows(log, p.time))
     rows = inner[_some(len(inner))]
+    of_v = scale([Quantity("velocity", "m/s", "", p.velocity)])
+    speeds = of_v.of(p.velocity[rows])
     with plots.style():
         made, axes = plots.figure([["curve"]], 3.6)
         axis = axes["curve"]
-        axis.plot(p.velocity[rows], p.measured[rows], ".", color=plots.COLOURS[6], markersize=2, label="measured")
+        axis.plot(speeds, p.measured[rows], ".", color=plots.COLOURS[6], markersize=2, label="measured")
         if segments := fit.details.get("segments"):
-            points = ([s[key] for s in segments] for key in ("velocity", "friction"))
-            axis.plot(*points, "o", color=plots.COLOURS[0], fillstyle="none", markersize=5, label="constant speed")
+            held, friction = (np.array([s[key] for s in segments]) for key in ("velocity", "friction"))
+            axis.plot(
+                of_v.of(held),
+                friction,
+                "o",
+                color=plots.COLOURS[0],
+                fillstyle="none",
+                markersize=5,
+                label="constant speed",
+            )
         fastest = float(np.max(abs(p.velocity)))
         # from the slowest speed that the data hold: what is below nobody measured
         slowest = float(np.quantile(abs(p.velocity), _SLOWEST))
         half = np.geomspace(max(slowest, 1e-5 * fastest), fastest, 400)
         if any(TERMS[n].level for n in fit.used if n in TERMS):  # the curve is not one line then
-            axis.plot(p.velocity[rows], p.fitted[rows], ".", color=plots.COLOURS[1], markersize=2, label="fitted")
+            axis.plot(speeds, p.fitted[rows], ".", color=plots.COLOURS[1], markersize=2, label="fitted")
         else:
             v = np.concatenate([-half[::-1], half])
             force = fit.as_law(guessing=True).steady_force(v) + fit.used.get("sigma_2_by_direction", 0.0) * abs(v)
             force = np.where(abs(force) < _ROOM * np.max(abs(p.measured[inner])), force, np.nan)
-            axis.plot(v, force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
-        axis.set_xlabel("velocity (m/s)")
+            axis.plot(of_v.of(v), force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
+        axis.set_xlabel(of_v.label)
         axis.set_ylabel("friction (N)")
         plots.legend(made, axis)
         return plots.finish(made, "curve", "Measured friction and the fitted law at held speeds.")
@@ -108,7 +119,9 @@ def levels(rows: Sequence[FileLevel]) -> FigureSvg:
     name = next(iter(rows[0]["at"]))
     role = name.removeprefix("F_c_by_")
     unit = {"pressure": "Pa", "load": "N", "position": "m"}[role]
-    x = np.array([r["at"][name] for r in rows])
+    at = np.array([r["at"][name] for r in rows])
+    of_x = scale([Quantity(role, unit, "", at)])
+    x = of_x.of(at)
     with plots.style():
         made, axes = plots.figure([["levels"]], 3.0)
         axis = axes["levels"]
@@ -122,7 +135,7 @@ def levels(rows: Sequence[FileLevel]) -> FigureSvg:
             axis.errorbar(
                 where, y, [y - low, high - y], fmt="os"[i], color=plots.COLOURS[i], label=label, capsize=3, markersize=4
             )
-        axis.set_xlabel(f"{role} ({unit})")
+        axis.set_xlabel(of_x.label)
         axis.set_ylabel("F_c (N)")
         plots.legend(made, axis)
         return plots.finish(
@@ -140,11 +153,12 @@ def loops(found: Sequence[MeasuredLoop]) -> FigureSvg:
         layout[-1] += [layout[-1][-1]] * (columns - len(layout[-1]))
         made, axes = plots.figure(layout, 2.6 * len(layout) + 0.3)
         for name, loop in zip(names, chosen, strict=True):
-            x = 1e6 * (loop["position"] - loop["position"].mean())
-            rows = _some(len(x))
+            about = loop["position"] - loop["position"].mean()
+            of_x = scale([Quantity("position", "m", "", about)])
+            x, rows = of_x.of(about), _some(len(about))
             plots.line(axes[name], 2, x[rows], loop["measured"][rows], "measured", linewidth=0.8)
             plots.line(axes[name], 1, x[rows], loop["fitted"][rows], "fitted")
-            axes[name].set_xlabel("position (µm)")
+            axes[name].set_xlabel(of_x.label)
             axes[name].set_ylabel("friction (N)")
         plots.legend(made, axes[names[0]])
         return plots.finish(made, "loops", "Friction against position in small reversals.")
@@ -156,16 +170,17 @@ def residuals(fit: Fit, log: Log) -> FigureSvg:
     assert p is not None
     inner = np.flatnonzero(inner_rows(log, p.time))
     rest, when, speed = (p.measured - p.fitted)[inner], p.time[inner], p.velocity[inner]
-    rows = _some(len(rest))
+    of_v, of_rest = scale([Quantity("velocity", "m/s", "", speed)]), scale([Quantity("residual", "N", "", rest)])
+    rest, speed, rows = of_rest.of(rest), of_v.of(speed), _some(len(rest))
     with plots.style():
         made, axes = plots.figure([["time"], ["velocity"]], 4.2)
         time, label = _in_a_row(when)
         axes["time"].plot(*plots.thin(time, rest), color=plots.COLOURS[2], linewidth=0.7)
         axes["time"].set_xlabel(label)
         axes["velocity"].plot(speed[rows], rest[rows], ".", color=plots.COLOURS[2], markersize=2)
-        axes["velocity"].set_xlabel("velocity (m/s)")
+        axes["velocity"].set_xlabel(of_v.label)
         for axis in axes.values():
-            axis.set_ylabel("residual (N)")
+            axis.set_ylabel(of_rest.label)
         return plots.finish(
             made, "residuals", "Residuals of the force in time (above) and against the velocity (below)."
         )
@@ -183,13 +198,14 @@ def profiles(fit: Fit) -> FigureSvg:
         for name in names:
             profile = fit.profiles[name]
             near = profile.fall < 3 * _FALL
-            x, y = profile.values[near], profile.fall[near]
+            factor, unit = prefixed(units.get(name) or "1", float(np.max(abs(profile.values[near]))))
+            x, y = profile.values[near] / factor, profile.fall[near]
             fine = np.linspace(x.min(), x.max(), 60)
             axes[name].plot(fine, _through(x, y, fine), color=plots.COLOURS[2])
             axes[name].plot(x, y, ".", color=plots.COLOURS[2])
             axes[name].axhline(_FALL, color=plots.GREY, linestyle=plots.DASHES[2])
             axes[name].set_ylim(0, 2 * _FALL)
-            axes[name].set_xlabel(f"{name} ({units.get(name) or '1'})")
+            axes[name].set_xlabel(f"{name} ({unit})")
             axes[name].locator_params(axis="x", nbins=4)
         return plots.finish(
             made, "profiles", "Fall of twice the log-likelihood; the dotted line ends the 95 % interval."

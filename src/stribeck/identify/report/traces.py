@@ -12,6 +12,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.result import Fit
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
+from stribeck.report.quantities import Quantity, scale
 
 _CLOSE = 2  # reversals shown
 _SHARE = 0.04  # of the record, that a close look is wide
@@ -60,16 +61,17 @@ def figure(fit: Fit, log: Log) -> FigureSvg | None:
     looks = _reversals(velocity)
     layout = [["whole"] * max(len(looks), 1), ["rest"] * max(len(looks), 1)]
     layout += [[f"look {i}" for i in range(len(looks))]] if looks else []
-    unit = _UNITS[name]
+    shown = scale([Quantity(name, _UNITS[name], "", x) for x in (measured, fitted)])
+    missed = scale([Quantity("measured less fitted", _UNITS[name], "", measured - fitted)])
     with plots.style():
         made, axes = plots.figure(layout, 2.1 * len(layout) + 0.6)
         for panel, rows in (("whole", slice(None)), *((f"look {i}", rows) for i, rows in enumerate(looks))):
             for label, y, colour, dashes in (("measured", measured, 2, "-"), ("fitted", fitted, 1, "--")):
-                x, value = plots.thin(time[rows], y[rows])
+                x, value = plots.thin(time[rows], shown.of(y[rows]))
                 axes[panel].plot(x, value, dashes, color=plots.COLOURS[colour], linewidth=1.0, label=label)
-            axes[panel].set_ylabel(f"{name} ({unit})")
-        axes["rest"].plot(*plots.thin(time, measured - fitted), color=plots.COLOURS[2], linewidth=0.6)
-        axes["rest"].set_ylabel(f"measured less fitted ({unit})")
+            axes[panel].set_ylabel(shown.label)
+        axes["rest"].plot(*plots.thin(time, missed.of(measured - fitted)), color=plots.COLOURS[2], linewidth=0.6)
+        axes["rest"].set_ylabel(missed.label)
         for axis in axes.values():
             axis.set_xlabel("t (s)")
             axis.locator_params(axis="x", nbins=4 if len(looks) > 1 else 8)

@@ -177,6 +177,6 @@ class Reading:
         if ratio is None:
             return False
         if not 1 / RATIO_LARGEST <= abs(ratio) <= RATIO_LARGEST:
-            self.problems.append((f"{path}.ratio", f"{show(ratio)}: must be {RATIO_ALLOWED}"))
+            self.problems.append((f"{path}.ratio", f"{ratio:g}: must be {RATIO_ALLOWED}"))
         self.values[path, "ratio"] = ratio
         return True
