@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from stribeck.cli import show
-from stribeck.report.quantities import prefixed
 from stribeck.simulation import c_source, simulate
 
 if TYPE_CHECKING:
@@ -43,6 +42,8 @@ def run(path: Path, out: Path | None, assignments: list[str], json: bool, keep_c
 
 
 def _print(solution: Solution, files: list[str]) -> None:
+    from stribeck.report.quantities import prefixed
+
     scenario, stats = solution.scenario, solution.stats
     print(f"{scenario.name}: {solution.status}, {scenario.subject}, {len(solution.t)} rows of {scenario.rows}")
     milliseconds = 1e3 * stats["seconds"]

@@ -53,7 +53,10 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
         told_of, moves = suspects.seen(best, s)
         if moves:
             return _blank(
-                best, scenario, "no interval: a sensor errs by what would move the numbers (see the notes)", told_of
+                best,
+                scenario,
+                "no interval: a sensor, an input or a fixed number is wrong by what would move the numbers (see the notes)",
+                told_of,
             )
         ends = profiles(problem, best.u, s, asked)
         lower = next((e.lower for e in ends.values() if e.lower is not None), None)

@@ -88,15 +88,8 @@ def curve(fit: Fit, log: Log) -> FigureSvg:
         axis.plot(speeds, p.measured[rows], ".", color=plots.COLOURS[6], markersize=2, label="measured")
         if segments := fit.details.get("segments"):
             held, friction = (np.array([s[key] for s in segments]) for key in ("velocity", "friction"))
-            axis.plot(
-                of_v.of(held),
-                friction,
-                "o",
-                color=plots.COLOURS[0],
-                fillstyle="none",
-                markersize=5,
-                label="constant speed",
-            )
+            where, black = of_v.of(held), plots.COLOURS[0]
+            axis.plot(where, friction, "o", color=black, fillstyle="none", markersize=5, label="constant speed")
         fastest = float(np.max(abs(p.velocity)))
         # from the slowest speed that the data hold: what is below nobody measured
         slowest = float(np.quantile(abs(p.velocity), _SLOWEST))

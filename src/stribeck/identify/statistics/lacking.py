@@ -89,30 +89,23 @@ def _left(slopes: Array, misfit: Array) -> float:
     return float(missed @ missed)
 
 
-@dataclass(frozen=True)
-class Lateness:
-    """What a delay is told by.
-
-    Attributes:
-        side: where nearly all of it lies, in words; or nothing.
-        shift: of each coordinate, where the motion is late while the speed rises by as much as it is early while it falls.
-    """
-
-    side: str
-    shift: Array
-
-
-def lateness(rows: Rows, delay: int, slopes: Array, misfit: Array) -> Lateness:
-    """What tells a delay: a filter that rounds off a stop makes the speed late there, and early at a start. Only where both are
-    in the record can the two be told apart."""
-    log, kept = rows.log, rows.kept
-    way = np.sign(log.acceleration[kept] * log.velocity[kept])
-    own = slopes[:, delay] ** 2
+def one_sided(rows: Rows, slopes: Array) -> str:
+    """Whether nearly all that tells a delay, by its slopes, lies where the speed "rises" or "falls", or neither: a filter that
+    rounds off a stop makes the speed late there, and early at a start. Only where both are in the record can it be told apart."""
+    way, own = _way(rows), slopes**2
     rising, falling = (float(np.sum(own[way == side])) for side in (1, -1))
     most = _ONE_SIDED * max(rising + falling, 1e-300)
-    side = "rises" if rising > most else "falls" if falling > most else ""
-    shift = linear_step(np.column_stack([slopes, slopes[:, delay] * way]), misfit)[:-1]
-    return Lateness(side, shift)
+    return "rises" if rising > most else "falls" if falling > most else ""
+
+
+def lateness(rows: Rows, delay: int, slopes: Array, misfit: Array) -> Array:
+    """The shift of each coordinate, where the motion is late while the speed rises by as much as it is early while it falls."""
+    return linear_step(np.column_stack([slopes, slopes[:, delay] * _way(rows)]), misfit)[:-1]
+
+
+def _way(rows: Rows) -> Array:
+    """1 where the speed rises, -1 where it falls."""
+    return np.asarray(np.sign(rows.log.acceleration[rows.kept] * rows.log.velocity[rows.kept]))
 
 
 def beside(fit: Fit, values: Mapping[str, float]) -> Fit:

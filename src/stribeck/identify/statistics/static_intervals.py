@@ -22,7 +22,7 @@ from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
-from stribeck.identify.statistics.lacking import lacking, lateness
+from stribeck.identify.statistics.lacking import lacking, lateness, one_sided
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
 _HUGE = 1e100
@@ -191,7 +191,7 @@ def _systematic(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -
             "that would shift"
         )
     if "delay" in at.names:
-        shift = shift + abs(lateness(rows, at.names.index("delay"), at.slopes, at.misfit).shift)
+        shift = shift + abs(lateness(rows, at.names.index("delay"), at.slopes, at.misfit))
     return shift, notes
 
 
@@ -231,7 +231,7 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
             found[name] = f"it is hardly told apart from the others{together}"
     if "F_s" in at.names and _at_lowest(model, solution):
         found["F_s"] = "v_s comes out at the lowest speed measured, and F_s hangs on it"
-    if "delay" in at.names and (side := lateness(rows, at.names.index("delay"), at.slopes, at.misfit).side):
+    if "delay" in at.names and (side := one_sided(rows, at.slopes[:, at.names.index("delay")])):
         found["delay"] = (
             f"nearly all that tells it lies where the speed {side}: there the filter of the motion does the same; it "
             "takes starts and stops, or reversals"
