@@ -88,7 +88,8 @@ UNUSED static inline real atan_of(real x)
     const real low = (-0.3333333333333333 + q * 0.19999999999995516) + q2 * (-0.14285714284665682 + q * 0.11111111015187018);
     const real mid = (-0.0909090457530649 + q * 0.07692183125376892) + q2 * (-0.06664510525508936 + q * 0.05858140904866328);
     const real high = (-0.050854078345894844 + q * 0.03923044778479309) + q2 * -0.019175404711104935;
-    return (real)((mask)(base + (y + y * (q * (low + q4 * (mid + q4 * high))))) | sign);
+    const real rest = choose(big, splat(6.123233995736766e-17), choose(middle, splat(3.061616997868383e-17), splat(0)));
+    return (real)((mask)(base + (y + (y * (q * (low + q4 * (mid + q4 * high))) + rest))) | sign); /* rest: base's rounding */
 }
 
 /* x^(-1/10) for x in [1e-20, 1e300], within 1 percent, which is all that a step length needs: the exponent and a straight
