@@ -83,3 +83,18 @@ def test_a_law_that_another_beats_has_wider_intervals() -> None:
         told = {**found.estimates, **found.body}[name]
         assert not told.identifiable or told.low <= truth <= told.high
     assert any("beyond chance" in note for note in found.notes)
+
+
+def test_a_bend_over_all_speeds_does_not_tell_the_friction_near_rest() -> None:
+    """Friction falls over the whole range; it rises to 2.5 N only below 1 mm/s, between the samples."""
+    t = np.arange(0, 20, 2e-3)
+    v = 1.3 * np.sin(1.6 * t)
+    level = 1 + np.exp(-((v / 1.5) ** 2)) + 0.5 * np.exp(-((v / 1e-3) ** 2)) + 0.6 * abs(v)
+    force = level * np.sign(v) + 0.01 * np.random.default_rng(3).standard_normal(len(t))
+    found = fit(
+        {"t": t, "v": v, "F": force}, "stribeck", columns={"time": "t", "velocity": "v", "force": "F"}, mass=0.0
+    )
+    assert isinstance(found, Fit)
+    told = found.estimates["F_s"]
+    assert not told.identifiable
+    assert "highest speed" in told.why

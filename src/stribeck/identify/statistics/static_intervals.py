@@ -229,8 +229,8 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
             found[name] = f"the residuals hardly depend on it{together}"
         elif alike[k]:
             found[name] = f"it is hardly told apart from the others{together}"
-    if "F_s" in at.names and _at_lowest(model, solution):
-        found["F_s"] = "v_s comes out at the lowest speed measured, and F_s hangs on it"
+    if "F_s" in at.names and (end := _bend_unseen(model, solution)):
+        found["F_s"] = f"v_s comes out at the {end} speed measured, and F_s hangs on it"
     if "delay" in at.names and (side := one_sided(rows, at.slopes[:, at.names.index("delay")])):
         found["delay"] = (
             f"nearly all that tells it lies where the speed {side}: there the filter of the motion does the same; it "
@@ -239,10 +239,11 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
     return {**_physical(rows, model, solution, at), **found}
 
 
-def _at_lowest(model: StaticModel, solution: Minimum) -> bool:
-    """Whether the Stribeck curve bends at the lower end of what is tried: the slowest rows, below which nothing is seen."""
+def _bend_unseen(model: StaticModel, solution: Minimum) -> str:
+    """The end of what is tried at which the Stribeck curve bends: below the slowest rows, or as a part of the viscous curve."""
     shape = next((s for s in model.whole.shapes if s.name == "v_s"), None)
-    return shape is not None and shape.share(solution.values["v_s"]) <= 1e-3
+    share = 0.5 if shape is None else shape.share(solution.values["v_s"])
+    return "lowest" if share <= 1e-3 else "highest" if share >= 1 - 1e-3 else ""
 
 
 def _physical(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> dict[str, str]:
