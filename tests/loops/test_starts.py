@@ -13,7 +13,8 @@ from stribeck.loops.moves import reversal_errors
 from stribeck.loops.proof import proof
 from stribeck.loops.shaken import SHARE, swings
 from stribeck.loops.starts import Start, _together, from_starts, kinds
-from stribeck.report.design import starts_sentence, unbeaten
+from stribeck.report.design import starts_sentence
+from stribeck.report.design_figures import unbeaten
 from tests.loops.axis import axis
 from tests.machine.machines import law
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from stribeck import Scenario, examples, simulate
-from stribeck.report import design, overview
+from stribeck.report import design_figures, overview
 from stribeck.report.quantities import Quantity, prefixed, quantities, scale
 
 pytestmark = pytest.mark.pictures
@@ -128,4 +128,4 @@ def test_runs_that_failed_stand_in_the_figure_of_verdicts(verdicts, shown):
     found = [SimpleNamespace(verdict=verdict) for verdict in verdicts]
     turned = SimpleNamespace(path="bodies.a.mass", low=0.0, high=1.0)
     line = SimpleNamespace(found=found, values=[0.2, 0.8], boundaries=[], mixed=[], turned=turned)
-    assert (">failed<" in design._line(line, 0).svg) is shown
+    assert (">failed<" in design_figures.line(line, 0).svg) is shown

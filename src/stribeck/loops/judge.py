@@ -27,6 +27,7 @@ _GROWS = 1.15  # from one third of the window to the next
 
 WINDS = "an integral still winds up behind friction that holds"
 SHAKEN = "rest is what its dither alone moves it"
+SUSTAINED = "the oscillation keeps its size"
 
 Tell = Callable[[float], None]
 
@@ -87,7 +88,7 @@ def window(loop: Loop, windows: int = 2) -> tuple[float, float, float]:
 
 
 def _worth_longer(found: Judgement | None) -> bool:
-    if found is None or found.note == "sustained":
+    if found is None or found.note == SUSTAINED:
         return False
     return found.verdict in ("creeping", "hunting") or found.note == WINDS
 
@@ -129,7 +130,7 @@ def _judged(loop: Loop, lanes: Ensemble, lane: int, swing: dict[str, float]) -> 
     if thirds[1] > _GROWS * thirds[0] and thirds[2] > _GROWS * thirds[1]:
         return Judgement("unstable", body, amplitude, period, "the oscillation grows")
     steady = min(thirds) > 0.97 * max(thirds)
-    return Judgement("hunting", body, amplitude, period, "sustained" if steady else "")
+    return Judgement("hunting", body, amplitude, period, SUSTAINED if steady else "")
 
 
 def _grew(y: Array) -> bool:

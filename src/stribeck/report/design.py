@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import numpy as np
 import tomli_w
 
 from stribeck.errors import left_out
@@ -19,7 +18,7 @@ from stribeck.loops.proof import FILE as CERTIFICATE
 from stribeck.loops.second import SecondOpinion
 from stribeck.loops.starts import Start, kinds
 from stribeck.machine.parts import ControllerPart
-from stribeck.report import chapters, plots
+from stribeck.report import chapters, design_figures
 from stribeck.report.cells import digits
 from stribeck.report.files import write_figure, write_summary
 from stribeck.report.page import Chapter, FigureSvg, Table
@@ -35,7 +34,6 @@ _MEANING = {
     "failed": "could not be simulated to the end",
 }
 MACHINES = ("machine.toml", "overcompensated.toml")  # among what is written
-VERDICTS = ("quiet", "creeping", "hunting", "unstable", "failed")
 
 
 def write_design(found: Design, summary: dict[str, object], folder: Path, command: str = "") -> list[str]:
@@ -49,10 +47,10 @@ def write_design(found: Design, summary: dict[str, object], folder: Path, comman
             paths.append(place / CERTIFICATE)
             write_json(paths[-1], found.certificates)
         with left_out("the plots and the page"):
-            figures = [_line(line, i) for i, line in enumerate(found.lines)]
-            figures += [_plane(found.plane)] if found.plane is not None else []
+            figures = [design_figures.line(line, i) for i, line in enumerate(found.lines)]
+            figures += [design_figures.plane(found.plane)] if found.plane is not None else []
             if found.compensations:
-                figures.append(_shares(found.compensations, _unit(found, found.judgement.body)))
+                figures.append(design_figures.shares(found.compensations, _unit(found, found.judgement.body)))
             for figure in figures:
                 paths += write_figure(figure, place)
             paths.append(_page(found, figures, place, command))
@@ -219,18 +217,25 @@ def starts_sentence(starts: Sequence[Start], own: Judgement, unit: str) -> str:
 
 def _errors(found: Design) -> Chapter:
     keys = ("peak", "rms", "reversal", "standstill", "settling")
-    rows = [[move, *(digits(row.get(key), count=4) for key in keys)] for move, row in found.errors.items()]
+    unit = _unit(found, found.judgement.body)
+    rows = [
+        [move, *(_shown(row.get(k), "s" if k == "settling" else unit) for k in keys)]
+        for move, row in found.errors.items()
+    ]
     text = [
-        "Errors in the unit of the body that is measured, settling in s. 'file' is the file's own signal; the sine's "
-        "reversals are those of a circle's quadrants for each of its axes."
+        "Errors of the body that is measured. 'file' is the file's own signal; the sine's reversals are those of a circle's "
+        "quadrants for each of its axes."
     ]
     if (m := found.moves) is not None:
-        unit = _unit(found, found.judgement.body)
         text.append(
             f"Sine, slow ramp and step go {human(m.amplitude, unit)} to each side, at most at {human(m.speed, unit + '/s')}: "
             f"the sine has a period of {human(m.period, 's')}."
         )
     return Chapter("errors", "How well it tracks", text, [Table(["move", *keys], rows)])
+
+
+def _shown(x: float | None, unit: str) -> str:
+    return "-" if x is None or x != x else human(x, unit)
 
 
 def _map(p: Plane) -> Chapter:
@@ -245,10 +250,14 @@ def _map(p: Plane) -> Chapter:
 
 
 def _compensations(found: Design) -> Chapter:
+    unit = _unit(found, found.judgement.body)
     rows = [
-        [c.kind, *(digits(x, count=4) for x in (c.largest_quiet_share, c.share, c.reversal_error, c.worst_error))]
+        [
+            c.kind, digits(c.largest_quiet_share, count=4), digits(c.share, count=4),
+            _shown(c.reversal_error, unit), _shown(c.worst_error, unit),
+        ]
         for c in found.compensations
-    ]
+    ]  # fmt: skip
     text = [
         "Simulated, not proved: the largest share of the law that stays quiet with every sample of the friction (all low, "
         "all high, each alone at both ends of its interval, and some at random), and the error after a reversal at the "
@@ -267,88 +276,9 @@ def _dither(found: Design, c: CompensationResult) -> str:
     d, unit = c.dither or {}, "N m" if _unit(found, found.judgement.body) == "rad" else "N"
     return (
         f"Dither: a {d['kind']} of {d['frequency']:.4g} Hz, {d['amplitude']:.4g} {unit}; its shares are amplitudes over the "
-        f"largest friction below v_s, and it is quiet from {d['least_quiet_share']:.3g} on. What it moves the body by itself is "
-        "rest."
+        f"largest friction below v_s, and it is quiet from {d['least_quiet_share']:.3g} on. What it moves the body "
+        "by itself counts as rest."
     )
-
-
-def _line(line: PathVerdicts, i: int) -> FigureSvg:
-    """The verdict along one number."""
-    with plots.style():
-        made, axes = plots.figure([["verdict"]], 2.2)
-        axis = axes["verdict"]
-        level = np.array([VERDICTS.index(j.verdict) for j in line.found])
-        axis.plot(line.values, level, ".", color=plots.COLOURS[2])
-        for b in line.boundaries:
-            axis.axvline(b.value, color=plots.COLOURS[1], linestyle="--")
-        for m in line.mixed:
-            axis.axvspan(m.low, m.high, color=plots.COLOURS[1], alpha=0.2, linewidth=0)
-        shown = VERDICTS if level.max() == len(VERDICTS) - 1 else VERDICTS[:-1]  # a run that failed is seldom
-        axis.set_yticks(range(len(shown)), shown)
-        axis.set(xlabel=line.turned.path, title="verdict", ylim=(-0.4, len(shown) - 0.6))
-        if line.turned.low > 0 and line.turned.high / line.turned.low >= 10:
-            plots.logarithmic(axis, y=False)
-        return plots.finish(
-            made,
-            f"boundaries_{i}",
-            f"Each point is a simulated loop; dashed: boundaries of {line.turned.path}; shaded: mixed.",
-            pdf=True,
-        )
-
-
-def _plane(p: Plane) -> FigureSvg:
-    """The verdict over two numbers: the grid, the boundary and the file's point."""
-    with plots.style():
-        made, axes = plots.figure([["map"]], 4.2)
-        axis = axes["map"]
-        points = [(x, y, j.verdict) for x, col in zip(p.x, p.found, strict=True) for y, j in zip(p.y, col, strict=True)]
-        for i, verdict in enumerate(VERDICTS):
-            at = np.array([(x, y) for x, y, v in points if v == verdict])
-            if len(at):
-                axis.plot(*at.T, "osvXP"[i], color=plots.COLOURS[(3, 5, 1, 4, 6)[i]], label=verdict, markersize=6)
-        if p.edges:
-            axis.plot([e.x for e in p.edges], [e.y for e in p.edges], "k.", markersize=4, label="boundary")
-        axis.plot(*([x] for x in p.point), "k*", markersize=14, label="the file")
-        axis.set(xlabel=p.across.path, ylabel=p.up.path, title="verdict")
-        for turned, which in ((p.across, "x"), (p.up, "y")):
-            if turned.low > 0 and turned.high / turned.low >= 10:
-                plots.logarithmic(axis, x=which == "x", y=which == "y")
-        axis.legend(fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.16))
-        return plots.finish(
-            made,
-            "map",
-            "Each mark is a simulated loop; dots: where the verdict changes, within a sixteenth of a cell.",
-            pdf=True,
-        )
-
-
-def _shares(found: Sequence[CompensationResult], unit: str) -> FigureSvg:
-    """Error against margin: what each compensation leaves, how far it may be turned up, and which none beats in both."""
-    with plots.style():
-        made, axes = plots.figure([["error"]], 2.6)
-        axis = axes["error"]
-        for i, c in enumerate(found):
-            quiet = c.largest_quiet_share is not None
-            margin = c.largest_quiet_share if c.largest_quiet_share is not None else 0.0
-            mark = axis.plot([margin], [c.worst_error], "os^Dv"[i % 5], color=plots.COLOURS[i])[0]
-            mark.set(fillstyle="full" if quiet else "none", label=c.kind if quiet else f"{c.kind}, not quiet")
-        front = unbeaten(found)
-        axis.plot(*zip(*front, strict=True), "-", color="0.6", zorder=0) if front else None
-        axis.set(xlabel="quiet up to this share of the friction", ylabel=f"worst error ({unit})", ylim=(0, None))
-        axis.set_xlim(-0.1, max(1.6, *axis.get_xlim()))
-        axis.legend(fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.25))
-        caption = "Error after a reversal against margin; grey: those that none beats in both (dither aside)."
-        return plots.finish(made, "compensations", caption, pdf=True)
-
-
-def unbeaten(found: Sequence[CompensationResult]) -> list[tuple[float, float]]:
-    """Margin and worst error of those that are quiet and that no other one beats in both, by margin; a dither aside."""
-    quiet = [
-        (c.largest_quiet_share, c.worst_error)
-        for c in found if c.largest_quiet_share is not None and c.kind != "dither"
-    ]  # fmt: skip
-    kept = [p for p in quiet if not any(q[0] >= p[0] and q[1] <= p[1] and q != p for q in quiet)]
-    return sorted(set(kept))
 
 
 def sentence(found: Design) -> str:
