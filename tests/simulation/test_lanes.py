@@ -79,15 +79,16 @@ def test_every_width_agrees_with_single_runs(width):
         assert abs(found.counts["accepted"][lane] + found.counts["rejected"][lane] - steps) < 0.05 * steps
 
 
-def test_one_vector_and_two_by_turns_make_the_same_bits():
+def test_one_vector_and_several_by_turns_make_the_same_bits():
     loaded, found = library(), []
-    for groups in (1, 2, 1000):
-        made = lanes.lane_arrays(Variations(Scenario(DATA), VALUES))
+    many = {path: np.resize(x, 32) for path, x in VALUES.items()}
+    for groups in (1, 2, 3, 1000):
+        made = lanes.lane_arrays(Variations(Scenario(DATA), many))
         made.batch.groups = groups
         loaded.stribeck_solve_batch(ctypes.byref(made.batch))
         found.append(lanes.outcome(made))
     assert np.all(np.isfinite(found[0].states))
-    assert found[0].digest == found[1].digest == found[2].digest
+    assert len({x.digest for x in found}) == 1
 
 
 def test_a_library_of_another_kind_is_refused():

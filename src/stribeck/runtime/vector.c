@@ -9,21 +9,34 @@
 #endif
 #endif
 #if !defined(GROUPS)
-#define GROUPS 2 /* vectors that a thread advances in turns */
+#define GROUPS 3 /* vectors that a thread advances in turns */
 #endif
 typedef double real __attribute__((vector_size(LANES * 8)));
 typedef int64_t mask __attribute__((vector_size(LANES * 8)));
 UNUSED static inline real splat(double x) { return x - (real){0}; }
-#if defined(__AVX2__) && LANES == 4 && defined(__GNUC__) && !defined(__clang__) /* GCC does not find these by itself */
+/* What GCC does not find by itself, in the processor's own words. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__AVX512F__) && LANES == 8
+typedef long long words __attribute__((vector_size(64)));
+UNUSED static inline real larger(real a, real b) { return __builtin_ia32_maxpd512_mask(a, b, a, -1, 4); } /* -1: every lane */
+UNUSED static inline real smaller(real a, real b) { return __builtin_ia32_minpd512_mask(a, b, a, -1, 4); }
+UNUSED static inline int any(mask m) { return __builtin_ia32_ptestmq512((words)m, (words)m, -1) != 0; }
+#define CHOOSES_BY_BITS
+#elif defined(__GNUC__) && !defined(__clang__) && defined(__AVX2__) && LANES == 4
 UNUSED static inline real choose(mask condition, real a, real b) { return __builtin_ia32_blendvpd256(b, a, (real)condition); }
 UNUSED static inline real larger(real a, real b) { return __builtin_ia32_maxpd256(a, b); }
 UNUSED static inline real smaller(real a, real b) { return __builtin_ia32_minpd256(a, b); }
 UNUSED static inline int any(mask m) { return __builtin_ia32_movmskpd256((real)m) != 0; }
 #else
+#define CHOOSES_BY_BITS
+#define COMPARES
+#endif
+#if defined(CHOOSES_BY_BITS)
 UNUSED static inline real choose(mask condition, real a, real b)
 {
     return (real)(((mask)a & condition) | ((mask)b & ~condition));
 }
+#endif
+#if defined(COMPARES)
 /* b where one of them is no number */
 UNUSED static inline real larger(real a, real b) { return choose(a > b, a, b); }
 UNUSED static inline real smaller(real a, real b) { return choose(a < b, a, b); }
