@@ -385,7 +385,9 @@ def test_for_other_platforms(tmp_path, monkeypatch):
     assert found["x86_64-windows"][:2] == b"MZ"
     assert found["aarch64-darwin"] == b"\xcf\xfa\xed\xfe"
     first = path.read_bytes()
-    assert stribeck.export(law("dahl"), "fmu", path, fmi=3)[0].read_bytes() == first  # no times, no folders of this machine
+    assert (
+        stribeck.export(law("dahl"), "fmu", path, fmi=3)[0].read_bytes() == first
+    )  # no times, no folders of this machine
 
 
 def test_no_folder_of_this_machine_is_in_it(tmp_path, monkeypatch):
