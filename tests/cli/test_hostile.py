@@ -89,6 +89,8 @@ def test_waves_that_no_step_can_follow(stribeck, scenario):
     outcome = stribeck("run", scenario, *words)
     assert outcome.status == 1
     assert "gave up" in json.loads(outcome.out)["reason"]
+    assert "solve.max_steps: 1000: a signal's waves allow no step longer than 1.25e-16 s" in outcome.err
+    assert "given up before t = 1.25e-13 s" in outcome.err
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with a name")
