@@ -13,6 +13,7 @@ import numpy as np
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, needed, note
 from stribeck.exchange.bam import STEEPNESS
+from stribeck.files import open_file
 
 Tables = dict[str, Any]
 Read = Mapping[str, Any]
@@ -108,7 +109,10 @@ def _read(mujoco: ModuleType, path: str | Path) -> Model:
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(told.append)
     try:
+        open_file(Path(path)).close()  # a pipe would be waited for
         model = mujoco.MjModel.from_xml_path(str(path))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except ValueError as error:
         raise InputError(f"{path}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
     finally:
