@@ -89,6 +89,8 @@ def test_waves_that_no_step_can_follow(stribeck, scenario):
     outcome = stribeck("run", scenario, *words)
     assert outcome.status == 1
     assert "gave up" in json.loads(outcome.out)["reason"]
+    assert "solve.max_steps: 1000: a signal's waves allow no step longer than 1.25e-16 s" in outcome.err
+    assert "given up before t = 1.25e-13 s" in outcome.err
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with a name")
@@ -103,6 +105,17 @@ def test_pipes_by_name_are_not_waited_for(stribeck, scenario, tmp_path):
         signal = f'drive.signal={{kind="file",path="{name}",time="t",value="u"}}'
         refused(stribeck("run", scenario, "--set", signal), "drive.signal.path", said)
     refused(stribeck("run", "/dev/zero"), said)
+    os.mkfifo(tmp_path / "fit.json")
+    refused(stribeck("predict", "log.csv", "--fit", tmp_path), "--fit", "fit.json", said)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes with a name")
+def test_a_pipe_as_a_mujoco_model_is_not_waited_for(stribeck, tmp_path):
+    pytest.importorskip("mujoco")
+    os.mkfifo(tmp_path / "arm.xml")
+    out = tmp_path / "arm.toml"
+    refused(stribeck("import", "mujoco", tmp_path / "arm.xml", "--out", out), "must be a file, not a pipe or a device")
+    assert not out.exists()
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="needs names that are not text")

@@ -1,5 +1,6 @@
 """What a terminal of 80 columns shows: lines that end between words, an example for each command, completion."""
 
+import codecs
 import os
 import re
 import subprocess
@@ -9,6 +10,7 @@ import pytest
 
 from stribeck import examples
 from stribeck.cli.app import app
+from stribeck.cli.letters import plain
 from stribeck.cli.text import say
 
 COMMANDS = sorted(command.name or command.callback.__name__ for command in app.registered_commands)
@@ -104,3 +106,26 @@ def test_progress_moves_though_nothing_is_told(monkeypatch):
             shown = set(re.findall(r"0:00:0\d|[⠀-⣿]", terminal.getvalue()))
     assert "fit: lugre" in terminal.getvalue()
     assert len(shown) > 2  # the spinner turns
+
+
+@pytest.mark.parametrize(
+    ("encoding", "text", "shown"),
+    [
+        ("ascii", "9.9 µm", "9.9 um"),
+        ("ascii", "F = σ₀ z + σ₁₂ Δx, (v/v_s)², 1/s⁻¹", "F = sigma_0 z + sigma_12 Deltax, (v/v_s)^2, 1/s^-1"),
+        ("latin-1", "σ₀ µ²", "sigma_0 µ²"),
+        ("ascii", "±1 ö \udcff", r"+-1 \xf6 \udcff"),
+    ],
+)
+def test_letters_that_the_terminal_has_not(encoding, text, shown):
+    codecs.register_error("plain letters", plain)
+    assert text.encode(encoding, "plain letters").decode(encoding) == shown
+
+
+def test_a_terminal_of_ascii_alone():
+    found = subprocess.run(
+        [sys.executable, "-m", "stribeck", "laws", "lugre"], capture_output=True, check=True,
+        env=os.environ | {"PYTHONIOENCODING": "ascii"},
+    ).stdout.decode("ascii")  # fmt: skip
+    assert "F = sigma_0 z + sigma_1 dz/dt + sigma_2 v" in found
+    assert "\\" not in found

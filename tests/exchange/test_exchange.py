@@ -95,7 +95,8 @@ def test_a_mujoco_model_s_joints(tmp_path):
     pytest.importorskip("mujoco")
     path = tmp_path / "arm.xml"
     path.write_text(
-        '<mujoco><worldbody><body><joint name="elbow" type="hinge" axis="0 1 0" frictionloss="0.3" damping="0.2" armature="0.1"/>'
+        '<mujoco><option gravity="0 0 0"/><worldbody><body>'
+        '<joint name="elbow" type="hinge" axis="0 1 0" frictionloss="0.3" damping="0.2" armature="0.1"/>'
         '<geom type="sphere" size="0.1" mass="2" pos="0.5 0 0"/></body></worldbody></mujoco>'
     )
     data = from_mujoco_file(path)
@@ -108,6 +109,47 @@ def test_a_mujoco_model_s_joints(tmp_path):
     back = from_mujoco_file(tmp_path / "back.xml")
     assert back["bodies"]["elbow"]["inertia"] == pytest.approx(moment, rel=1e-8)
     assert back["contacts"] == data["contacts"]
+
+
+def test_a_joint_s_spring_is_a_link_to_the_ground(tmp_path):
+    """It was left out without a word: the same motion as MuJoCo's, whose spring rests elsewhere than where it begins."""
+    mujoco = pytest.importorskip("mujoco")
+    path = tmp_path / "arm.xml"
+    path.write_text(
+        '<mujoco><option gravity="0 0 0" timestep="1e-4" integrator="RK4"/><worldbody><body><joint name="elbow" type="hinge"'
+        ' axis="0 1 0" damping="0.2" stiffness="3" springref="20"/>'
+        '<geom type="sphere" size="0.1" mass="2" pos="0.5 0 0"/></body></worldbody></mujoco>'
+    )
+    data = from_mujoco_file(path)
+    assert data["links"] == {"elbow_spring": {"from": "elbow", "to": "ground", "stiffness": 3.0}}
+    ours = simulate(Scenario(data))
+    model = mujoco.MjModel.from_xml_path(str(path))
+    state = mujoco.MjData(model)
+    mujoco.mj_step(model, state, 10000)
+    assert state.qpos[0] > 0.1
+    assert ours["elbow.y"][-1] == pytest.approx(state.qpos[0], rel=1e-4)
+    with pytest.warns(StribeckNote, match=r"loads\.elbow_spring_rest: left out"):
+        (tmp_path / "back.xml").write_text(to_mujoco(data))
+    assert from_mujoco_file(tmp_path / "back.xml")["links"] == data["links"]
+
+
+def test_what_a_machine_of_joints_leaves_out_is_told(tmp_path):
+    mujoco = pytest.importorskip("mujoco")
+    path = tmp_path / "arm.xml"
+    path.write_text(
+        '<mujoco><worldbody><body><joint name="elbow" type="hinge" axis="0 1 0" limited="true" range="-1 1"'
+        ' damping="1 2"/><geom type="sphere" size="0.1" mass="2"/>'
+        '<body><joint name="ball" type="ball"/><geom type="sphere" size="0.1" mass="2"/></body></body></worldbody>'
+        '<actuator><motor name="pull" joint="elbow"/></actuator>'
+        '<equality><joint joint1="elbow"/></equality></mujoco>'
+    )
+    with pytest.warns(StribeckNote) as told:
+        from_mujoco_file(path)
+    text = " ".join(str(note.message) for note in told)
+    said = ("gravity", "joint 'ball'", "its range", "actuator 'pull'", "1 equality")
+    beyond = ("damping beyond its linear part",) if int(mujoco.__version__.split(".")[0]) >= 4 else ()
+    for words in (*said, *beyond):
+        assert words in text
 
 
 def test_a_drive_s_rotor_is_the_armature_that_mujoco_moves(tmp_path):

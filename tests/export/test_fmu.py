@@ -384,6 +384,23 @@ def test_for_other_platforms(tmp_path, monkeypatch):
         found = {n.split("/")[1]: archive.read(n)[:4] for n in archive.namelist() if n.startswith("binaries/")}
     assert found["x86_64-windows"][:2] == b"MZ"
     assert found["aarch64-darwin"] == b"\xcf\xfa\xed\xfe"
+    first = path.read_bytes()
+    assert (
+        stribeck.export(law("dahl"), "fmu", path, fmi=3)[0].read_bytes() == first
+    )  # no times, no folders of this machine
+
+
+def test_no_folder_of_this_machine_is_in_it(tmp_path, monkeypatch):
+    """Nor the moment when it was made: the same bytes each time, with a compiler that notes its folders too."""
+    need("gcc")
+    monkeypatch.setenv("STRIBECK_CC", "gcc -g")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    (path,) = stribeck.export(law("dahl"), "fmu", tmp_path / "dahl.fmu")
+    with zipfile.ZipFile(path) as archive:
+        (library,) = (archive.read(name) for name in archive.namelist() if name.startswith("binaries/"))
+    assert bytes(tmp_path) not in library
+    first = path.read_bytes()
+    assert stribeck.export(law("dahl"), "fmu", path)[0].read_bytes() == first
 
 
 def test_without_a_compiler_the_sources_are_there(tmp_path, monkeypatch):

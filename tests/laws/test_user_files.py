@@ -4,9 +4,11 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
-from stribeck import InputError, export, law
+from stribeck import InputError, export, fit, law
+from stribeck.cli import _status
 from stribeck.constants import Constant
 from stribeck.laws import Relation, StaticLaw, find
 from stribeck.scenario import Scenario
@@ -195,3 +197,52 @@ def test_an_equation_that_gives_nan_is_refused(tmp_path, words):
     assert (done.returncode, done.stdout) == (2, "")
     assert "its equations give nan as F at v = " in done.stderr
     assert sorted(p.name for p in tmp_path.iterdir()) == ["mine.py"]
+
+
+def one_sided(folder, force):
+    path = folder / "side.py"
+    path.write_text(LAW.format(name="c").replace("3.0 * p.c * v", force).replace(
+        "from stribeck.laws", "from stribeck.expressions.ops import exp, log, sqrt, where\nfrom stribeck.laws"))  # fmt: skip
+    return f"{path}:Mine"
+
+
+def record(folder, speeds, force):
+    """100 rows a second of a motion at these speeds under a force."""
+    y = np.concatenate([[0.0], np.cumsum(0.01 * speeds)])
+    rows = (f"{0.01 * i},{x},{F}" for i, (x, F) in enumerate(zip(y, force, strict=False)))
+    path = folder / "log.csv"
+    path.write_text("t,y,F\n" + "\n".join(rows))
+    return path
+
+
+WAYS = ("--time", "t", "--position", "y", "--force", "F")
+
+
+@pytest.mark.parametrize(
+    "force", ["p.c * sqrt(v)", "p.c * exp(1e5 * v)", "p.c * 1e308 * 10 * v", "where(v > 0.05, float('nan'), p.c * v)"]
+)
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_fit_with_a_law_that_has_no_force_at_the_records_speeds(tmp_path, capsys, force):
+    v = 0.1 * np.sin(0.05 * np.arange(400))
+    path = record(tmp_path, v, np.sign(v))
+    assert _status(["fit", str(path), "--law", one_sided(tmp_path, force), *WAYS]) == 2
+    out, error = capsys.readouterr()
+    assert out == ""
+    assert "law 'Mine': gives no force within 1e100 in size at the speeds of this record (-0.1 to 0.1)" in error
+    assert len(error.splitlines()) == 1
+
+
+def test_a_fit_with_a_law_for_one_direction_of_a_record_in_that_direction(tmp_path):
+    v = 0.02 + 0.015 * np.sin(0.03 * np.arange(600))
+    path = record(tmp_path, v, 2.0 * np.sqrt(v))
+    found = fit(path, one_sided(tmp_path, "p.c * sqrt(v)"), time="t", position="y", force="F", select=False)
+    assert found.estimates["c"].value == pytest.approx(2.0, rel=2e-3)
+
+
+def test_a_speed_at_which_a_law_has_no_force_is_told(tmp_path, capsys):
+    law_ = one_sided(tmp_path, "p.c * log(v)")
+    said = "law 'Mine': its equations give nan as F at v = -0.001 m/s"
+    assert _status(["laws", law_]) == 0
+    assert said in capsys.readouterr().err
+    assert _status(["export", law_, "--set", "c=1", "--target", "c", "--out", str(tmp_path / "c")]) == 0
+    assert said in capsys.readouterr().err

@@ -237,3 +237,12 @@ def test_where_a_compiler_puts_its_temporary_files(use, tmp_path, monkeypatch):
     monkeypatch.setenv("TMPDIR", str(tmp_path / "full"))
     use(f'#!/bin/sh\n[ "$TMPDIR" = {tmp_path / "full"} ] && exit 1\nexec {shutil.which("cc") or "cc"} "$@"\n')
     assert simulate(Scenario(DATA)).stats["solver"] == "rodas5p"
+
+
+def test_the_complaint_is_the_error_and_no_warning_that_names_a_file_of_errors():
+    text = (
+        "warning(zcu): unable to write cached code for /lib/errors.zig\nfmu.c:3:1: error: unknown type\nerror: 1 of 2\n"
+    )
+    assert compiler.first_complaint(text) == "fmu.c:3:1: error: unknown type"
+    assert compiler.first_complaint("Error 2\nx\n") == "Error 2"
+    assert compiler.first_complaint("") == ""

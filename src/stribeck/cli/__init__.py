@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import gc
 import io
 import os
@@ -31,6 +32,7 @@ _BEYOND = {"fit": ("logs",), "explore": ("fit", "logs")}  # extras that hold wha
 # Commands that may solve large linear systems.
 _LINEAR_ALGEBRA = ("fit", "predict", "validate", "rig", "design", "paper")
 _YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
+_PLAIN = "stribeck"  # how what cannot be encoded is written
 _GRACE = 5.0  # s, to clear away what has been begun
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
@@ -55,12 +57,19 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     if _command(arguments) not in _LINEAR_ALGEBRA:  # its threads would take their time to begin, and have no work
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(_YOUNG, 20, 100)
+    codecs.register_error(_PLAIN, _plain)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")  # names of files need not be text
+            stream.reconfigure(errors=_PLAIN)  # names of files need not be text
     status = _status(arguments)
     gc.freeze()  # the last look for garbage takes a seventh of a short run, and what it frees goes with the process
     sys.exit(status)
+
+
+def _plain(error: UnicodeError) -> tuple[str, int]:
+    from stribeck.cli.letters import plain  # where it is needed alone
+
+    return plain(error)
 
 
 def _see_to_the_end(numbers: list[int]) -> None:

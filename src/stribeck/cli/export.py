@@ -8,7 +8,7 @@ import stribeck.export as exports
 from stribeck import laws, parameter_sets
 from stribeck.analysis.comparison import law_path
 from stribeck.cli.show import check_file, print_json
-from stribeck.errors import InputError
+from stribeck.errors import InputError, note
 from stribeck.laws.base import Law
 from stribeck.scenario import Scenario, parse_assignments
 from stribeck.scenario.cascade import cascade_of
@@ -140,8 +140,11 @@ def _law(
     if problems := found.problems({**values, **given}):
         raise InputError([f"{key}: {text}" for key, text in problems])
     law = found({**values, **given}, rotary)
-    if ".py:" in name and (trouble := laws.trouble(law)):
-        raise InputError(f"{name!r}: {trouble}")
+    if ".py:" in name:
+        if trouble := laws.trouble(law):
+            raise InputError(f"{name!r}: {trouble}")
+        if gap := laws.gap(law):
+            note(f"law '{law.name}': {gap}")
     return law
 
 

@@ -9,7 +9,7 @@ from stribeck import laws as registry
 from stribeck.cli.show import print_json
 from stribeck.cli.text import say
 from stribeck.constants import DECIDED
-from stribeck.errors import InputError, said_by
+from stribeck.errors import InputError, note, said_by
 from stribeck.laws.base import Claims, Law
 from stribeck.laws.form import USUAL, Form
 from stribeck.laws.render import Equation, condition, equations
@@ -82,7 +82,13 @@ def _trouble(law: type[Law]) -> str | None:
     """What keeps its equations from being evaluated with constants that are allowed; None where none are at hand."""
     values = _example(law)
     values |= {n: 1.0 for n, c in law.constants().items() if c.required and n not in values and not c.problem(1.0)}
-    return None if law.problems(values) else registry.trouble(law(values))
+    if law.problems(values):
+        return None
+    found = law(values)
+    trouble = registry.trouble(found)
+    if trouble is None and (text := registry.gap(found)):
+        note(f"law '{law.name}': {text}")
+    return trouble
 
 
 def _example(law: type[Law]) -> dict[str, float]:

@@ -13,6 +13,7 @@ import numpy as np
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, needed, note
 from stribeck.exchange.bam import STEEPNESS
+from stribeck.files import open_file
 
 Tables = dict[str, Any]
 Read = Mapping[str, Any]
@@ -24,7 +25,8 @@ _STILL = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
 
 def from_mujoco_file(path: str | Path) -> Tables:
     """The tables of a machine: for each slide or hinge a body with the inertia that it moves at the model's first
-    position (armature with it), and a contact with ``frictionloss`` and ``damping``; joints do not act on each other.
+    position (armature with it), a contact with ``frictionloss`` and ``damping``, and a link to the ground with ``stiffness``;
+    joints do not act on each other. What else acts in the model is left out, and told.
 
     Raises:
         InputError: MuJoCo cannot read the model, or it has no such joint.
@@ -37,6 +39,7 @@ def from_mujoco_file(path: str | Path) -> Tables:
         "schema": 2,
         "name": Path(path).stem,
         "bodies": {},
+        "links": {},
         "contacts": {},
         "loads": {},
         "motors": {},
@@ -54,12 +57,50 @@ def from_mujoco_file(path: str | Path) -> Tables:
             numbers = {"F_c": max(loss, 1e-9), "sigma_2": damping}
             law = {"name": "coulomb_viscous", "k_v": STEEPNESS, "parameters": numbers}
             made["contacts"][f"{name}_friction"] = {"from": name, "law": law}
+        _spring(made, model, j, name)
     if not names:
         raise InputError(f"{path}: has no joint that is a {' or a '.join(_SINGLE)}")
     for a in range(model.nu):
         if int(model.actuator_gaintype[a]) == int(mujoco.mjtGain.mjGAIN_DCMOTOR):
             _dcmotor(made, model, a, names.get(int(model.actuator_trnid[a, 0]), ""))
+    if left := _left_out(mujoco, model, names):
+        note(f"{path}: {', '.join(left)}: left out")
     return {**{n: x for n, x in made.items() if x != {}}, "solve": {"t_end": 1.0}, "output": {"step": 0.005}}
+
+
+def _spring(made: Tables, model: Model, j: int, name: str) -> None:
+    """A joint's spring to the world; a body's coordinate is 0 where the model begins, the spring's rest may be elsewhere."""
+    stiffness, at = float(np.ravel(model.jnt_stiffness[j])[0]), int(model.jnt_qposadr[j])
+    if stiffness <= 0:
+        return
+    made["links"][f"{name}_spring"] = {"from": name, "to": "ground", "stiffness": stiffness}
+    if rest := float(model.qpos_spring[at] - model.qpos0[at]):
+        push = {"kind": "points", "t": [0.0, 1.0], "value": [stiffness * rest] * 2}
+        made["loads"][f"{name}_spring_rest"] = {"on": name, "kind": "signal", "signal": push}
+
+
+def _left_out(mujoco: ModuleType, model: Model, names: Mapping[int, str]) -> list[str]:
+    """What acts on the bodies in MuJoCo and not in a machine of the joints' own friction and springs."""
+    left = (
+        ["gravity"]
+        if np.any(model.opt.gravity) and not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+        else []
+    )
+    for j in range(model.njnt):
+        d, name = int(model.jnt_dofadr[j]), model.joint(j).name or f"joint{j}"
+        if j not in names:
+            left.append(f"joint {show(name)} (neither slide nor hinge)")
+            continue
+        for word, table, row in (("damping", "dof_dampingpoly", d), ("stiffness", "jnt_stiffnesspoly", j)):
+            if hasattr(model, table) and np.any(getattr(model, table)[row]):  # MuJoCo 4 has them
+                left.append(f"joint {show(name)}: {word} beyond its linear part")
+        left += [f"joint {show(name)}: its range"] if model.jnt_limited[j] else []
+        stiffness = float(np.ravel(model.jnt_stiffness[j])[0])
+        left += [f"joint {show(name)}: stiffness {stiffness:g} < 0"] if stiffness < 0 else []
+    others = [a for a in range(model.nu) if int(model.actuator_gaintype[a]) != int(mujoco.mjtGain.mjGAIN_DCMOTOR)]
+    left += [f"actuator {show(model.actuator(a).name or f'actuator{a}')}" for a in others]
+    counts = {"tendons": model.ntendon, "equality constraints": model.neq}
+    return left + [f"{n} {what}" for what, n in counts.items() if n]
 
 
 def _read(mujoco: ModuleType, path: str | Path) -> Model:
@@ -68,7 +109,10 @@ def _read(mujoco: ModuleType, path: str | Path) -> Model:
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(told.append)
     try:
+        open_file(Path(path)).close()  # a pipe would be waited for
         model = mujoco.MjModel.from_xml_path(str(path))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     except ValueError as error:
         raise InputError(f"{path}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
     finally:
@@ -163,12 +207,29 @@ f"bodies.{n}: neither inertia nor mass: a joint of MuJoCo moves a body with one 
             problems.append(f"contacts.{name}.law.name: {show(law['name'])}: {text}")
     if problems:
         raise InputError(problems)
+    springs = _grounded(machine, joints)
     actuators += [_element(machine, n, *_led(machine, m["on"]), None, m, used) for n, m in motors.items()]
     lost = [f"loads.{n}" for n in machine.get("loads", {}) if n not in used]
-    lost += [f"{kind}.{n}" for kind in ("links", "controllers") for n in machine.get(kind, {})]
+    lost += [f"{kind}.{n}" for kind in ("links", "controllers") for n in machine.get(kind, {}) if n not in springs]
     if lost:
         note(f"{', '.join(lost)}: left out: MuJoCo's model has its bodies, friction and motors")
     return _model(str(machine.get("name", "machine")), machine["bodies"], joints, actuators)
+
+
+def _grounded(machine: Read, joints: Mapping[str, dict[str, float]]) -> list[str]:
+    """The links that are springs from a body to the ground, which go into its joint."""
+    found = []
+    for name, link in machine.get("links", {}).items():
+        if link.get("to") == "ground" and isinstance(link["from"], str) and link.get("kind", "link") == "link":
+            if link.get("gap"):
+                continue
+            leader, ratio = _led(machine, link["from"])
+            words, side = joints[leader], (ratio * link.get("ratio", 1.0)) ** 2
+            for word, x in (("stiffness", link["stiffness"]), ("damping", link.get("damping") or 0.0)):
+                if x:
+                    words[word] = words.get(word, 0.0) + x * side
+            found.append(name)
+    return found
 
 
 def _led(machine: Read, body: str) -> tuple[str, float]:

@@ -108,6 +108,6 @@ def _build(source: str) -> bytes:
         result = compiler.called(command, "zig cc", _TIME_LIMIT, built.parent)
         content = built.read_bytes() if built.is_file() else b""
         if result.returncode or not content.startswith(_MAGIC):
-            lines = [line.strip() for line in result.stderr.splitlines() if "error" in line.lower()]
-            raise BuildError(f"zig cc failed: {lines[0] if lines else f'exit status {result.returncode}'}")
+            complaint = compiler.first_complaint(result.stderr) or f"exit status {result.returncode}"
+            raise BuildError(f"zig cc failed: {complaint}")
         return content

@@ -16,7 +16,7 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, StribeckError, arg
-from stribeck.files import finite
+from stribeck.files import finite, read_file
 from stribeck.identify.data.filters import shifted
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.rest import at_rest
@@ -194,7 +194,7 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
     path = Path(folder)
     path = path / FILE if path.is_dir() else path
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(read_file(path).decode())
     except OSError as error:
         raise InputError(
             f"{arg('fit')}: '{path}': cannot be read: {error.strerror} (stribeck fit --out DIR writes it)"

@@ -17,7 +17,7 @@ from stribeck.expressions.ops import Value
 from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
 
 __all__ = [
-    "BristleLaw", "Claims", "Law", "Relation", "Scales", "StaticLaw", "builtin", "find", "law", "parameters_for",
+    "BristleLaw", "Claims", "Law", "Relation", "Scales", "StaticLaw", "builtin", "find", "gap", "law", "parameters_for",
     "table", "trouble",
 ]  # fmt: skip
 
@@ -117,6 +117,20 @@ def trouble(law: Law) -> str | None:
     except BaseException as error:
         return f"its equations cannot be evaluated: {said_by(error)}"
     return f"its equations give nan as {wrong[0]} at v = {at[0]:g} m/s, z = {at[1]:g} m and 0" if wrong else None
+
+
+def gap(law: Law) -> str | None:
+    """A speed at which a law of the user's own has no force though it has one at others, in words; None where none is seen."""
+    speed = law.scales(law.p).speed
+    for v in (-speed, 0.0, 1e3 * speed, -1e3 * speed):
+        try:
+            with np.errstate(all="ignore"):
+                F = float(law.force(v, 0.0))
+        except ArithmeticError as error:
+            return f"its equations end at v = {v:g} m/s: {type(error).__name__}"
+        if not np.isfinite(F):
+            return f"its equations give {F:g} as F at v = {v:g} m/s"
+    return None
 
 
 def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None) -> dict[str, float]:

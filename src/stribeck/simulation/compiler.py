@@ -64,14 +64,17 @@ class Compiler:
             if result.returncode == 0 and library.is_file():
                 return
             silent = f"exit status {result.returncode}, no message" if result.returncode else "it wrote no library"
-            complaint = _first_complaint(result.stderr) or silent
+            complaint = first_complaint(result.stderr) or silent
         raise BuildError(f"{Path(self.command[0]).name} failed: {complaint}")
 
 
-def called(command: list[str], name: str, limit: float, folder: Path) -> subprocess.CompletedProcess[str]:
+def called(
+    command: list[str], name: str, limit: float, folder: Path, inside: bool = False
+) -> subprocess.CompletedProcess[str]:
     """What a compiler's command ended with; ``name`` is what messages call it, ``limit`` how long it may take, s.
 
-    Its temporary files go where its result will be: $TMPDIR may be full, and Python then took another folder.
+    Its temporary files go where its result will be: $TMPDIR may be full, and Python then took another folder. ``inside``:
+    it runs there too.
 
     Raises:
         BuildError: it did not end in time, or cannot be run.
@@ -80,6 +83,7 @@ def called(command: list[str], name: str, limit: float, folder: Path) -> subproc
         return subprocess.run(
             command, capture_output=True, text=True, timeout=limit, check=False, errors="replace",
             stdin=subprocess.DEVNULL, env=os.environ | dict.fromkeys(("TMPDIR", "TMP", "TEMP"), str(folder)),
+            cwd=folder if inside else None,
         )  # fmt: skip
     except subprocess.TimeoutExpired:
         raise BuildError(f"{name} did not finish within {limit:g} s") from None
@@ -155,6 +159,8 @@ def _processor() -> str:
         return f"{platform.machine()} {platform.processor()}"
 
 
-def _first_complaint(text: str) -> str:
+def first_complaint(text: str) -> str:
+    """The line of a compiler's messages that says why it failed."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    return next((line for line in lines if "error" in line.lower()), lines[0] if lines else "")
+    wrong = [line for line in lines if "error: " in line.lower()] or [line for line in lines if "error" in line.lower()]
+    return (wrong or lines or [""])[0]

@@ -83,6 +83,10 @@ def _remarks(scenario: Scenario) -> list[str]:
     if scenario.rows == 1:
         step, t_end = scenario.output.step, scenario.solve.t_end
         found.append(f"output.step: {step:g}: is longer than solve.t_end = {t_end:g}: the output is one row, t = 0")
+    longest, most = scenario.longest_step, scenario.solve.max_steps
+    if (least := scenario.end / longest) > most:
+        why = f"a signal's waves allow no step longer than {longest:.3g} s, and {least:.3g} would be needed"
+        found.append(f"solve.max_steps: {most:g}: {why}: given up before t = {scenario.end * most / least:.3g} s")
     for contact in scenario.system.contacts:
         law = scenario.rig.laws[contact.law_path].machine
         for level in contact.levels:

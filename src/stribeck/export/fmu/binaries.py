@@ -11,7 +11,7 @@ from pathlib import Path
 from stribeck.errors import BuildError, note
 from stribeck.simulation import compiler
 
-_FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden")
+_FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-s")
 _TIME_LIMIT = 600  # s; the first cross-compilation builds the platform's own libraries
 
 # platform in FMI 3.0, in FMI 2.0, target of zig
@@ -43,14 +43,14 @@ def binaries(sources: dict[str, str], fmi: int) -> dict[str, bytes]:
             (Path(folder) / name).write_text(text, encoding="utf-8")
         native, across = compiler.find(), importlib.util.find_spec("ziglang") is not None
         if native is not None:
-            found[here()] = _compiled([*native.command, "-fPIC"], Path(folder))
+            found[here()] = _compiled([*native.command, "-fPIC"], Path(native.command[0]).name, Path(folder))
         others = [name for name in _ACROSS if across and name not in found]
         if others:
             note(f"compiling for {', '.join(others)} as well; the first time takes minutes")
         for name in others:
             zig = [sys.executable, "-m", "ziglang", "cc", "-target", _PLATFORMS[name][1]]
             try:
-                found[name] = _compiled(zig, Path(folder))
+                found[name] = _compiled(zig, "zig cc", Path(folder))
             except BuildError as error:
                 note(f"no binary for {name}: {error}")
     if not found:
@@ -60,14 +60,14 @@ def binaries(sources: dict[str, str], fmi: int) -> dict[str, bytes]:
     return {name if fmi == 3 else _PLATFORMS.get(name, (name,))[0]: data for name, data in found.items()}
 
 
-def _compiled(command: list[str], folder: Path) -> bytes:
+def _compiled(command: list[str], name: str, folder: Path) -> bytes:
+    """The library; stripped, and named without folders: those of this machine would stand in it."""
     library = folder / "library"
     libm = [] if "windows" in " ".join(command) else ["-lm"]
-    words = [*command, *_FLAGS, "-o", str(library), str(folder / "fmu.c"), *libm]
-    done = compiler.called(words, command[0], _TIME_LIMIT, folder)
+    words = [*command, *_FLAGS, "-o", library.name, "fmu.c", *libm]
+    done = compiler.called(words, name, _TIME_LIMIT, folder, inside=True)
     if done.returncode or not library.is_file():
-        complaint = next((line for line in done.stderr.splitlines() if "error" in line), done.stderr[:200])
-        raise BuildError(f"{' '.join(command)} failed: {complaint.strip()}")
+        raise BuildError(f"{name} failed: {compiler.first_complaint(done.stderr)}")
     data = library.read_bytes()
     library.unlink()
     return data

@@ -14,6 +14,7 @@ from scipy.interpolate import make_interp_spline
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, needed
+from stribeck.files import open_file
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording, Sought
 from stribeck.identify.data.filters import low_pass
 from stribeck.recorded import is_table, no_column, opened
@@ -110,7 +111,10 @@ def _model(mujoco: MuJoCo, model: MuJoCo) -> MuJoCo:
 
     if isinstance(model, str | Path):
         try:
+            open_file(Path(model)).close()  # a pipe would be waited for
             made = mujoco.MjModel.from_xml_path(str(model))
+        except OSError as error:
+            raise InputError(f"{model}: cannot be read: {error.strerror}") from None
         except ValueError as error:
             raise InputError(f"{model}: MuJoCo cannot read it: {str(error).splitlines()[0]}") from None
     else:

@@ -16,6 +16,7 @@ from scipy.optimize import least_squares, nnls
 from scipy.stats import qmc
 
 from stribeck.arrays import Array
+from stribeck.errors import InputError
 from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.terms import TERMS
 
@@ -26,6 +27,7 @@ _HIGHEST = 3.0  # of the largest force: what the curve rises above F_c at most, 
 _END = 1.1  # times the lower end of a search: what lies below is the end itself
 _TOLD = 20.0  # twice the logarithm of a likelihood; five times what one record in 20 gains by chance: neighbouring rows err alike
 _LITTLE = 1e-7  # of the force: the least that Coulomb friction is
+_BEYOND = 1e100  # in a column: squares of what a law of the user's own gives must be numbers
 
 
 @dataclass(frozen=True)
@@ -131,6 +133,9 @@ class Separable:
 
     def _solve(self, shape: Mapping[str, float]) -> tuple[Minimum, Array]:
         names, matrix, rest = self.matrix(shape)
+        if not max(np.max(abs(matrix), initial=0.0), np.max(abs(rest), initial=0.0)) < _BEYOND:
+            nothing = self._named(names, np.zeros(len(names)))
+            return Minimum({**self.held, **shape, **nothing}, np.inf), np.full(len(rest), self.highest * 1e3)
         positive = np.array([n not in TERMS or TERMS[n].positive for n in names], bool)
         w = self.weight
         x = bounded(matrix * w[:, None], rest * w, positive)
@@ -184,12 +189,23 @@ class Separable:
         Args:
             warm: shapes of narrower models; those missing in them begin where they matter least.
             everywhere: look over the whole grid; else only over shapes that are not in the first of ``warm``.
+
+        Raises:
+            InputError: the law's force is not finite at the record's speeds.
         """
         if not self.shapes:
-            return self.solve({})
+            return self._told(self.solve({}))
         starts = self._apart(self.grid()) if everywhere or not warm else self._around(warm[0])
         starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in warm]
-        return min((self.refined(start) for start in starts), key=self._rank)
+        return self._told(min((self.refined(start) for start in starts), key=self._rank))
+
+    def _told(self, found: Minimum) -> Minimum:
+        """What was found, where the law has a force at the record's speeds."""
+        if np.isfinite(found.cost):
+            return found
+        v = self.columns.log.velocity
+        text = f"gives no force within 1e100 in size at the speeds of this record ({np.min(v):.3g} to {np.max(v):.3g})"
+        raise InputError(f"law '{self.columns.sliding.law.name}': {text}")
 
     def as_seen(
         self, found: Minimum, warm: Sequence[Mapping[str, float]] = (), everywhere: bool = True
@@ -255,6 +271,8 @@ class Separable:
         """A minimum near given shapes, never worse than them."""
         shape = self._shape_of(start)
         first = self._solve(shape)[0]
+        if not np.isfinite(first.cost):
+            return first
         inside = np.clip([s.share(shape[s.name]) for s in self.shapes], 1e-6, 1 - 1e-6)
         scale = np.sqrt(max(first.cost, 1e-300))
 
