@@ -14,6 +14,7 @@ from stribeck.scenario import Scenario
 _NEAR, _FEWEST = 12, 4  # samples from which a state is estimated
 _BENDS = 2.0  # times the noise: what a parabola leaves of more samples than it follows
 _ROOM = 6.0  # bounds of a start, in its estimate's deviations
+_MOVES = 3.0
 _STILL = 6.0  # times the noise: what the first samples of a body at rest may span
 _SLOPE = 2.5  # deviations of their line's slope
 
@@ -91,10 +92,15 @@ def begun(
                 continue
             if kind == "y" and span is None and abs(x) < 1e-12 * max(1.0, float(np.nanmax(abs(channel.x)))):
                 continue
-            run.start |= {path: f * x for path, f in targets.items()}
             room = _ROOM * max(dx, 1e-9 * max(abs(x), 1e-3))
             label = f"log.{log}.{'' if span is None else f'{at:g}s.'}initial.{name}.{kind}"
-            found.append(MachineCoordinate(label, x - room, x + room, x, None, targets, None, log, True, run.piece))
+            still = kind == "v" and span is None and abs(x) < _MOVES * dx
+            first = (
+                0.0 if still else x
+            )  # rest, where the samples cannot tell it from motion: bristles would be wound up
+            low, high = min(x - room, first), max(x + room, first)
+            run.start |= {path: f * first for path, f in targets.items()}
+            found.append(MachineCoordinate(label, low, high, first, None, targets, None, log, True, run.piece))
     return run, [replace(c, prior=None) for c in found]
 
 
