@@ -136,3 +136,34 @@ def test_a_fitted_machine_begins_as_its_recording_did(stribeck, tmp_path, at):  
     found = of_folder(tmp_path / "fit", {}, trust=False)
     _, y = found.measured.columns["a.y"]
     assert np.sqrt(np.mean((simulate(found.scenario)["a.y"] - y) ** 2)) < 1.3 * ENCODER
+
+
+def test_what_was_found_of_the_first_recording_alone_is_shown_with_it(stribeck, tmp_path):  # noqa: F811
+    import tomli_w
+
+    from tests.identify.actuator.recorded import NOISE as ENCODER
+    from tests.identify.actuator.recorded import body, logs, record
+
+    gain, offset, start = 1.25, 0.003, 0.2
+    truth = body()
+    truth["bodies"]["a"]["initial"] = {"y": 0.0, "v": start}
+    record(tmp_path / "a.csv", truth, change=lambda x: x | {"y": x["y"] + offset, "u": x["u"] / gain})
+    record(tmp_path / "b.csv", body(), seed=1)
+    del truth["bodies"]["a"]["initial"]["v"]
+    (tmp_path / "axis.toml").write_text(tomli_w.dumps(truth))
+    sought = {
+        "contacts.guide.law.parameters.F_c": {"low": 0.5, "high": 2.0},
+        "log.0.loads.push.gain": {"low": 0.8, "high": 2.0},
+        "log.0.outputs.a.y.offset": {"low": -0.1, "high": 0.1},
+        "log.*.initial.a.v": {"low": -1.0, "high": 1.0},
+    }
+    listed = logs(tmp_path, ["a.csv", "b.csv"], sought)
+    words = ("--logs", listed, "--starts", "1", "--out", tmp_path / "fit")
+    assert stribeck("fit", tmp_path / "axis.toml", *words).status == 0
+    found = of_folder(tmp_path / "fit", {}, trust=False)
+    _, y = found.measured.columns["a.y"]
+    assert abs(y[0]) < 5 * ENCODER
+    assert np.sqrt(np.mean((simulate(found.scenario)["a.y"] - y) ** 2)) < 1.3 * ENCODER
+    low, high = found.intervals["loads.push.gain"]
+    assert low < gain < high
+    assert "bodies.a.initial.v" in found.intervals

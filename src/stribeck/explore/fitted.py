@@ -32,6 +32,7 @@ from stribeck.scenario import Scenario
 from stribeck.simulation import simulate
 
 _PARTS = (0.03, 0.1, 0.3, 1.0)  # of the record, to which the start is fitted one after the other
+_FIRST = "log.0."  # what begins the names of the first recording's own numbers
 _MOST = 6000  # rows of a record that a page shows, from its beginning
 
 
@@ -154,9 +155,10 @@ def _of_machine_fit(folder: Path, trust: bool) -> Report:
     if not isinstance(logs, str) or not (folder / "machine.toml").is_file():
         must = "must be a folder of a fit that is done (its parameters.toml names the logs; machine.toml is beside it)"
         raise InputError(f"{arg('report')}: {show(str(folder))}: {must}")
-    parameters = cast("Mapping[str, Mapping[str, float]]", kept["parameters"])
+    parameters = _of_first(cast("Mapping[str, Mapping[str, float]]", kept["parameters"]))
     value = {name: float(each["value"]) for name, each in parameters.items()}
     scenario = Scenario.load(folder / "machine.toml", {}, trust=trust)
+    scenario = scenario.with_changes({name: x for name, x in value.items() if not name.startswith("outputs.")})
     recording = read_logs(folder / logs, needs_unknown=False).recordings[0]
     last = min(len(recording.t), _MOST) - 1
     end, shown = float(recording.t[last]), None if last + 1 == len(recording.t) else (0.0, float(recording.t[last]))
@@ -167,6 +169,17 @@ def _of_machine_fit(folder: Path, trust: bool) -> Report:
     return Report(
         run.scenario.with_changes(start) if start else run.scenario, _ends(parameters), Beside(about, columns)
     )
+
+
+def _of_first(parameters: Mapping[str, Mapping[str, float]]) -> dict[str, Mapping[str, float]]:
+    """What was found of all recordings and of the first one alone, by the machine's paths."""
+    found = {name: each for name, each in parameters.items() if not name.startswith("log.")}
+    for name, each in parameters.items():
+        if name.startswith(_FIRST):
+            path = name.removeprefix(_FIRST)
+            start = path.split(".")
+            found[f"bodies.{start[1]}.initial.{start[2]}" if start[0] == "initial" else path] = each
+    return found
 
 
 def _started(

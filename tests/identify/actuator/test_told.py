@@ -80,7 +80,7 @@ def test_noise_of_an_input_is_counted_in_the_intervals(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("noise", "said"), [(1e-4, "parameters.sigma_2 (4.4, then "), (6e-4, "parameters.sigma_2 is fixed at 4.4 ")]
+    ("noise", "said"), [(1e-4, "parameters.v_s (0.016, then 0.019"), (6e-4, "parameters.sigma_2 is fixed at 4.4 ")]
 )
 def test_fixed_numbers_that_are_wrong_are_named(tmp_path, noise, said):
     """With three constants wrong the numbers sought leave some times the noise, or hardly more than it, and are off."""

@@ -14,12 +14,13 @@ from stribeck.constants import show
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import checks, choice, driven, gaps, judge, suspects, transfer
 from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinates, paths
-from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, prepared, traces
+from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, prepared
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Logs, read_logs
 from stribeck.identify.actuator.result import LogResult, MachineFit, Picked
 from stribeck.identify.actuator.runs import recorded_run
+from stribeck.identify.actuator.traces import traces
 from stribeck.identify.work import Stopped, Work
 from stribeck.scenario import Scenario
 from stribeck.scenario.changes import changed

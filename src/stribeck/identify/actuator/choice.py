@@ -13,10 +13,11 @@ from stribeck import laws as known_laws
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
-from stribeck.identify.actuator.estimate import BestPoint, estimate, traces
+from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.larger import OpenLaw, again, doubtful, left_more, mend
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.result import Baseline, MachineFit, Picked
+from stribeck.identify.actuator.traces import traces
 from stribeck.laws.base import PARAMETERS, Law
 from stribeck.scenario import Scenario
 from stribeck.scenario.trust import astray

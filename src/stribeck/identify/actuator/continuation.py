@@ -18,7 +18,7 @@ from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.actuator.solve import search
 from stribeck.identify.work import Stopped
 
-_LEVELS = 16  # parts of a recording
+LEVELS = 16  # parts of a recording
 _FOLLOWED = 0.1  # of a column's changes: a larger error is no longer followed
 _CLOSELY = 0.02  # the same, where errors may grow fast
 _FARTHER = 1.25
@@ -41,11 +41,11 @@ def continued(
     parts: dict[tuple[int, int], RecordedRun] = {}
     limit, steps = (_CLOSELY, _MORE_STEPS) if careful else (_FOLLOWED, _STEPS)
     reached, stuck, best = _followed(problem, u, limit), 0, u
-    most = np.ones(len(problem.runs)) if careful else np.full(len(problem.runs), float(_LEVELS))
+    most = np.ones(len(problem.runs)) if careful else np.full(len(problem.runs), float(LEVELS))
     for _ in range(_ROUNDS):
-        if ((reached == _LEVELS) & (most >= _LEVELS)).all() or stuck == _STUCK:
+        if ((reached == LEVELS) & (most >= LEVELS)).all() or stuck == _STUCK:
             break
-        most = np.minimum(np.ceil(_FARTHER * most), _LEVELS)
+        most = np.minimum(np.ceil(_FARTHER * most), LEVELS)
         levels = np.minimum(np.maximum(np.ceil(_FARTHER * reached), reached + 1), most).astype(int)
         part = _until(problem, levels, parts)
         found = search(part, 1, 0, best, keep, steps=_MORE_STEPS if stuck else steps, small=_SMALL)
@@ -54,13 +54,13 @@ def continued(
         now = _followed(problem, found.u, limit)
         moved = now.sum() > reached.sum() or (careful and (now >= levels).all())
         reached, best, stuck = now, found.u, 0 if moved else stuck + 1
-    return best, float(reached.mean()) / _LEVELS
+    return best, float(reached.mean()) / LEVELS
 
 
 def _followed(problem: MachineProblem, u: Array, limit: float = _FOLLOWED) -> Array:
     """By run: how many of its parts are followed, at least one."""
     r = problem.residuals(u[None])[0]
-    found = np.full(len(problem.runs), _LEVELS)
+    found = np.full(len(problem.runs), LEVELS)
     for k, run in enumerate(problem.runs):
         at = int(problem.first[k])
         for target in run.targets:
@@ -68,7 +68,7 @@ def _followed(problem: MachineProblem, u: Array, limit: float = _FOLLOWED) -> Ar
             lost = np.flatnonzero(~(abs(r[at : at + len(target.t)]) <= most))
             if len(lost):
                 share = target.t[lost[0]] / run.scenario.end
-                found[k] = min(found[k], max(int(share * _LEVELS), 1))
+                found[k] = min(found[k], max(int(share * LEVELS), 1))
             at += len(target.t)
     return found
 
@@ -77,19 +77,19 @@ def _until(problem: MachineProblem, levels: Array, parts: dict[tuple[int, int], 
     """The problem with each run up to one of its parts."""
     runs = []
     for k, (run, level) in enumerate(zip(problem.runs, levels, strict=True)):
-        if level == _LEVELS:
+        if level == LEVELS:
             runs.append(run)
             continue
         if (k, level) not in parts:
-            parts[k, level] = _cut(run, int(level))
+            parts[k, level] = cut(run, int(level))
         runs.append(parts[k, level] if parts[k, level].size else run)
     return replace(problem, runs=runs)
 
 
-def _cut(run: RecordedRun, level: int) -> RecordedRun:
+def cut(run: RecordedRun, level: int) -> RecordedRun:
     """The first parts of a run."""
     step = run.scenario.output.step
-    end = max(round(run.scenario.end * level / _LEVELS / step), 2) * step
+    end = max(round(run.scenario.end * level / LEVELS / step), 2) * step
     targets = [replace(t, t=t.t[t.t <= end], x=t.x[t.t <= end]) for t in run.targets]
     return replace(
         run, scenario=run.scenario.with_changes({"solve.t_end": end}), targets=[t for t in targets if len(t.t)]

@@ -12,7 +12,6 @@ from stribeck.identify.actuator.continuation import continued
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
-from stribeck.identify.actuator.result import Trace
 from stribeck.identify.actuator.runs import RecordedRun, roughness, unshifted
 from stribeck.identify.actuator.shooting import joined_stretches
 from stribeck.identify.actuator.solve import Found, half_squares, scanned, search
@@ -185,7 +184,7 @@ def estimate(
     if not whole_only and many:
         rough = _roughly(loose, recordings, sought, named, noise, work)
         found = search(
-            rough, starts, seed, _point(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH,
+            rough, starts, seed, point_of(rough, begin) if begin else None, _kept(rough, keep), wide=True, steps=_ROUGH,
             small=_NEAR,
         )  # fmt: skip
         begin = rough.values(found.u)
@@ -269,10 +268,10 @@ def _whole(
     best of all; ``logs``: the recordings that are followed first."""
     kept, tried = _kept(problem, keep), list[tuple[float, Array]]()
     some = replace(problem, runs=[run for run in problem.runs if run.log in logs])
-    best = _point(problem, points[0])
+    best = point_of(problem, points[0])
     try:
         for i, values in enumerate(points):
-            u = _point(problem, values)
+            u = point_of(problem, values)
             if starts > 1:
                 u = search(problem, starts, seed, u, kept, steps=_ROUGH, small=_NEAR).u
             u, share = continued(some, u, None if i else kept)
@@ -285,7 +284,7 @@ def _whole(
             tried.append((float(half_squares(problem.residuals(u[None]))[0]), u))
             best = min(tried, key=lambda each: each[0])[1]
         for values in points[:_CAREFUL] if len(points) > 1 else []:
-            u, _ = continued(problem, _point(problem, values), None, careful=True)
+            u, _ = continued(problem, point_of(problem, values), None, careful=True)
             found = search(problem, 1, seed, u, kept, steps=_ROUGH, small=_NEAR)
             if found.stopped or not beyond_noise(problem, found.u, 1):
                 return found
@@ -305,7 +304,7 @@ def _in_stretches(
     window = max(_SHORTEST, float(np.median([r.t[-1] for _, r in recordings])) / _STRETCH * 2)
     runs, own = prepared(scenario, recordings, named, window)
     problem = MachineProblem(runs, [*sought, *own], dict(whole.problem.noise), work=work)
-    found = search(problem, 1, 0, _point(problem, begin), _kept(problem, keep))
+    found = search(problem, 1, 0, point_of(problem, begin), _kept(problem, keep))
     parts = BestPoint(problem, found.u, found, whole.notes, True)
     left, right = leftovers(whole.problem, whole.u), leftovers(problem, found.u)
     if all(not left[c][0] > _MUCH * right[c][0] for c in left):
@@ -343,7 +342,7 @@ def _weigh(problem: MachineProblem, u: Array, given: set[str]) -> None:
             problem.noise[column] = max(float(told), floor_of(problem, column), 1e-12)
 
 
-def _point(problem: MachineProblem, values: dict[str, float]) -> Array:
+def point_of(problem: MachineProblem, values: dict[str, float]) -> Array:
     """A point from numbers by name, the rest from the machine."""
     u = problem.start()
     for i, c in enumerate(problem.sought):
@@ -354,33 +353,3 @@ def _point(problem: MachineProblem, values: dict[str, float]) -> Array:
 
 def _kept(problem: MachineProblem, keep: Keep | None) -> Callable[[Array, float], None] | None:
     return None if keep is None else lambda u, value: keep(problem.values(u), value)
-
-
-def traces(
-    scenario: Scenario, recording: Recording, log: int, sought: Sequence[MachineCoordinate], values: dict[str, float],
-    window: float | None = None, fitted: Sequence[RecordedRun] = (),
-) -> list[Trace]:  # fmt: skip
-    """What was measured in a recording and what the numbers make of it, from its start (or in stretches; those that were
-    ``fitted`` begin as there)."""
-    named = {c.name for c in sought} | paths(sought)
-    runs, own = prepared(scenario, [(log, recording)], named, window)
-    shifts = {(run.log, run.piece): run.shift for run in fitted}
-    runs = [replace(run, shift=shifts.get((run.log, run.piece), {})) for run in runs]
-    chosen = [c for c in sought if c.log in (None, log)]
-    problem = MachineProblem(runs, [*chosen, *own], dict.fromkeys(recording.outputs, 1.0))
-    u = _point(problem, values)
-    parts: dict[str, list[tuple[Array, Array, Array]]] = {}
-    for k, run in enumerate(problem.runs):
-        at = float(run.piece) if run.piece is not None else 0.0
-        for target, x in zip(run.targets, problem.predicted(run, k, u[None]), strict=True):
-            parts.setdefault(target.column, []).append((target.t + at, target.x, x[0]))
-    found = []
-    for column, pieces in parts.items():
-        t, x, p = (np.concatenate([piece[i] for piece in pieces]) for i in range(3))
-        found.append(Trace(column, unit_of(scenario, column), t, x, p))
-    return found
-
-
-def unit_of(scenario: Scenario, column: str) -> str:
-    """The unit of a machine's column."""
-    return next((c.unit for c in scenario.rig.machine.columns if c.name == column), "")

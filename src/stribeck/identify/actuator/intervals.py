@@ -17,6 +17,9 @@ _CLOSE = 0.01  # of the threshold's root
 _TRIES = 12
 _DAMPINGS = (1e-6, 1e-2)
 _RELATED = 0.95
+_LOST = 3.0  # times the height of an end: the others may not have followed yet
+_HALF, _ON = 0.5, 1.3
+_NEARER = 0.7  # of the height before: they do
 
 
 @dataclass(frozen=True)
@@ -214,13 +217,14 @@ class _Side:
         self.best = u
         self.done, self.end, self.curve = self.edge <= 1e-9, None, []  # type: bool, float | None, list[tuple[float, float]]
         self.lower: Array | None = None
-        self.J, self.doubted, self.at = s.J, False, u
+        self.J, self.doubted, self.at, self.before = s.J, False, u, np.inf
+        self.last, self.slope = u, self.along * sign  # where it was followed to, and how the others went there
 
     def point(self) -> Array:
         """Where to look next."""
         if self.doubted:
             return self.at
-        found = self.u + self.along * self.sign * self.distance
+        found = self.last + self.slope * (self.distance - self.near[0])
         found[self.k] = self.u[self.k] + self.sign * self.distance
         return np.asarray(np.clip(found, self.problem.low, self.problem.high))
 
@@ -233,19 +237,22 @@ class _Side:
         last = abs(height - self.root) < _CLOSE * self.root or (
             height < self.root and self.distance >= self.edge * (1 - 1e-9)
         )
-        if last and not self.doubted:  # an end must hold with slopes of its own
-            self.doubted, self.at = True, point
+        lost = height > _LOST * self.root and height < _NEARER * self.before
+        if (last and not self.doubted) or lost:  # an end must hold with slopes of its own
+            self.doubted, self.at, self.before = True, point, height
             return
         if self.doubted and self.far is not None and height < self.root and self.far[0] <= self.distance:
-            self.far = None
-        self.doubted = False
+            self.far, self.end = None, None
+        self.doubted, self.before = False, np.inf
         self.curve.append((float(point[self.k]), height**2))
         here = (self.distance, height)
         if abs(height - self.root) < _CLOSE * self.root:
             self._stop_at(self.distance)
             return
         if height < self.root:
-            self.near = here
+            if self.distance > self.near[0]:
+                self.slope = (point - self.last) / (self.distance - self.near[0])
+            self.near, self.last = here, point
             if self.distance >= self.edge * (1 - 1e-9):
                 self.done = True
                 return
@@ -255,11 +262,13 @@ class _Side:
             self.distance = min(self.distance * min(max(self.root / max(height, 1e-3), 1.05), 3.0), self.edge)
         else:
             share = (self.root - self.near[1]) / max(self.far[1] - self.near[1], 1e-12)
+            share = 0.5 if self.far[1] > _LOST * self.root else share
             self.distance = self.near[0] + min(max(share, 0.05), 0.95) * (self.far[0] - self.near[0])
+            rose = self.near[1] > _HALF * self.root  # else it is the others that did not follow there
+            self.end = float(self.u[self.k] + self.sign * self.far[0]) if rose else None  # if the tries run out
             if self.far[0] - self.near[0] < 1e-3 * self.far[0]:
-                self._stop_at(self.far[0])
-            else:
-                self.end = float(self.u[self.k] + self.sign * self.far[0])  # if the tries run out
+                self.done = rose
+                self.far, self.distance = None, min(_ON * self.near[0], self.edge)
 
     def _stop_at(self, distance: float) -> None:
         self.end, self.done = float(self.u[self.k] + self.sign * distance), True

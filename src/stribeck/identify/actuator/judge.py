@@ -20,7 +20,7 @@ from stribeck.simulation.places import machine_places
 
 _WIDE = 10.0  # an interval over this factor tells the order of magnitude only
 _WHITE = 1.5  # samples in which residuals forget, up to which they are taken as white
-_AGAIN = 2
+_AGAIN = 4
 
 
 @dataclass
@@ -63,6 +63,8 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
         if lower is None:
             break
         best.u = search(problem, 1, 0, lower).u
+    else:
+        return _blank(best, scenario, "no interval: the search did not come to rest: a better point lies nearby", [])
     found = {problem.sought[k].name: _parameter(best, scenario, s, k, ends[k]) for k in asked}
     names = [c.name for c in problem.sought]
     told = groups(s, names, asked)
@@ -91,14 +93,7 @@ def _parameter(best: BestPoint, scenario: Scenario, s: Spread, k: int, ends: End
     curve = [(c.outer(u), rise) for u, rise in ends.curve]
     value = c.outer(best.u[k])
     verdict, why = "found", ""
-    if ends.lower is not None:
-        verdict, why, low, high = (
-            "not judged",
-            "the search did not come to rest: a better point lies nearby",
-            None,
-            None,
-        )
-    elif low is None and high is None:
+    if low is None and high is None:
         verdict, why = "not told", f"the recordings are followed as well with any value from {c.low:g} to {c.high:g}"
     elif low is None:
         verdict, why = "bounded above", f"they are followed as well with any smaller value down to {c.low:g}"

@@ -8,28 +8,53 @@ import numpy as np
 
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.recordings import Channel, Recording
-from stribeck.identify.actuator.runs import RecordedRun, recorded_run
+from stribeck.identify.actuator.runs import RecordedRun, recorded_run, roughness
 from stribeck.scenario import Scenario
 
-_NEAR = 12  # samples from which a state is estimated
+_NEAR, _FEWEST = 12, 4  # samples from which a state is estimated
+_BENDS = 2.0  # times the noise: what a parabola leaves of more samples than it follows
 _ROOM = 6.0  # bounds of a start, in its estimate's deviations
 _MOVES = 3.0
+_STILL = 6.0  # times the noise: what the first samples of a body at rest may span
+_SLOPE = 2.5  # deviations of their line's slope
 
 
 def state_at(channel: Channel, at: float) -> tuple[float, float, float, float]:
-    """A measured position and its rate at a time, by a parabola through the samples near it, and their deviations."""
+    """A measured position and its rate at a time, by a parabola through the samples near it (as many as follow one), and
+    their deviations."""
     good = np.isfinite(channel.x)
     t, x = channel.t[good], channel.x[good]
-    near = np.sort(np.argsort(abs(t - at))[: min(_NEAR, len(t))])
-    s, span = t[near] - at, max(np.ptp(t[near]), 1e-12)
-    A = np.stack([np.ones(len(s)), s / span, (s / span) ** 2], axis=1)
-    found, *_ = np.linalg.lstsq(A, x[near], rcond=None)
-    left = x[near] - A @ found
+    order = np.argsort(abs(t - at))[:_NEAR]
+    noise = roughness([x[np.sort(order)]])
+    for count in range(len(order), 0, -2):
+        near = np.sort(order[:count])
+        s, span = t[near] - at, max(np.ptp(t[near]), 1e-12)
+        A = np.stack([np.ones(len(s)), s / span, (s / span) ** 2], axis=1)
+        found, *_ = np.linalg.lstsq(A, x[near], rcond=None)
+        left = x[near] - A @ found
+        rough = float(np.sqrt(left @ left / max(len(s) - 3, 1)))
+        if rough <= _BENDS * noise or count <= _FEWEST:
+            break
     step = np.diff(np.unique(x[near])).min(initial=np.inf)
-    rough = max(float(np.sqrt(left @ left / max(len(s) - 3, 1))), step / 3 if np.isfinite(step) else 0.0)
+    rough = max(rough, step / 3 if np.isfinite(step) else 0.0)
     spread = rough * np.sqrt(np.diag(np.linalg.pinv(A.T @ A)))
     spread[:2] += np.ptp(x[near]) / _ROOM  # the motion may bend more than a parabola: bounds must not cut it off
     return float(found[0]), float(found[1] / span), float(spread[0]), float(spread[1] / span)
+
+
+def moves(channel: Channel) -> bool:
+    """Whether the first samples of a measured position, or speed, show that a body moves: faster or slower later on, or
+    back, it was not at rest."""
+    x = channel.x[np.isfinite(channel.x)][:_NEAR]
+    steps = np.diff(np.unique(channel.x[np.isfinite(channel.x)])).min(initial=np.inf)
+    noise = max(roughness([x]), float(steps) / np.sqrt(12) if np.isfinite(steps) else 0.0)
+    if channel.noise is not None:
+        noise = max(noise, channel.noise)
+    if not np.ptp(x) > 0:
+        return False
+    index = np.arange(len(x)) - (len(x) - 1) / 2
+    slope = abs(float(index @ x)) / np.sqrt(float(index @ index))
+    return bool(np.ptp(x) > _STILL * noise or slope > _SLOPE * noise)
 
 
 def begun(
@@ -45,31 +70,37 @@ def begun(
     at = span[0] if span else 0.0
     found: list[MachineCoordinate] = []
     told: set[str] = set()
-    for column, channel in recording.outputs.items():
+    for column, channel in sorted(recording.outputs.items(), key=lambda each: each[0].endswith(".v")):
         name, _, what = column.rpartition(".")
         if (
-            what != "y"
+            what not in ("y", "v")
             or not _free(scenario, name)
             or {f"outputs.{column}.offset", f"log.{log}.outputs.{column}.offset"} & named
         ):
             continue
-        moves = {b: f for b, f in scenario.rig.carried(name).items() if b not in told}
-        told |= set(moves)
-        y, v, dy, dv = state_at(channel, at)
-        for kind, x, dx in (("y", y, dy), ("v", v, dv)):
+        carried = {b: f for b, f in scenario.rig.carried(name).items() if b not in told}
+        told |= set(carried)
+        x0, rate, dx0, drate = state_at(channel, at)
+        states = (("y", x0, dx0), ("v", rate, drate)) if what == "y" else (("v", x0, dx0),)
+        for kind, x, dx in states:
             targets = {
                 f"bodies.{b}.initial.{kind}": f
-                for b, f in moves.items()
-                if not _given(scenario, recording, named, b, kind, span)
+                for b, f in carried.items()
+                if not _given(scenario, recording, log, named, b, kind, span)
             }
-            if not targets or (kind == "v" and span is None and abs(x) < _MOVES * dx):
+            if not targets or (kind == "v" and span is None and not (what == "v" or moves(channel))):
                 continue
             if kind == "y" and span is None and abs(x) < 1e-12 * max(1.0, float(np.nanmax(abs(channel.x)))):
                 continue
-            run.start |= {path: f * x for path, f in targets.items()}
             room = _ROOM * max(dx, 1e-9 * max(abs(x), 1e-3))
             label = f"log.{log}.{'' if span is None else f'{at:g}s.'}initial.{name}.{kind}"
-            found.append(MachineCoordinate(label, x - room, x + room, x, None, targets, None, log, True, run.piece))
+            still = kind == "v" and span is None and abs(x) < _MOVES * dx
+            first = (
+                0.0 if still else x
+            )  # rest, where the samples cannot tell it from motion: bristles would be wound up
+            low, high = min(x - room, first), max(x + room, first)
+            run.start |= {path: f * first for path, f in targets.items()}
+            found.append(MachineCoordinate(label, low, high, first, None, targets, None, log, True, run.piece))
     return run, [replace(c, prior=None) for c in found]
 
 
@@ -79,15 +110,15 @@ def _free(scenario: Scenario, body: str) -> bool:
 
 
 def _given(
-    scenario: Scenario, recording: Recording, named: set[str], body: str, kind: str, span: tuple[float, float] | None
-) -> bool:
+    scenario: Scenario, recording: Recording, log: int, named: set[str], body: str, kind: str,
+    span: tuple[float, float] | None,
+) -> bool:  # fmt: skip
     """Whether somebody has said how a body begins."""
     path = f"bodies.{body}.initial.{kind}"
     if span is not None and span[0] > 0:
         return False
     inside = scenario.data["bodies"].get(body, {}).get("initial", {})
-    short = f"initial.{body}.{kind}"
-    return kind in inside or path in recording.known or any(n == path or n.endswith(f".{short}") for n in named)
+    return kind in inside or path in recording.known or bool({path, f"log.{log}.initial.{body}.{kind}"} & named)
 
 
 def stretches(recording: Recording, window: float) -> list[tuple[float, float]]:

@@ -91,7 +91,7 @@ def taken_as_exact(best: BestPoint, s: Spread) -> list[str]:
 
 def tried(best: BestPoint) -> list[str]:
     """The number with which a machine that errs would follow its recordings far better, or the fixed numbers of the machine
-    that are wrong together."""
+    that are wrong together; those that do as well are named with it."""
     problem, u = best.problem, best.u
     r, J = (x[0] for x in problem.slopes(u[None], np.full(len(u), problem.step)))
     if not (np.isfinite(r).all() and np.isfinite(J).all()):
@@ -105,12 +105,16 @@ def tried(best: BestPoint) -> list[str]:
             words = _words(problem, replace(x, off=better.values[0] - x.now, wide=0.0))
             told.append((better.share, f"{words}: with {x.coordinate.name} sought, {better.words(before)}"))
     together = of_machine[:_TOGETHER]
+    told.sort()
     better = _with(problem, u, together) if len(together) > 1 else None
-    if better is not None and (not told or better.share < _FEWER * min(told)[0]):
+    if better is not None and (not told or better.share < min(told)[0] / _FEWER):
         order = sorted(zip(together, better.values, strict=True), key=lambda x: -abs(np.log(x[1] / x[0].now)))
         names = ", ".join(f"{x.coordinate.name} ({x.now:.3g}, then {value:.3g})" for x, value in order[:_NAMED])
-        told = [(0.0, f"with {len(together)} fixed numbers sought too, {better.words(before)}; most move {names}")]
-    return [min(told)[1]] if told else []
+        words = f"with {len(together)} fixed numbers sought too, {better.words(before)}; most move {names}"
+        as_well = told and better.share > _FEWER * min(told)[0]
+        told = [*told[: _NAMED - 1], (better.share, words)] if as_well else [(better.share, words)]
+    told = [x for x in told if x[0] <= min(told)[0] / _FEWER][:_NAMED]
+    return ["; or ".join(words for _, words in told)] if told else []
 
 
 def _held_tried(problem: MachineProblem, u: Array) -> list[tuple[float, str]]:

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from stribeck.errors import InputError, arg
 from stribeck.identify.actuator import judge
-from stribeck.identify.actuator.estimate import beyond_noise, estimate, traces
+from stribeck.identify.actuator.estimate import beyond_noise, estimate
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.identify.actuator.result import LogResult, MachineFit, Moved, Transfer
 from stribeck.identify.actuator.runs import recorded_run
+from stribeck.identify.actuator.traces import traces
 
 if TYPE_CHECKING:
     from stribeck.identify.actuator.api import Fitting
