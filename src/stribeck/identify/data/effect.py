@@ -13,7 +13,7 @@ _RAISE = 2.5  # from one cut-off that is tried to the next
 _HIGHEST = 0.4  # of the sampling rate
 _CLEARLY = 0.92  # of what is missed with the lower cut-off: less is worth a higher one
 _AS_GOOD = 1.05  # of the least that is missed
-_NO_WORSE = 1.03  # of the least that is missed over all frequencies, where noise of the acceleration lies
+_NO_WORSE = 1.03  # of what a lower cut-off misses over all frequencies, where noise of the acceleration shows
 _START, _END = 5.0, 1.5  # periods of the lowest cut-off left out at the start of a run, and at an end in motion
 _SHARE = 6  # of the longest run, the most that its start is
 _SLOWED, _REST = 0.1, 0.1  # of a period, in which less than this share of the fastest speed is rest
@@ -28,8 +28,9 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
     """The cut-off, raised where a plain regression of the force misses clearly less with a higher one.
 
     The force is compared in one band whatever the cut-off, so that only what the filter does to the motion makes the difference:
-    noise of the speed and the acceleration above, rounded ramps and reversals below. The noise that a coarse scale's
-    acceleration has above that band is seen over all frequencies: no cut-off is taken that misses more there.
+    noise of the speed and the acceleration above, rounded ramps and reversals below. Noise that a coarse scale's acceleration has
+    above that band is seen over all frequencies, so that none is taken that misses more there than a lower one. The reverse says
+    nothing: a controller's force follows the noise of what it measures.
 
     Args:
         runs: measured motion and force of each.
@@ -48,9 +49,9 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
     band = min(_BAND * cutoff, _HIGHEST / step)
     missed = [_missed(chosen, inside, position, c, band, step) for c in tried]
     over_all = [_missed(chosen, inside, position, c, None, step) for c in tried]
-    able = [i for i, m in enumerate(over_all) if m <= _NO_WORSE * min(over_all)]
+    able = [i for i, m in enumerate(over_all) if m <= _NO_WORSE * min(over_all[: i + 1])]
     least = min(missed[i] for i in able)
-    if min(least / missed[0], over_all[able[0]] / over_all[0]) > _CLEARLY:
+    if least > _CLEARLY * missed[0]:
         return cutoff
     return tried[next(i for i in able if missed[i] <= _AS_GOOD * least)]
 
