@@ -13,7 +13,7 @@ import argparse
 import json
 import tempfile
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -145,11 +145,11 @@ def scatter(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.std(np.log(blocks[0][taken].sum(1) / blocks[1][taken].sum(1)) / 2))
 
 
-def counted(of: Callable[[int], dict[str, Any]], given: argparse.Namespace) -> None:
+def counted(of: Callable[[int], dict[str, Any]], given: argparse.Namespace) -> dict[str, Any]:
     """Run the cases that are asked for, and name those where ours is worse by more than a hundredth of the error.
 
     Beside stands by how much (in logarithms), and the standard error of that on this one record. Last the count, with the 95 %
-    interval of its rate (Clopper and Pearson).
+    interval of its rate (Clopper and Pearson). Returns the cases.
     """
     found: dict[str, Any] = {}
     for seed in range(given.first, given.first + given.cases):
@@ -163,14 +163,17 @@ def counted(of: Callable[[int], dict[str, Any]], given: argparse.Namespace) -> N
     rate = binomtest(good, len(found)).proportion_ci()
     mean = float(np.mean([case["worse"] for case in found.values()]))
     print(f"{good} of {len(found)} within a hundredth or better: {rate.low:.1%} to {rate.high:.1%}; mean {mean:+.2%}")
+    return found
 
 
-def asked(told: str | None, cases: int, out: Path) -> argparse.Namespace:
-    """The options."""
+def asked(told: str | None, cases: int, out: Path, further: Mapping[str, int] | None = None) -> argparse.Namespace:
+    """The options; ``further`` whole numbers with their defaults."""
     parser = argparse.ArgumentParser(description=told, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cases", type=int, default=cases)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--out", type=Path, default=out)
+    for name, usual in (further or {}).items():
+        parser.add_argument(f"--{name}", type=int, default=usual)
     return parser.parse_args()
 
 

@@ -13,6 +13,7 @@ _RAISE = 2.5  # from one cut-off that is tried to the next
 _HIGHEST = 0.4  # of the sampling rate
 _CLEARLY = 0.92  # of what is missed with the lower cut-off: less is worth a higher one
 _AS_GOOD = 1.05  # of the least that is missed
+_NO_WORSE = 1.03  # of what a lower cut-off misses over all frequencies, where noise of the acceleration shows
 _START, _END = 5.0, 1.5  # periods of the lowest cut-off left out at the start of a run, and at an end in motion
 _SHARE = 6  # of the longest run, the most that its start is
 _SLOWED, _REST = 0.1, 0.1  # of a period, in which less than this share of the fastest speed is rest
@@ -27,7 +28,9 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
     """The cut-off, raised where a plain regression of the force misses clearly less with a higher one.
 
     The force is compared in one band whatever the cut-off, so that only what the filter does to the motion makes the difference:
-    noise of the speed and the acceleration above, rounded ramps and reversals below.
+    noise of the speed and the acceleration above, rounded ramps and reversals below. Noise that a coarse scale's acceleration has
+    above that band is seen over all frequencies, so that none is taken that misses more there than a lower one. The reverse says
+    nothing: a controller's force follows the noise of what it measures.
 
     Args:
         runs: measured motion and force of each.
@@ -43,11 +46,14 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
     inside = [slice(edge, len(f) - _end(x, position, cutoff, step)) for x, f in chosen]
     if len(tried) < 2 or sum(rows.stop - rows.start for rows in inside) < _FEWEST:
         return cutoff
-    missed = [_missed(chosen, inside, position, c, cutoff, step) for c in tried]
-    least = min(missed)
+    band = min(_BAND * cutoff, _HIGHEST / step)
+    missed = [_missed(chosen, inside, position, c, band, step) for c in tried]
+    over_all = [_missed(chosen, inside, position, c, None, step) for c in tried]
+    able = [i for i, m in enumerate(over_all) if m <= _NO_WORSE * min(over_all[: i + 1])]
+    least = min(missed[i] for i in able)
     if least > _CLEARLY * missed[0]:
         return cutoff
-    return next(c for c, m in zip(tried, missed, strict=True) if m <= _AS_GOOD * least)
+    return tried[next(i for i in able if missed[i] <= _AS_GOOD * least)]
 
 
 def _some(runs: Sequence[Run]) -> list[Run]:
@@ -67,11 +73,11 @@ def _end(motion: Array, position: bool, cutoff: float, step: float) -> int:
 
 
 def _missed(
-    runs: Sequence[Run], inside: Sequence[slice], position: bool, cutoff: float, lowest: float, step: float
+    runs: Sequence[Run], inside: Sequence[slice], position: bool, cutoff: float, band: float | None, step: float
 ) -> float:
-    """What a regression on acceleration, a free odd curve of the speed and a constant misses of the force; beside a measured
-    position also a weight's and a spring's share, which may be most of it."""
-    motions, band = [], min(_BAND * lowest, _HIGHEST / step)
+    """What a regression on acceleration, a free odd curve of the speed and a constant misses of the force in a band (Hz; None
+    for all frequencies); beside a measured position also a weight's and a spring's share, which may be most of it."""
+    motions = []
     for motion, _ in runs:
         x = low_pass(motion, cutoff, step)
         v = np.gradient(x, step) if position else x
@@ -82,7 +88,7 @@ def _missed(
     matrix, force = [], []
     for (v, *rest), (_, f), rows in zip(motions, runs, inside, strict=True):
         bends = [np.interp(abs(v), knots, unit) * np.sign(v) for unit in np.eye(len(knots))]
-        passed = [low_pass(x, band, step)[rows] for x in (*rest, *bends, f)]
+        passed = [(low_pass(x, band, step) if band else x)[rows] for x in (*rest, *bends, f)]
         matrix.append(np.column_stack([*passed[:-1], np.ones(len(passed[0]))]))
         force.append(passed[-1])
     columns, target = np.concatenate(matrix), np.concatenate(force)
