@@ -9,6 +9,7 @@ from scipy.ndimage import gaussian_filter1d
 from stribeck import fit
 from stribeck.identify.data.filters import shifted
 from stribeck.identify.result import Fit
+from stribeck.identify.statistics import static_intervals
 
 _COLUMNS = {"time": "t", "position": "y", "force": "F"}
 
@@ -68,6 +69,34 @@ def test_intervals_are_wider_for_terms_that_were_not_fitted(delay: float, direct
     for name, truth in (("F_c", 10.0), ("sigma_2", 4.0)):
         told = found.estimates[name]
         assert not told.identifiable or told.low <= truth <= told.high
+
+
+def test_a_term_that_takes_a_hundredth_of_the_residual_away_counts() -> None:
+    """The offset was [0.006, 0.020] N where it is 0: terms that took less than a fiftieth away were left alone."""
+    told = _fitted(_swings(5, 0.0, 0.02), "stribeck_tanh", select=False).body["offset"]
+    assert told.low <= 0.0 <= told.high
+
+
+def test_intervals_reach_to_the_side_to_which_a_term_would_shift() -> None:
+    """The offset was [-0.010, 0.075] N about 0.033: as far to the other side, where nothing draws it."""
+    told = _fitted(_swings(5, 0.0, 0.05), "stribeck_tanh", select=False).body["offset"]
+    assert told.low <= 0.0
+    assert told.high - told.value < 0.3 * (told.value - told.low)
+
+
+def test_the_filter_of_the_motion_and_noise_do_not_add_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """They have nothing to do with each other: together they are the root of the sum of squares, and were the sum."""
+
+    def half(found: Fit) -> float:
+        told = found.body["mass"]
+        return float(np.log(told.high / told.low) / 2)
+
+    whole = _fitted(_swings(5, 0.0, 0.0), "stribeck_tanh", select=False)
+    by_filter = whole.details["filter_bias"]["mass"]
+    monkeypatch.setattr(static_intervals, "_filter_bias", lambda rows, model, solution, at: np.zeros(len(at.names)))
+    without = half(_fitted(_swings(5, 0.0, 0.0), "stribeck_tanh", select=False))
+    assert by_filter > 0.2 * without
+    assert half(whole) == pytest.approx(np.sqrt(without**2 + by_filter**2), rel=1e-9)
 
 
 def test_intervals_of_a_complete_model_are_not_wider() -> None:

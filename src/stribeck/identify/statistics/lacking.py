@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,8 +16,7 @@ from stribeck.identify.models.terms import OF_POSITION, TERMS
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics import clusters
 
-_SHARE = 0.02  # of the squared residual: what takes less away is left alone
-_MOST = 3  # terms
+_SHARE = 0.005  # of the squared residual: what takes less away is left alone
 _CLEARLY = 1.5  # halves of a 95 % interval
 _ONE_SIDED = 0.75  # of what tells a delay
 _WIDEST = 2.0  # to each side: a wider interval is not determined
@@ -53,7 +52,7 @@ def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], slopes:
     columns = _columns(rows, model, values)
     found: list[str] = []
     whole = rest = float(misfit @ misfit)
-    while columns and count and len(found) < _MOST and rest > 0:
+    while columns and count and rest > 0:
         left = {n: _left(np.column_stack([slopes, x]), misfit) for n, x in columns.items()}
         name = min(left, key=lambda n: left[n])
         if left[name] > rest - _SHARE * whole:
@@ -67,6 +66,23 @@ def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], slopes:
         slopes, rest = wider, left[name]
     shift = linear_step(slopes, misfit)[:count] if found else np.zeros(count)
     return Lacking(tuple(found), 1 - rest / whole if whole > 0 else 0.0, shift)
+
+
+def unfitted(
+    rows: Rows, model: StaticModel, values: Mapping[str, float], names: Sequence[str], slopes: Array, misfit: Array
+) -> tuple[Array, Array, list[str]]:
+    """How far below and above each coordinate may be because of terms that were not fitted, whose shift has a side, and of a
+    delay that a filter imitates; and what a reader should know of it."""
+    asked = lacking(rows, model, values, slopes, misfit)
+    late, notes = np.zeros(len(names)), []
+    if asked.names:
+        notes.append(
+            f"{' and '.join(asked.names)} would take {asked.share:.0%} of the squared residual away: intervals reach farther to "
+            "the side to which that would shift"
+        )
+    if "delay" in names:
+        late = abs(lateness(rows, names.index("delay"), slopes, misfit))
+    return np.maximum(-asked.shift, 0) + late, np.maximum(asked.shift, 0) + late, notes
 
 
 def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dict[str, Array]:

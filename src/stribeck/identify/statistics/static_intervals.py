@@ -22,7 +22,7 @@ from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
-from stribeck.identify.statistics.lacking import lacking, lateness, one_sided
+from stribeck.identify.statistics.lacking import one_sided, unfitted
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
 _HUGE = 1e100
@@ -48,6 +48,20 @@ class StaticConfidenceIntervals:
     profiles: dict[str, Profile]
     notes: tuple[str, ...]
     details: FitDetails
+
+
+@dataclass(frozen=True)
+class _Reach:
+    """How far intervals go (inner): half of what is alike to both sides, and what comes to it below and above."""
+
+    half: Array
+    below: Array
+    above: Array
+
+    @property
+    def widest(self) -> Array:
+        """To the side that is farther."""
+        return self.half + np.maximum(self.below, self.above)
 
 
 @dataclass(frozen=True)
@@ -101,12 +115,16 @@ def static_intervals(
 ) -> StaticConfidenceIntervals:
     """Intervals and verdicts for everything that was to be fitted."""
     at = linearised(model.whole, solution)
-    half, notes, details = _half_widths(rows, model, solution, at)
-    verdicts = _verdicts(rows, model, solution, at, half)
+    reach, notes, details = _half_widths(rows, model, solution, at)
+    verdicts = _verdicts(rows, model, solution, at, reach.widest)
     curves: dict[str, Profile] = {}
-    low, high = -half, half
+    low, high = -reach.half, reach.half
     if profiles:
-        low, high, curves = _profiles(model, solution, at, half, verdicts)
+        low, high, curves = _profiles(model, solution, at, reach, verdicts)
+    low, high = low - reach.below, high + reach.above
+    for k, name in enumerate(at.names):
+        if at.log[k] and max(-low[k], high[k]) > _WIDEST:
+            verdicts.setdefault(name, "with terms that were not fitted it may be half or twice its value")
     sizes, values = sizes_of(thinned(rows.log)), solution.values
     estimates: dict[str, Estimate] = {}
     for k, name in enumerate(at.names):
@@ -124,7 +142,7 @@ def static_intervals(
             estimates[name] = Estimate(float(x), first, last, unit)
     estimates |= _unfitted(rows, model, solution, at)
     # what nothing determines has a variance that is huge, and finite
-    spread = np.minimum(half / _NORMAL * np.where(at.log, at.values, 1.0), _HUGE)
+    spread = np.minimum(reach.widest / _NORMAL * np.where(at.log, at.values, 1.0), _HUGE)
     memory = noise_memory(at.misfit)
     inner = covariance(at.slopes, 1.0, memory) if len(at.names) else np.zeros((0, 0))
     root = np.sqrt(np.maximum(np.diag(inner), np.finfo(float).tiny))
@@ -138,11 +156,12 @@ def static_intervals(
     return StaticConfidenceIntervals(estimates, at.names, matrix, curves, tuple(notes), details)
 
 
-def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> tuple[Array, list[str], FitDetails]:
-    """Half intervals (inner): the widest of noise with memory, parts of the record and bands of speed; and the filter's."""
+def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> tuple[_Reach, list[str], FitDetails]:
+    """The widest of noise with memory, parts of the record and bands of speed; with it, as of its own cause, what the filter
+    does; and to one side what lacks."""
     count = len(at.names)
     if not count:
-        return np.zeros(0), [], {}
+        return _Reach(np.zeros(0), np.zeros(0), np.zeros(0)), [], {}
     free = max(int((rows.weight > 0).sum()) - count, 1)
     variance = float(at.misfit @ at.misfit) / free
     noise = _NORMAL * np.sqrt(np.maximum(np.diag(covariance(at.slopes, variance, noise_memory(at.misfit))), 0.0))
@@ -172,27 +191,13 @@ def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
         f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, bias, half, at.log, strict=True) if log and s > h
     ]:
         notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
-    further, why = _systematic(rows, model, solution, at)
+    below, above, why = unfitted(rows, model, solution.values, at.names, at.slopes, at.misfit)
     details: FitDetails = {
         "intervals_over": parts.what,
         "misfit_share": share,
         "filter_bias": dict(zip(at.names, bias.tolist(), strict=True)),
     }
-    return half + bias + further, notes + why, details
-
-
-def _systematic(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> tuple[Array, list[str]]:
-    """How far each coordinate may be off because of terms that were not fitted, and of a delay that a filter imitates."""
-    asked = lacking(rows, model, solution.values, at.slopes, at.misfit)
-    shift, notes = abs(asked.shift), []
-    if asked.names:
-        notes.append(
-            f"{' and '.join(asked.names)} would take {asked.share:.0%} of the squared residual away: intervals are wider by what "
-            "that would shift"
-        )
-    if "delay" in at.names:
-        shift = shift + abs(lateness(rows, at.names.index("delay"), at.slopes, at.misfit))
-    return shift, notes
+    return _Reach(np.hypot(half, bias), below, above), notes + why, details
 
 
 def _filter_bias(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> Array:
@@ -319,13 +324,14 @@ def _upper(model: Separable, solution: Minimum, name: str) -> float:
 
 
 def _profiles(
-    model: StaticModel, solution: Minimum, at: Linear, half: Array, verdicts: dict[str, str]
+    model: StaticModel, solution: Minimum, at: Linear, reach: _Reach, verdicts: dict[str, str]
 ) -> tuple[Array, Array, dict[str, Profile]]:
     """Ends of the intervals by what holding a number costs; parabolas for those that the force is linear in.
 
     A valley that bends, along which several numbers change together, is flatter than its covariance says: it is found by
     going there. What may be half or twice its value is not determined.
     """
+    half = reach.half
     low, high, found = -half.copy(), half.copy(), {}
     free = max(len(at.misfit) - len(at.names), 1)
     plain = covariance(at.slopes, solution.cost / free, np.zeros(0)) if len(at.names) else np.zeros((0, 0))
