@@ -270,9 +270,16 @@ def _beyond_chance(wide: Settled, narrow: Settled) -> bool:
 
 
 def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
-    """The terms that may be added, and k_v where the law has one."""
+    """The terms that may be added, and k_v where the law has one.
+
+    Beside a weight the level is not let grow with the position: it imitates friction that grows with what the arm carries, which
+    comes to an end on the turn where a straight line grows on.
+    """
     log, own = rows.log, laws.find(law).constants()
-    names = open_terms(log, (*setting.body, *setting.fixed), "F_c" in own)
+    there = (*setting.body, *setting.fixed)
+    names = open_terms(log, there, "F_c" in own)
+    if set(_PAIRED) & set(there):
+        names = [n for n in names if n != "F_c_by_position"]
     names += [f"{n} and {_PAIRED[n]}" for n in names if n == "gravity_sin" and _PAIRED[n] in names]
     free = setting.free or ()
     if "k_v" in own and not own["k_v"].required and "k_v" not in setting.fixed and "k_v" not in free:
