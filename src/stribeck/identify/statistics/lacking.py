@@ -17,8 +17,9 @@ from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics import clusters
 
 _SHARE = 0.005  # of the squared residual: what takes less away is left alone
-_CLEARLY = 1.5  # halves of a 95 % interval
-_ONE_SIDED = 0.75  # of what tells a delay
+_CLEARLY = 1.5  # halves of a 95 % interval: the best of several terms is looked at
+_ONE_SIDED = 0.1  # of what tells a delay: more of it on one side
+_BOTH_WAYS = 0.1  # of the fastest speed
 _WIDEST = 2.0  # to each side: a wider interval is not determined
 _SHORT = 0.3  # rad: on less way a weight is a constant
 
@@ -106,12 +107,21 @@ def _left(slopes: Array, misfit: Array) -> float:
 
 
 def one_sided(rows: Rows, slopes: Array) -> str:
-    """Whether nearly all that tells a delay, by its slopes, lies where the speed "rises" or "falls", or neither: a filter that
-    rounds off a stop makes the speed late there, and early at a start. Only where both are in the record can it be told apart."""
-    way, own = _way(rows), slopes**2
-    rising, falling = (float(np.sum(own[way == side])) for side in (1, -1))
-    most = _ONE_SIDED * max(rising + falling, 1e-300)
-    return "rises" if rising > most else "falls" if falling > most else ""
+    """Whether more of what tells a delay, by its slopes, lies where the speed "rises" or "falls", or neither: a filter that
+    rounds off a stop makes the speed late there, and early at a start. Runs that go both ways have starts and stops alike."""
+    way, own, run = _way(rows), slopes**2, rows.log.run[rows.kept]
+    v = rows.log.velocity[rows.kept]
+    one_way = [number for number in np.unique(run) if not _turns(v[run == number])]
+    own_way = np.isin(run, one_way)
+    rising, falling = (float(np.sum(own[own_way & (way == side)])) for side in (1, -1))
+    more = (rising - falling) / max(float(np.sum(own)), 1e-300)
+    return "rises" if more > _ONE_SIDED else "falls" if more < -_ONE_SIDED else ""
+
+
+def _turns(v: Array) -> bool:
+    """Whether a body goes both ways, and not by noise alone."""
+    fastest = float(np.max(abs(v)))
+    return bool(v.min() < -_BOTH_WAYS * fastest and v.max() > _BOTH_WAYS * fastest)
 
 
 def lateness(rows: Rows, delay: int, slopes: Array, misfit: Array) -> Array:

@@ -238,8 +238,8 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
         found["F_s"] = f"v_s comes out at the {end} speed measured, and F_s hangs on it"
     if "delay" in at.names and (side := one_sided(rows, at.slopes[:, at.names.index("delay")])):
         found["delay"] = (
-            f"nearly all that tells it lies where the speed {side}: there the filter of the motion does the same; it "
-            "takes starts and stops, or reversals"
+            f"more of what tells it lies where the speed {side}, in runs of one direction: there the filter of the motion does "
+            "the same; it takes starts and stops alike, or reversals"
         )
     return {**_physical(rows, model, solution, at), **found}
 
