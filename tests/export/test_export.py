@@ -201,3 +201,13 @@ def test_a_self_test_whose_numbers_c_cannot_hold(tmp_path, sigma_0):
     with pytest.raises(stribeck.InputError, match=r"single precision does not hold|not finite"):
         stribeck.export(strange, "c", tmp_path / "c", self_test=True)
     assert not (tmp_path / "c").exists()
+
+
+@pytest.mark.parametrize("v_s", [5e-324, 1.7e308])
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_table_of_speeds_that_numbers_cannot_hold(tmp_path, v_s):
+    """It was written with inf in it."""
+    strange = stribeck.law("lugre", parameters="canudas1995", v_s=v_s)
+    with pytest.raises(stribeck.InputError, match="'table'"):
+        stribeck.export(strange, "table", tmp_path / "t.csv")
+    assert not (tmp_path / "t.csv").exists()
