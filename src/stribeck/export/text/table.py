@@ -53,7 +53,8 @@ def fit(law: Law) -> tuple[Array, Array, float]:
     """
     with np.errstate(all="ignore"):
         v, force, error = _fit(law)
-    if not (np.all(np.isfinite([*v, *force, error])) and np.all(np.diff(v) > 0)):
+    right = np.all(np.isfinite([*v, *force, error])) and np.all(np.diff(v) > 0) and error < 0.5 * np.max(abs(force))
+    if not right:
         text = f"the speeds of law '{law.name}' with these constants ({law.scales(law.p).speed:g}) leave no table of numbers"
         raise InputError(f"{arg('target')}: 'table': {text}")
     return v, force, error
