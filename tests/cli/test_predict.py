@@ -106,6 +106,27 @@ def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     assert "one must be given" in nothing.err
 
 
+def test_what_comes_after_a_recorded_drive_is_not_compared(stribeck, scenario, tmp_path):
+    """The drive's last value went on to the end of the record, and the error was that of a motion that nobody drove."""
+    t = np.arange(0, 4, 0.01)
+    drive = "".join(f"{x:.2f},{2 * np.sin(5 * x)}\n" for x in t[:200])
+    (tmp_path / "drive.csv").write_text("t,u\n" + drive)
+    text = scenario.read_text().replace(
+        'kind = "ramp"\nrate = 0.1', 'kind = "file"\npath = "drive.csv"\ntime = "t"\nvalue = "u"'
+    )
+    scenario.write_text(text.replace('kind = "spring"\nstiffness = 2.0', 'kind = "force"'))
+    assert stribeck("run", scenario, "--set", "solve.t_end=1.99", "--out", tmp_path / "run").status == 0
+    rows = (tmp_path / "run" / "trajectory.csv").read_text().splitlines()[1:]
+    kept = "".join(",".join(row.split(",")[:2]) + "\n" for row in rows)
+    (tmp_path / "log.csv").write_text("t,y\n" + kept + "".join(f"{x},9.0\n" for x in t[200:]))
+    done = stribeck("validate", scenario, "--log", tmp_path / "log.csv", "--time", "t", "--position", "y", "--json")
+    assert done.status == 0, done.err
+    assert "the recorded drive ends at 1.99 s: what comes after is not compared" in done.err
+    found = json.loads(done.out)
+    assert found["rows"] == 200
+    assert found["errors"]["position"]["relative"] < 1e-6
+
+
 def test_a_machine_is_refused_in_a_line(stribeck, tmp_path):
     (tmp_path / "log.csv").write_text("t,y\n" + "".join(f"{0.1 * i},{i}\n" for i in range(9)))
     found = stribeck("validate", examples.path("belt"), "--log", tmp_path / "log.csv", "--time", "t", "--position", "y")

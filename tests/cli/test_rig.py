@@ -80,3 +80,25 @@ def test_bad_input_is_one_line_and_writes_nothing(stribeck, tmp_path, words, lin
     assert line in outcome.err
     assert outcome.err.count("\n") == 1
     assert not new.exists()
+
+
+@pytest.mark.parametrize("option", ["--stroke", "--speed", "--force"])
+@pytest.mark.parametrize("number", ["5e-324", "1e308", "0", "nan"])
+def test_limits_that_no_rig_has(stribeck, tmp_path, option, number):
+    words = [str(w) for w in LIMITS]
+    words[words.index(option) + 1] = number
+    outcome = stribeck("rig", *words, "--simulate", "--out", tmp_path / "rig")
+    assert (outcome.status, outcome.out) == (2, "")
+    assert outcome.err.startswith(option)
+    assert not (tmp_path / "rig").exists()
+
+
+def test_a_law_that_the_synthetic_rig_cannot_show(stribeck, tmp_path):
+    words = ("rig", *LIMITS, "--simulate", "--out", tmp_path / "rig", "--set")
+    outcome = stribeck(*words, "sigma_0=1e-3")
+    assert outcome.status == 2
+    assert "--stroke: 0.05: the law's friction breaks away at 1.4e+04 m" in outcome.err
+    outcome = stribeck(*words, "v_s=1e-300")
+    assert outcome.status == 1
+    assert "the synthetic rig failed: after t = " in outcome.err
+    assert not (tmp_path / "rig").exists()

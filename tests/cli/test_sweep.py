@@ -248,3 +248,17 @@ def test_without_a_gpu_nothing_is_begun(stribeck, scenario, tmp_path):
     assert found.status != 0
     assert "device 'cuda'" in found.err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_range_whose_ends_are_as_far_apart_as_numbers_can_be():
+    assert Range.parse("a=1e-308:1e308:3:log").values == pytest.approx([1e-308, 1.0, 1e308], rel=1e-12)
+    assert Range.parse("a=-1e308:1e308:3").values == pytest.approx([-1e308, 0.0, 1e308])
+
+
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_values_that_no_axis_can_have(stribeck, scenario, tmp_path):
+    far = ("--vary", "plant.initial.v=-1e308:1e308:3", "--vary", "plant.initial.y=-1e308:1e308:3")
+    outcome = stribeck("sweep", scenario, *far, "--set", "solve.t_end=0.1", "--summary", "--out", tmp_path / "far")
+    assert outcome.status == 0, outcome.err
+    assert "lanes failed; the column 'reason' says why" in outcome.err
+    assert (tmp_path / "far" / "_report" / "report.html").exists()

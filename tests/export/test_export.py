@@ -192,3 +192,22 @@ def test_the_header_says_plainly_what_is_not_guaranteed(tmp_path):
     files = stribeck.export(stribeck.law("lugre_majorant", "canudas1995", k_v=1e6), "c", tmp_path)
     said = " ".join(line.strip(" *") for line in next(f for f in files if f.suffix == ".h").read_text().splitlines())
     assert "The law is unique, bounded and smooth; it is not passive and not drift-free." in said
+
+
+@pytest.mark.parametrize("sigma_0", [5e-324, 1e-300, 1e-30, 1e300, 1.7e308])
+def test_a_self_test_whose_numbers_c_cannot_hold(tmp_path, sigma_0):
+    """It was written with nan in it, or could not pass, or was computed for ever."""
+    strange = stribeck.law("lugre", parameters="canudas1995", sigma_0=sigma_0)
+    with pytest.raises(stribeck.InputError, match=r"single precision does not hold|not finite"):
+        stribeck.export(strange, "c", tmp_path / "c", self_test=True)
+    assert not (tmp_path / "c").exists()
+
+
+@pytest.mark.parametrize("v_s", [5e-324, 1e-300, 1.7e308])
+@pytest.mark.filterwarnings("error::RuntimeWarning")
+def test_a_table_of_speeds_that_numbers_cannot_hold(tmp_path, v_s):
+    """It was written with inf in it, or with an error as large as the force."""
+    strange = stribeck.law("lugre", parameters="canudas1995", v_s=v_s)
+    with pytest.raises(stribeck.InputError, match="'table'"):
+        stribeck.export(strange, "table", tmp_path / "t.csv")
+    assert not (tmp_path / "t.csv").exists()

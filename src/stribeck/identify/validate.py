@@ -10,9 +10,10 @@ from typing import TypedDict
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.errors import InputError, arg
+from stribeck.errors import InputError, arg, note
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.scenario import Scenario
+from stribeck.signals.piecewise import FileSignal
 from stribeck.simulation import simulate
 
 _COLUMNS = {"position": ("y", "m"), "velocity": ("v", "m/s"), "force": ("F", "N")}
@@ -57,7 +58,7 @@ def validate(
     units: Mapping[str, str] | None = None,
     force_gain: float | str | None = None,
 ) -> Validated:
-    """Simulate a scenario for as long as a record lasts and compare.
+    """Simulate a scenario for as long as a record lasts, and a drive that was recorded, and compare.
 
     Args:
         columns: of the record: time; position, velocity or force (friction), which are compared; ``command``, which replaces
@@ -80,6 +81,14 @@ def validate(
     time = raw["time"] - raw["time"][0]
     if len(time) < 2 or np.any(np.diff(time) < 0):
         raise InputError(f"{arg('time')}: must rise, over two rows or more")
+    end = time[-1] if "command" in raw else _driven_until(scenario)
+    if time[-1] > end:
+        note(
+            f"{data}: lasts {time[-1]:g} s, and the recorded drive ends at {end:g} s: what comes after is not compared"
+        )
+        raw, time = {role: x[time <= end] for role, x in raw.items()}, time[time <= end]
+        if len(time) < 2:
+            raise InputError(f"{arg('time')}: the recorded drive ends before the second row")
     solution = simulate(scenario.with_changes(_changes(scenario, raw, time)))
     reached = time <= float(solution.t[-1]) * (1 + 1e-12)
     traces, errors = {}, dict[str, Misfit]()
@@ -94,6 +103,12 @@ def validate(
         largest = float(np.max(abs(left), initial=0.0))
         errors[role] = {"unit": unit, "rms": rms, "largest": largest, "relative": rms / spread if spread > 0 else None}
     return Validated(solution.status, solution.reason, time[reached], traces, errors)
+
+
+def _driven_until(scenario: Scenario) -> float:
+    """When the first recorded signal ends, s; one value alone is a constant."""
+    recorded = [x for x in scenario.rig.signals.values() if isinstance(x, FileSignal) and len(x.t) > 1]
+    return min((float(x.t[-1]) * (1 + 1e-9) for x in recorded), default=np.inf)
 
 
 def _changes(scenario: Scenario, raw: Mapping[str, Array], time: Array) -> dict[str, object]:

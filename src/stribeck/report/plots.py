@@ -122,8 +122,13 @@ def line(axis: Axes, i: int, x: ArrayLike, y: ArrayLike, label: str, **options: 
         "linestyle": DASHES[i % len(DASHES)],
         "label": plain(label),
     }
-    x, y = (np.where(abs(there := np.asarray(each, float)) < _LARGEST, there, np.nan) for each in (x, y))
-    axis.plot(x, y, **style, **options)
+    axis.plot(drawable(x), drawable(y), **style, **options)
+
+
+def drawable(numbers: ArrayLike) -> Array:
+    """The numbers, with nan where they are beyond what an axis can have."""
+    given = np.asarray(numbers, float)
+    return np.where(abs(given) < _LARGEST, given, np.nan)
 
 
 def logarithmic(axis: Axes, x: bool = True, y: bool = True) -> None:

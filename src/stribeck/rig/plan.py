@@ -15,6 +15,7 @@ _LOOPS, _SPEEDS, _RATES = 4, 8, 3  # tests of each kind
 _CYCLES = 3
 _SLOWEST = 1e-3  # of the speed limit
 _PUSH = 0.9  # of the force limit
+SMALLEST, _LARGEST = 1e-12, 1e12  # in SI units: no rig is beyond, and squares and ratios are numbers
 
 
 @dataclass(frozen=True)
@@ -30,11 +31,16 @@ class Limits:
     def __post_init__(self) -> None:
         given = {"stroke": self.stroke, "speed": self.speed, "force": self.force}
         given |= {} if self.deflection is None else {"deflection": self.deflection}
-        wrong = [f"{arg(name)}: {show(x)}: {text}" for name, x in given.items() if (text := POSITIVE.problem(x))]
+        wrong = [f"{arg(name)}: {show(x)}: {text}" for name, x in given.items() if (text := _problem(x))]
         if not wrong and self.deflection is not None and self.deflection > 0.1 * self.stroke:
             wrong = [f"{arg('deflection')}: {self.deflection}: must be at most a tenth of the stroke ({self.stroke})"]
         if wrong:
             raise InputError(wrong)
+
+
+def _problem(x: float) -> str | None:
+    within = f"must be from {SMALLEST:g} to {_LARGEST:g}"
+    return POSITIVE.problem(x) or (None if SMALLEST <= x <= _LARGEST else within)
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from stribeck.expressions.ops import Value
 from stribeck.files import write_text, write_with
 from stribeck.report import plots
 from stribeck.report.page import FigureSvg
-from stribeck.rig.plan import Limits, Test, motion, programme
+from stribeck.rig.plan import SMALLEST, Limits, Test, motion, programme
 from stribeck.rig.synthetic import LABEL, Experiment, Sensors, experiment
 
 HEAD = (
@@ -133,6 +133,9 @@ def simulated(limits: Limits, law: str, given: Mapping[str, float], seed: int) -
         own["z_ba"] = 0.5 * values["F_c"] / values["sigma_0"]
     made = found({**own, **values})
     length = made.scales(made.p).length
+    if limits.deflection is None and not SMALLEST <= length <= 0.1 * limits.stroke:
+        text = f"the law's friction breaks away at {length:.3g} m, which must be from {SMALLEST:g} to a tenth of the stroke"
+        raise InputError(f"{arg('stroke')}: {limits.stroke:g}: {text}")
     sensors = Sensors(position_resolution=1e-3 * length, force_noise=_NOISE * made.scales(made.p).force)
     tests = programme(Limits(limits.stroke, limits.speed, limits.force, limits.deflection or length))
     return experiment(made, motion(tests, STEP / _FINER), sensors, seed=seed, every=_FINER)

@@ -11,6 +11,7 @@ import numpy as np
 from scipy.signal import lfilter, savgol_filter
 
 from stribeck.arrays import Array
+from stribeck.errors import StribeckError
 from stribeck.identify.log import Log
 from stribeck.laws import table
 from stribeck.laws.base import Law
@@ -71,6 +72,9 @@ def experiment(
         body: what moves with the contact; nothing by default.
         seed: of the noise.
         every: the sensors see one of so many samples of the velocity.
+
+    Raises:
+        StribeckError: the law cannot be simulated on this motion.
     """
     sensors, body = sensors or Sensors(), body or Slider()
     t, v = velocity
@@ -83,7 +87,8 @@ def experiment(
             output={"step": step},
         )
     )
-    assert solution.status == "done", solution.reason
+    if solution.reason is not None:
+        raise StribeckError(f"the synthetic rig failed: {solution.reason}")
     noise = np.random.default_rng(seed)
     t, v, y = solution.t, v[::every], solution["y"]
     force = body.mass * np.gradient(v, step) + solution["F"] + body.stiffness * y + body.offset

@@ -165,7 +165,8 @@ def _over_several(sweep: Sweep, quantities: Sequence[Quantity]) -> list[FigureSv
     """A heat map over two numbers, or parallel axes of more."""
     values = dict(sweep.lanes.values)
     often = [q for q in quantities if np.isfinite(q.values).mean() > 0.5]
-    if not often or len(values) < 2:
+    beyond = any(np.isnan(plots.drawable(x)).any() for x in values.values())  # an axis cannot have them
+    if not often or len(values) < 2 or beyond:
         return []
     found, over = whole_grid(values), varied(sweep.lanes.scenario, values)
     return [parallel_axes(over, often) if found is None else heat_map(over, found, often)]
@@ -218,14 +219,15 @@ def _measures(sweep: Sweep, rows: Rows) -> FigureSvg:
         for key, axis in axes.items():
             measure, path = key.split("|")
             of_y = scale([_quantity(sweep, rows, measure)])
-            x, y = of_path[path].of(rows[path][pick]), of_y.of(rows[measure][pick].astype(float))
+            x = plots.drawable(of_path[path].of(rows[path][pick]))
+            y = plots.drawable(of_y.of(rows[measure][pick].astype(float)))
             other = next((p for p in paths if p != path), None)
             if other is None:
                 order = np.argsort(x)
                 dense = len(pick) * len(axes) > _DOTS
                 axis.plot(x[order], y[order], "-" if dense else "o-", color=plots.COLOURS[2], markersize=3)
             else:
-                values = of_path[other].of(rows[other][pick])
+                values = plots.drawable(of_path[other].of(rows[other][pick]))
                 dots = axis.scatter(
                     x, y, c=values, s=9, cmap="viridis", norm="log" if logarithmic(values) else None,
                     rasterized=len(pick) * len(axes) > _DOTS,
@@ -262,7 +264,9 @@ def _lanes(sweep: Sweep, lanes: NDArray[np.int64], found: Ensemble) -> FigureSvg
         for name, axis in axes.items():
             of_y = scale([Quantity(name, known[name].unit, known[name].meaning, found[name])])
             for label, colour, y in zip(labels, colours, found[name], strict=True):
-                axis.plot(*plots.thin(of_t.of(found.t), of_y.of(y)), color=colour, label=label, linewidth=1)
+                axis.plot(
+                    *plots.thin(of_t.of(found.t), plots.drawable(of_y.of(y))), color=colour, label=label, linewidth=1
+                )
             axis.set(xlabel=of_t.label, ylabel=of_y.label, title=known[name].meaning)
         if len(lanes) > 1:
             plots.legend(made, axes[names[0]])

@@ -62,7 +62,12 @@ class Range:
 
     def _scaled(self, share: Array) -> Array:
         if self.log:
-            found = 10 ** (math.log10(self.first) + math.log10(self.last / self.first) * share)
+            ratio = self.last / self.first  # of ends too far apart it is no number, and the decades are less exact
+            whole = 0 < ratio < math.inf
+            decades = math.log10(ratio) if whole else math.log10(self.last) - math.log10(self.first)
+            found = 10 ** (math.log10(self.first) + decades * share)
+        elif math.isinf(self.last - self.first):
+            found = self.first * (1 - share) + self.last * share
         else:
             found = self.first + (self.last - self.first) * share
         return np.where(share == 0, self.first, np.where(share == 1, self.last, found))

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
+from stribeck.arrays import Array
 from stribeck.control.sampled import phi_1
-from stribeck.errors import needed
+from stribeck.errors import InputError, arg, needed
 from stribeck.export.c.cascade import INPUTS, OUTPUTS, PATH, ControllerCode
 from stribeck.export.c.ccode import LawCode
 from stribeck.export.request import Request
@@ -19,12 +20,21 @@ from stribeck.laws.base import Law
 
 
 def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
-    """Rows of numbers as C writes them, by function; the last number of a row is the sum of the absolute terms."""
+    """Rows of numbers as C writes them, by function; the last number of a row is the sum of the absolute terms.
+
+    Raises:
+        InputError: with these constants single precision cannot hold the motion that is checked, or a value is not finite.
+    """
+    with np.errstate(all="ignore"):
+        return _cases(request)
+
+
+def _cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
     law, equations = request.law, LawCode(request.law)
     scales, rng = law.scales(law.p), np.random.default_rng(1)
     speeds = scales.speed * np.array([0.0, 1e-9, -1e-3, 0.3, -1.0, 2.5, -30.0, 1e4])
     z = scales.length * rng.uniform(-1, 1, speeds.size) if law.has_z else np.zeros(speeds.size)
-    v, z = (x.astype(np.float32).astype(float) for x in (speeds, z))  # the same numbers in single precision
+    v, z = _single(speeds), _single(z)
     size = terms(equations, ("rate", "force"))
     rates, forces = law.rate(v, z), law.force(v, z)
     found: dict[str, list[tuple[str, ...]]] = {"points": [], "steps": []}
@@ -33,10 +43,20 @@ def cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
         row = (v[i], z[i], rates[i], rate_terms, forces[i], force_terms, float(law.steady_force(v[i])))
         found["points"].append(_row(row))
     for i in range(1, v.size - 1):
-        dt = float(np.float32(min(0.05 * scales.length / abs(v[i]), _settled(law, v[i], scales.length))))
+        dt = float(_single(np.array(min(0.05 * scales.length / abs(v[i]), _settled(law, v[i], scales.length)))))
         after = advance(law, v[i], z[i], dt)
         found["steps"].append(_row((v[i], z[i], dt, after, scales.length)))
     return found
+
+
+def _single(numbers: Array) -> Array:
+    """The numbers as single precision has them: the C that is compiled so has the same inputs."""
+    small, size = np.finfo(np.float32), abs(numbers)
+    if not np.all((numbers == 0) | ((size >= small.tiny) & (size <= small.max))):
+        wrong = numbers[~((numbers == 0) | ((size >= small.tiny) & (size <= small.max)))]
+        text = f"the check of these constants needs {wrong.flat[0]:g}, which single precision does not hold (1.2e-38 to 3.4e38)"
+        raise InputError(f"{arg('self_test')}: {text}")
+    return numbers.astype(np.float32).astype(float)
 
 
 def _settled(law: Law, v: float, length: float) -> float:
@@ -115,8 +135,8 @@ def output_spread(outputs: list[Expr]) -> list[Expr]:
     known: dict[Expr, Expr] = {}
     for node in ordered(outputs):
         total = wrap(0.0)
-        for slope, arg in zip(partials(node), node.args, strict=False):
-            total = total + abs(slope) * known[arg]
+        for slope, of in zip(partials(node), node.args, strict=False):
+            total = total + abs(slope) * known[of]
         known[node] = total if node.args else abs(node)
     return [known[node] for node in outputs]
 
@@ -151,4 +171,7 @@ def advance(law: Law, v: float, z: float, dt: float) -> float:
 
 
 def _row(numbers: Iterable[float]) -> tuple[str, ...]:
-    return tuple(repr(float(x)) for x in numbers)
+    found = [float(x) for x in numbers]
+    if not np.all(np.isfinite(found)):
+        raise InputError(f"{arg('self_test')}: a value to check by is not finite with these constants")
+    return tuple(map(repr, found))

@@ -48,8 +48,19 @@ def fit(law: Law) -> tuple[Array, Array, float]:
     """Velocities and forces of at most :data:`POINTS` points, and the greatest error between 0 and the last one.
 
     Raises:
-        InputError: the law's steady friction is not odd in v, or not bounded.
+        InputError: the law's steady friction is not odd in v, or not bounded; its speeds or forces are beyond what a
+            table's numbers can be.
     """
+    with np.errstate(all="ignore"):
+        v, force, error = _fit(law)
+    right = np.all(np.isfinite([*v, *force, error])) and np.all(np.diff(v) > 0) and error < 0.5 * np.max(abs(force))
+    if not right:
+        text = f"the speeds of law '{law.name}' with these constants ({law.scales(law.p).speed:g}) leave no table of numbers"
+        raise InputError(f"{arg('target')}: 'table': {text}")
+    return v, force, error
+
+
+def _fit(law: Law) -> tuple[Array, Array, float]:
     x = _grid(law)
     y = np.asarray(law.steady_force(x))
     size = np.max(abs(y))
