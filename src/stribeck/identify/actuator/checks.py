@@ -8,9 +8,10 @@ from itertools import chain
 
 import numpy as np
 
+from stribeck.arrays import Array
 from stribeck.identify.actuator.bridges import GAP
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.estimate import POOR, leftovers
+from stribeck.identify.actuator.estimate import POOR, leftovers, point_of
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
 from stribeck.identify.actuator.runs import RecordedRun
@@ -112,10 +113,12 @@ def _factor_between(y: Channel, v: Channel) -> tuple[float, str] | None:
     return None
 
 
-def _alone(whole: MachineProblem, run: RecordedRun) -> tuple[float, list[MachineCoordinate]]:
-    """What one recording by itself leaves of its changes, and what is sought of it."""
+def _alone(whole: MachineProblem, run: RecordedRun) -> tuple[float, list[MachineCoordinate], dict[str, float]]:
+    """What one recording by itself leaves of its changes, what is sought of it, and its numbers."""
     sought = [c for c in whole.sought if c.log in (None, run.log) and (not c.nuisance or c.piece == run.piece)]
-    return _worst(MachineProblem([run], sought, whole.noise), None), sought
+    problem = MachineProblem([run], sought, whole.noise)
+    left, u = _left(problem, None, {})
+    return left, sought, problem.values(u)
 
 
 def hypotheses(whole: MachineProblem) -> list[str]:
@@ -129,10 +132,11 @@ def hypotheses(whole: MachineProblem) -> list[str]:
             shortest[each.log] = each
     runs = sorted(shortest.values(), key=lambda each: each.scenario.end)[:_TRIED]
     alone = [_alone(whole, each) for each in runs]
-    k = int(np.argmax([left for left, _ in alone]))
-    run, (now, sought) = runs[k], alone[k]
-    told = []
-    if len(runs) > 1 and (bad := [r.name for r, (left, _) in zip(runs, alone, strict=True) if left > POOR]) != [
+    k = int(np.argmax([left for left, _, _ in alone]))
+    run, (now, sought, _) = runs[k], alone[k]
+    told, least = [], min(alone, key=lambda each: each[0])
+    values = least[2] if least[0] <= POOR else {}  # those of a recording that is followed may be those of the others
+    if len(runs) > 1 and (bad := [r.name for r, each in zip(runs, alone, strict=True) if each[0] > POOR]) != [
         r.name for r in runs
     ]:
         others = ", ".join(bad) if bad else ""
@@ -141,24 +145,26 @@ def hypotheses(whole: MachineProblem) -> list[str]:
             "each recording can be followed by itself, but not all with the same numbers: is a unit, a load (known) or "
             "the unit of an input other in one of them?"
         )  # fmt: skip
-    return [*told, *_columns_tried(whole, run, sought, now)]
+    return [*told, *_columns_tried(whole, run, sought, now, values)]
 
 
-def _columns_tried(whole: MachineProblem, run: RecordedRun, sought: list[MachineCoordinate], now: float) -> list[str]:
+def _columns_tried(
+    whole: MachineProblem, run: RecordedRun, sought: list[MachineCoordinate], now: float, values: dict[str, float]
+) -> list[str]:
     """The change of a column that lets a recording be followed, if there is one."""
     found: list[tuple[float, str]] = []
     for target in run.targets:
         for factor, words in _FACTORS.items():
-            left = _tried(_scaled(run, target.column, factor), sought, whole, factor, target.column)
+            left = _tried(_scaled(run, target.column, factor), sought, whole, factor, target.column, values)
             found.append((left, f"{target.column}: with its column times {factor:.4g} ({words})"))
         clock = MachineCoordinate(
             f"outputs.{target.column}.clock", -_CLOCK, _CLOCK, 0.0, None, {}, (target.column, "clock")
         )
-        left = _worst(MachineProblem([run], [*sought, clock], whole.noise), 6)
+        left = _left(MachineProblem([run], [*sought, clock], whole.noise), 6, values)[0]
         found.append((left, f"{target.column}: with a clock of its own (outputs.{target.column}.clock sought)"))
     for path, other, factor in _inputs_scaled(run):
         words = f"{path}: with its column times {factor:.4g} ({_FACTORS[factor]})"
-        found.append((_worst(MachineProblem([other], sought, whole.noise), 6), words))
+        found.append((_left(MachineProblem([other], sought, whole.noise), 6, values)[0], words))
     left, words = min(found)
     if left < 0.5 * now and left < _FOLLOWED:
         return [
@@ -182,8 +188,9 @@ def _scaled(run: RecordedRun, column: str, factor: float) -> RecordedRun:
 
 
 def _tried(
-    run: RecordedRun, sought: list[MachineCoordinate], whole: MachineProblem, factor: float, column: str
-) -> float:
+    run: RecordedRun, sought: list[MachineCoordinate], whole: MachineProblem, factor: float, column: str,
+    values: dict[str, float],
+) -> float:  # fmt: skip
     """How much of the columns' changes is left with one of them scaled."""
     own = []
     for c in sought:
@@ -192,10 +199,11 @@ def _tried(
             c = replace(c, low=ends[0], high=ends[1], start=None if c.start is None else c.start * factor)
         own.append(c)
     noise = {n: x * abs(factor) if n == column else x for n, x in whole.noise.items()}
-    return _worst(MachineProblem([run], own, noise), 6)
+    return _left(MachineProblem([run], own, noise), 6, values)[0]
 
 
-def _worst(problem: MachineProblem, starts: int | None) -> float:
-    """The largest share that is left of a column's changes."""
-    found = search(problem, starts or 4, 0, steps=_STEPS, small=_ROUGHLY)
-    return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values())
+def _left(problem: MachineProblem, starts: int | None, values: dict[str, float]) -> tuple[float, Array]:
+    """The largest share that is left of a column's changes, from these numbers and other starts, and where that is."""
+    shared = {c.name: values[c.name] for c in problem.sought if c.log is None and c.name in values}
+    found = search(problem, starts or 4, 0, point_of(problem, shared), steps=_STEPS, small=_ROUGHLY)
+    return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values()), found.u
