@@ -111,3 +111,13 @@ def test_the_shorter_of_two_recordings_is_told(tmp_path):
     assert [n for n in told if "cut short" in n] == [
         "b.csv: ends at 0.59 s, the others at about 1 s: was it cut short?"
     ]
+
+
+def test_a_column_that_stood_still_is_told(tmp_path):
+    """A logger that went on with the encoder's last value; a coarse encoder that rests is none."""
+    stop = lambda x: {**x, "y": np.where(x["t"] > 0.7, x["y"][70], x["y"])}  # noqa: E731
+    record(tmp_path / "stood.csv", body(), change=stop)
+    record(tmp_path / "coarse.csv", body(), change=lambda x: {**x, "y": np.round(x["y"], 2)})
+    told = checks.before(read_logs(logs(tmp_path, ["stood.csv", "coarse.csv"], WANTED)), Scenario(body()))
+    (stood,) = [n for n in told if "repeats" in n]
+    assert stood.startswith("stood.csv: a.y: column 'y' repeats one value from 0.7 to 1 s, and changes")

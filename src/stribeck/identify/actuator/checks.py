@@ -20,6 +20,7 @@ from stribeck.scenario import Scenario
 
 _SHORT = 0.7  # of the others' length
 _TAIL = 0.02
+_REPEATS, _SELDOM = 10, 0.1  # samples of one value; the share elsewhere that repeat the one before, at most
 _FACTORS = {
     -1.0: "the other sign", np.pi / 180: "degrees", 180 / np.pi: "radians, not degrees", 1e-3: "thousandths",
     1e3: "thousands", np.pi / 30: "revolutions per minute", 2 * np.pi: "revolutions",
@@ -75,7 +76,25 @@ def _tails(r: Recording) -> list[str]:
             found.append(f"{r.file}: {name}: column {c.column!r} has {empty} empty cells, which are left out")
         if len(np.unique(c.x[good])) == 1 and name in r.outputs:
             found.append(f"{r.file}: {name}: column {c.column!r} never changes")
+        elif name in r.outputs and (stood := _stood(c.t[good], c.x[good])):
+            found.append(
+                f"{r.file}: {name}: column {c.column!r} repeats one value from {stood[0]:.4g} to {stood[1]:.4g} s, and "
+                "changes with each sample elsewhere: did its source stop?"
+            )
     return found
+
+
+def _stood(t: Array, x: Array) -> tuple[float, float] | None:
+    """Between which times a column stood still that changes with nearly each sample elsewhere."""
+    same = np.diff(x) == 0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]])))
+    begin, end = edges[::2], edges[1::2]
+    if not len(begin) or (longest := int((end - begin).max())) < _REPEATS:
+        return None
+    i = int(np.argmax(end - begin))
+    if np.sum(same) - longest > _SELDOM * (len(same) - longest):
+        return None
+    return float(t[begin[i]]), float(t[end[i]])
 
 
 def _rates(r: Recording) -> list[str]:
