@@ -192,6 +192,8 @@ class Fitting:
         """What may be wrong with the recordings that are not followed."""
         lacking = gaps.unknown(best.problem, best.u) or suspects.tried(best)
         told = lacking or driven.by_noise(best.problem, best.u, driven.MUCH) or checks.hypotheses(self.unbroken(best))
+        if not told and best.windowed:  # no whole recording may be followed whatever its columns are in
+            told = checks.hypotheses(best.problem)
         return told or driven.by_noise(best.problem, best.u)
 
     def unbroken(self, best: BestPoint) -> MachineProblem:

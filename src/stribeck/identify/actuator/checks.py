@@ -132,10 +132,14 @@ def _factor_between(y: Channel, v: Channel) -> tuple[float, str] | None:
     return None
 
 
-def _alone(whole: MachineProblem, run: RecordedRun) -> tuple[float, list[MachineCoordinate], dict[str, float]]:
+Runs = list[RecordedRun]
+
+
+def _alone(whole: MachineProblem, runs: Runs) -> tuple[float, list[MachineCoordinate], dict[str, float]]:
     """What one recording by itself leaves of its changes, what is sought of it, and its numbers."""
-    sought = [c for c in whole.sought if c.log in (None, run.log) and (not c.nuisance or c.piece == run.piece)]
-    problem = MachineProblem([run], sought, whole.noise)
+    log, pieces = runs[0].log, {run.piece for run in runs}
+    sought = [c for c in whole.sought if c.log in (None, log) and (not c.nuisance or c.piece in pieces)]
+    problem = MachineProblem(runs, sought, whole.noise)
     left, u = _left(problem, None, {})
     return left, sought, problem.values(u)
 
@@ -145,58 +149,61 @@ def hypotheses(whole: MachineProblem) -> list[str]:
 
     Each recording is tried by itself: where one alone cannot be followed, it is that one whose columns are looked at.
     """
-    shortest: dict[int, RecordedRun] = {}
+    of_log: dict[int, Runs] = {}
     for each in whole.runs:
-        if each.log not in shortest or each.scenario.end < shortest[each.log].scenario.end:
-            shortest[each.log] = each
-    runs = sorted(shortest.values(), key=lambda each: each.scenario.end)[:_TRIED]
-    alone = [_alone(whole, each) for each in runs]
+        of_log.setdefault(each.log, []).append(each)
+    parts = [sorted(runs, key=lambda each: each.scenario.end)[:_TRIED] for runs in of_log.values()]
+    recordings = sorted(parts, key=lambda each: sum(run.scenario.end for run in each))[:_TRIED]
+    alone = [_alone(whole, each) for each in recordings]
     k = int(np.argmax([left for left, _, _ in alone]))
-    run, (now, sought, _) = runs[k], alone[k]
+    runs, (now, sought, _) = recordings[k], alone[k]
     told, least = [], min(alone, key=lambda each: each[0])
     values = least[2] if least[0] <= POOR else {}  # those of a recording that is followed may be those of the others
-    if len(runs) > 1 and (bad := [r.name for r, each in zip(runs, alone, strict=True) if each[0] > POOR]) != [
-        r.name for r in runs
-    ]:
+    names = [each[0].name for each in recordings]
+    bad = [name for name, each in zip(names, alone, strict=True) if each[0] > POOR]
+    if len(names) > 1 and bad != names:
         others = ", ".join(bad) if bad else ""
         told.append(
             f"each recording by itself: {others} cannot be followed, the others can" if bad else
             "each recording can be followed by itself, but not all with the same numbers: is a unit, a load (known) or "
             "the unit of an input other in one of them?"
         )  # fmt: skip
-    return [*told, *_columns_tried(whole, run, sought, now, values)]
+    return [*told, *_columns_tried(whole, runs, sought, now, values)]
 
 
 def _columns_tried(
-    whole: MachineProblem, run: RecordedRun, sought: list[MachineCoordinate], now: float, values: dict[str, float]
+    whole: MachineProblem, runs: Runs, sought: list[MachineCoordinate], now: float, values: dict[str, float]
 ) -> list[str]:
     """The change of a column that lets a recording be followed, if there is one."""
     found: list[tuple[float, str]] = []
-    for target in run.targets:
+    for target in runs[0].targets:
         for factor, words in _FACTORS.items():
-            left = _tried(_scaled(run, target.column, factor), sought, whole, factor, target.column, values)
+            left = _tried(
+                [_scaled(run, target.column, factor) for run in runs], sought, whole, factor, target.column, values
+            )
             found.append((left, f"{target.column}: with its column times {factor:.4g} ({words})"))
         clock = MachineCoordinate(
             f"outputs.{target.column}.clock", -_CLOCK, _CLOCK, 0.0, None, {}, (target.column, "clock")
         )
-        left = _left(MachineProblem([run], [*sought, clock], whole.noise), 6, values)[0]
+        left = _left(MachineProblem(runs, [*sought, clock], whole.noise), 6, values)[0]
         found.append((left, f"{target.column}: with a clock of its own (outputs.{target.column}.clock sought)"))
-    for path, other, factor in _inputs_scaled(run):
+    for path, other, factor in _inputs_scaled(runs):
         words = f"{path}: with its column times {factor:.4g} ({_FACTORS[factor]})"
-        found.append((_left(MachineProblem([other], sought, whole.noise), 6, values)[0], words))
+        found.append((_left(MachineProblem(other, sought, whole.noise), 6, values)[0], words))
     left, words = min(found)
     if left < 0.5 * now and left < _FOLLOWED:
         return [
-            f"{words}, {run.name} would be followed to {100 * left:.2g} % of its changes: look at that column and its unit"
+            f"{words}, {runs[0].name} would be followed to {100 * left:.2g} % of its changes: look at that column and its unit"
         ]
     return []
 
 
-def _inputs_scaled(run: RecordedRun) -> Iterator[tuple[str, RecordedRun, float]]:
+def _inputs_scaled(runs: Runs) -> Iterator[tuple[str, Runs, float]]:
     """The recording with one of its inputs in other units; another sign is that of an output too."""
-    for path, each in run.inputs.items():
+    for path in runs[0].inputs:
         for factor in (1e-3, 1e3, np.pi / 180):
-            yield path, run.driven({path: replace(each, x=factor * each.x)}), factor
+            scaled = [(run, replace(run.inputs[path], x=factor * run.inputs[path].x)) for run in runs]
+            yield path, [run.driven({path: x}) for run, x in scaled], factor
 
 
 def _scaled(run: RecordedRun, column: str, factor: float) -> RecordedRun:
@@ -207,7 +214,7 @@ def _scaled(run: RecordedRun, column: str, factor: float) -> RecordedRun:
 
 
 def _tried(
-    run: RecordedRun, sought: list[MachineCoordinate], whole: MachineProblem, factor: float, column: str,
+    runs: Runs, sought: list[MachineCoordinate], whole: MachineProblem, factor: float, column: str,
     values: dict[str, float],
 ) -> float:  # fmt: skip
     """How much of the columns' changes is left with one of them scaled."""
@@ -218,7 +225,7 @@ def _tried(
             c = replace(c, low=ends[0], high=ends[1], start=None if c.start is None else c.start * factor)
         own.append(c)
     noise = {n: x * abs(factor) if n == column else x for n, x in whole.noise.items()}
-    return _left(MachineProblem([run], own, noise), 6, values)[0]
+    return _left(MachineProblem(runs, own, noise), 6, values)[0]
 
 
 def _left(problem: MachineProblem, starts: int | None, values: dict[str, float]) -> tuple[float, Array]:
