@@ -4,9 +4,11 @@ import re
 
 import numpy as np
 import pytest
+from scipy.integrate import odeint
 
 from stribeck import Scenario
-from stribeck.identify.actuator import checks, fit_machine, read_logs
+from stribeck.identify.actuator import Logs, checks, fit_machine, read_logs
+from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from tests.identify.actuator.recorded import body, logs, record
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
@@ -111,3 +113,41 @@ def test_the_shorter_of_two_recordings_is_told(tmp_path):
     assert [n for n in told if "cut short" in n] == [
         "b.csv: ends at 0.59 s, the others at about 1 s: was it cut short?"
     ]
+
+
+def test_a_column_that_stood_still_is_told(tmp_path):
+    """A logger that went on with the encoder's last value; a coarse encoder that rests is none."""
+    stop = lambda x: {**x, "y": np.where(x["t"] > 0.7, x["y"][70], x["y"])}  # noqa: E731
+    record(tmp_path / "stood.csv", body(), change=stop)
+    record(tmp_path / "coarse.csv", body(), change=lambda x: {**x, "y": np.round(x["y"], 2)})
+    told = checks.before(read_logs(logs(tmp_path, ["stood.csv", "coarse.csv"], WANTED)), Scenario(body()))
+    (stood,) = [n for n in told if "repeats" in n]
+    assert stood.startswith("stood.csv: a.y: column 'y' repeats one value from 0.7 to 1 s, and changes")
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("factor", "said"), [(180 / np.pi, "0.01745 (degrees)"), (-1.0, "-1 (the other sign)")])
+def test_the_unit_of_a_machine_that_falls_over_is_named(tmp_path, factor, said):
+    """No recording of an arm held upright is followed from its start, whatever its columns are in; stretches are."""
+    t = 0.004 * np.arange(376)
+    push = lambda s, y, v: 12.0 * (0.25 * np.sin(2.1 * s) + 0.15 * np.sin(5.3 * s) - y) - 0.8 * v  # noqa: E731
+    rub = lambda v: 0.3 / np.pi * np.arctan(200.0 * v) + 0.03 * v  # noqa: E731
+    rates = lambda x, s: [x[1], (push(s, *x) + 2.0 * np.sin(x[0]) - rub(x[1])) / 0.05]  # noqa: E731
+    y, v = odeint(rates, [0.05, 0.0], t, rtol=1e-10, atol=1e-12).T
+    measured = factor * (y + 5e-4 * np.random.default_rng(0).standard_normal(len(t)))
+    recording = Recording(
+        "up.csv", t, {"arm.y": Channel("y", t, measured)}, {"loads.push.signal": Channel("u", t, push(t, y, v))}
+    )
+    law = {"name": "coulomb_viscous", "k_v": 200.0, "parameters": {"F_c": 0.1, "sigma_2": 0.05}}
+    still = {"kind": "points", "t": [0.0, 1.0], "value": [0.0, 0.0]}
+    machine = {
+        "schema": 2, "name": "upright", "bodies": {"arm": {"inertia": 0.06}},
+        "contacts": {"joint": {"from": "arm", "law": law}},
+        "loads": {"gravity": {"on": "arm", "kind": "pendulum", "amplitude": 1.5, "phase": np.pi},
+                  "push": {"on": "arm", "kind": "signal", "signal": still}},
+        "solve": {"t_end": 1.5}, "output": {"step": 0.004},
+    }  # fmt: skip
+    sought = (Sought("bodies.arm.inertia", 0.01, 0.5), Sought("loads.gravity.amplitude", 0.3, 10.0))
+    told = fit_machine(machine, Logs((recording,), sought), starts=2, baselines=False)
+    assert {p.verdict for p in told.parameters.values()} == {"not judged"}
+    assert any(n.startswith(f"arm.y: with its column times {said}") for n in told.notes), told.notes

@@ -191,7 +191,10 @@ class Fitting:
     def suspected(self, best: BestPoint) -> list[str]:
         """What may be wrong with the recordings that are not followed."""
         lacking = gaps.unknown(best.problem, best.u) or suspects.tried(best)
-        return lacking or driven.by_noise(best.problem, best.u) or checks.hypotheses(self.unbroken(best))
+        told = lacking or driven.by_noise(best.problem, best.u, driven.MUCH) or checks.hypotheses(self.unbroken(best))
+        if not told and best.windowed:  # no whole recording may be followed whatever its columns are in
+            told = checks.hypotheses(best.problem)
+        return told or driven.by_noise(best.problem, best.u)
 
     def unbroken(self, best: BestPoint) -> MachineProblem:
         """The problem of whole recordings, where nobody asked for stretches: what one that errs does to all that follows

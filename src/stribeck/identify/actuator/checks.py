@@ -8,9 +8,10 @@ from itertools import chain
 
 import numpy as np
 
+from stribeck.arrays import Array
 from stribeck.identify.actuator.bridges import GAP
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.estimate import POOR, leftovers
+from stribeck.identify.actuator.estimate import POOR, leftovers, point_of
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Logs, Recording
 from stribeck.identify.actuator.runs import RecordedRun
@@ -19,6 +20,7 @@ from stribeck.scenario import Scenario
 
 _SHORT = 0.7  # of the others' length
 _TAIL = 0.02
+_REPEATS, _SELDOM = 10, 0.1  # samples of one value; the share elsewhere that repeat the one before, at most
 _FACTORS = {
     -1.0: "the other sign", np.pi / 180: "degrees", 180 / np.pi: "radians, not degrees", 1e-3: "thousandths",
     1e3: "thousands", np.pi / 30: "revolutions per minute", 2 * np.pi: "revolutions",
@@ -74,7 +76,25 @@ def _tails(r: Recording) -> list[str]:
             found.append(f"{r.file}: {name}: column {c.column!r} has {empty} empty cells, which are left out")
         if len(np.unique(c.x[good])) == 1 and name in r.outputs:
             found.append(f"{r.file}: {name}: column {c.column!r} never changes")
+        elif name in r.outputs and (stood := _stood(c.t[good], c.x[good])):
+            found.append(
+                f"{r.file}: {name}: column {c.column!r} repeats one value from {stood[0]:.4g} to {stood[1]:.4g} s, and "
+                "changes with each sample elsewhere: did its source stop?"
+            )
     return found
+
+
+def _stood(t: Array, x: Array) -> tuple[float, float] | None:
+    """Between which times a column stood still that changes with nearly each sample elsewhere."""
+    same = np.diff(x) == 0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]])))
+    begin, end = edges[::2], edges[1::2]
+    if not len(begin) or (longest := int((end - begin).max())) < _REPEATS:
+        return None
+    i = int(np.argmax(end - begin))
+    if np.sum(same) - longest > _SELDOM * (len(same) - longest):
+        return None
+    return float(t[begin[i]]), float(t[end[i]])
 
 
 def _rates(r: Recording) -> list[str]:
@@ -112,10 +132,16 @@ def _factor_between(y: Channel, v: Channel) -> tuple[float, str] | None:
     return None
 
 
-def _alone(whole: MachineProblem, run: RecordedRun) -> tuple[float, list[MachineCoordinate]]:
-    """What one recording by itself leaves of its changes, and what is sought of it."""
-    sought = [c for c in whole.sought if c.log in (None, run.log) and (not c.nuisance or c.piece == run.piece)]
-    return _worst(MachineProblem([run], sought, whole.noise), None), sought
+Runs = list[RecordedRun]
+
+
+def _alone(whole: MachineProblem, runs: Runs) -> tuple[float, list[MachineCoordinate], dict[str, float]]:
+    """What one recording by itself leaves of its changes, what is sought of it, and its numbers."""
+    log, pieces = runs[0].log, {run.piece for run in runs}
+    sought = [c for c in whole.sought if c.log in (None, log) and (not c.nuisance or c.piece in pieces)]
+    problem = MachineProblem(runs, sought, whole.noise)
+    left, u = _left(problem, None, {})
+    return left, sought, problem.values(u)
 
 
 def hypotheses(whole: MachineProblem) -> list[str]:
@@ -123,55 +149,61 @@ def hypotheses(whole: MachineProblem) -> list[str]:
 
     Each recording is tried by itself: where one alone cannot be followed, it is that one whose columns are looked at.
     """
-    shortest: dict[int, RecordedRun] = {}
+    of_log: dict[int, Runs] = {}
     for each in whole.runs:
-        if each.log not in shortest or each.scenario.end < shortest[each.log].scenario.end:
-            shortest[each.log] = each
-    runs = sorted(shortest.values(), key=lambda each: each.scenario.end)[:_TRIED]
-    alone = [_alone(whole, each) for each in runs]
-    k = int(np.argmax([left for left, _ in alone]))
-    run, (now, sought) = runs[k], alone[k]
-    told = []
-    if len(runs) > 1 and (bad := [r.name for r, (left, _) in zip(runs, alone, strict=True) if left > POOR]) != [
-        r.name for r in runs
-    ]:
+        of_log.setdefault(each.log, []).append(each)
+    parts = [sorted(runs, key=lambda each: each.scenario.end)[:_TRIED] for runs in of_log.values()]
+    recordings = sorted(parts, key=lambda each: sum(run.scenario.end for run in each))[:_TRIED]
+    alone = [_alone(whole, each) for each in recordings]
+    k = int(np.argmax([left for left, _, _ in alone]))
+    runs, (now, sought, _) = recordings[k], alone[k]
+    told, least = [], min(alone, key=lambda each: each[0])
+    values = least[2] if least[0] <= POOR else {}  # those of a recording that is followed may be those of the others
+    names = [each[0].name for each in recordings]
+    bad = [name for name, each in zip(names, alone, strict=True) if each[0] > POOR]
+    if len(names) > 1 and bad != names:
         others = ", ".join(bad) if bad else ""
         told.append(
             f"each recording by itself: {others} cannot be followed, the others can" if bad else
             "each recording can be followed by itself, but not all with the same numbers: is a unit, a load (known) or "
             "the unit of an input other in one of them?"
         )  # fmt: skip
-    return [*told, *_columns_tried(whole, run, sought, now)]
+    return [*told, *_columns_tried(whole, runs, sought, now, values)]
 
 
-def _columns_tried(whole: MachineProblem, run: RecordedRun, sought: list[MachineCoordinate], now: float) -> list[str]:
+def _columns_tried(
+    whole: MachineProblem, runs: Runs, sought: list[MachineCoordinate], now: float, values: dict[str, float]
+) -> list[str]:
     """The change of a column that lets a recording be followed, if there is one."""
     found: list[tuple[float, str]] = []
-    for target in run.targets:
+    for target in runs[0].targets:
         for factor, words in _FACTORS.items():
-            left = _tried(_scaled(run, target.column, factor), sought, whole, factor, target.column)
+            left = _tried(
+                [_scaled(run, target.column, factor) for run in runs], sought, whole, factor, target.column, values
+            )
             found.append((left, f"{target.column}: with its column times {factor:.4g} ({words})"))
         clock = MachineCoordinate(
             f"outputs.{target.column}.clock", -_CLOCK, _CLOCK, 0.0, None, {}, (target.column, "clock")
         )
-        left = _worst(MachineProblem([run], [*sought, clock], whole.noise), 6)
+        left = _left(MachineProblem(runs, [*sought, clock], whole.noise), 6, values)[0]
         found.append((left, f"{target.column}: with a clock of its own (outputs.{target.column}.clock sought)"))
-    for path, other, factor in _inputs_scaled(run):
+    for path, other, factor in _inputs_scaled(runs):
         words = f"{path}: with its column times {factor:.4g} ({_FACTORS[factor]})"
-        found.append((_worst(MachineProblem([other], sought, whole.noise), 6), words))
+        found.append((_left(MachineProblem(other, sought, whole.noise), 6, values)[0], words))
     left, words = min(found)
     if left < 0.5 * now and left < _FOLLOWED:
         return [
-            f"{words}, {run.name} would be followed to {100 * left:.2g} % of its changes: look at that column and its unit"
+            f"{words}, {runs[0].name} would be followed to {100 * left:.2g} % of its changes: look at that column and its unit"
         ]
     return []
 
 
-def _inputs_scaled(run: RecordedRun) -> Iterator[tuple[str, RecordedRun, float]]:
+def _inputs_scaled(runs: Runs) -> Iterator[tuple[str, Runs, float]]:
     """The recording with one of its inputs in other units; another sign is that of an output too."""
-    for path, each in run.inputs.items():
+    for path in runs[0].inputs:
         for factor in (1e-3, 1e3, np.pi / 180):
-            yield path, run.driven({path: replace(each, x=factor * each.x)}), factor
+            scaled = [(run, replace(run.inputs[path], x=factor * run.inputs[path].x)) for run in runs]
+            yield path, [run.driven({path: x}) for run, x in scaled], factor
 
 
 def _scaled(run: RecordedRun, column: str, factor: float) -> RecordedRun:
@@ -182,8 +214,9 @@ def _scaled(run: RecordedRun, column: str, factor: float) -> RecordedRun:
 
 
 def _tried(
-    run: RecordedRun, sought: list[MachineCoordinate], whole: MachineProblem, factor: float, column: str
-) -> float:
+    runs: Runs, sought: list[MachineCoordinate], whole: MachineProblem, factor: float, column: str,
+    values: dict[str, float],
+) -> float:  # fmt: skip
     """How much of the columns' changes is left with one of them scaled."""
     own = []
     for c in sought:
@@ -192,10 +225,11 @@ def _tried(
             c = replace(c, low=ends[0], high=ends[1], start=None if c.start is None else c.start * factor)
         own.append(c)
     noise = {n: x * abs(factor) if n == column else x for n, x in whole.noise.items()}
-    return _worst(MachineProblem([run], own, noise), 6)
+    return _left(MachineProblem(runs, own, noise), 6, values)[0]
 
 
-def _worst(problem: MachineProblem, starts: int | None) -> float:
-    """The largest share that is left of a column's changes."""
-    found = search(problem, starts or 4, 0, steps=_STEPS, small=_ROUGHLY)
-    return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values())
+def _left(problem: MachineProblem, starts: int | None, values: dict[str, float]) -> tuple[float, Array]:
+    """The largest share that is left of a column's changes, from these numbers and other starts, and where that is."""
+    shared = {c.name: values[c.name] for c in problem.sought if c.log is None and c.name in values}
+    found = search(problem, starts or 4, 0, point_of(problem, shared), steps=_STEPS, small=_ROUGHLY)
+    return max((left / size if size else np.inf) for left, size in leftovers(problem, found.u).values()), found.u

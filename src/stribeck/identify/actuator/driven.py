@@ -20,6 +20,7 @@ _PILOT, _FEWEST, _DRAWS = 4, 24, 128  # draws of the inputs' noise: to see wheth
 _WEIGHINGS = 2  # the draws are those at the numbers found with the ones before
 _LITTLE = 0.02  # of the sum of squares that is left
 _COMMON = (0.02, 0.95)  # shares of the draws between which what is left is usual
+MUCH = 1e-3  # of an input's changes: less noise says more of a poor point, where all grows, than of the recording
 _MORE = 4.0  # times the usual: more is no noise of the inputs
 
 
@@ -124,10 +125,13 @@ def weighed(best: BestPoint) -> BestPoint | None:
     return replace(best, problem=problem, u=u, found=replace(end, agreeing=best.found.agreeing))
 
 
-def by_noise(problem: MachineProblem, u: Array) -> list[str]:
-    """The recordings in which noise of the inputs, as large as what changes from sample to sample, moves the outputs as
-    far as they are missed, in words."""
+def by_noise(problem: MachineProblem, u: Array, least: float = 0.0) -> list[str]:
+    """The recordings in which noise of the inputs, as large as what changes from sample to sample, and at least this share of
+    their changes, moves the outputs as far as they are missed, in words."""
     for k, run in enumerate(problem.runs):
+        rough = noises(run)
+        if not rough or max(_share(run, rough, path) for path in rough) < least:
+            continue
         off = _moved(problem, u, k, 1, 0)
         r = problem.raw(u[None])[0][problem.first[k] : problem.first[k + 1]]
         if off is not None and not np.linalg.norm(off) < _EXPLAINS * np.linalg.norm(r):
@@ -138,8 +142,13 @@ def by_noise(problem: MachineProblem, u: Array) -> list[str]:
     return []
 
 
+def _share(run: RecordedRun, rough: dict[str, float], path: str) -> float:
+    """The noise of an input by its changes."""
+    return rough[path] / max(float(np.std(run.inputs[path].x)), 1e-300)
+
+
 def in_words(run: RecordedRun) -> str:
     """The input with the most noise, and how much."""
     rough = noises(run)
-    worst = max(rough, key=lambda path: rough[path] / max(float(np.std(run.inputs[path].x)), 1e-300))
+    worst = max(rough, key=lambda path: _share(run, rough, path))
     return f"{worst}: {rough[worst]:.2g} from sample to sample"
