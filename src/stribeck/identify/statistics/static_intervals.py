@@ -234,6 +234,8 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
             found[name] = f"the residuals hardly depend on it{together}"
         elif alike[k]:
             found[name] = f"it is hardly told apart from the others{together}"
+        elif unknown := [n for n in others if n in TERMS and TERMS[n].needs and alike[at.names.index(n)]]:
+            found[name] = f"it hangs on {unknown[0]}, which is hardly told apart from the others"
     if "F_s" in at.names and (end := _bend_unseen(model, solution)):
         found["F_s"] = f"v_s comes out at the {end} speed measured, and F_s hangs on it"
     if "delay" in at.names and (side := one_sided(rows, at.slopes[:, at.names.index("delay")])):
