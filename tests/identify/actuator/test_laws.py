@@ -25,7 +25,9 @@ def folder(tmp_path_factory):
 
 def fitted(folder, data, wanted, **more):
     """From one start, which leads elsewhere."""
-    path = logs(folder, ["run0.csv", "run1.csv", {"file": "run2.csv", "hold_out": True}], wanted)
+    rest = {"known": {"bodies.a.initial.v": 0.0}}
+    entries = [{"file": f"run{i}.csv", "hold_out": i == 2, **rest} for i in range(3)]
+    path = logs(folder, entries, wanted)
     found = fit_machine(data, path, starts=1, baselines=False, **more)
     for name, x in TRUTH.items():
         p = found.parameters[name]

@@ -28,6 +28,8 @@ _NAMED = 3
 _TRIED, _STEPS, _ROUGHLY = 3, 12, 1e-3
 _TOGETHER = 8  # fixed numbers that are sought together
 _FEWER = 0.9  # of what one number more leaves: several must leave less
+_LIKE = 1.3  # times the least that is left: reasons that explain as much
+_FAR_LESS = 0.6  # of what is left now
 
 
 @dataclass(frozen=True)
@@ -107,13 +109,13 @@ def tried(best: BestPoint) -> list[str]:
     together = of_machine[:_TOGETHER]
     told.sort()
     better = _with(problem, u, together) if len(together) > 1 else None
-    if better is not None and (not told or better.share < min(told)[0] / _FEWER):
+    if better is not None and (not told or better.share < _LIKE * min(told)[0]):
         order = sorted(zip(together, better.values, strict=True), key=lambda x: -abs(np.log(x[1] / x[0].now)))
         names = ", ".join(f"{x.coordinate.name} ({x.now:.3g}, then {value:.3g})" for x, value in order[:_NAMED])
         words = f"with {len(together)} fixed numbers sought too, {better.words(before)}; most move {names}"
         as_well = told and better.share > _FEWER * min(told)[0]
         told = [*told[: _NAMED - 1], (better.share, words)] if as_well else [(better.share, words)]
-    told = [x for x in told if x[0] <= min(told)[0] / _FEWER][:_NAMED]
+    told = [x for x in told if x[0] <= _LIKE * min(told)[0]][:_NAMED]
     return ["; or ".join(words for _, words in told)] if told else []
 
 
@@ -150,7 +152,9 @@ def _better(
         return None
     column = max(shares, key=lambda c: shares[c])
     left, size = after[column]
-    return Better(shares[column], column, left, values) if left < min(0.5 * before[column][0], POOR * size) else None
+    return (
+        Better(shares[column], column, left, values) if left < min(_FAR_LESS * before[column][0], POOR * size) else None
+    )
 
 
 def _with(problem: MachineProblem, u: Array, suspects: Sequence[Suspect]) -> Better | None:
