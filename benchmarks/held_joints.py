@@ -28,12 +28,7 @@ LAWS = {
     "elastoplastic": ({**SET, "z_ba": 9.5e-6}, 0.0),
     "elastoplastic_majorant": ({**SET, "z_ba": 9.5e-6}, 2 / np.pi / SET["k_v"] * SHARE / (1 - SHARE)),  # m(0) r/(1 - r)
 }
-Step = Callable[[Any, Any, float, float], tuple[Any, Any]]  # z, v, effort, dt -> z, friction
-
-
-def load(k: int, dt: float) -> float:
-    """The effort: put on within a second."""
-    return SHARE * SET["F_s"] * min(k * dt, 1.0)
+Step = Callable[..., tuple[Any, Any]]  # z, v, effort, dt, one number a joint -> z, friction
 
 
 def in_jax(law: Any, dt: float, count: int) -> list[float]:
@@ -52,26 +47,40 @@ def in_jax(law: Any, dt: float, count: int) -> list[float]:
     return [float(half[2]), float(run(count // 2, count, half)[2])]
 
 
-def in_turns(step: Step, zero: Any, dt: float, count: int) -> list[float]:
-    """The same, a step after the other."""
-    z, v, q, found = zero, zero, 0.0, []
-    for k in range(count):
-        effort = load(k, dt)
+def in_turns(step: Step, seconds: float) -> list[list[float]]:
+    """The same for every length of a step at once, a step after the other."""
+    z = v = q = np.zeros(len(STEPS))
+    dt, counts, found = np.array(STEPS), [round(seconds / dt) for dt in STEPS], [[0.0, 0.0] for _ in STEPS]
+    for k in range(max(counts)):
+        effort = SHARE * SET["F_s"] * np.minimum(k * dt, 1.0)
         z, friction = step(z, v, effort, dt)
         v = v + dt * (effort - friction)
-        q += dt * float(v[0])
-        if k + 1 in (count // 2, count):
-            found.append(q)
+        q = q + dt * v
+        for i, count in enumerate(counts):
+            if k + 1 in (count // 2, count):
+                found[i][k + 1 == count] = float(q[i])
     return found
+
+
+def torch_step(law: Any) -> Step:
+    """PyTorch's step on numbers of NumPy."""
+    tool = law.to_torch()
+
+    def step(*given: Any) -> tuple[Any, Any]:
+        z, v, effort, dt = map(torch.from_numpy, given)
+        z_, friction = tool.step(z, v, effort, 1.0, dt)
+        return z_.numpy(), friction.numpy()
+
+    return step
 
 
 def warp_step(law: Any) -> Step:
     """Warp's kernel on numbers of NumPy."""
     tool = law.to_warp("double")
 
-    def step(z: Any, v: Any, effort: float, dt: float) -> tuple[Any, Any]:
-        given = [wp.array(np.broadcast_to(x, (1,)).astype(float), dtype=tool.real) for x in (z, v, effort, 1.0, dt)]
-        z_, friction = tool.step(*given)
+    def step(*given: Any) -> tuple[Any, Any]:
+        z, v, effort, dt = (wp.array(x, dtype=tool.real) for x in given)
+        z_, friction = tool.step(z, v, effort, wp.array(np.ones(len(dt)), dtype=tool.real), dt)
         return z_.numpy(), friction.numpy()
 
     return step
@@ -123,30 +132,21 @@ def main() -> None:
     """Print a line a law and step, and write the results."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seconds", type=float, default=100.0)
-    parser.add_argument(
-        "--turns", type=float, help="how long in PyTorch and Warp, which take a step after the other, s"
-    )
+    parser.add_argument("--turns", type=float, default=100.0, help="s, in PyTorch and Warp, a step after the other")
     parser.add_argument("--out", type=Path, default=RESULTS / "held_joints.json")
     given = parser.parse_args()
     wp.config.quiet = True
+    torch.set_num_threads(1)
     rows = []
     for name, (constants, bound) in LAWS.items():
         law = stribeck.law(name, {n: x for n, x in constants.items() if n in stribeck.laws.builtin()[name].constants()})
-        tool = law.to_torch()
-        ways: dict[str, Callable[[float, int], list[float]]] = {
-            "jax": lambda dt, n, law=law: in_jax(law, dt, n),
-            "torch": lambda dt, n, tool=tool: in_turns(
-                lambda z, v, e, h: tool.step(z, v, e, 1.0, h), torch.zeros(1, dtype=torch.float64), dt, n
-            ),
-            "warp": lambda dt, n, law=law: in_turns(warp_step(law), np.zeros(1), dt, n),
-        }
-        for dt in reversed(STEPS):
+        held = {way: in_turns(step(law), given.turns) for way, step in (("torch", torch_step), ("warp", warp_step))}
+        held["jax"] = [in_jax(law, dt, round(given.seconds / dt)) for dt in STEPS]
+        for i, dt in enumerate(STEPS):
             row: dict[str, Any] = {"law": name, "step": dt, "bound": bound, "gradients": gradients(law, dt)}
-            for way, held in ways.items():
-                seconds = given.seconds if way == "jax" else given.turns or given.seconds
-                half, whole = held(dt, round(seconds / dt))
-                row[way] = {"creep": (whole - half) / (seconds / 2), "seconds": seconds}
-                say(f"{name}, {dt:g} s, {way}: {row[way]}")
+            for way, found in held.items():
+                seconds = given.seconds if way == "jax" else given.turns
+                row[way] = {"creep": (found[i][1] - found[i][0]) / (seconds / 2), "seconds": seconds}
             rows.append(row)
             say(json.dumps(row))
     given.out.write_text(json.dumps({"machine": machine(), "rows": rows}, indent=1) + "\n")

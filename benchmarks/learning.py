@@ -8,9 +8,10 @@ import json
 import tempfile
 from importlib import metadata
 from pathlib import Path
-from time import perf_counter
+from time import process_time
 from typing import Any
 
+import jax
 import mujoco
 import mujoco_warp
 import numpy as np
@@ -20,6 +21,8 @@ from measure import RESULTS, machine
 
 import stribeck
 from stribeck.export import export
+
+jax.config.update("jax_enable_x64", True)
 
 # A joint of 1 kg m^2 alone: 1.5 N m static, 1 N m kinetic friction; elastic up to 0.95 N m.
 CONSTANTS = {
@@ -72,6 +75,24 @@ class MuJoCoWarp:
         return float(self.d.qpos.numpy()[0, 0]), float(self.d.qvel.numpy()[0, 0])
 
 
+class MJX:
+    """MuJoCo's equations in JAX, compiled for the CPU; one world or many."""
+
+    def __init__(self, step: float, worlds: int = 1) -> None:
+        from mujoco import mjx
+
+        model = mjx.put_model(mujoco.MjModel.from_xml_string(MODEL.format(step=step, loss=1.0, damping=0.4)))
+        self.data = jax.vmap(lambda _: mjx.make_data(model))(np.arange(worlds))
+        self.step = jax.jit(
+            jax.vmap(lambda d, load: mjx.step(model, d.replace(qfrc_applied=load + 0 * d.qfrc_applied)), (0, None))
+        )
+
+    def __call__(self, load: float) -> tuple[float, float]:
+        """Position and velocity after a step under the load."""
+        self.data = self.step(self.data, load)
+        return float(self.data.qpos[0, 0]), float(self.data.qvel[0, 0])
+
+
 class Newton:
     """Newton with its MuJoCo solver on the CPU."""
 
@@ -118,6 +139,39 @@ class Torch:
         return float(self.q[0]), float(self.v[0])
 
 
+class Jax:
+    """A joint in JAX (double precision), compiled: the law's step."""
+
+    def __init__(self, step: float, worlds: int = 1) -> None:
+        law = LAW.to_jax()
+        self.state = (jax.numpy.zeros(worlds),) * 3
+
+        def advance(state: Any, load: float) -> Any:
+            z, v, q = state
+            z, friction = law.step(z, v, load + 0 * v, 1.0 + 0 * v, step + 0 * v)
+            v = v + step * (load - friction)
+            return z, v, q + step * v
+
+        self.step = jax.jit(advance)
+
+    def __call__(self, load: float) -> tuple[float, float]:
+        """Position and velocity after a step under the load."""
+        self.state = self.step(self.state, load)
+        return float(self.state[2][0]), float(self.state[1][0])
+
+
+class Kernel:
+    """The law's kernel in Warp, and nothing else."""
+
+    def __init__(self, step: float, worlds: int) -> None:
+        self.tool = LAW.to_warp()
+        self.given = [wp.full(worlds, x, dtype=self.tool.real) for x in (0.0, 0.0, 0.9, 1.0, step)]
+
+    def __call__(self, load: float) -> None:
+        """A step of the bristles; the joints stay at rest."""
+        self.given[0], _ = self.tool.step(*self.given)
+
+
 def exported(target: str) -> Any:
     """The exported file as a module."""
     path = Path(tempfile.mkdtemp()) / f"friction_{target}.py"
@@ -134,10 +188,12 @@ ENGINES: dict[str, Any] = {
     "MuJoCo, frictionloss": lambda step, worlds=1: MuJoCo(step),
     "MuJoCo Warp, frictionloss": lambda step, worlds=1: MuJoCoWarp(step, False, worlds),
     "MuJoCo Warp, this law": lambda step, worlds=1: MuJoCoWarp(step, True, worlds),
+    "MJX, frictionloss": lambda step, worlds=1: MJX(step, worlds),
     "Newton, joint friction": lambda step, worlds=1: Newton(step, False, worlds),
     "Newton, this law": lambda step, worlds=1: Newton(step, True, worlds),
     "PyTorch, tanh(v/0.01)": lambda step, worlds=1: Torch(step, False, worlds),
     "PyTorch, this law": lambda step, worlds=1: Torch(step, True, worlds),
+    "JAX, this law": lambda step, worlds=1: Jax(step, worlds),
 }
 
 
@@ -160,14 +216,19 @@ def behaviour(make: Any, step: float, seconds: float) -> dict[str, float]:
     return {"creep": creep, "break_away": load, "energy": energy}
 
 
-def speed(make: Any, count: int) -> float:
-    """Steps a second of all worlds together."""
-    rig = make(2e-3, WORLDS)
-    rig(0.9)
-    started = perf_counter()
-    for _ in range(count):
+def speeds(makers: dict[str, Any], count: int, rounds: int = 3) -> dict[str, float]:
+    """Steps of all worlds together in a second of processor time (all threads): medians of rounds in which each has its turn."""
+    rigs = {name: make(2e-3, WORLDS) for name, make in makers.items()}
+    for rig in rigs.values():
         rig(0.9)
-    return WORLDS * count / (perf_counter() - started)
+    found: dict[str, list[float]] = {name: [] for name in rigs}
+    for _ in range(rounds):
+        for name, rig in rigs.items():
+            started = process_time()
+            for _ in range(count):
+                rig(0.9)
+            found[name].append(WORLDS * count / (process_time() - started))
+    return {name: float(np.median(x)) for name, x in found.items()}
 
 
 def main() -> None:
@@ -175,25 +236,29 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, default=RESULTS / "learning.json")
     parser.add_argument("--seconds", type=float, default=100.0, help="how long the load is held")
-    parser.add_argument("--steps", type=float, nargs="+", default=STEPS, help="s")
+    parser.add_argument("--steps", type=float, nargs="*", default=STEPS, help="s; none: only steps a second")
     parser.add_argument("--only", help="engines whose name has this in it")
     parser.add_argument("--repetitions", type=int, help="of no use here: the behaviour does not vary")
     options = parser.parse_args()
     wp.config.quiet = True
+    torch.set_num_threads(1)  # its threads wait by turning: on a busy machine that is most of their time
     rows = []
-    for name, make in ENGINES.items():
-        if options.only and options.only not in name:
-            continue
+    chosen = {name: make for name, make in ENGINES.items() if not options.only or options.only in name}
+    for name, make in chosen.items():
         row: dict[str, Any] = {"engine": name}
         for step in options.steps:
             seconds = options.seconds if "this law" in name else min(10.0, options.seconds)  # theirs creep evenly
             row[f"{step:g}"] = {**behaviour(make, step, seconds), "held": seconds}
-        if name != "MuJoCo, frictionloss":
-            row["steps_a_second"] = speed(make, 20)
         rows.append(row)
         print(json.dumps(row), flush=True)
-    versions = {n: metadata.version(n) for n in ("mujoco", "mujoco-warp", "newton", "warp-lang", "torch")}
-    result = {"machine": machine(), "versions": versions, "worlds": WORLDS, "constants": CONSTANTS, "rows": rows}
+    many = {name: make for name, make in chosen.items() if name != "MuJoCo, frictionloss"}
+    if not options.only:
+        many["Warp kernel alone, this law"] = lambda step, worlds: Kernel(step, worlds)
+    steps = speeds(many, 20)
+    print(json.dumps(steps), flush=True)
+    packages = ("mujoco", "mujoco-warp", "mujoco-mjx", "newton", "warp-lang", "torch", "jax")
+    result = {"machine": machine(), "versions": {n: metadata.version(n) for n in packages}, "worlds": WORLDS}
+    result |= {"constants": CONSTANTS, "rows": rows, "steps_a_processor_second": steps}
     options.out.parent.mkdir(parents=True, exist_ok=True)
     options.out.write_text(json.dumps(result, indent=2) + "\n")
 

@@ -18,30 +18,37 @@ static void restart(const Batch *b, Lanes *l)
         }
 }
 
-/* What happened to single lanes in a step: rows to write, samples, breakpoints, failures. */
-static void attend(const Batch *b, Lanes *l, mask rows, mask last, mask failed, mask good, real h, real t_new, real error,
-                   real k[STAGES][N], const real *x_new)
+/* What happened to single lanes in a step: rows to write, samples, breakpoints, failures. Sets of lanes are bits. */
+static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, unsigned last, unsigned failed, unsigned good,
+                   real h, real t_new, real error, real k[STAGES][N], const real *x_new)
 {
-    for (int lane = 0; lane < LANES; lane++) {
-        if (failed[lane]) {
+    real d[N][3];
+    if (rows)
+        for (int n = 0; n < N; n++) dense(k, n, d[n]);
+    for (; attention; attention &= attention - 1) {
+        const int lane = first_lane(attention);
+        const unsigned bit = 1u << lane;
+        if (failed & bit) {
             const int few = l->accepted[lane] + l->rejected[lane] < b->most_attempts;
             finish(b, l, lane, !few ? GAVE_UP : error[lane] < 1e30 ? STEP_TOO_SMALL : NOT_FINITE);
+            l->anew |= l->restart[lane];
             continue;
         }
-        const double t_before = last[lane] ? l->t_stop[lane] * (1 - SAME_TIME) : INFINITY;
-        if (rows[lane]) write_rows(b, l, lane, h[lane], t_new[lane], t_before, k, x_new);
+        const double t_before = last & bit ? l->t_stop[lane] * (1 - SAME_TIME) : INFINITY;
+        if (rows & bit) write_rows(b, l, lane, h[lane], t_new[lane], t_before, d, x_new);
 #if HELD > 0
-        if (good[lane])
-            take_samples(b, l, lane, h[lane], last[lane] ? t_before : t_new[lane] * (1 - SAME_TIME), k, x_new);
+        if (good & bit)
+            take_samples(b, l, lane, h[lane], last & bit ? t_before : t_new[lane] * (1 - SAME_TIME), k, x_new);
 #else
         (void)good;
 #endif
-        if (last[lane]) {
+        if (last & bit) {
             for (int n = 0; n < N; n++) l->x[n][lane] = x_new[n][lane];
             l->t[lane] = t_new[lane];
             pass(b, l, lane, 0);
             put_present_rows(b, l, lane, t_new[lane] * (1 + SAME_TIME));
             if (l->t[lane] >= b->t_end) finish(b, l, lane, DONE);
+            l->anew |= l->restart[lane];
         }
     }
 }
@@ -150,7 +157,7 @@ static inline void end(const Batch *b, Lanes *l)
 #if WATCHES > 0 /* apart from the rest, which comes often: this branch hardly ever does, and the other need not wait for it */
     real w[5][WATCHES];
     const mask events = good & ~failed & look_out(l, h, t_new, k, x_new, w);
-    if (any(events)) count_events(b, l, events, (const real(*)[WATCHES])w);
+    if (lanes_in(events)) count_events(b, l, events, (const real(*)[WATCHES])w);
 #endif
     l->accepted -= good; /* true is -1 */
     l->rejected -= ~good;
@@ -158,7 +165,8 @@ static inline void end(const Batch *b, Lanes *l)
     l->held = ~good;
     l->last_h = choose(good, h, l->last_h);
     l->last_root = choose(good, remembered(root), l->last_root);
-    mask attention = rows | ends | failed;
+    const unsigned row_bits = lanes_in(rows), end_bits = lanes_in(ends), failed_bits = lanes_in(failed), good_bits = lanes_in(good);
+    unsigned attention = row_bits | end_bits | failed_bits;
 #if HELD > 0
     for (int lane = 0; lane < LANES; lane++) {
         if (good[lane] && l->after_output[lane]) {
@@ -168,13 +176,10 @@ static inline void end(const Batch *b, Lanes *l)
         }
         for (int m = 0; m < HELD; m++)
             if (good[lane] && (double)l->sampled[m][lane] * l->timing.period[m][lane] <= t_new[lane])
-                attention[lane] = -1;
+                attention |= 1u << lane;
     }
 #endif
-    if (any(attention)) {
-        attend(b, l, rows, ends, failed, good, h, t_new, error, k, x_new);
-        for (int lane = 0; lane < LANES; lane++) l->anew |= l->restart[lane];
-    }
+    if (attention) attend(b, l, attention, row_bits, end_bits, failed_bits, good_bits, h, t_new, error, k, x_new);
     const mask moves = good & ~ends & ~failed; /* the others were moved, or given another trajectory, above */
     for (int n = 0; n < N; n++) l->x[n] = choose(moves, x_new[n], l->x[n]);
     l->t = choose(moves, t_new, l->t);

@@ -73,7 +73,8 @@ UNUSED static DEVICE inline real splat(double x) { return x; }
 UNUSED static DEVICE inline real choose(mask condition, real a, real b) { return condition.x ? a : b; }
 UNUSED static DEVICE inline real larger(real a, real b) { return a.x > b.x ? a : b; }
 UNUSED static DEVICE inline real smaller(real a, real b) { return a.x < b.x ? a : b; }
-UNUSED static DEVICE inline int any(mask m) { return m.x != 0; }
+UNUSED static DEVICE inline unsigned lanes_in(mask m) { return m.x != 0; }
+UNUSED static DEVICE inline int first_lane(unsigned) { return 0; }
 UNUSED static DEVICE inline real abs_of(real a) { return fabs(a.x); }
 UNUSED static DEVICE inline real sign_of(real a) { return (double)((a.x > 0) - (a.x < 0)); }
 UNUSED static DEVICE inline real sqrt_of(real a) { return sqrt(a.x); }

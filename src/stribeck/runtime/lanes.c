@@ -263,20 +263,16 @@ static void finish(const Batch *b, Lanes *l, int lane, int status)
     refill(b, l, lane);
 }
 
-/* The rows within a lane's step that come before t_before or at t_new. */
-static void write_rows(const Batch *b, Lanes *l, int lane, double h, double t_new, double t_before, real k[STAGES][N],
+/* The rows within a lane's step that come before t_before or at t_new; d: of its dense output. */
+static void write_rows(const Batch *b, Lanes *l, int lane, double h, double t_new, double t_before, real d[N][3],
                        const real *x_new)
 {
-    double d[N][3], x[N];
-    for (int n = 0; n < N; n++)
-        for (int m = 0; m < 3; m++) {
-            d[n][m] = 0;
-            for (int s = 0; s < STAGES; s++) d[n][m] += DENSE[m][s] * k[s][n][lane];
-        }
     double t = l->row_t[lane];
     for (; l->row[lane] < b->rows && (t = (double)l->row[lane] * b->step) <= t_new && t < t_before;) {
         const double s = (t - l->t[lane]) / h;
-        for (int n = 0; n < N; n++) x[n] = interpolate(s, l->x[n][lane], x_new[n][lane], d[n][0], d[n][1], d[n][2]);
+        double x[N];
+        for (int n = 0; n < N; n++)
+            x[n] = interpolate(s, l->x[n][lane], x_new[n][lane], d[n][0][lane], d[n][1][lane], d[n][2][lane]);
         put_row(b, l, lane, x);
     }
     l->row_t[lane] = l->row[lane] < b->rows ? t : INFINITY;

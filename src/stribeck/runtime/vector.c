@@ -9,7 +9,7 @@
 #endif
 #endif
 #if !defined(GROUPS)
-#define GROUPS 3 /* vectors that a thread advances in turns */
+#define GROUPS (N * LANES > 128 ? 1 : 3) /* vectors that a thread advances in turns, where their numbers stay near */
 #endif
 typedef double real __attribute__((vector_size(LANES * 8)));
 typedef int64_t mask __attribute__((vector_size(LANES * 8)));
@@ -19,13 +19,13 @@ UNUSED static inline real splat(double x) { return x - (real){0}; }
 typedef long long words __attribute__((vector_size(64)));
 UNUSED static inline real larger(real a, real b) { return __builtin_ia32_maxpd512_mask(a, b, a, -1, 4); } /* -1: every lane */
 UNUSED static inline real smaller(real a, real b) { return __builtin_ia32_minpd512_mask(a, b, a, -1, 4); }
-UNUSED static inline int any(mask m) { return __builtin_ia32_ptestmq512((words)m, (words)m, -1) != 0; }
+UNUSED static inline unsigned lanes_in(mask m) { return __builtin_ia32_ptestmq512((words)m, (words)m, -1); }
 #define CHOOSES_BY_BITS
 #elif defined(__GNUC__) && !defined(__clang__) && defined(__AVX2__) && LANES == 4
 UNUSED static inline real choose(mask condition, real a, real b) { return __builtin_ia32_blendvpd256(b, a, (real)condition); }
 UNUSED static inline real larger(real a, real b) { return __builtin_ia32_maxpd256(a, b); }
 UNUSED static inline real smaller(real a, real b) { return __builtin_ia32_minpd256(a, b); }
-UNUSED static inline int any(mask m) { return __builtin_ia32_movmskpd256((real)m) != 0; }
+UNUSED static inline unsigned lanes_in(mask m) { return (unsigned)__builtin_ia32_movmskpd256((real)m); }
 #else
 #define CHOOSES_BY_BITS
 #define COMPARES
@@ -40,13 +40,15 @@ UNUSED static inline real choose(mask condition, real a, real b)
 /* b where one of them is no number */
 UNUSED static inline real larger(real a, real b) { return choose(a > b, a, b); }
 UNUSED static inline real smaller(real a, real b) { return choose(a < b, a, b); }
-UNUSED static inline int any(mask m)
+/* which lanes are in a set: a bit for each */
+UNUSED static inline unsigned lanes_in(mask m)
 {
-    int64_t all = 0;
-    for (int lane = 0; lane < LANES; lane++) all |= m[lane];
-    return all != 0;
+    unsigned bits = 0;
+    for (int lane = 0; lane < LANES; lane++) bits |= (unsigned)(m[lane] & 1) << lane;
+    return bits;
 }
 #endif
+UNUSED static inline int first_lane(unsigned bits) { return __builtin_ctz(bits); }
 UNUSED static inline real abs_of(real x) { return (real)((mask)x & INT64_MAX); }
 UNUSED static inline real sign_of(real x) { return choose(x > 0, splat(1), choose(x < 0, splat(-1), splat(0))); }
 
