@@ -91,7 +91,11 @@ def measure() -> Iterator[dict[str, Any]]:
                 return c.run(way, push, t_end, dt)
 
             law = LAWS[name]
-            own = {"name": name, **{n: law.values[n] for n in law.own_constants()}, "parameters": "canudas1995"}
+            own = {
+                "name": name,
+                **{n: law.values[n] for n in law.own_constants() if n in law.values},
+                "parameters": "canudas1995",
+            }
             rig = {"law": own, "plant": {"mass": MASS}, "solve": {"t_end": 40.0}, "output": {"step": 4e-3}}
             exact = stribeck.simulate(stribeck.Scenario(drive=slip, **rig))["y"]
             t, y, v, force = run(lambda t, y: 2 * (0.1 * t - y), 40.0)

@@ -13,6 +13,7 @@ from stribeck.loops.judge import STAYS, judge
 from stribeck.loops.loop import loop_of
 from stribeck.loops.proof import proof
 from stribeck.properties.verify_certificate import verify
+from stribeck.report.quantities import human
 from tests.loops.axis import axis
 from tests.machine.independent import solve
 from tests.machine.machines import law
@@ -215,7 +216,9 @@ def test_the_command_writes_a_page_and_a_machine_that_runs(tmp_path, capsys):
     assert "comes to rest" in page.text
     assert f"certificate.json (guide by theorem '{passive['theorem']}')" in page.text
     errors = page.rows(["move", "peak", "rms"])
-    assert {move: row[0] for move, row in errors.items()} == {m: f"{e['peak']:.4g}" for m, e in found["errors"].items()}
+    assert {move: row[0] for move, row in errors.items()} == {
+        m: human(e["peak"], "m") for m, e in found["errors"].items()
+    }
     boundary = page.rows(["path", "boundary"])["controllers.hold.K_i"]
     assert float(boundary[0]) == pytest.approx(found["boundaries"][0]["value"], rel=1e-5)
 

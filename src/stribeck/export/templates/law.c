@@ -103,11 +103,11 @@ static real implicit(const parameters *p, real v, real pull, real z, real far, r
     return x;
 }
 
-/* z after dt with v held; pull is added to dz/dt. One step, or up to 32 where the slope changes on the way; what would
+/* z after dt with v held; pull is added to dz/dt. One step, or up to 64 where the slope changes on the way; what would
  * overshoot even then is left to one implicit step. */
 static real advance(const parameters *p, real v, real pull, real z, real dt)
 {
-    const real shortest = dt / 32;
+    const real shortest = dt / 64;
     real left = dt, h = dt, slope, after;
     real rate = rate_and_slope(p, v, z, &slope) + pull;
     while (left > 0) {
@@ -117,7 +117,7 @@ static real advance(const parameters *p, real v, real pull, real z, real dt)
         if (FN(fabs)(next - z) <= 4 * EPSILON * FN(fabs)(z)) return next; /* steady */
         const real next_rate = rate_and_slope(p, v, next, &after) + pull;
         const int overshoots = (rate > 0 && next_rate < 0) || (rate < 0 && next_rate > 0);
-        if ((overshoots || FN(fabs)(after - slope) * h > R(0.1)) && h > shortest) {
+        if ((overshoots || FN(fabs)(after - slope) * h > R(0.05)) && h > shortest) {
             h = h > 2 * shortest ? h / 2 : shortest;
             continue;
         }

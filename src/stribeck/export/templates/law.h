@@ -7,7 +7,7 @@
  * allocation, no input or output, no global state. Compile everything with -D{{ P | upper }}_FLOAT for single precision.
 {% if law.has_z %}
  * {{ P }}_step: {% if eq.linear %}exact where the velocity is constant over the step (zero-order hold), for a step of any length.
-{% else %}of order 2 where the velocity is constant over the step (exponential Rosenbrock-Euler, in up to 32 parts
+{% else %}of order 2 where the velocity is constant over the step (exponential Rosenbrock-Euler, in up to 64 parts
  * where d(dz/dt)/dz changes on the way); where a part would still overshoot the steady deflection, the implicit
  * Euler rule makes the rest of the step instead, so that it never does.
 {% endif %}
