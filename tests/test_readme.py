@@ -173,9 +173,10 @@ def test_speed_is_what_the_benchmark_measured():
     cost = {name: x["median"] if isinstance(x, dict) else x for name, x in cost.items()}
     own = cost["stribeck, 1 thread"]
     assert f"takes {own:.3g} ms of processor time a lane" in README
-    for other, words in (("stribeck, scalar loop", "{:.1g} times the same lanes"), ("numbalsoda", "{:.0f} times numbalsoda"),
+    for other, words in (("stribeck, scalar loop", "{:.0f} times the same lanes"), ("numbalsoda", "{:.0f} times numbalsoda"),
                          ("diffrax vmap", "{:.0f} times diffrax vmap")):  # fmt: skip
         assert words.format(cost[other] / own) in README
+    assert f"same method {cost['C++ prototype, 1 thread']:.3g})" in README
     seconds = {case["case"]: case["seconds"]["median"] for case in startup["cases"]}
     for case in ("stribeck --help", "run --json, cached", "run --json, new"):
         assert f"{seconds[case]:.3g} s" in README
