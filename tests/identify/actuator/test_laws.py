@@ -24,11 +24,10 @@ def folder(tmp_path_factory):
 
 
 def fitted(folder, data, wanted, **more):
-    """From one start, which leads elsewhere."""
-    rest = {"known": {"bodies.a.initial.v": 0.0}}
-    entries = [{"file": f"run{i}.csv", "hold_out": i == 2, **rest} for i in range(3)]
+    """From two starts, one of which leads elsewhere; from that one alone it hangs on rounding whether the search gets out."""
+    entries = [{"file": f"run{i}.csv", "hold_out": i == 2} for i in range(3)]
     path = logs(folder, entries, wanted)
-    found = fit_machine(data, path, starts=1, baselines=False, **more)
+    found = fit_machine(data, path, starts=2, baselines=False, **more)
     for name, x in TRUTH.items():
         p = found.parameters[name]
         assert p.verdict == "found", (name, found.notes)
