@@ -246,3 +246,15 @@ def test_the_complaint_is_the_error_and_no_warning_that_names_a_file_of_errors()
     assert compiler.first_complaint(text) == "fmu.c:3:1: error: unknown type"
     assert compiler.first_complaint("Error 2\nx\n") == "Error 2"
     assert compiler.first_complaint("") == ""
+
+
+@pytest.mark.skipif(importlib.util.find_spec("ziglang") is None, reason="no ziglang")
+def test_zig_builds_lanes(tmp_path):
+    """It ends at an option of GCC's that it does not know, where other compilers warn."""
+    source = tmp_path / "lanes.c"
+    source.write_text("double twice(double x) { return 2 * x; }\n")
+    zig = compiler.Compiler((sys.executable, "-m", "ziglang", "cc"), "zig")
+    for each in (zig, zig.for_lanes()):
+        library = tmp_path / f"{len(each.options)}.so"
+        each.build(source, library)
+        assert library.is_file()

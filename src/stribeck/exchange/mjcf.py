@@ -70,13 +70,17 @@ def from_mujoco_file(path: str | Path) -> Tables:
 
 def _spring(made: Tables, model: Model, j: int, name: str) -> None:
     """A joint's spring to the world; a body's coordinate is 0 where the model begins, the spring's rest may be elsewhere."""
-    stiffness, at = float(np.ravel(model.jnt_stiffness[j])[0]), int(model.jnt_qposadr[j])
+    stiffness, at = _stiffness(model, j), int(model.jnt_qposadr[j])
     if stiffness <= 0:
         return
     made["links"][f"{name}_spring"] = {"from": name, "to": "ground", "stiffness": stiffness}
     if rest := float(model.qpos_spring[at] - model.qpos0[at]):
         push = {"kind": "points", "t": [0.0, 1.0], "value": [stiffness * rest] * 2}
         made["loads"][f"{name}_spring_rest"] = {"on": name, "kind": "signal", "signal": push}
+
+
+def _stiffness(model: Model, j: int) -> float:
+    return float(np.ravel(model.jnt_stiffness[j])[0])
 
 
 def _left_out(mujoco: ModuleType, model: Model, names: Mapping[int, str]) -> list[str]:
@@ -95,7 +99,7 @@ def _left_out(mujoco: ModuleType, model: Model, names: Mapping[int, str]) -> lis
             if hasattr(model, table) and np.any(getattr(model, table)[row]):  # MuJoCo 4 has them
                 left.append(f"joint {show(name)}: {word} beyond its linear part")
         left += [f"joint {show(name)}: its range"] if model.jnt_limited[j] else []
-        stiffness = float(np.ravel(model.jnt_stiffness[j])[0])
+        stiffness = _stiffness(model, j)
         left += [f"joint {show(name)}: stiffness {stiffness:g} < 0"] if stiffness < 0 else []
     others = [a for a in range(model.nu) if int(model.actuator_gaintype[a]) != int(mujoco.mjtGain.mjGAIN_DCMOTOR)]
     left += [f"actuator {show(model.actuator(a).name or f'actuator{a}')}" for a in others]

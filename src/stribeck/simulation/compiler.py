@@ -23,9 +23,10 @@ _FLAGS = (
 # Passes that take much of the compiler's time; one trajectory's code is as fast without, and its numbers differ by
 # rounding at most. Lanes are a little faster with them.
 _FOR_ONE = ("-fno-schedule-insns2", "-fno-gcse", "-fno-ipa-cp")
-# Lanes are vectors from the start, and their exp rounds by adding a number and taking it away again. Operations that
-# do not wait for each other are put beside each other (5 % with AVX-512).
-_FOR_LANES = ("-ftree-vectorize", "-fno-associative-math", "-fschedule-insns", "-fsched-pressure")
+# Lanes are vectors from the start, and their exp rounds by adding a number and taking it away again.
+_FOR_LANES = ("-ftree-vectorize", "-fno-associative-math")
+# Operations of lanes that do not wait for each other are put beside each other (5 % with AVX-512).
+_BESIDE = ("-fschedule-insns", "-fsched-pressure")
 # Copies of structs no wider than 16 bytes: wider ones leave the upper halves of registers in use, and then each call of
 # libm's exp, whose wrapper is of older instructions, waits for them.
 _NARROW = ("-mmove-max=128", "-mstore-max=128")
@@ -39,16 +40,16 @@ class Compiler:
     command: tuple[str, ...]
     identity: str
     options: tuple[str, ...] = _FOR_ONE
-    moves: tuple[str, ...] = _NARROW  # left out where the compiler does not know them
+    extra: tuple[str, ...] = _NARROW  # left out where the compiler does not know them
 
     @property
     def key(self) -> str:
         """All that decides which library a source becomes: the compiler, its flags and this machine's processor."""
-        return "|".join((self.identity, *_FLAGS, *self.options, *self.moves, platform.system(), _processor()))
+        return "|".join((self.identity, *_FLAGS, *self.options, *self.extra, platform.system(), _processor()))
 
     def for_lanes(self) -> Compiler:
         """The same compiler with the options that several trajectories at once need."""
-        return replace(self, options=_FOR_LANES, moves=())
+        return replace(self, options=_FOR_LANES, extra=_BESIDE)
 
     def build(self, source: Path, library: Path) -> None:
         """Compile a C file into a shared library.
@@ -58,7 +59,7 @@ class Compiler:
         """
         complaint = ""
         own = "-march=native"
-        for target in dict.fromkeys([(own, *self.moves), (own,), ()]):  # not every compiler knows its own machine
+        for target in dict.fromkeys([(own, *self.extra), (own,), ()]):  # not every compiler knows its own machine
             command = [*self.command, *_FLAGS, *self.options, *target, "-o", str(library), str(source), "-lm"]
             result = called(command, self.command[0], _TIME_LIMIT, library.parent)
             if result.returncode == 0 and library.is_file():

@@ -52,9 +52,11 @@ def _cases(request: Request) -> dict[str, list[tuple[str, ...]]]:
 def _single(numbers: Array) -> Array:
     """The numbers as single precision has them: the C that is compiled so has the same inputs."""
     small, size = np.finfo(np.float32), abs(numbers)
-    if not np.all((numbers == 0) | ((size >= small.tiny) & (size <= small.max))):
-        wrong = numbers[~((numbers == 0) | ((size >= small.tiny) & (size <= small.max)))]
-        text = f"the check of these constants needs {wrong.flat[0]:g}, which single precision does not hold (1.2e-38 to 3.4e38)"
+    wrong = numbers[~((numbers == 0) | ((size >= small.tiny) & (size <= small.max)))]
+    if wrong.size:
+        text = (
+            f"the check of these constants needs {wrong[0]:g}, which single precision does not hold (1.2e-38 to 3.4e38)"
+        )
         raise InputError(f"{arg('self_test')}: {text}")
     return numbers.astype(np.float32).astype(float)
 

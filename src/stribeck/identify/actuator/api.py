@@ -194,7 +194,7 @@ class Fitting:
         told = lacking or driven.by_noise(best.problem, best.u, driven.MUCH) or checks.hypotheses(self.unbroken(best))
         if not told and best.windowed:  # no whole recording may be followed whatever its columns are in
             told = checks.hypotheses(best.problem)
-        return told or driven.by_noise(best.problem, best.u)
+        return told or driven.by_noise(best.problem, best.u, below=driven.MUCH)
 
     def unbroken(self, best: BestPoint) -> MachineProblem:
         """The problem of whole recordings, where nobody asked for stretches: what one that errs does to all that follows

@@ -125,12 +125,12 @@ def weighed(best: BestPoint) -> BestPoint | None:
     return replace(best, problem=problem, u=u, found=replace(end, agreeing=best.found.agreeing))
 
 
-def by_noise(problem: MachineProblem, u: Array, least: float = 0.0) -> list[str]:
-    """The recordings in which noise of the inputs, as large as what changes from sample to sample, and at least this share of
-    their changes, moves the outputs as far as they are missed, in words."""
+def by_noise(problem: MachineProblem, u: Array, least: float = 0.0, below: float = np.inf) -> list[str]:
+    """The recordings in which noise of the inputs, as large as what changes from sample to sample, and from ``least`` to
+    ``below`` by their changes, moves the outputs as far as they are missed, in words."""
     for k, run in enumerate(problem.runs):
         rough = noises(run)
-        if not rough or max(_share(run, rough, path) for path in rough) < least:
+        if not rough or not least <= max(_share(run, rough, path) for path in rough) < below:
             continue
         off = _moved(problem, u, k, 1, 0)
         r = problem.raw(u[None])[0][problem.first[k] : problem.first[k + 1]]

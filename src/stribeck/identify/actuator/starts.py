@@ -95,9 +95,7 @@ def begun(
             room = _ROOM * max(dx, 1e-9 * max(abs(x), 1e-3))
             label = f"log.{log}.{'' if span is None else f'{at:g}s.'}initial.{name}.{kind}"
             still = kind == "v" and span is None and abs(x) < _MOVES * dx
-            first = (
-                0.0 if still else x
-            )  # rest, where the samples cannot tell it from motion: bristles would be wound up
+            first = 0.0 if still else x  # rest, where samples cannot tell it from motion: bristles would be wound up
             low, high = min(x - room, first), max(x + room, first)
             run.start |= {path: f * first for path, f in targets.items()}
             found.append(MachineCoordinate(label, low, high, first, None, targets, None, log, True, run.piece))
