@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from stribeck import Scenario, simulate
+from stribeck import Scenario, simulate, simulate_ensemble
 from stribeck.simulation import fallback
 from stribeck.simulation.solution import Solution
 from tests.simulation.rig import needs_compiler, rig
@@ -33,6 +33,20 @@ class Chatters(BristleLaw):
     @staticmethod
     def dz_dt(p, v, z):
         return where(z < 1e-6, 1.0, -1.0) + 0.0 * v
+
+class Flutters(BristleLaw):
+    """The same, faster than 1e12 steps can follow."""
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return where(z < 1e-12, 1e9, -1e9) + 0.0 * v
+
+class Edge(BristleLaw):
+    """Comes to the end of its equations in a finite time and goes along it: many steps look beyond."""
+
+    @staticmethod
+    def dz_dt(p, v, z):
+        return v * sqrt(1 - z / 1e-5)
 '''
 
 
@@ -91,6 +105,19 @@ def test_steps_that_run_out(run, tmp_path):
     assert "solve.max_steps = 300" in solution.reason
     assert 0 < solution.t[-1] < 20
     assert solution.stats["accepted"] <= 300
+
+
+@needs_compiler
+@pytest.mark.parametrize(("name", "reason"), [("Edge", "no longer finite"), ("Flutters", "the end is 1e12 of them away")])
+def test_what_no_steps_can_follow_ends_soon(name, reason, tmp_path):
+    """They took solve.max_steps = 1e9 attempts, minutes of processor time; a lane of an ensemble too."""
+    data = user_law(name, tmp_path)
+    solution = failed(compiled_run, data, tmp_path)
+    assert reason in solution.reason
+    assert solution.stats["accepted"] + solution.stats["rejected"] <= 2_000_001
+    lanes = simulate_ensemble(Scenario(data, folder=tmp_path), {"plant.mass": [1.0, 1.1]})
+    assert all(reason in text for text in lanes.reason), lanes.reason
+    assert (lanes.accepted + lanes.rejected <= 2_000_001).all()
 
 
 @both

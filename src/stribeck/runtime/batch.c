@@ -29,8 +29,10 @@ static void attend(const Batch *b, Lanes *l, unsigned attention, unsigned rows, 
         const int lane = first_lane(attention);
         const unsigned bit = 1u << lane;
         if (failed & bit) {
-            const int few = l->accepted[lane] + l->rejected[lane] < b->most_attempts;
-            finish(b, l, lane, !few ? GAVE_UP : error[lane] < 1e30 ? STEP_TOO_SMALL : NOT_FINITE);
+            const int64_t tried = l->accepted[lane] + l->rejected[lane];
+            const int looked = tried > l->look_at[lane], wild = looked ? l->wild[lane] > MOST_WILD : !(error[lane] < 1e30);
+            const int why = wild ? NOT_FINITE : looked ? STALLED : STEP_TOO_SMALL;
+            finish(b, l, lane, tried < b->most_attempts ? why : GAVE_UP);
             l->anew |= l->restart[lane];
             continue;
         }
@@ -124,6 +126,20 @@ static void count_events(const Batch *b, const Lanes *l, mask events, const real
 }
 #endif
 
+/* Of lanes that have tried often: those that get no further, or have no attempts left. */
+static mask stuck(const Batch *b, Lanes *l, mask looks)
+{
+    for (int lane = 0; lane < LANES; lane++) {
+        if (!looks[lane] || l->look_at[lane] >= b->most_attempts) continue;
+        if (l->t[lane] - l->t_looked[lane] < LEAST_WAY * b->t_end || l->wild[lane] > MOST_WILD) continue;
+        l->t_looked[lane] = l->t[lane];
+        l->wild[lane] = 0;
+        l->look_at[lane] += b->most_attempts - l->look_at[lane] < LOOK ? b->most_attempts - l->look_at[lane] : LOOK;
+        looks[lane] = 0;
+    }
+    return looks;
+}
+
 /* Begin an attempt at a step of each lane. */
 static inline void begin(const Batch *b, Lanes *l)
 {
@@ -153,7 +169,9 @@ static inline void end(const Batch *b, Lanes *l)
     const real next_h = choose(good & last, larger(l->h, grown), grown);
     const mask rows = good & (t_new >= l->row_t), ends = good & last;
     const mask tried = l->accepted + l->rejected;
-    const mask failed = (~good & ((l->t + next_h * 0.25 <= l->t) | (next_h < 1e-290))) | (tried >= b->most_attempts);
+    mask failed = ~good & ((l->t + next_h * 0.25 <= l->t) | (next_h < 1e-290));
+    const mask looks = tried >= l->look_at;
+    if (lanes_in(looks)) failed |= stuck(b, l, looks);
 #if WATCHES > 0 /* apart from the rest, which comes often: this branch hardly ever does, and the other need not wait for it */
     real w[5][WATCHES];
     const mask events = good & ~failed & look_out(l, h, t_new, k, x_new, w);
@@ -161,6 +179,7 @@ static inline void end(const Batch *b, Lanes *l)
 #endif
     l->accepted -= good; /* true is -1 */
     l->rejected -= ~good;
+    l->wild -= ~finite;
     l->h = next_h;
     l->held = ~good;
     l->last_h = choose(good, h, l->last_h);

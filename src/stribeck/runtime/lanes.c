@@ -23,7 +23,7 @@ typedef struct {
     int64_t groups;               /* how many vectors a thread may take, at most GROUPS */
 } Batch;
 
-enum { DONE = 0, GAVE_UP = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2 };
+enum { DONE = 0, GAVE_UP = 1, STEP_TOO_SMALL = -1, NOT_FINITE = -2, STALLED = -4 };
 
 EXPORT int64_t stribeck_batch_size(void) { return (int64_t)sizeof(Batch); }
 EXPORT int64_t stribeck_lanes(void) { return LANES; }
@@ -56,6 +56,8 @@ typedef struct {
     real row_t;                        /* the time of the next row */
     real output_h;                     /* the step to begin with after an output; 0: not known yet */
     mask accepted, rejected, held;     /* counts; held: the last attempt was rejected */
+    mask look_at, wild;                /* attempts after which it is looked whether the lane gets on; those not finite */
+    double t_looked[LANES];            /* where it was at the last look */
     int64_t index[LANES], piece_at[LANES], row[LANES]; /* index -1: no trajectory left for this lane */
     int restart[LANES], after_output[LANES];
     int64_t alive;
@@ -224,6 +226,9 @@ static void refill(const Batch *b, Lanes *l, int lane)
     l->last_h[lane] = l->output_h[lane] = 0;
     l->last_root[lane] = 1;
     l->accepted[lane] = l->rejected[lane] = l->held[lane] = 0;
+    l->look_at[lane] = b->most_attempts < LOOK ? b->most_attempts : LOOK;
+    l->t_looked[lane] = 0;
+    l->wild[lane] = 0;
     l->row[lane] = 0;
     l->piece_at[lane] = b->piece_first[i];
     put_lane(&l->piece, lane, b->piece_rows + l->piece_at[lane] * PIECE, PIECE);

@@ -100,6 +100,11 @@ static inline double interpolate(double s, double x0, double x1, double d0, doub
 /* Times that differ by less, as a share, are one: k times the period, a breakpoint. */
 UNUSED static const double SAME_TIME = 1e-12;
 
+/* A trajectory that so many attempts take no further than this share of its end would need 1e12 of them: it stalls. One
+   that goes along the edge of its equations is not finite in so many of them. */
+enum { LOOK = 1000000, MOST_WILD = LOOK / 10 };
+UNUSED static const double LEAST_WAY = 1e-6;
+
 /* Why a trajectory restarts at a breakpoint with a step of unknown length: the signal jumps, or its slope does; or a
    sampled controller's output does. A long step over a corner would damp the fast motion it sets off, and nothing would
    tell. The first three stand in signals/pieces.py too. */

@@ -24,9 +24,11 @@ typedef struct {
     int64_t pieces, piece, rows, row, event_room, events, queue_room, noise_room;
     int64_t accepted, rejected, rates, jacobians, attempts_left;
     int64_t held_back, restart; /* held_back: the last attempt was rejected */
+    double t_looked;            /* where it was when it was last looked whether it gets on */
+    int64_t since, wild;        /* the attempts since then, and those that were not finite */
 } Run;
 
-enum { DONE = 0, MORE = 1, EVENTS_FULL = 2, STEP_TOO_SMALL = -1, NOT_FINITE = -2 };
+enum { DONE = 0, MORE = 1, EVENTS_FULL = 2, STEP_TOO_SMALL = -1, NOT_FINITE = -2, STALLED = -4 };
 
 EXPORT int64_t stribeck_run_size(void) { return (int64_t)sizeof(Run); }
 EXPORT int64_t stribeck_states(void) { return N; }
@@ -249,6 +251,12 @@ EXPORT int stribeck_advance(Run *run)
     while (run->t < run->t_end) {
         if (run->attempts_left-- <= 0) return MORE;
         if (run->events + stribeck_event_room() > run->event_room) return EVENTS_FULL;
+        if (run->since++ >= LOOK) {
+            if (run->t >= run->t_looked && run->t - run->t_looked < LEAST_WAY * run->t_end) return STALLED;
+            if (run->wild > MOST_WILD) return NOT_FINITE;
+            run->t_looked = run->t;
+            run->since = run->wild = 0;
+        }
         const int64_t n = run->piece;
         const Segment piece = present(run);
         double t_stop = n + 1 < run->pieces ? smaller(run->piece_start[n + 1], run->t_end) : run->t_end;
@@ -276,6 +284,7 @@ EXPORT int stribeck_advance(Run *run)
         run->rates += STAGES - 1;
         if (!(error <= 1)) {
             run->rejected++;
+            run->wild += !(error < 1e30);
             run->held_back = 1;
             run->h = h * (error < 1e30 ? growth(steering(error)) : 0.1);
             if (run->t + run->h * 0.25 <= run->t || run->h < 1e-290) return error < 1e30 ? STEP_TOO_SMALL : NOT_FINITE;

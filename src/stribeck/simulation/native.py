@@ -18,7 +18,6 @@ from stribeck.simulation.result import Result, ended, failure, held_back
 
 _SLICE = 100_000  # attempted steps between two looks at Ctrl-C and the progress bar: some 30 ms
 EVENT_ROOM = 4096
-_STALL = 1e-9  # share of the run below which a whole slice has gone nowhere
 # What one step may err by, as a share of the tolerances: errors made while a contact creeps towards break-away grow up
 # to a hundredfold before it slips, and the solution is to keep what the tolerances promise.
 _STEP_SHARE = 0.01
@@ -28,7 +27,7 @@ SAMPLED_SHARE = 0.1, 0.5, 0.35  # at solve.rtol = 1e-6 and above; at 1e-8 and be
 _WELL_DAMPED, _LEAST_DAMPED = 0.05, 1e-4  # damping ratio from which no more is needed; the smallest share of it
 _RTOL_SMALLEST = 1e-13  # below it rounding is the larger error
 
-_DONE, _MORE, _EVENTS_FULL, _NOT_FINITE = 0, 1, 2, -2
+_DONE, _MORE, _EVENTS_FULL = 0, 1, 2
 
 
 class Run(ctypes.Structure):
@@ -156,14 +155,11 @@ class _Solving:
         status, run.restart, run.t_end = _MORE, 1, end
         while status in (_MORE, _EVENTS_FULL) and left > 0:
             run.attempts_left = attempts = min(_SLICE, left)
-            before = run.t
             status = self.library.stribeck_advance(ctypes.byref(run))
             left -= attempts - max(run.attempts_left, 0)
             if count := run.events:
                 self.events += zip(self.event_time[:count].tolist(), self.event_what[:count].tolist(), strict=True)
                 run.events = 0
-            if status == _MORE and run.t - before < _STALL * end and ended(self.scenario, run.t, self.x):
-                status = _NOT_FINITE  # time is finer than the position where the equations end
             if progress is not None:
                 progress(run.t / end)
         return self._result(status)

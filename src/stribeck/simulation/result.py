@@ -59,6 +59,8 @@ def failure(status: int, t: float, max_steps: int) -> str | None:
         return f"at t = {t:.9g} s the step needed for solve.rtol fell below what floating point resolves"
     if status == -2:
         return f"after t = {t:.9g} s the equations are no longer finite"
+    if status == -4:
+        return f"at t = {t:.9g} s the steps needed for solve.rtol became so short that the end is 1e12 of them away"
     return f"gave up at t = {t:.9g} s after solve.max_steps = {max_steps} attempted steps"
 
 

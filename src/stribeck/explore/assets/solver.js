@@ -49,6 +49,7 @@ class Struct { // the C struct Run, by the layout that comes with the page
 function reason(status, t, most) {
   if (status === -1) return `at t = ${t.toPrecision(9)} s the step needed for solve.rtol fell below what floating point resolves`;
   if (status === -2) return `after t = ${t.toPrecision(9)} s the equations are no longer finite`;
+  if (status === -4) return `at t = ${t.toPrecision(9)} s the steps needed for solve.rtol became so short that the end is 1e12 of them away`;
   return `gave up at t = ${t.toPrecision(9)} s after solve.max_steps = ${most} attempted steps`;
 }
 

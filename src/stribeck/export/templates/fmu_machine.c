@@ -78,6 +78,7 @@ static const char *advance_model(Model *m, double dt)
     case {{ P | upper }}_DONE: return NULL;
     case {{ P | upper }}_MORE: return "the tolerance needs more steps than can be made";
     case {{ P | upper }}_STEP_TOO_SMALL: return "the step that the tolerance needs is below what floating point resolves";
+    case {{ P | upper }}_STALLED: return "the steps that the tolerance needs became so short that the end is 1e12 of them away";
     default: return "the state or the result is not finite";
     }
 }

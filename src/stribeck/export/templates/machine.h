@@ -23,7 +23,8 @@ extern "C" {
 typedef struct {{ P }} {{ P }};
 
 enum { {{ P | upper }}_DONE = 0, {{ P | upper }}_MORE = 1 /* too many steps were needed: call it again */,
-       {{ P | upper }}_STEP_TOO_SMALL = -1, {{ P | upper }}_NOT_FINITE = -2, {{ P | upper }}_BAD_CONSTANT = -3 };
+       {{ P | upper }}_STEP_TOO_SMALL = -1, {{ P | upper }}_NOT_FINITE = -2, {{ P | upper }}_BAD_CONSTANT = -3,
+       {{ P | upper }}_STALLED = -4 /* steps so short that the end is 1e12 of them away */ };
 
 /* What {{ P }}_columns fills in, by place. */
 enum {
