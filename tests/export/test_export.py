@@ -1,6 +1,7 @@
 """The registry, the command, and what is said before anything is written."""
 
 import json
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -9,6 +10,9 @@ import stribeck
 from stribeck.cli import _status
 from stribeck.export import PARTS, TARGETS
 from stribeck.export.c.sampling import radius
+from stribeck.export.fmu.archive import described
+from stribeck.export.fmu.description import model_description
+from stribeck.export.request import Request
 from tests.export.harness import law
 
 
@@ -111,6 +115,36 @@ def test_a_law_of_the_users_own(tmp_path):
     assert text.isascii()
     assert text.split("#ifndef")[0].count("*/") == 1
     assert command(*words, "--target", "st", "--out", str(tmp_path / "law.st")) == 0
+
+
+def test_the_words_of_a_constant_end_no_comment_and_no_string(tmp_path):
+    """They went into the C, the Structured Text and the FMU's XML as they stood: neither compiled, and the XML was none."""
+    (tmp_path / "mine.py").write_text(
+        "from stribeck.constants import Constant\n"
+        "from stribeck.laws import StaticLaw\n"
+        "class Mine(StaticLaw):\n"
+        "    'Viscous.'\n"
+        "    source = 'me ??/'\n"
+        "    c = Constant('N \"*) */', 'ends */ *) \\x07 \\u00b5 ??/', at_least=0, example=1.0)\n"
+        "    @staticmethod\n"
+        "    def friction(p, v, z, dz_dt):\n"
+        "        return p.c * v\n"
+    )
+    mine = stribeck.law(f"{tmp_path / 'mine.py'}:Mine", {}, c=1.0)
+    stribeck.export(mine, "c", tmp_path / "c")
+    for file in (tmp_path / "c").iterdir():
+        text = file.read_text()
+        assert text.isascii()
+        assert text.count("/*") == text.count("*/")
+        assert "??" not in text
+    stribeck.export(mine, "st", tmp_path / "mine.st")
+    assert (text := (tmp_path / "mine.st").read_text()).count("(*") == text.count("*)")
+    stribeck.export(mine, "modelica", tmp_path / "mine.mo")
+    (row,) = [row for row in (tmp_path / "mine.mo").read_text().splitlines() if "parameter Real c" in row]
+    assert row.count('"') == 4
+    assert row.isprintable()
+    of, _ = described(Request(mine))
+    assert "ends" in ElementTree.fromstring(model_description(of)).find(".//*[@name='c']").get("description")
 
 
 def test_constants_that_no_target_can_have(tmp_path, capsys):

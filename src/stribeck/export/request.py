@@ -137,7 +137,9 @@ def ascii_only(text: str) -> str:
             result += name.rsplit(" ", 1)[-1].lower()
         else:
             result += unicodedata.normalize("NFKD", c).encode("ascii", "replace").decode()
-    return result.replace("*/", "* /").replace("/*", "/ *").replace("*)", "* )").replace("(*", "( *")
+    for end in ("*/", "/*", "*)", "(*", "??"):  # the last begins a trigraph, which C reads in comments too
+        result = result.replace(end, " ".join(end))
+    return result
 
 
 def _origin(law: Law) -> str:

@@ -9,6 +9,7 @@ from functools import cached_property
 
 from stribeck.control.observer import correction
 from stribeck.errors import needed
+from stribeck.export.request import ascii_only
 from stribeck.expressions.emit import C_FUNCTIONS, C_WORDS, Dialect, Writer
 from stribeck.expressions.graph import Expr, derivative, ordered, substitute, symbol, symbols, wrap
 from stribeck.expressions.names import Names
@@ -145,4 +146,5 @@ def render(template: str, **values: object) -> str:
         keep_trailing_newline=True, undefined=jinja2.StrictUndefined,
         comment_start_string="{##", autoescape=False,
     )  # fmt: skip
+    environment.filters["plain"] = ascii_only
     return environment.get_template(template).render(repr=repr, **values)

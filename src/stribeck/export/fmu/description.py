@@ -10,6 +10,7 @@ from typing import TypedDict
 from xml.etree import ElementTree as ET
 
 from stribeck.constants import Constant
+from stribeck.errors import printable
 from stribeck.version import __version__
 
 _BASE = {
@@ -154,6 +155,8 @@ def build_description(model: str) -> str:
 
 
 def _text(root: ET.Element) -> str:
+    for element in root.iter():  # XML has no control characters
+        element.attrib.update({name: printable(text) for name, text in element.attrib.items()})
     ET.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
 

@@ -72,7 +72,7 @@ static void path_of(const parameters *p, real t, {{ P }}_input *in)
 void {{ P }}_defaults(parameters *p)
 {
 {% for name, (c, value, path) in b.constants.items() %}
-    p->{{ name }} = R({{ repr(value) }}); /* {{ c.unit or "1" }} */
+    p->{{ name }} = R({{ repr(value) }}); /* {{ (c.unit or "1") | plain }} */
 {% endfor %}
 }
 

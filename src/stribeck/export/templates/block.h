@@ -17,14 +17,14 @@
 /* Constants; {{ P }}_defaults fills them in, {{ P }}_check tells whether they are allowed. */
 typedef struct {
 {% for name, (c, value, path) in b.constants.items() %}
-    {{ P }}_real {{ name }}; /* {{ c.unit or "1" }}: {{ c.meaning }}, {{ c.allowed }} ({{ path }}) */
+    {{ P }}_real {{ name }}; /* {{ (c.unit or "1") | plain }}: {{ c.meaning | plain }}, {{ c.allowed }} ({{ path }}) */
 {% endfor %}
 } {{ P }}_parameters;
 
 /* What is kept from sample to sample. */
 typedef struct {
 {% for c in b.states %}
-    {{ P }}_real {{ c.name }}; /* {{ c.unit }}: {{ c.meaning }} */
+    {{ P }}_real {{ c.name }}; /* {{ c.unit | plain }}: {{ c.meaning | plain }} */
 {% else %}
     {{ P }}_real none; /* nothing: it stays 0 */
 {% endfor %}
@@ -33,14 +33,14 @@ typedef struct {
 /* What a sample is given. */
 typedef struct {
 {% for c in b.inputs %}
-    {{ P }}_real {{ c.name }}; /* {{ c.unit }}: {{ c.meaning }} */
+    {{ P }}_real {{ c.name }}; /* {{ c.unit | plain }}: {{ c.meaning | plain }} */
 {% endfor %}
 } {{ P }}_input;
 
 /* What it computes. */
 typedef struct {
 {% for c in b.outputs %}
-    {{ P }}_real {{ c.name }}; /* {{ c.unit }}: {{ c.meaning }} */
+    {{ P }}_real {{ c.name }}; /* {{ c.unit | plain }}: {{ c.meaning | plain }} */
 {% endfor %}
 } {{ P }}_output;
 

@@ -59,7 +59,7 @@ void {{ P }}_defaults(parameters *p)
 {
 {% for group, constants in cascade.constants.items() %}
 {% for name, (c, value) in constants.items() %}
-    p->{{ group }}.{{ name }} = R({{ repr(value) }}); /* {{ c.unit or "1" }} */
+    p->{{ group }}.{{ name }} = R({{ repr(value) }}); /* {{ (c.unit or "1") | plain }} */
 {% endfor %}
 {% endfor %}
 }

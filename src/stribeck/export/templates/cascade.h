@@ -23,7 +23,7 @@ typedef struct {
 {% for group, constants in cascade.constants.items() %}
     struct { /* {{ groups[group] }} */
 {% for name, (c, value) in constants.items() %}
-        {{ P }}_real {{ name }}; /* {{ c.unit or "1" }}: {{ c.meaning }}, {{ c.allowed }} */
+        {{ P }}_real {{ name }}; /* {{ (c.unit or "1") | plain }}: {{ c.meaning | plain }}, {{ c.allowed }} */
 {% endfor %}
     } {{ group }};
 {% endfor %}
@@ -32,7 +32,7 @@ typedef struct {
 /* What is kept from sample to sample. */
 typedef struct {
 {% for column, start in kept %}
-    {{ P }}_real {{ column.name }}; /* {{ column.unit }}: {{ column.meaning }} */
+    {{ P }}_real {{ column.name }}; /* {{ column.unit | plain }}: {{ column.meaning | plain }} */
 {% else %}
     {{ P }}_real {{ unused.name }}; /* without an observer there is none: stays 0 */
 {% endfor %}
@@ -41,21 +41,21 @@ typedef struct {
 /* The desired position and its derivatives. */
 typedef struct {
 {% for column in path %}
-    {{ P }}_real {{ column.name }}; /* {{ column.unit }}: {{ column.meaning }} */
+    {{ P }}_real {{ column.name }}; /* {{ column.unit | plain }}: {{ column.meaning | plain }} */
 {% endfor %}
 } {{ P }}_path;
 
 /* What is measured, all at the same time. */
 typedef struct {
 {% for column in inputs %}
-    {{ P }}_real {{ column.name }}; /* {{ column.unit }}: {{ column.meaning }} */
+    {{ P }}_real {{ column.name }}; /* {{ column.unit | plain }}: {{ column.meaning | plain }} */
 {% endfor %}
 } {{ P }}_measured;
 
 /* What the controller computes: u is for the valve, the others are for whoever watches. */
 typedef struct {
 {% for column in outputs %}
-    {{ P }}_real {{ column.name }}; /* {{ column.unit }}: {{ column.meaning }} */
+    {{ P }}_real {{ column.name }}; /* {{ column.unit | plain }}: {{ column.meaning | plain }} */
 {% endfor %}
 } {{ P }}_output;
 

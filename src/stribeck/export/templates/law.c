@@ -173,7 +173,7 @@ static real settle(const parameters *p, real v, real z, real dt)
 void {{ P }}_defaults(parameters *p)
 {
 {% for name, (c, value) in constants.items() %}
-    p->{{ name }} = R({{ repr(value) }}); /* {{ c.unit or "1" }} */
+    p->{{ name }} = R({{ repr(value) }}); /* {{ (c.unit or "1") | plain }} */
 {% endfor %}
 }
 

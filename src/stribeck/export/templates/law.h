@@ -26,7 +26,7 @@
 /* Constants of the law; {{ P }}_defaults fills them in, {{ P }}_check tells whether they are allowed. */
 typedef struct {
 {% for name, (c, value) in constants.items() %}
-    {{ P }}_real {{ name }}; /* {{ c.unit or "1" }}: {{ c.meaning }}, {{ c.allowed }} */
+    {{ P }}_real {{ name }}; /* {{ (c.unit or "1") | plain }}: {{ c.meaning | plain }}, {{ c.allowed }} */
 {% endfor %}
 } {{ P }}_parameters;
 

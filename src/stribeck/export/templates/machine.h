@@ -29,7 +29,7 @@ enum { {{ P | upper }}_DONE = 0, {{ P | upper }}_MORE = 1 /* too many steps were
 /* What {{ P }}_columns fills in, by place. */
 enum {
 {% for column in m.columns %}
-    {{ P | upper }}_{{ m.column_names[column.name] }} = {{ loop.index0 }}, /* {{ column.unit or "1" }}: {{ column.meaning }} */
+    {{ P | upper }}_{{ m.column_names[column.name] }} = {{ loop.index0 }}, /* {{ (column.unit or "1") | plain }}: {{ column.meaning | plain }} */
 {% endfor %}
     {{ P | upper }}_COLUMNS = {{ m.columns | length }}
 };
@@ -37,7 +37,7 @@ enum {
 /* States, which {{ P }}_states gives by place. */
 enum {
 {% for state in m.machine.states %}
-    {{ P | upper }}_X_{{ state.name | replace(".", "_") }} = {{ loop.index0 }}, /* {{ state.unit or "1" }}: {{ state.meaning }} */
+    {{ P | upper }}_X_{{ state.name | replace(".", "_") }} = {{ loop.index0 }}, /* {{ (state.unit or "1") | plain }}: {{ state.meaning | plain }} */
 {% endfor %}
     {{ P | upper }}_STATES = {{ m.machine.states | length }}
 };
@@ -45,7 +45,7 @@ enum {
 /* Constants, and inputs (which are 0), that {{ P }}_constants gives by place; a change holds from the next step on. */
 enum {
 {% for each in m.parameters %}
-    {{ P | upper }}_P_{{ each.name }} = {{ loop.index0 }}, /* {{ each.constant.unit or "1" }}: {{ each.constant.meaning }} ({{ each.path }}) */
+    {{ P | upper }}_P_{{ each.name }} = {{ loop.index0 }}, /* {{ (each.constant.unit or "1") | plain }}: {{ each.constant.meaning | plain }} ({{ each.path }}) */
 {% endfor %}
     {{ P | upper }}_CONSTANTS = {{ m.parameters | length }}
 };

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from types import SimpleNamespace
 
 from stribeck.constants import Constant, rotary_unit, rotary_words
+from stribeck.errors import printable
 from stribeck.export.request import Request, Target
 from stribeck.expressions.emit import ADD, ATOM, UNARY, Dialect, Writer
 from stribeck.expressions.graph import Expr, symbol, wrap
@@ -147,7 +148,7 @@ def _block(law: Law, constants: Mapping[str, float]) -> str:
 def _parameter(name: str, constant: Constant, value: float) -> str:
     low = constant.above if constant.above is not None else constant.at_least
     least = "" if low is None else f", min={low:g}"
-    unit = constant.unit.replace(" ", ".") or "1"
+    unit = _quoted(constant.unit).replace(" ", ".") or "1"
     return f'parameter Real {name}(unit="{unit}"{least}) = {value!r} "{_quoted(constant.meaning)}";'
 
 
@@ -171,4 +172,4 @@ def _line(law: Law) -> str:
 
 def _quoted(text: str) -> str:
     """A text as it may stand in a string of one line."""
-    return " ".join(text.split()).replace("\\", "/").replace('"', "'")
+    return printable(" ".join(text.split())).replace("\\", "/").replace('"', "'")
