@@ -254,3 +254,18 @@ def test_a_nan_elsewhere_in_a_mujoco_model_is_refused(tmp_path, monkeypatch):
     with pytest.raises(InputError, match=r"arm\.xml: MuJoCo: XML contains a 'NaN'"):
         from_mujoco_file("arm.xml")
     assert [path.name for path in tmp_path.iterdir()] == ["arm.xml"]
+
+
+@pytest.mark.parametrize("suffix", ["", "_stribeck"])
+def test_a_share_of_the_load_that_stands_alone_is_refused(suffix):
+    """One of motor and external ended in a traceback, the other was left out without a word."""
+    both = (f"load_friction_motor{suffix}", f"load_friction_external{suffix}")
+    for given, missing in (both, both[::-1]):
+        with pytest.raises(InputError, match=f"^{missing}: missing: must be given with {given}$"):
+            from_bam({**PLAIN, given: 0.1})
+    with pytest.raises(InputError, match=r"^load_friction_base: missing: must be given with load_friction_stribeck$"):
+        from_bam({**PLAIN, "load_friction_stribeck": 0.1})
+    with pytest.raises(InputError, match=r"^actuator: a table with a: must be text$"):
+        from_bam({**PLAIN, "actuator": {"a": 1}})
+    with pytest.raises(InputError, match=r"^kt: a whole number of 401 digits: must be a finite number$"):
+        from_bam({**PLAIN, "kt": 10**400})

@@ -28,8 +28,8 @@ def import_(
 
     from stribeck import exchange
     from stribeck.cli.show import check_file
+    from stribeck.errors import printable
     from stribeck.files import write_text
-    from stribeck.parameter_sets import read_toml
     from stribeck.scenario import Scenario
 
     if kind not in ("bam", "mujoco"):
@@ -37,12 +37,12 @@ def import_(
     if out is not None:
         check_file("--out", out, file)
     if file.suffix.lower() == ".toml":
-        data = read_toml(file)
+        data = exchange.tables(Scenario.load(file))
         text = json_.dumps(exchange.to_bam(data), indent=2) + "\n" if kind == "bam" else exchange.to_mujoco(data)
     else:
         made = exchange.from_bam(file) if kind == "bam" else exchange.from_mujoco_file(file)
         Scenario(made)  # what is written is valid
-        text = f"# From {file.name}, by stribeck import {kind}\n" + tomli_w.dumps(made)
+        text = f"# From {printable(file.name)}, by stribeck import {kind}\n" + tomli_w.dumps(made)
     if out is None:
         print(text, end="")
     else:

@@ -8,12 +8,11 @@ servo actuators", 2024).
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from stribeck.constants import show
+from stribeck.constants import Constant, show
 from stribeck.errors import InputError, note
 from stribeck.files import read_file
 
@@ -42,12 +41,19 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
     problems = [f"{n}: missing: must be given" for n in _NEEDED if n not in data]
     known = {*_NEEDED, *_NUMBERS}
     problems += [
-        f"{n}: {show(x)}: must be a finite number" for n, x in data.items()
-        if n in known and (isinstance(x, bool) or not isinstance(x, int | float) or not math.isfinite(x))
+        f"{n}: {show(x)}: must be a finite number" for n, x in data.items() if n in known and Constant("", "").problem(x)
     ]  # fmt: skip
     strange = [n for n in data if n not in known and n not in ("model", "actuator")]
     lost = [n for n in strange if "friction" not in n]
     problems += [f"{n}: unknown key: a machine has no such thing" for n in strange if "friction" in n]
+    for suffix in ("", "_stribeck"):
+        pair = {f"load_friction_motor{suffix}", f"load_friction_external{suffix}"}
+        problems += [f"{n}: missing: must be given with {m}" for n in pair - set(data) for m in pair & set(data)]
+    if "load_friction_stribeck" in data and "load_friction_base" not in data:
+        problems.append("load_friction_base: missing: must be given with load_friction_stribeck")
+    problems += [
+        f"{n}: {show(data[n])}: must be text" for n in ("model", "actuator") if not isinstance(data.get(n, ""), str)
+    ]
     if "friction_stribeck" in data:
         problems += [
             f"{n}: missing: must be given with friction_stribeck" for n in ("dtheta_stribeck", "alpha") if n not in data

@@ -207,7 +207,7 @@ f"bodies.{n}: neither inertia nor mass: a joint of MuJoCo moves a body with one 
             words["frictionloss"] = words.get("frictionloss", 0.0) + p["F_c"] * abs(gear)
             words["damping"] = words.get("damping", 0.0) + p["sigma_2"] * gear**2
         else:
-            text = "a joint holds coulomb_viscous and a dcmotor lugre, without loads ('stribeck export --to mujoco' has laws)"
+            text = "a joint holds coulomb_viscous and a dcmotor lugre, without loads ('stribeck export --target mujoco' has laws)"
             problems.append(f"contacts.{name}.law.name: {show(law['name'])}: {text}")
     if problems:
         raise InputError(problems)

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.constants import show
+from stribeck.constants import Constant, show
 from stribeck.errors import InputError, nearest
 from stribeck.identify.actuator import lerobot
 from stribeck.identify.actuator.bridges import Bridged, bridged
@@ -142,7 +142,7 @@ def _table(given: object, where: str, problems: list[str]) -> Mapping[str, objec
 
 
 def _number(x: object) -> bool:
-    return isinstance(x, int | float) and not isinstance(x, bool) and math.isfinite(x)
+    return Constant("", "").problem(x) is None
 
 
 def _sought(path: str, table: object, into: list[Sought]) -> list[str]:
