@@ -172,6 +172,50 @@ def test_a_long_record_is_thinned_into_stretches_and_gives_the_same(monkeypatch)
     assert part.relative_force_error == pytest.approx(whole.relative_force_error, rel=0.15)
 
 
+def from_rest_to_rest(files, seconds=6.0, seed=0):
+    """Constant speeds, at rest for a second before and after, held there by a torque that has nothing to do with friction."""
+    rng = np.random.default_rng(seed)
+    t = np.arange(0, seconds, STEP)
+    shape = np.clip((t - 1) / 0.4, 0, 1) - np.clip((t - seconds + 1.4) / 0.4, 0, 1)
+    speeds = np.repeat(np.geomspace(0.05, 3, files // 2), 2) * np.tile([1, -1], files // 2)
+    true = np.concatenate([s * shape for s in speeds])
+    held = np.repeat(rng.uniform(-4, 4, files), len(t))
+    law = stribeck.law("stribeck", {"F_c": 8, "F_s": 13, "v_s": 0.3, "sigma_2": 2})
+
+    def force(t, y, v, a):
+        noise = 0.3 * rng.standard_normal(len(t))
+        return 0.3 * np.gradient(true, STEP) + np.where(true == 0, held, law.steady_force(true)) + noise
+
+    run = np.repeat(np.arange(files, dtype=np.int32), len(t))
+    log = log_of(true + 2e-4 * rng.standard_normal(len(true)), force, run, files=tuple(f"f{k}" for k in range(files)))
+    return log.with_columns(bandwidth=12.5), true == 0
+
+
+def test_rest_up_to_the_end_of_a_run_is_found():
+    """Whatever is left behind the last whole look, and at either end of a rest."""
+    log, rests = from_rest_to_rest(4)
+    found = at_rest(log)
+    assert np.mean(found[rests]) > 0.99
+    assert np.mean(found[~rests]) < 0.005
+
+
+def test_a_long_record_is_thinned_to_where_it_moves(monkeypatch):
+    from stribeck.identify.models import static_problem
+
+    log, _ = from_rest_to_rest(12)
+    monkeypatch.setattr(static_problem, "_MOST_RAW", 12 * 1500)
+    rows = rows_of(log)
+    assert np.mean(rows.rest) < 0.2  # a third of the record is rest
+    within = rows.log.time % 6.0  # each file's start and stop, which tell the mass, are there
+    assert all(np.any(abs(within - moment) < STEP) for moment in (1.05, 1.35, 4.65))
+    fit = stribeck.fit(log, "stribeck", select=False)
+    assert fit.relative_force_error < 0.05  # the noise is 3 %
+    assert [each["level"] for each in fit.details["levels"]] == pytest.approx([8] * 12, abs=0.5)
+    for name, value in {"F_c": 8, "F_s": 13, "v_s": 0.3, "sigma_2": 2}.items():
+        assert fit.estimates[name].low <= value <= fit.estimates[name].high, name
+        assert fit.estimates[name].value == pytest.approx(value, rel=0.1), name
+
+
 def test_steepness_and_stribeck_velocity_that_make_up_for_each_other_are_not_known():
     rng = np.random.default_rng(0)
     v = 0.02 * motion(8.0)

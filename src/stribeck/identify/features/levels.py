@@ -20,6 +20,7 @@ from stribeck.identify.statistics.uncertainty import covariance, noise_memory
 
 _NORMAL = 1.96
 _FEWEST_ROWS = 30
+_BEYOND_LEVELS = 0.1  # of a column's size: less than this beside a level for each file is told by nothing
 
 
 def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[FileLevel]:
@@ -84,8 +85,10 @@ def _own(
         if name == "F_s":  # what F_s is above F_c keeps its share
             rest -= (values["F_s"] - values["F_c"]) * x
         elif name in (*whole.wanted, *whole.free) and name != "F_c" and not (name in TERMS and TERMS[name].level):
-            if values[name] != 0:
+            if values[name] != 0 and _told_beside(sign, x, part, there):
                 shared.append(x)
+            else:
+                rest -= values[name] * x
         elif name not in whole.free and name != "F_c":
             rest -= values[name] * x
     matrix = np.column_stack([*(sign * (part == k) for k in there), *shared])
@@ -96,6 +99,16 @@ def _own(
     variance = float(missed @ missed) / max(int((w > 0).sum()) - matrix.shape[1], 1)
     noise = np.sqrt(np.maximum(np.diag(covariance(slopes, variance, noise_memory(missed))), 0.0))[: len(there)]
     return solution[: len(there)], np.maximum(noise, [_in_blocks(sign, missed, w * (part == k)) for k in there])
+
+
+def _told_beside(sign: Array, x: Array, part: NDArray[np.intp], there: list[int]) -> bool:
+    """Whether a column is more than a level for each file: an offset is not, where each file goes one way."""
+    left = np.where(np.isin(part, there), x, 0.0)
+    size = float(left @ left)
+    for k in there:
+        s = sign * (part == k)
+        left -= s * (float(s @ left) / max(float(s @ s), 1e-300))
+    return float(left @ left) > _BEYOND_LEVELS**2 * size
 
 
 def _in_blocks(sign: Array, missed: Array, w: Array) -> float:

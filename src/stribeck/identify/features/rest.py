@@ -31,14 +31,30 @@ def at_rest(log: Log) -> Mask:
         if count < _WINDOWS:
             continue
         v = log.velocity[rows][: count * window].reshape(count, window)
-        peak, mean = np.max(abs(v), axis=1), abs(np.mean(v, axis=1))
-        still = (peak <= min(_NOISES * noise, _SLOW * fastest)) & (
-            mean <= _NOISES * noise / np.sqrt(window) + noise / 3
-        )
+        peak, mean = np.max(abs(v), axis=1), _with_neighbours(np.mean(v, axis=1))
+        limit = min(_NOISES * noise, _SLOW * fastest)
+        still = (peak <= limit) & (abs(mean) <= _NOISES * noise / np.sqrt(window) + noise / 3)
         still |= peak == 0
-        long = _long(still)
-        out[rows.start : rows.start + count * window] = np.repeat(long, window)
+        long = np.repeat(_long(still), window)
+        out[rows.start : rows.start + len(long)] = long
+        if long.any():
+            _to_its_ends(out[rows], log.velocity[rows], limit, 2 * window)
     return out
+
+
+def _with_neighbours(mean: Array) -> Array:
+    """The mean over three looks in a row: a filter's noise hardly changes in one, so that its own mean is noisy."""
+    padded = np.concatenate([mean[:1], mean, mean[-1:]])
+    return np.asarray((padded[:-2] + padded[1:-1] + padded[2:]) / 3)
+
+
+def _to_its_ends(rest: Mask, v: Array, limit: float, window: int) -> None:
+    """Widen each rest of a run, in place, by the rows next to it that are as slow, a window at most."""
+    edges = np.flatnonzero(np.diff(rest, prepend=False, append=False)).tolist()
+    for first, last in zip(edges[::2], edges[1::2], strict=True):
+        before, behind = abs(v[max(first - window, 0) : first])[::-1] > limit, abs(v[last : last + window]) > limit
+        rest[first - (int(np.argmax(before)) if before.any() else len(before)) : first] = True
+        rest[last : last + (int(np.argmax(behind)) if behind.any() else len(behind))] = True
 
 
 def _long(still: Mask) -> Mask:

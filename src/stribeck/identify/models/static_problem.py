@@ -28,6 +28,8 @@ _FEWEST_ROWS = 20  # that are fitted at all
 _MOVES = 0.015  # of the mass: what half the band may change it by
 _HEAVY = 0.05  # of the force: less inertia tells nothing of the band
 _LITTLE_REST = 0.02  # of the rows: less rest stays in
+_SMEARED = 2.0  # periods of the motion's cut-off: how far it moves a start or a stop into a rest
+_BEFORE = 10  # a stretch of a long record begins this part of its length before it moves
 
 
 @dataclass
@@ -69,14 +71,16 @@ def rows_of(log: Log, decimate: int | None = None, to_choose: bool = False) -> R
         InputError: hardly one is left.
     """
     notes, source = [], log
-    if len(log) > _MOST_RAW:
-        log = _stretches(log)
-        notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
     rest = at_rest(log)
     share = float(np.mean(rest))
     if share <= _LITTLE_REST or share > 0.98:
         rest[:] = False
-    else:
+    smeared = _beside(rest, log)
+    if len(log) > _MOST_RAW:
+        log, every = _stretches(log, rest)
+        rest, smeared = rest[every], smeared[every]
+        notes.append(f"{len(source)} rows: {len(log)} of them, in stretches evenly over every run, are fitted")
+    if rest.any():
         log = log.with_columns(velocity=np.where(rest, 0.0, log.velocity))
         notes.append(
             f"the body rests in {share:.0%} of the rows: they are left out, as friction takes any value there up to break-away"
@@ -91,7 +95,24 @@ def rows_of(log: Log, decimate: int | None = None, to_choose: bool = False) -> R
     near = rest
     if q > 1 and rest.any():  # the filter spreads a jump over some rows
         near = np.convolve(rest, np.ones(2 * q + 1), mode="same") > 0.5
-    return Rows(log, source, q, [why, *notes], kept, np.where(near[kept], 0.0, 1.0), rest)
+    return Rows(log, source, q, [why, *notes], kept, np.where((near | smeared)[kept], 0.0, 1.0), rest)
+
+
+def _beside(rest: NDArray[np.bool_], log: Log) -> NDArray[np.bool_]:
+    """Rows so near a rest that the motion's filter may have moved them there: the force is the rest's. A short motion keeps
+    the middle half of it."""
+    out = np.zeros(len(rest), bool)
+    if not (log.bandwidth and log.step):
+        return out
+    width = round(_SMEARED / (log.bandwidth * log.step))
+    for rows in log.runs():
+        edges = np.flatnonzero(np.diff(~rest[rows], prepend=False, append=False)).tolist()
+        for first, last in zip(edges[::2], edges[1::2], strict=True):
+            reach = min(width, (last - first) // 4)
+            out[rows.start + first : rows.start + first + reach] = first > 0
+            if last < rows.stop - rows.start:
+                out[rows.start + last - reach : rows.start + last] = True
+    return out
 
 
 def decimation(log: Log, few: int = _FEW) -> tuple[int, str]:
@@ -176,8 +197,8 @@ def kept_rows(log: Log, q: int) -> NDArray[np.intp]:
     return np.concatenate([r.start + filters.decimated_rows(r.stop - r.start, q) for r in log.runs()])
 
 
-def _stretches(log: Log) -> Log:
-    """Stretches of a long record, evenly over every run, as runs of their own."""
+def _stretches(log: Log, rest: NDArray[np.bool_]) -> tuple[Log, NDArray[np.intp]]:
+    """Stretches of a long record, evenly over what moves of every run, as runs of their own; and which rows these are."""
     parts, owner = [], []
     runs = list(log.runs())
     shares = [max(int(_MOST_RAW * (r.stop - r.start) / len(log)), 1) for r in runs]
@@ -187,10 +208,25 @@ def _stretches(log: Log) -> Log:
         length = min(usual, rows.stop - rows.start)  # of one length where it can be: they are filtered together
         if count * length >= rows.stop - rows.start:
             count, length = 1, rows.stop - rows.start
-        starts = np.linspace(rows.start, rows.stop - length, count).astype(int).tolist()
+        starts = _starts(rest[rows], count, length, rows.start)
         parts += [slice(a, a + length) for a in starts]
         owner += [number] * count
     every = np.concatenate([np.arange(p.start, p.stop) for p in parts])
     run = np.repeat(np.arange(len(parts), dtype=np.int32), [p.stop - p.start for p in parts])
     files = tuple(log.files[i] for i in owner) if log.files else ()
-    return log.rows(every).with_columns(run=run, files=files)
+    return log.rows(every).with_columns(run=run, files=files), every
+
+
+def _starts(rest: NDArray[np.bool_], count: int, length: int, first: int) -> list[int]:
+    """Where the stretches of a run begin: evenly over it, or over the rows that move, each with a little of what is before."""
+    highest = len(rest) - length
+    if np.mean(rest) <= _LITTLE_REST or rest.all():
+        return (first + np.linspace(0, highest, count).astype(int)).tolist()
+    moves = np.flatnonzero(~rest)
+    which = np.linspace(0, max(len(moves) - length, 0), count).astype(int)
+    starts = np.clip(moves[which] - length // _BEFORE, 0, highest).tolist()
+    for k in range(1, count):  # none reaches into the next
+        starts[k] = max(starts[k], starts[k - 1] + length)
+    for k in range(count):
+        starts[k] = min(starts[k], len(rest) - (count - k) * length)
+    return [first + start for start in starts]
