@@ -121,6 +121,10 @@ def _print(fit: MachineFit, files: Sequence[str]) -> None:
         said = b.get("why") or ", ".join(f"{word} {100 * x:.3g} %" for word, x in shares if x is not None)
         print(f"  {name}: {said}")
     if fit.laws:
+        for label, error in fit.laws["errors"].items():
+            print(f"  {label}: held out {100 * error:.3g} %, {fit.laws['numbers'][label]} numbers")
+        for label, why in fit.laws["failed"].items():
+            say(f"{label}: not fitted: {why}", 6, "  ")
         say(f"law picked: {fit.laws['picked']}", 6, "  ")
     if fit.transfer is not None:
         moved = ", ".join(m["name"] for m in fit.transfer["moved"]) or "nothing"
