@@ -19,3 +19,14 @@ ACCELERATION = {
     for square in ("^2", "2", "²")
 } | {"g": 9.80665}
 DRIVE = {f"{p}{u}": f for p, f in _PREFIXES.items() for u in ("A", "V")}  # a current or a voltage, with a gain
+_OF = ((LENGTH, "m"), (ANGLE, "rad"), (TORQUE, "N m"), (FORCE, "N"), (PRESSURE, "Pa"), (TIME, "s"))
+
+
+def si_unit(unit: str) -> str:
+    """The SI unit that a unit's factor leads to: ``rad/s`` for ``rpm``; empty for what is none of these."""
+    if unit in ("rpm", "g"):
+        return "rad/s" if unit == "rpm" else "m/s^2"
+    if "/" in unit:
+        above, _, below = unit.partition("/")
+        return f"{si_unit(above)}/s" + ("" if below in TIME else "^2")
+    return next((si for table, si in _OF if unit in table), unit[-1:] if unit in DRIVE else "")

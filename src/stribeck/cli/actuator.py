@@ -11,13 +11,13 @@ from stribeck.cli.text import say
 from stribeck.errors import InputError, refuse_twice
 from stribeck.identify.actuator import MachineFit, fit_machine
 from stribeck.identify.actuator.page import FILES, number_or_open, write_machine_fit
-from stribeck.scenario import Scenario, parse_assignments
+from stribeck.scenario import Scenario, parse_assignment, parse_assignments
 
 if TYPE_CHECKING:
     import typer
 
 
-_OPTIONS = ("law", "set_", "starts", "seed", "logs", "transfer", "on", "out", "json")
+_OPTIONS = ("law", "set_", "unknown", "starts", "seed", "logs", "transfer", "on", "out", "json")
 
 
 def check_options(context: typer.Context) -> None:
@@ -39,12 +39,13 @@ def check_options(context: typer.Context) -> None:
 
 
 def fit(
-    machine: Sequence[Path], logs: Path | None, laws: Sequence[str], assignments: Sequence[str], transfer: Path | None,
-    starts: int, seed: int, out: Path | None, json: bool, on: str | None = None,
+    machine: Sequence[Path], logs: Path | None, laws: Sequence[str], assignments: Sequence[str], unknown: Sequence[str],
+    transfer: Path | None, starts: int, seed: int, out: Path | None, json: bool, on: str | None = None,
 ) -> int:  # fmt: skip
     """Read, fit, print, write."""
     if logs is None:
-        raise InputError(f"--transfer: {str(transfer)!r}: needs --logs")
+        given = "--unknown" if transfer is None else f"--transfer: {str(transfer)!r}"
+        raise InputError(f"{given}: needs --logs")
     if len(machine) != 1:
         raise InputError(f"DATA: {len(machine)} files: with --logs there must be one, the machine's")
     if out is not None:
@@ -52,8 +53,9 @@ def fit(
     scenario = Scenario.load(machine[0], parse_assignments(assignments))
     with show.lanes_on(on), show.progress("fit") as tell:
         found = fit_machine(
-            scenario, logs, laws=_laws(laws), transfer_to=transfer, starts=starts, seed=seed, progress=tell, folder=out
-        )
+            scenario, logs, laws=_laws(laws), unknown=_unknown(unknown), transfer_to=transfer, starts=starts, seed=seed,
+            progress=tell, folder=out,
+        )  # fmt: skip
     summary, files = found.to_json(), list[str]()
     if out is not None:
         files = write_machine_fit(
@@ -64,6 +66,24 @@ def fit(
     else:
         _print(found, files)
     return {"done": 0, "stopped": 130}.get(found.status, 1)
+
+
+def _unknown(texts: Sequence[str]) -> dict[str, object]:
+    """``PATH=LOW:HIGH``, or ``PATH=TABLE`` as in LOGS.toml, as a mapping."""
+    found: list[tuple[str, object]] = []
+    for text in texts:
+        path, _, given = text.partition("=")
+        ends = given.split(":")
+        try:
+            pair = [float(x) for x in ends]
+        except ValueError:
+            pair = []
+        table: object = parse_assignment(text)[1] if "{" in given else pair
+        if not path.strip() or not (isinstance(table, dict) or len(pair) == 2):
+            raise InputError(f"--unknown: {text!r}: must be PATH=LOW:HIGH, or PATH={{ low = X, high = X, start = X }}")
+        found.append((path.strip(), table))
+    refuse_twice([path for path, _ in found], "--unknown")
+    return dict(found)
 
 
 def _laws(texts: Sequence[str]) -> dict[str, list[str]]:
@@ -101,6 +121,10 @@ def _print(fit: MachineFit, files: Sequence[str]) -> None:
         said = b.get("why") or ", ".join(f"{word} {100 * x:.3g} %" for word, x in shares if x is not None)
         print(f"  {name}: {said}")
     if fit.laws:
+        for label, error in fit.laws["errors"].items():
+            print(f"  {label}: held out {100 * error:.3g} %, {fit.laws['numbers'][label]} numbers")
+        for label, why in fit.laws["failed"].items():
+            say(f"{label}: not fitted: {why}", 6, "  ")
         say(f"law picked: {fit.laws['picked']}", 6, "  ")
     if fit.transfer is not None:
         moved = ", ".join(m["name"] for m in fit.transfer["moved"]) or "nothing"

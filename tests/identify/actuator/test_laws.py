@@ -1,8 +1,11 @@
 """LuGre contains the static curve: from a start that leads elsewhere it must not end worse than that."""
 
+import numpy as np
 import pytest
 
 from stribeck.identify.actuator import fit_machine
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+from stribeck.identify.actuator.related import Relations
 from tests.identify.actuator.recorded import body, logs, record
 
 LAW = "contacts.guide.law.parameters."
@@ -47,3 +50,28 @@ def test_laws_left_open_are_searched_again_from_those_that_they_contain(folder):
 def test_a_law_by_itself_is_searched_again_from_the_static_curve(folder):
     data = body(mass=3.3, F_c=0.5, sigma_2=5.6, sigma_0=260000.0, sigma_1=440.0, F_s=8.8, v_s=0.11)
     fitted(folder, data, ALL)
+
+
+def test_an_elasto_plastic_law_left_open_stays_below_break_away(tmp_path):
+    """Its z_ba was guessed from the speed alone: with the machine's own sigma_0 it was refused, and never compared."""
+    record(tmp_path / "run.csv", body(amplitude=5.0))
+    wanted = {F_C: WANTED[F_C], f"{LAW}sigma_0": {"low": 2e3, "high": 2e5}}
+    path = logs(tmp_path, ["run.csv"], wanted)
+    found = fit_machine(body(), path, laws={"guide": ["elastoplastic_majorant"]}, starts=1, baselines=False)
+    assert found.laws["failed"] == {}
+    law = found.data["contacts"]["guide"]["law"]
+    assert 0 < law["z_ba"] * law["parameters"]["sigma_0"] < law["parameters"]["F_c"]
+    assert found.parameters["contacts.guide.law.z_ba"].unit == "m"
+
+
+def test_what_is_related_in_a_law_stays_so_wherever_a_search_goes():
+    sought = [
+        MachineCoordinate(name, low, high, targets={f"contacts.c.law.{name}": 1.0})
+        for name, low, high in (("parameters.F_c", 0.1, 10.0), ("parameters.F_s", 0.1, 5.0), ("z_ba", 1e-6, 1e-2))
+    ]
+    low, high = (np.array([c.bounds[i] for c in sought]) for i in (0, 1))
+    points = low + np.random.default_rng(0).random((200, 3)) * (high - low)
+    related = Relations(sought, {"contacts.c.law.parameters.sigma_0": 1e4}.get)
+    for F_c, F_s, z_ba in ([c.outer(x) for c, x in zip(sought, row, strict=True)] for row in related.repaired(points)):
+        assert F_c <= F_s
+        assert z_ba * 1e4 < F_c

@@ -75,6 +75,10 @@ Logs = Annotated[
     Path | None,
     typer.Option("--logs", metavar="LOGS.toml", help="DATA is a machine, and these are its recordings."),
 ]
+Sought = Annotated[
+    list[str] | None,
+    typer.Option("--unknown", metavar="PATH=LOW:HIGH", help="What is sought beside [unknown] of LOGS.toml (--logs)."),
+]
 Transfer = Annotated[
     Path | None, typer.Option("--transfer", metavar="LOGS.toml", help="Recordings of another unit or day (--logs).")
 ]
@@ -112,6 +116,7 @@ def fit(
     output: Output = "force",
     drive: Drive = None,
     logs: Logs = None,
+    unknown: Sought = None,
     transfer: Transfer = None,
     on: On = None,
     out: Out = None,
@@ -119,11 +124,11 @@ def fit(
 ) -> int:
     """Parameters of a law from a measured log, or of a machine from its recordings (--logs), with intervals and a verdict
     on what the data cannot tell."""
-    if logs is not None or transfer is not None:
+    if logs is not None or transfer is not None or unknown:
         from stribeck.cli import actuator
 
         actuator.check_options(context)
-        return actuator.fit(data, logs, law or [], set_ or [], transfer, starts, seed, out, json, on)
+        return actuator.fit(data, logs, law or [], set_ or [], unknown or [], transfer, starts, seed, out, json, on)
     from stribeck.cli import fit as work
     from stribeck.identify.options import FitOptions
 

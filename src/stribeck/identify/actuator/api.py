@@ -17,7 +17,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate, coordinate
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, beyond_solver, estimate, prepared
 from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.problem import MachineProblem
-from stribeck.identify.actuator.recordings import Logs, read_logs
+from stribeck.identify.actuator.recordings import Logs, read_logs, sought_of
 from stribeck.identify.actuator.result import LogResult, MachineFit, Picked
 from stribeck.identify.actuator.runs import recorded_run
 from stribeck.identify.actuator.traces import traces
@@ -31,6 +31,7 @@ def fit_machine(
     logs: Logs | str | Path,
     *,
     laws: Mapping[str, Sequence[str]] | None = None,
+    unknown: Mapping[str, object] | None = None,
     transfer_to: Logs | str | Path | None = None,
     starts: int = 20,
     seed: int = 0,
@@ -44,6 +45,8 @@ def fit_machine(
         machine: the machine (``schema = 2``) that holds the structure and every number that is not sought.
         logs: LOGS.toml, or what :func:`read_logs` made of it (docs/fit-actuators.md).
         laws: laws to try, by contact; the one that predicts held-out recordings best is taken.
+        unknown: what is sought beside [unknown] of the logs, and instead of the same path there: by path low and high, or
+            a table as in LOGS.toml.
         transfer_to: recordings of another unit, or another day, which the fit predicts and is then compared with.
         starts: how many starts the search has; ``seed`` makes them the same each time.
         baselines: fit no friction, Coulomb and viscous, and Coulomb, Stribeck and viscous friction beside.
@@ -57,7 +60,7 @@ def fit_machine(
         InputError: the machine, the logs or a path are not what they must be; a line for each problem.
     """
     scenario = Scenario.of(machine)
-    logs = logs if isinstance(logs, Logs) else read_logs(logs)
+    logs = seeking(logs if isinstance(logs, Logs) else read_logs(logs, not unknown), unknown or {})
     other = transfer_to if transfer_to is None or isinstance(transfer_to, Logs) else read_logs(transfer_to, False)
     sought = checked(scenario, logs)
     tried = {name: list(names) for name, names in {**logs.laws, **(laws or {})}.items()}
@@ -67,6 +70,22 @@ def fit_machine(
     work = Work(progress)
     with threadpool_limits(1):
         return Fitting(scenario, logs, sought, starts, seed, work, folder).run(tried, other, baselines)
+
+
+def seeking(logs: Logs, unknown: Mapping[str, object]) -> Logs:
+    """The recordings with more that is sought.
+
+    Raises:
+        InputError: a line of it is wrong, or nothing is for fitting; a line for each problem.
+    """
+    if not unknown:
+        return logs
+    more, problems = sought_of(unknown, argument=True)
+    if all(r.hold_out for r in logs.recordings):
+        problems.append("log.0.hold_out: true: at least one recording must be for fitting")
+    if problems:
+        raise InputError(problems)
+    return replace(logs, sought=(*(s for s in logs.sought if s.path not in unknown), *more))
 
 
 def checked(scenario: Scenario, logs: Logs) -> list[MachineCoordinate]:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 _EARNS = 0.01  # of the held-out error: what a further number must lower it by
 _STEEP = 50.0  # the smooth sign is complete at this share of the speeds
+_ELASTIC = 0.5  # of F_c/sigma_0: where z_ba begins
 _FEWER = 6  # starts of the fits that are only compared
 BASELINES = {"coulomb and viscous": "coulomb_viscous", "coulomb, stribeck and viscous": "stribeck"}
 
@@ -113,8 +114,9 @@ def _constants(
     level = float(have.get("F_c", 1.0))
     guess = {
         "F_c": level, "F_s": 1.2 * level, "v_s": 0.1 * speed, "sigma_2": 0.1 * level / speed, "k_v": _STEEP / speed,
-        "sigma_0": 300 * level / speed, "sigma_1": 0.3 * level / speed, "z_ba": 2e-3 * speed,
+        "sigma_0": 300 * level / speed, "sigma_1": 0.3 * level / speed,
     }  # fmt: skip
+    guess["z_ba"] = _ELASTIC * level / float(have.get("sigma_0", guess["sigma_0"]))
     changes: dict[str, object] = {}
     fresh: list[MachineCoordinate] = []
     places = paths(sought)
@@ -126,7 +128,7 @@ def _constants(
         if x is None:
             continue
         changes[place] = x
-        if name in PARAMETERS and place not in places:
+        if (name in PARAMETERS or name == "z_ba") and place not in places:
             fresh.append(MachineCoordinate(place, x / 100, x * 100, x, None, {place: 1.0}))
     return changes, fresh
 

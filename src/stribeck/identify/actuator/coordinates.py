@@ -15,7 +15,7 @@ from stribeck.simulation.places import machine_places
 
 _LOG = re.compile(r"log\.(\*|\d+)\.(.+)")
 _START = re.compile(r"initial\.(\w+)\.([yv])")
-_OUTPUT = re.compile(r"outputs\.(.+)\.(offset|gain|delay|clock)")
+_OUTPUT = re.compile(r"outputs\.(.+)\.(\w+)")
 _DECADES = 2.5  # bounds farther apart by this factor, and positive, are searched in the logarithm
 NEUTRAL = {"offset": 0.0, "gain": 1.0, "delay": 0.0, "clock": 0.0}
 
@@ -109,7 +109,10 @@ def _one(scenario: Scenario, logs: Logs, s: Sought, rest: str, name: str, log: i
     if output := _OUTPUT.fullmatch(rest):
         measured = {column for r in logs.recordings for column in r.outputs}
         if output[1] not in measured:
-            return f"unknown.{s.path}: {output[1]}: is not measured{nearest(output[1], measured)}"
+            hint = nearest(output[1], measured) or f" (measured are {', '.join(sorted(measured))})"
+            return f"unknown.{s.path}: {output[1]}: is not measured{hint}"
+        if output[2] not in NEUTRAL:
+            return f"unknown.{s.path}: {output[2]}: must be {', '.join(NEUTRAL)} of a sensor"
         return MachineCoordinate(name, s.low, s.high, s.start, s.prior, {}, (output[1], output[2]), log)
     start = _START.fullmatch(rest)
     path = f"bodies.{start[1]}.initial.{start[2]}" if start else rest
@@ -130,7 +133,7 @@ def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
             places = machine_places(scenario)
     if path not in places:
         return "no such number of the machine" + (
-            nearest(path, places) or f" (it has {', '.join(list(places)[:12])}, ...)"
+            nearest(path, places) or f" (it has {', '.join(_like(path, list(places)))})"
         )
     for x in values:
         try:
@@ -140,3 +143,12 @@ def impossible(scenario: Scenario, path: str, *values: float) -> str | None:
             if mine and "F_c" not in mine[0].partition(": ")[2]:  # relations to others hold by themselves
                 return f"{x:g}: {mine[0].partition(': ')[2]}"
     return None
+
+
+def _like(path: str, places: Sequence[str]) -> list[str]:
+    """The numbers of the machine to name beside one that it does not have: those of the same element, or of the same kind."""
+    words = path.split(".")
+    for most in (2, 1):
+        if same := [x for x in places if x.split(".")[:most] == words[:most]]:
+            return [*same[:5], *["..."] * (len(same) > 5)]
+    return [*places[:3], "..."]

@@ -8,8 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator.recordings import Channel
+from stribeck.constants import show
+from stribeck.errors import nearest
+from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
+from stribeck.units import si_unit
+
+_TOLD_BY = {
+    "loads": "f",
+    "controllers": "r",
+    "motors": "V",
+    "bodies": "v",
+}  # the column that an element's signal becomes
 
 
 @dataclass(frozen=True)
@@ -68,3 +78,32 @@ def later(signal: object, by: float) -> dict[str, object] | None:
         values = [float(np.interp(0.0, t, x)) for _ in first]
         return {**signal, "t": [*first, *t[after].tolist()], "value": [*values, *x[after].tolist()]}
     return None
+
+
+def misread(scenario: Scenario, recording: Recording, log: int) -> list[str]:
+    """What is wrong with the columns that a recording names: one that the machine does not have, a signal that is none, a
+    unit of another quantity without a gain that turns it into this one."""
+    units = {c.name: c.unit for c in scenario.rig.machine.columns}
+    signals = [use.path for use in scenario.rig.signals]
+    wrong = []
+    for name in recording.outputs:
+        if name not in units:
+            hint = nearest(name, units) or f" (it has {', '.join(units)})"
+            wrong.append(f"log.{log}.outputs.{name}: no such column of the machine{hint}")
+    for path in recording.inputs:
+        if not (path.endswith("signal") and table_at(scenario, path.rpartition(".")[0]) is not None):
+            hint = nearest(path, signals) or f" (it has {', '.join(signals) or 'none'})"
+            wrong.append(f"log.{log}.inputs.{path}: no signal of the machine{hint}")
+    given = {f"outputs.{name}": (name, c.unit) for name, c in recording.outputs.items()}
+    for path, c in recording.inputs.items():
+        element = path.split(".")
+        column = f"{element[1]}.{_TOLD_BY.get(element[0], '')}" if len(element) == 3 else ""
+        if "gain" not in (table_at(scenario, ".".join(element[:2])) or {}):  # type: ignore[operator]
+            given[f"inputs.{path}"] = column, c.unit
+    for where, (column, unit) in given.items():
+        wanted, found = units.get(column, ""), si_unit(unit)
+        scaled = where.startswith("inputs.loads.") and found in ("A", "V", "Pa")  # by a gain that may be sought
+        if wanted and si_unit(wanted) == wanted and found not in ("", wanted) and not scaled:
+            text = f"must be a unit of {wanted}, or stand with a gain that turns it into {wanted}"
+            wrong.append(f"log.{log}.{where}.unit: {show(unit)}: {text}")
+    return wrong

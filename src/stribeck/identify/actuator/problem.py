@@ -9,11 +9,11 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import NEUTRAL, MachineCoordinate
+from stribeck.identify.actuator.related import Relations
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.identify.work import Work
 from stribeck.simulation.lanes import threads_of_this_machine
 
-_ABOVE = 1e-6  # of F_c: how far F_s stays above it
 STEP = 2e-4  # of a coordinate, for slopes
 _SPEED = float(np.sqrt(12 / 12**3))  # deviation of a speed from twelve samples, in those of one over their distance
 _MOST = 4e6  # numbers held at once
@@ -98,28 +98,11 @@ class MachineProblem:
         self.ties = ties(self.runs, self.sought) if self.tied else []
         self.size = int(self.first[-1]) + len(self.priors) + len(self.ties)
         self._ends = [[tie for tie in self.ties if tie.run == k] for k in range(len(self.runs))]
-        self._pairs = self._above()
-
-    def _above(self) -> list[tuple[int, int | float]]:
-        """Coordinates of F_s with that of F_c of the same law, which may not be above it."""
-        by_path = {path: i for i, c in enumerate(self.sought) for path in c.targets}
-        return [
-            (i, by_path[low])
-            for path, i in by_path.items()
-            if path.endswith(".F_s") and (low := f"{path.removesuffix('F_s')}F_c") in by_path and ".law." in path
-        ]
+        self._relations = Relations(self.sought, lambda path: number_at(self.runs[0], path))
 
     def repaired(self, U: Array) -> Array:
-        """The points within the bounds, and with F_s >= F_c."""
-        U = np.clip(U, self.low, self.high)
-        for i, j in self._pairs:
-            for row in U:
-                level = self.sought[int(j)].outer(row[int(j)]) * (1 + _ABOVE)
-                if self.sought[i].outer(row[i]) < level:
-                    row[i] = self.sought[i].inner(level)
-                    if self.sought[i].outer(row[i]) < level * (1 - 1e-12):  # its bound
-                        row[int(j)] = self.sought[int(j)].inner(self.sought[i].outer(row[i]) / (1 + 2 * _ABOVE))
-        return U
+        """The points within the bounds, and with what is related as it must be (F_s >= F_c)."""
+        return self._relations.repaired(np.clip(U, self.low, self.high))
 
     def residuals(self, U: Array) -> Array:
         """What is left at the points U, made white where it is known how it hangs together."""
@@ -215,8 +198,7 @@ class MachineProblem:
         U = np.atleast_2d(U)
         n = len(self.sought)
         side = np.where(U + step <= self.high, 1.0, -1.0)
-        for _, j in self._pairs:
-            side[:, int(j)] = -1.0
+        side[:, self._relations.lower()] = -1.0
         side = np.where((side < 0) & (U - step < self.low), 1.0, side)
         all_ = np.repeat(U, n + 1, axis=0).reshape(len(U), n + 1, n)
         for i in range(n):

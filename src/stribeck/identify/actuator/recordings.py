@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.constants import Constant, show
-from stribeck.errors import InputError, nearest
+from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.actuator import lerobot
 from stribeck.identify.actuator.bridges import Bridged, bridged
 from stribeck.identify.actuator.readers import opened_log, time_of
@@ -32,7 +32,8 @@ _TOP = ("log", "unknown", "laws", "window", "schema")
 
 @dataclass(frozen=True)
 class Channel:
-    """What was measured, or given: a column of the file in SI units, and when; nan where a sample is missing."""
+    """What was measured, or given: a column of the file in SI units, and when; nan where a sample is missing. ``unit`` is
+    the file's, where no gain was given beside it."""
 
     column: str
     t: Array
@@ -100,6 +101,10 @@ class Logs:
 def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
     """The recordings that a LOGS.toml lists, in SI units.
 
+    Args:
+        path: the file.
+        needs_unknown: refuse a file that seeks nothing.
+
     Raises:
         InputError: the file or a recording cannot be read; a line for each mistake.
     """
@@ -116,9 +121,8 @@ def read_logs(path: str | Path, needs_unknown: bool = True) -> Logs:
             found.append(_recording(entry, f"log.{i}", path.parent, data.get("window")))
         except InputError as error:
             problems += [f"{path}: {line}" for line in error.problems]
-    sought: list[Sought] = []
-    for name, table in _table(data.get("unknown", {}), f"{path}: unknown", problems).items():
-        problems += [f"{path}: {line}" for line in _sought(name, table, sought)]
+    sought, wrong = sought_of(_table(data.get("unknown", {}), f"{path}: unknown", problems))
+    problems += [f"{path}: {line}" for line in wrong]
     if not sought and needs_unknown and not problems:
         problems.append(f"{path}: unknown: missing: at least one path with its bounds must be sought")
     laws: dict[str, tuple[str, ...]] = {}
@@ -145,9 +149,20 @@ def _number(x: object) -> bool:
     return Constant("", "").problem(x) is None
 
 
-def _sought(path: str, table: object, into: list[Sought]) -> list[str]:
+def sought_of(unknown: Mapping[str, object], argument: bool = False) -> tuple[list[Sought], list[str]]:
+    """The lines of [unknown], or of an argument of that name (each a table, or low and high); what is wrong with them."""
+    found: list[Sought] = []
+    wrong: list[str] = []
+    for path, table in unknown.items():
+        where = arg(f"unknown.{path}") if argument else f"unknown.{path}"
+        if argument and isinstance(table, list | tuple) and len(table) == 2:
+            table = {"low": table[0], "high": table[1]}
+        wrong += _sought(path, table, where, found)
+    return found, wrong
+
+
+def _sought(path: str, table: object, where: str, into: list[Sought]) -> list[str]:
     """Take one line of [unknown]; what is wrong with it."""
-    where = f"unknown.{path}"
     if not isinstance(table, Mapping):
         return [f"{where}: {show(table)}: must be a table with low and high"]
     found = [
@@ -244,11 +259,10 @@ def _column(given: object, where: str, units: Mapping[str, float], problems: lis
     if time is not None and not isinstance(time, str):
         wrong.append(f"{where}.time: {show(time)}: must be the name of a column")
     problems += wrong
-    return (
-        None
-        if wrong
-        else Named(given["column"], gain * (units[unit] if unit else 1.0), noise, unit, time, held is True)
-    )
+    if wrong:
+        return None
+    factor, told = gain * (units[unit] if unit else 1.0), "" if "gain" in given else unit
+    return Named(given["column"], factor, noise, told, time, held is True)
 
 
 def _source(entry: Mapping[str, Any], where: str, folder: Path) -> Source:

@@ -14,7 +14,7 @@ from scipy.interpolate import CubicSpline
 from stribeck.arrays import Array
 from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
-from stribeck.identify.actuator.inputs import RecordedInput, later, recorded_input, table_at
+from stribeck.identify.actuator.inputs import RecordedInput, later, misread, recorded_input, table_at
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.simulation import compiler, lanes
@@ -181,18 +181,7 @@ def recorded_run(
     ]  # fmt: skip
     if begin > 0:
         changes |= _signals_later(scenario, recording, begin)
-    known = [c.name for c in scenario.rig.machine.columns]
-    for name in recording.outputs:
-        if name not in known:
-            from stribeck.errors import nearest
-
-            hint = nearest(name, known) or f" (it has {', '.join(known)})"
-            problems.append(f"log.{log}.outputs.{name}: no such column of the machine{hint}")
-    problems += [
-        f"log.{log}.inputs.{path}: no signal of the machine"
-        for path in recording.inputs
-        if not (path.endswith("signal") and table_at(scenario, path.rpartition(".")[0]) is not None)
-    ]
+    problems += misread(scenario, recording, log)
     if problems:
         raise InputError(problems)
     step = _step(recording) / (_FINER if fine else 1)

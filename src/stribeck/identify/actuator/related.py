@@ -1,0 +1,55 @@
+"""Relations between the numbers of a law that hold wherever a search goes: F_s is not below F_c, z_ba is below F_c/sigma_0."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from stribeck.arrays import Array
+from stribeck.identify.actuator.coordinates import MachineCoordinate
+
+_ABOVE = 1e-6  # of F_c: how far F_s stays above it
+_BELOW = 0.95  # of F_c/sigma_0: the most that z_ba becomes
+
+
+class Relations:
+    """The coordinates that are related; ``number`` gives the machine's own number at a path that is not sought."""
+
+    def __init__(self, sought: Sequence[MachineCoordinate], number: Callable[[str], float | None]) -> None:
+        self.sought = sought
+        at = {path: i for i, c in enumerate(sought) for path in c.targets if ".law." in path}
+        self.above = [
+            (i, at[low])
+            for path, i in at.items()
+            if path.endswith(".F_s") and (low := f"{path.removesuffix('F_s')}F_c") in at
+        ]
+        self.below: list[tuple[int, int | float, int | float]] = []
+        for path, i in at.items():
+            if path.endswith(".z_ba"):
+                wanted = (f"{path.removesuffix('z_ba')}parameters.{n}" for n in ("F_c", "sigma_0"))
+                level, stiffness = (at.get(p, number(p)) for p in wanted)
+                if level is not None and stiffness is not None:
+                    self.below.append((i, level, stiffness))
+
+    def lower(self) -> list[int]:
+        """The coordinates that have another above them: they are moved down where slopes are taken."""
+        return [j for _, j in self.above]
+
+    def repaired(self, U: Array) -> Array:
+        """The points (lanes, coordinates), within their bounds, moved to where the relations hold."""
+        for i, j in self.above:
+            for row in U:
+                level = self.sought[j].outer(row[j]) * (1 + _ABOVE)
+                if self.sought[i].outer(row[i]) < level:
+                    row[i] = self.sought[i].inner(level)
+                    if self.sought[i].outer(row[i]) < level * (1 - 1e-12):  # its bound
+                        row[j] = self.sought[j].inner(self.sought[i].outer(row[i]) / (1 + 2 * _ABOVE))
+        for i, level_at, stiffness_at in self.below:
+            for row in U:
+                most = _BELOW * self._number(level_at, row) / self._number(stiffness_at, row)
+                if self.sought[i].outer(row[i]) > most:
+                    row[i] = self.sought[i].inner(most)
+        return U
+
+    def _number(self, which: int | float, row: Array) -> float:
+        """A number that is sought (an index), or one that is fixed."""
+        return self.sought[which].outer(float(row[which])) if isinstance(which, int) else which
