@@ -324,3 +324,15 @@ def test_a_result_waits_for_the_process_that_moves_its_own(tmp_path):
     os.close(other)
     thread.join(20)
     assert (tmp_path / "summary.json").read_text() == "newer"
+
+
+@needs_signals
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_after_the_end(number):
+    """While Python took its leave it printed a traceback."""
+    code = (
+        f"import atexit, os; atexit.register(lambda: os.kill(os.getpid(), {int(number)}))\n"
+        "from stribeck.cli import main; main(['--version'])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
