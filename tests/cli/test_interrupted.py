@@ -203,15 +203,16 @@ def test_signals_leave_nothing(number, scenario, tmp_path):
 
 
 PAPER = """
-import os, signal, sys, time
+import os, signal, subprocess, sys, tempfile
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from pathlib import Path
 from stribeck import paper
+CALLED = "import os, sys, time; open(os.path.join(sys.argv[1], str(os.getpid())), 'w').close(); time.sleep(600)"
 def slow(name, done):
     Path(sys.argv[2], str(os.getpid())).touch()
     while True:
-        time.sleep(600)
-slow.__module__, slow.__qualname__ = "stribeck.paper", "_chapter"
+        with tempfile.TemporaryDirectory(dir=sys.argv[3]):
+            subprocess.run([sys.executable, "-c", CALLED, sys.argv[2]])
 paper._chapter = slow
 from stribeck.cli import main
 main(["paper", "--out", sys.argv[1]])
@@ -232,16 +233,26 @@ def alive(pid):
 @pytest.mark.skipif(sys.version_info >= (3, 14), reason="the workers are forked from the test's process")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_paper_leaves_no_workers(number, tmp_path):
-    workers, out = tmp_path / "workers", tmp_path / "out"
+    """Nor compilers that they called, nor temporary files, unless killed."""
+    workers, out, below = tmp_path / "workers", tmp_path / "out", tmp_path / "tmp"
     workers.mkdir()
+    below.mkdir()
     process = subprocess.Popen(
-        [sys.executable, "-c", PAPER, str(out), str(workers)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    while len(list(workers.iterdir())) < min(2, os.cpu_count() or 1):
+        [sys.executable, "-c", PAPER, str(out), str(workers), str(below)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    while len(list(workers.iterdir())) < 2 * min(2, os.cpu_count() or 1):
         assert process.poll() is None, process.communicate()
         time.sleep(0.05)
     process.send_signal(number)
+    if number == signal.SIGKILL:  # it can end nothing that its workers called
+        process.wait()
+        for called in workers.iterdir():
+            words = ["ps", "-o", "command=", "-p", called.name]
+            if b"time.sleep(600)" in subprocess.run(words, check=False, capture_output=True).stdout:
+                os.kill(int(called.name), signal.SIGKILL)
     _, error = process.communicate(timeout=60)  # which also waits until nobody holds its output
+    assert not list(below.iterdir()) or number == signal.SIGKILL
     assert process.returncode == (-number if number == signal.SIGKILL else 128 + number), error
     for worker in workers.iterdir():
         for _ in range(200):  # the last of it may take a moment
