@@ -248,7 +248,7 @@ def test_paper_leaves_no_workers(number, tmp_path):
     if number == signal.SIGKILL:  # it can end nothing that its workers called
         process.wait()
         for called in workers.iterdir():
-            words = ["ps", "-o", "command=", "-p", called.name]
+            words = ["ps", "-ww", "-o", "command=", "-p", called.name]
             if b"time.sleep(600)" in subprocess.run(words, check=False, capture_output=True).stdout:
                 os.kill(int(called.name), signal.SIGKILL)
     _, error = process.communicate(timeout=60)  # which also waits until nobody holds its output
