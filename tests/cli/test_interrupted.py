@@ -12,15 +12,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import tomli_w
 
 import stribeck
 from stribeck import examples
-from stribeck.cli import _status
+from stribeck.cli import _status, actuator
 from stribeck.files import together, write_text
 from stribeck.identify.actuator import page
 from stribeck.identify.predict import saved
+from stribeck.identify.report import files
 from stribeck.identify.report.files import FITS
 from stribeck.report import chapters
+from tests.identify.actuator.recorded import body, logs, record
 
 needs_signals = pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
 
@@ -179,6 +182,7 @@ import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a test run in the background ignores it, and its children
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 from stribeck.report import chapters
+from tests.identify.actuator.recorded import body, logs, record
 def slow(*args):
     print("ready", flush=True)
     time.sleep(600)
@@ -347,3 +351,43 @@ def test_a_signal_after_the_end(number):
     )
     done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, monkeypatch):
+    """The fit was lost with the page."""
+
+    def stopped(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(files, "write_fit", stopped)
+    monkeypatch.setattr(actuator, "write_machine_fit", stopped)
+    t = np.arange(0.0, 8.0, 0.01)
+    force = np.sign(np.cos(t)) + 0.4 * np.cos(t)
+    rows = "".join(
+        f"{a!r},{b!r},{c!r}\n" for a, b, c in zip(t.tolist(), np.sin(t).tolist(), force.tolist(), strict=True)
+    )
+    (tmp_path / "log.csv").write_text("t,y,F\n" + rows)
+    words = [
+        "fit",
+        str(tmp_path / "log.csv"),
+        "--time",
+        "t",
+        "--position",
+        "y",
+        "--force",
+        "F",
+        "--law",
+        "coulomb_viscous",
+    ]
+    assert _status([*words, "--no-select", "--out", str(tmp_path / "out")]) == 130
+    said = capsys.readouterr()
+    assert "F_c" in said.out
+    assert "interrupted" in said.err
+    record(tmp_path / "run.csv", body(amplitude=5.0))
+    unknown = {"bodies.a.mass": {"low": 0.2, "high": 5.0}}
+    path = logs(tmp_path, ["run.csv"], unknown)
+    (tmp_path / "axis.toml").write_text(tomli_w.dumps(body()))
+    words = ["fit", str(tmp_path / "axis.toml"), "--logs", str(path), "--starts", "1", "--out", str(tmp_path / "out")]
+    assert _status(words) == 130
+    assert "bodies.a.mass" in capsys.readouterr().out
+    assert content(tmp_path / "out") == {}
