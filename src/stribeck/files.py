@@ -75,9 +75,9 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
 def _listed(summary: Path) -> set[Path]:
     """The files of an older result, seen from its folder: those beside or below the summary that lists them."""
     try:
-        files = [Path(name) for name in json.loads(read_file(summary))["files"]]
+        files = [Path(name) for name in read_json(summary)["files"]]
         there = next(path.parent for path in reversed(files) if path.name == summary.name)
-    except (OSError, ValueError, KeyError, TypeError, StopIteration, RecursionError):
+    except (OSError, ValueError, KeyError, TypeError, StopIteration):
         return set()
     found = {path.relative_to(there) for path in files if path.is_relative_to(there)}
     return {path for path in found if ".." not in path.parts and (summary.parent / path).is_file()}
@@ -162,6 +162,19 @@ def read_file(path: Path) -> bytes:
     """
     with open_file(path) as file:
         return file.read()
+
+
+def read_json(path: Path) -> Any:
+    """The data of a JSON file.
+
+    Raises:
+        OSError: as in :func:`read_file`.
+        ValueError: it is not JSON, or nested deeper than can be read.
+    """
+    try:
+        return json.loads(read_file(path))
+    except RecursionError as error:
+        raise ValueError(str(error)) from None
 
 
 def open_file(path: Path) -> BinaryIO:

@@ -12,15 +12,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import tomli_w
 
 import stribeck
 from stribeck import examples
-from stribeck.cli import _status
+from stribeck.cli import _status, actuator
 from stribeck.files import together, write_text
 from stribeck.identify.actuator import page
 from stribeck.identify.predict import saved
+from stribeck.identify.report import files
 from stribeck.identify.report.files import FITS
 from stribeck.report import chapters
+from tests.identify.actuator.recorded import body, logs, record
 
 needs_signals = pytest.mark.skipif(os.name != "posix", reason="needs POSIX signals")
 
@@ -179,6 +182,7 @@ import signal, sys, time
 signal.signal(signal.SIGINT, signal.default_int_handler)  # a test run in the background ignores it, and its children
 signal.signal(signal.SIGHUP, signal.SIG_DFL)
 from stribeck.report import chapters
+from tests.identify.actuator.recorded import body, logs, record
 def slow(*args):
     print("ready", flush=True)
     time.sleep(600)
@@ -203,15 +207,16 @@ def test_signals_leave_nothing(number, scenario, tmp_path):
 
 
 PAPER = """
-import os, signal, sys, time
+import os, signal, subprocess, sys, tempfile
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from pathlib import Path
 from stribeck import paper
+CALLED = "import os, sys, time; open(os.path.join(sys.argv[1], str(os.getpid())), 'w').close(); time.sleep(600)"
 def slow(name, done):
     Path(sys.argv[2], str(os.getpid())).touch()
     while True:
-        time.sleep(600)
-slow.__module__, slow.__qualname__ = "stribeck.paper", "_chapter"
+        with tempfile.TemporaryDirectory(dir=sys.argv[3]):
+            subprocess.run([sys.executable, "-c", CALLED, sys.argv[2]])
 paper._chapter = slow
 from stribeck.cli import main
 main(["paper", "--out", sys.argv[1]])
@@ -232,16 +237,26 @@ def alive(pid):
 @pytest.mark.skipif(sys.version_info >= (3, 14), reason="the workers are forked from the test's process")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
 def test_paper_leaves_no_workers(number, tmp_path):
-    workers, out = tmp_path / "workers", tmp_path / "out"
+    """Nor compilers that they called, nor temporary files, unless killed."""
+    workers, out, below = tmp_path / "workers", tmp_path / "out", tmp_path / "tmp"
     workers.mkdir()
+    below.mkdir()
     process = subprocess.Popen(
-        [sys.executable, "-c", PAPER, str(out), str(workers)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    while len(list(workers.iterdir())) < min(2, os.cpu_count() or 1):
+        [sys.executable, "-c", PAPER, str(out), str(workers), str(below)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    while len(list(workers.iterdir())) < 2 * min(2, os.cpu_count() or 1):
         assert process.poll() is None, process.communicate()
         time.sleep(0.05)
     process.send_signal(number)
+    if number == signal.SIGKILL:  # it can end nothing that its workers called
+        process.wait()
+        for called in workers.iterdir():
+            words = ["ps", "-ww", "-o", "command=", "-p", called.name]
+            if b"time.sleep(600)" in subprocess.run(words, check=False, capture_output=True).stdout:
+                os.kill(int(called.name), signal.SIGKILL)
     _, error = process.communicate(timeout=60)  # which also waits until nobody holds its output
+    assert not list(below.iterdir()) or number == signal.SIGKILL
     assert process.returncode == (-number if number == signal.SIGKILL else 128 + number), error
     for worker in workers.iterdir():
         for _ in range(200):  # the last of it may take a moment
@@ -324,3 +339,55 @@ def test_a_result_waits_for_the_process_that_moves_its_own(tmp_path):
     os.close(other)
     thread.join(20)
     assert (tmp_path / "summary.json").read_text() == "newer"
+
+
+@needs_signals
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_after_the_end(number):
+    """While Python took its leave it printed a traceback."""
+    code = (
+        f"import atexit, os; atexit.register(lambda: os.kill(os.getpid(), {int(number)}))\n"
+        "from stribeck.cli import main; main(['--version'])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, monkeypatch):
+    """The fit was lost with the page."""
+
+    def stopped(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(files, "write_fit", stopped)
+    monkeypatch.setattr(actuator, "write_machine_fit", stopped)
+    t = np.arange(0.0, 8.0, 0.01)
+    force = np.sign(np.cos(t)) + 0.4 * np.cos(t)
+    rows = "".join(
+        f"{a!r},{b!r},{c!r}\n" for a, b, c in zip(t.tolist(), np.sin(t).tolist(), force.tolist(), strict=True)
+    )
+    (tmp_path / "log.csv").write_text("t,y,F\n" + rows)
+    words = [
+        "fit",
+        str(tmp_path / "log.csv"),
+        "--time",
+        "t",
+        "--position",
+        "y",
+        "--force",
+        "F",
+        "--law",
+        "coulomb_viscous",
+    ]
+    assert _status([*words, "--no-select", "--out", str(tmp_path / "out")]) == 130
+    said = capsys.readouterr()
+    assert "F_c" in said.out
+    assert "interrupted" in said.err
+    record(tmp_path / "run.csv", body(amplitude=5.0))
+    unknown = {"bodies.a.mass": {"low": 0.2, "high": 5.0}}
+    path = logs(tmp_path, ["run.csv"], unknown)
+    (tmp_path / "axis.toml").write_text(tomli_w.dumps(body()))
+    words = ["fit", str(tmp_path / "axis.toml"), "--logs", str(path), "--starts", "1", "--out", str(tmp_path / "out")]
+    assert _status(words) == 130
+    assert "bodies.a.mass" in capsys.readouterr().out
+    assert content(tmp_path / "out") == {}

@@ -262,3 +262,32 @@ def test_values_that_no_axis_can_have(stribeck, scenario, tmp_path):
     assert outcome.status == 0, outcome.err
     assert "lanes failed; the column 'reason' says why" in outcome.err
     assert (tmp_path / "far" / "_report" / "report.html").exists()
+
+
+@needs_compiler
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs pipes by name")
+def test_damage_that_is_no_file(stribeck, scenario, tmp_path):
+    """A manifest nested too deep and a link to itself ended in tracebacks; pipes were waited for; a folder that kill -9 left
+    (of a run into the same place) kept the sweep from going on."""
+    out = tmp_path / "out"
+    words = ("sweep", scenario, *GRID[:2], "--summary", "--out", out)
+    stribeck(*words)
+    whole = files(out)
+    (part,) = (out / name for name in whole if name.startswith("part"))
+
+    def again(damage):
+        damage()
+        assert stribeck(*words).status == 0
+        assert files(out) == whole
+
+    (out / ".12-0a1b2c3d.tmp").mkdir()
+    again(lambda: (out / ".12-0a1b2c3d.tmp" / "half").write_bytes(b"half"))
+    for make in (os.mkfifo, lambda path: path.symlink_to(path.name), lambda path: path.symlink_to("/dev/zero")):
+        part.unlink()
+        again(lambda make=make: make(part))
+    manifest = out / "_manifest.json"
+    manifest.write_text("[" * 100_000)
+    assert stribeck(*words).status == 2
+    manifest.unlink()
+    os.mkfifo(manifest)
+    assert stribeck(*words).status == 2

@@ -269,3 +269,20 @@ def test_a_share_of_the_load_that_stands_alone_is_refused(suffix):
         from_bam({**PLAIN, "actuator": {"a": 1}})
     with pytest.raises(InputError, match=r"^kt: a whole number of 401 digits: must be a finite number$"):
         from_bam({**PLAIN, "kt": 10**400})
+
+
+def test_joints_whose_names_a_machine_cannot_have_are_all_there(tmp_path):
+    """Of joints 'a-b' and 'a_b' the second took the place of the first without a word; other names were refused."""
+    pytest.importorskip("mujoco")
+    given = ("a-b", "a_b", "ground", "a_b_friction", "x\u00b2", "", "joint5")
+    names = [f'name="{n}" ' if n else "" for n in given]
+    body = '<body><joint {}type="slide" axis="0 0 1" frictionloss="{}"/><geom size="1"/></body>'
+    bodies = "".join(body.format(n, i + 1) for i, n in enumerate(names))
+    path = tmp_path / "m.xml"
+    path.write_text(f'<mujoco><option gravity="0 0 0"/><worldbody>{bodies}</worldbody></mujoco>')
+    data = from_mujoco_file(path)
+    Scenario(data)
+    assert len(data["bodies"]) == len(given)
+    levels = {c["from"]: c["law"]["parameters"]["F_c"] for c in data["contacts"].values()}
+    assert list(levels.values()) == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]
+    assert (levels["a_b"], levels["joint5"]) == (1.0, 6.0)

@@ -9,7 +9,7 @@ import pytest
 import stribeck
 from stribeck.cli import _status
 from stribeck.export import PARTS, TARGETS
-from stribeck.export.c.sampling import radius
+from stribeck.export.c.sampling import radius, resolution
 from stribeck.export.fmu.archive import described
 from stribeck.export.fmu.description import model_description
 from stribeck.export.request import Request
@@ -179,6 +179,16 @@ def test_step_in_time_or_not(tmp_path):
         stribeck.export(law("lugre"), "c", tmp_path / "fast", scenario=rig, step=1e-3)
     with pytest.warns(stribeck.StribeckNote, match="longer than the bristles' time constant"):
         stribeck.export(law("lugre"), "st", tmp_path / "law.st", step=0.1)
+
+
+@pytest.mark.parametrize(("name", "k_v", "told"), [
+    ("elastoplastic_majorant", 1e-30, True), ("elastoplastic_majorant", 1.0, True), ("elastoplastic_majorant", 10.0, False),
+    ("elastoplastic_sobczyk", 1e-30, False), ("lugre_majorant", 1e-30, False), ("elastoplastic", None, False),
+])  # fmt: skip
+def test_bristles_that_creep_at_rest_are_told_of(name, k_v, told):
+    """The step of an elasto-plastic law whose |v| is smoothed as far failed its own test, without a word before."""
+    chosen = law(name) if k_v is None else law(name, k_v=k_v)
+    assert ["take a larger k_v" in text for text in resolution(Request(chosen))] == [True] * told
 
 
 def stribeck_example():

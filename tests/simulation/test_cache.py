@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 from stribeck import Scenario, StribeckNote, simulate
+from stribeck.explore import wasm
 from stribeck.simulation import cache, compiler
 from tests.simulation import independent
 from tests.simulation.rig import needs_compiler, rig
@@ -169,6 +170,27 @@ class TestOtherUsers:
         run(built=True)
         assert mode(home) == 0o700
 
+    @pytest.mark.parametrize(("open_to", "notes"), [
+        (0o777, ["is open to other users and holds other files: it is not used"]), (0o755, []),
+    ])  # fmt: skip
+    def test_a_folder_of_other_things_stays_as_it_is(self, home, open_to, notes):
+        """$STRIBECK_CACHE = /tmp, set by root, closed /tmp to every other user."""
+        home.mkdir()
+        (home / "letter.txt").touch()
+        home.chmod(open_to)
+        run(built=True, notes=notes)
+        assert mode(home) == open_to
+        assert len(list(home.glob("*.so"))) == (not notes)
+
+    def test_the_folder_by_its_relative_name(self, home, monkeypatch):
+        """Libraries of the current folder were never found again: their bare names were looked for on the system's path."""
+        home.mkdir()
+        monkeypatch.chdir(home)
+        monkeypatch.setenv("STRIBECK_CACHE", ".")
+        run(built=True)
+        forget(monkeypatch)
+        run(built=False)
+
     def test_a_folder_of_theirs_is_not_used(self, home, monkeypatch):
         run(built=True)
         forget(monkeypatch)
@@ -194,6 +216,17 @@ class TestOtherUsers:
         forget(monkeypatch)
         run(built=True, notes=["may have been written by another user"])
         assert file.stat().st_uid == 0
+
+    def test_a_page_s_module_of_theirs_is_built_anew(self, home, monkeypatch):
+        """What they had put there before the folder was closed went into the page: its seal is no secret."""
+        monkeypatch.setattr(wasm, "_build", lambda source: b"built here")
+        assert wasm._module("source", "compiler") == b"built here"
+        (file,) = home.iterdir()
+        theirs = b"theirs"
+        file.write_bytes(theirs + wasm._seal(theirs))
+        file.chmod(0o666)
+        assert wasm._module("source", "compiler") == b"built here"
+        assert mode(file) == 0o600
 
     def test_a_link_is_not_followed(self, home, monkeypatch, tmp_path):
         run(built=True)

@@ -108,7 +108,9 @@ def test_steps_that_run_out(run, tmp_path):
 
 
 @needs_compiler
-@pytest.mark.parametrize(("name", "reason"), [("Edge", "no longer finite"), ("Flutters", "the end is 1e12 of them away")])
+@pytest.mark.parametrize(
+    ("name", "reason"), [("Edge", "no longer finite"), ("Flutters", "the end is 1e12 of them away")]
+)
 def test_what_no_steps_can_follow_ends_soon(name, reason, tmp_path):
     """They took solve.max_steps = 1e9 attempts, minutes of processor time; a lane of an ensemble too."""
     data = user_law(name, tmp_path)

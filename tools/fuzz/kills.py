@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import random
 import signal
@@ -13,10 +14,13 @@ import time
 from collections import Counter
 from pathlib import Path
 
+import tomli_w
+
 import stribeck
 from stribeck import examples
 
-# Each command: its words for the older result, what is added for the newer one, and the file that says the result is whole.
+# Each command (its first word): its words for the older result, what is added for the newer one, and the file that says that
+# the result is whole.
 _SUMMARY, _RIG = "summary.json", ("--stroke", "0.05", "--speed", "0.1", "--force", "50", "--simulate")
 _LOG = ("--time", "t", "--position", "y", "--force", "F")
 COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
@@ -33,8 +37,23 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "explore": (("stick_slip.toml",), ("--set", "solve.t_end=3.0"), None),
     "new": (("servo",), (), None),
     "parameters": (("mx106",), (), None),
+    "validate": (("stick_slip.toml", "--log", "log.csv", "--time", "t", "--position", "y"), ("--set", "plant.mass=1.1"), None),
+    "import": (("bam", "servo.json"), (), None),
+    "fit dynamic": (
+        ("log.csv", *_LOG, "--law", "lugre", "--method", "dynamic", "--starts", "2"), ("--seed", "3"), "parameters.toml",
+    ),
+    "fit logs": (("axis.toml", "--logs", "logs.toml", "--starts", "1"), ("--seed", "3"), "parameters.toml"),
+    "check level": (("lugre", "--parameters", "canudas1995", "--level", "0.8:1.2"), ("--set", "sigma_1=100"), "report.html"),
+    "explore report": (("--report", "ran"), (), None),
 }  # fmt: skip
-_FILES = {"export": "law.fmu", "explore": "page.html", "new": "new.toml", "parameters": "machine_set.toml"}  # in out
+_FILES = {  # in out
+    "export": "law.fmu",
+    "explore": "page.html",
+    "explore report": "page.html",
+    "new": "new.toml",
+    "parameters": "machine_set.toml",
+    "import": "servo.toml",
+}
 _FIRST_ONLY = ("new",)  # refuses what is there
 _LAST = 1.2  # of the time that the command takes; some kills come after its end
 
@@ -63,14 +82,38 @@ def _prepared(place: Path) -> dict[str, str]:
     model = {"format": 1, "law": "coulomb_viscous", "method": "static", "values": {"F_c": 1.0, "sigma_2": 0.4},
              "columns": {"time": "t", "position": "y", "force": "F"}}  # fmt: skip
     (place / "model" / "fit.json").write_text(json.dumps(model))
+    bam = {"kt": 1.5, "R": 2.0, "armature": 0.02, "friction_base": 0.05, "friction_viscous": 0.06}
+    (place / "servo.json").write_text(json.dumps(bam))
+    _recorded(place)
+    (place / "ran").mkdir()
+    (place / "ran" / "summary.json").write_text(json.dumps({"tables": solution.scenario.data, "folder": ".."}))
     return os.environ | {"STRIBECK_CACHE": os.environ.get("STRIBECK_CACHE", str(place / "cache"))}
+
+
+def _recorded(place: Path) -> None:
+    """A machine and a recording of it, for ``fit --logs``."""
+    t = [0.01 * i for i in range(101)]
+    push = [4 * math.sin(9 * x) * (1 + 0.6 * math.sin(23 * x)) for x in t]
+    guide = {"sigma_0": 2e4, "sigma_1": 60.0, "sigma_2": 4.0, "F_c": 1.0, "F_s": 1.3, "v_s": 0.02}
+    axis = {
+        "schema": 2, "bodies": {"a": {"mass": 1.0}}, "solve": {"t_end": 1.0}, "output": {"step": 0.01},
+        "contacts": {"guide": {"from": "a", "law": {"name": "lugre_majorant", "k_v": 1e4, "parameters": guide}}},
+        "loads": {"push": {"on": "a", "kind": "signal", "signal": {"kind": "points", "t": t, "value": push}}},
+    }  # fmt: skip
+    y, rng = stribeck.simulate(stribeck.Scenario(axis))["a.y"].tolist(), random.Random(1)
+    rows = "".join(f"{a!r},{b + rng.gauss(0, 2e-5)!r},{c!r}\n" for a, b, c in zip(t, y, push, strict=True))
+    (place / "run.csv").write_text("t,y,u\n" + rows)
+    (place / "axis.toml").write_text(tomli_w.dumps(axis))
+    entry = {"file": "run.csv", "outputs": {"a.y": "y"}, "inputs": {"loads.push.signal": "u"}}
+    logs = {"log": [entry], "unknown": {"bodies.a.mass": {"low": 0.5, "high": 2.0}}}
+    (place / "logs.toml").write_text(tomli_w.dumps(logs))
 
 
 def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: dict[str, float]) -> str | None:
     environment, out = _prepared(place), place / "out"
     older, added, last = COMMANDS[what]
     target = out / _FILES[what] if what in _FILES else out
-    command = [sys.executable, "-m", "stribeck", what, *older, "--out", str(target)]
+    command = [sys.executable, "-m", "stribeck", what.split()[0], *older, "--out", str(target)]
     out.mkdir()
     if what not in _FIRST_ONLY or what not in took:
         began = time.monotonic()

@@ -61,7 +61,12 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_PLAIN)  # names of files need not be text
-    status = _status(arguments)
+    try:
+        status = _status(arguments)
+        for number in (signal.SIGINT, *watched):  # all is done and said: Python's own end takes no more stops
+            signal.signal(number, lambda *_: None)
+    except KeyboardInterrupt:  # between the command's end and here
+        status = 128 + _Stop.last
     gc.freeze()  # the last look for garbage takes a seventh of a short run, and what it frees goes with the process
     sys.exit(status)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from stribeck.cli import show
 from stribeck.cli.text import say
@@ -57,15 +57,23 @@ def fit(
             progress=tell, folder=out,
         )  # fmt: skip
     summary, files = found.to_json(), list[str]()
-    if out is not None:
-        files = write_machine_fit(
-            found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}", scenario.folder, logs
-        )
+    try:
+        if out is not None:
+            files = write_machine_fit(
+                found, out, show.command_line(), f"{scenario.name} fitted to {logs.name}", scenario.folder, logs
+            )
+    except KeyboardInterrupt:  # while the page is drawn: what was found is said
+        _tell(found, summary, files, json)
+        raise
+    _tell(found, summary, files, json)
+    return {"done": 0, "stopped": 130}.get(found.status, 1)
+
+
+def _tell(fit: MachineFit, summary: dict[str, Any], files: list[str], json: bool) -> None:
     if json:
         show.print_json({**summary, "files": files})
     else:
-        _print(found, files)
-    return {"done": 0, "stopped": 130}.get(found.status, 1)
+        _print(fit, files)
 
 
 def _unknown(texts: Sequence[str]) -> dict[str, object]:

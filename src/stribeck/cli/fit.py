@@ -52,21 +52,28 @@ def fit(
     summary["data"] = {
         "files": [str(p) for p in data], "rows": len(log), "quality": list(log.quality), "sources": log.sources
     }  # fmt: skip
-    if out is not None:
-        from stribeck.files import together
-        from stribeck.identify.report.files import FITS, write_fit
+    try:
+        if out is not None:
+            from stribeck.files import together
+            from stribeck.identify.report.files import FITS, write_fit
 
-        with together(out, last="parameters.toml", older=FITS) as place:
-            names = write_fit(result, log, place, show.command_line(), ", ".join(p.name for p in data))
-            names.append(_save(result, data, columns, how, options, out, place))
-        written = [str(out / name) for name in names]
-    summary["files"] = written
-    if json:
-        show.print_json(summary)
-    else:
-        _print(result, log, written)
+            with together(out, last="parameters.toml", older=FITS) as place:
+                names = write_fit(result, log, place, show.command_line(), ", ".join(p.name for p in data))
+                names.append(_save(result, data, columns, how, options, out, place))
+            written = [str(out / name) for name in names]
+    except KeyboardInterrupt:  # while the page is drawn: what was found is said
+        _tell(result, log, summary, written, json)
+        raise
+    _tell(result, log, summary, written, json)
     stopped = (result.best if isinstance(result, Choice) else result).status == "stopped"
     return 130 if stopped else 0
+
+
+def _tell(result: Fit | Choice, log: Log, summary: dict[str, object], written: list[str], json: bool) -> None:
+    if json:
+        show.print_json({**summary, "files": written})
+    else:
+        _print(result, log, written)
 
 
 def _rest_of(tell: Callable[[float], None] | None) -> Callable[[float], None] | None:

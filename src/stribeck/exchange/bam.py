@@ -7,14 +7,13 @@ servo actuators", 2024).
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, note
-from stribeck.files import read_file
+from stribeck.files import read_json
 
 STEEPNESS = 200.0  # s/rad: BAM's sign is exact, a machine's is smooth: complete within some 0.01 rad/s
 _NEEDED = ("armature", "friction_base", "friction_viscous")
@@ -82,10 +81,10 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        found = json.loads(read_file(path))
+        found = read_json(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise InputError(f"{path}: is not JSON: {error}") from None
     if not isinstance(found, dict):
         raise InputError(f"{path}: must be a table of numbers, as BAM writes it")

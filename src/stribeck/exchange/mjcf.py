@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from types import ModuleType
@@ -50,13 +51,13 @@ def from_mujoco_file(path: str | Path) -> Tables:
         hinge = kind == int(mujoco.mjtJoint.mjJNT_HINGE)
         if not hinge and kind != int(mujoco.mjtJoint.mjJNT_SLIDE):
             continue
-        names[j] = name = _plain(model.joint(j).name or f"joint{j}")
+        names[j] = name = _free(made, model.joint(j).name or f"joint{j}")
         made["bodies"][name] = {"inertia" if hinge else "mass": float(model.dof_M0[d])}
         loss, damping = float(model.dof_frictionloss[d]), float(model.dof_damping.reshape(model.nv, -1)[d, 0])
         if loss > 0 or damping > 0:
             numbers = {"F_c": max(loss, 1e-9), "sigma_2": damping}
             law = {"name": "coulomb_viscous", "k_v": STEEPNESS, "parameters": numbers}
-            made["contacts"][f"{name}_friction"] = {"from": name, "law": law}
+            made["contacts"][_free(made, f"{name}_friction")] = {"from": name, "law": law}
         _spring(made, model, j, name)
     if not names:
         raise InputError(f"{path}: has no joint that is a {' or a '.join(_SINGLE)}")
@@ -73,10 +74,10 @@ def _spring(made: Tables, model: Model, j: int, name: str) -> None:
     stiffness, at = _stiffness(model, j), int(model.jnt_qposadr[j])
     if stiffness <= 0:
         return
-    made["links"][f"{name}_spring"] = {"from": name, "to": "ground", "stiffness": stiffness}
+    made["links"][_free(made, f"{name}_spring")] = {"from": name, "to": "ground", "stiffness": stiffness}
     if rest := float(model.qpos_spring[at] - model.qpos0[at]):
         push = {"kind": "points", "t": [0.0, 1.0], "value": [stiffness * rest] * 2}
-        made["loads"][f"{name}_spring_rest"] = {"on": name, "kind": "signal", "signal": push}
+        made["loads"][_free(made, f"{name}_spring_rest")] = {"on": name, "kind": "signal", "signal": push}
 
 
 def _stiffness(model: Model, j: int) -> float:
@@ -141,14 +142,18 @@ def _read(mujoco: ModuleType, path: str | Path) -> Model:
     return model
 
 
-def _plain(name: str) -> str:
-    return "".join(c if c.isalnum() else "_" for c in name)
+def _free(made: Tables, name: str) -> str:
+    """A name as a machine has it, of letters, digits and underscores, that nothing else has there."""
+    wanted = re.sub(r"\W", "_", name, flags=re.ASCII)
+    taken = {"ground"}.union(*(table for table in made.values() if isinstance(table, dict)))
+    names = (wanted, *(f"{wanted}_{i}" for i in range(2, len(taken) + 3)))
+    return next(each for each in names if each not in taken)
 
 
 def _dcmotor(made: Tables, model: Model, a: int, joint: str) -> None:
     """Motor, cogging and LuGre friction of a dcmotor on a joint, whose gear is the ratio; MuJoCo keeps R and K in gainprm,
     the cogging, F_c, F_s and v_s in biasprm, L/R, sigma_0 and sigma_1 in dynprm."""
-    name, gear = _plain(model.actuator(a).name or f"motor{a}"), float(model.actuator_gear[a, 0])
+    name, gear = _free(made, model.actuator(a).name or f"motor{a}"), float(model.actuator_gear[a, 0])
     if not joint:
         note(f"actuator {name}: its transmission is no slide or hinge: left out")
         return
@@ -164,7 +169,7 @@ def _dcmotor(made: Tables, model: Model, a: int, joint: str) -> None:
         made["motors"][name] = motor | ({"L": float(dyn[0]) * R} if dyn[0] else {})
     if bias[0]:
         ripple = {"amplitude": [gear * float(bias[0])], "waves": [gear * float(bias[1])], "phase": [float(bias[2])]}
-        made["loads"][f"{name}_cogging"] = {"on": joint, "kind": "ripple", **ripple}
+        made["loads"][_free(made, f"{name}_cogging")] = {"on": joint, "kind": "ripple", **ripple}
     viscous = float(model.actuator_damping[a].ravel()[0])
     if dyn[5]:
         numbers = {
@@ -176,7 +181,9 @@ def _dcmotor(made: Tables, model: Model, a: int, joint: str) -> None:
             "v_s": bias[5],
         }
         law = {"name": "lugre", "parameters": {n: float(x) for n, x in numbers.items()}}
-        made["contacts"][f"{name}_lugre"] = {"from": joint, "law": law} | ({"ratio": gear} if gear != 1 else {})
+        made["contacts"][_free(made, f"{name}_lugre")] = {"from": joint, "law": law} | (
+            {"ratio": gear} if gear != 1 else {}
+        )
 
 
 def to_mujoco(machine: Read) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, needed
 from stribeck.explore.beside import Report
-from stribeck.files import read_file
+from stribeck.files import read_json
 from stribeck.scenario import Scenario
 from stribeck.scenario.trust import astray, named
 
@@ -32,7 +31,7 @@ def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Repor
 
 def _run(folder: Path, trust: bool) -> Scenario:
     try:
-        found = json.loads(read_file(folder / "summary.json"))
+        found = read_json(folder / "summary.json")
         tables, beside = dict(found["tables"]), folder / found["folder"]
     except (OSError, ValueError, KeyError, TypeError):
         must = "must be a folder that 'stribeck run --out' or 'stribeck fit --out' wrote"

@@ -14,7 +14,7 @@ from hashlib import sha256
 from pathlib import Path
 
 from stribeck.errors import BuildError, MissingExtra
-from stribeck.files import write_with
+from stribeck.files import read_file, write_with
 from stribeck.simulation import cache, compiler
 from stribeck.simulation.native import Run
 
@@ -85,15 +85,20 @@ def _module(source: str, identity: str) -> bytes:
     kept = home / f"{key}.wasm"
     if closed:
         with contextlib.suppress(OSError):
-            content = kept.read_bytes()
+            content = b"" if cache.foreign(kept) else read_file(kept)
             if content[-32:] == _seal(content[:-32]):  # one cut short is built anew
                 return content[:-32]
     module = _build(source)
     if closed:
         with contextlib.suppress(OSError):
             home.mkdir(parents=True, exist_ok=True, mode=0o700)
-            write_with(kept, lambda path: path.write_bytes(module + _seal(module)))
+            write_with(kept, lambda path: _write_closed(path, module + _seal(module)))
     return module
+
+
+def _write_closed(path: Path, content: bytes) -> None:
+    path.touch(0o600)
+    path.write_bytes(content)
 
 
 def _seal(module: bytes) -> bytes:

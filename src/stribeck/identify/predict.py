@@ -16,7 +16,7 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, StribeckError, arg
-from stribeck.files import finite, read_file
+from stribeck.files import finite, read_json
 from stribeck.identify.data.filters import shifted
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.rest import at_rest
@@ -194,12 +194,12 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
     path = Path(folder)
     path = path / FILE if path.is_dir() else path
     try:
-        data = json.loads(read_file(path).decode())
+        data = read_json(path)
     except OSError as error:
         raise InputError(
             f"{arg('fit')}: '{path}': cannot be read: {error.strerror} (stribeck fit --out DIR writes it)"
         ) from None
-    except (UnicodeDecodeError, ValueError, RecursionError):
+    except ValueError:
         raise InputError(f"{arg('fit')}: '{path}': is not JSON") from None
     if not isinstance(data, dict) or data.get("format") != _FORMAT or not {"values", "law"} <= set(data):
         raise InputError(f"{arg('fit')}: '{path}': is no model of a fit (of format {_FORMAT})")

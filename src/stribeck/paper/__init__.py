@@ -6,6 +6,7 @@ import importlib
 import os
 import pkgutil
 import signal
+import sys
 from collections.abc import Callable, Sequence
 from multiprocessing import parent_process
 from pathlib import Path
@@ -23,6 +24,7 @@ _LISTED = (
     "beyond", "guarantees", "evidence", "which_k_v", "joint",
 )  # fmt: skip
 _NO_CHAPTERS = ("common", "sketches")
+_GRACE = 1.0  # s for a worker to clear away what it began
 
 
 def chapters() -> tuple[str, ...]:
@@ -109,7 +111,7 @@ def _compute(progress: Callable[[float, str], None] | None) -> dict[str, Chapter
     done: dict[str, Chapter] = {}
     others = set(active_children())
     with ProcessPoolExecutor(min(2, os.cpu_count() or 1), initializer=_begin_worker) as pool:
-        futures = {pool.submit(_chapter, name, {}): name for name in independent}
+        futures = {pool.submit(_worked, name): name for name in independent}
         try:
             if progress is not None:
                 progress(0.0, f"{len(CHAPTERS)} chapters")
@@ -120,7 +122,11 @@ def _compute(progress: Callable[[float, str], None] | None) -> dict[str, Chapter
                         len(done) / len(CHAPTERS), f"{len(done)} of {len(CHAPTERS)} chapters, {futures[future]} done"
                     )
         except BaseException:  # Ctrl-C too: a chapter takes up to a minute, and nobody waits for it any more
-            for child in set(active_children()) - others:
+            mine = set(active_children()) - others
+            for child in mine:
+                child.terminate()
+            for child in mine:  # a compiler that it called is ended, and temporary files are cleared away
+                child.join(_GRACE)
                 child.kill()
             raise  # out of the pool, which waits for its thread: left running it could trip over the interpreter's end
     for name in _READS_OTHERS:
@@ -131,7 +137,7 @@ def _compute(progress: Callable[[float, str], None] | None) -> dict[str, Chapter
 def _begin_worker() -> None:
     """In a process of the pool: leave Ctrl-C to the parent, and end when it ends, however that was."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))
 
     def follow() -> None:
         parent = parent_process()
@@ -140,6 +146,14 @@ def _begin_worker() -> None:
             os._exit(1)
 
     Thread(target=follow, daemon=True).start()
+
+
+def _worked(name: str) -> Chapter:
+    """A chapter, in a process of the pool: the pool would take up the next one after SIGTERM."""
+    try:
+        return _chapter(name, {})
+    except SystemExit:
+        os._exit(1)
 
 
 def _chapter(name: str, done: dict[str, Chapter]) -> Chapter:

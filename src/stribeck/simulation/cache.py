@@ -26,7 +26,7 @@ _loaded: dict[tuple[str, str], ctypes.CDLL] = {}  # by the compiler's key and th
 def folder() -> Path:
     """Where compiled systems are kept: $STRIBECK_CACHE, or the user's cache folder."""
     if given := os.environ.get("STRIBECK_CACHE"):
-        return Path(given)
+        return Path(given).absolute()  # a library's bare name would be looked for elsewhere
     import platformdirs
 
     return Path(platformdirs.user_cache_dir("stribeck", appauthor=False))
@@ -60,7 +60,8 @@ def library(
 
 
 def distrusted(home: Path) -> str | None:
-    """Why nothing is loaded from this folder, or None; one of ours that is open to others is closed."""
+    """Why nothing is loaded from this folder, or None; one of ours that is open to others is closed, unless it holds other
+    files, as /tmp does: then it is used where others cannot write."""
     if not hasattr(os, "geteuid"):
         return None
     try:
@@ -73,7 +74,10 @@ def distrusted(home: Path) -> str | None:
         return "belongs to another user"
     try:
         if (mode := stat.S_IMODE(state.st_mode)) & 0o077:
-            home.chmod(mode & 0o700)
+            if all(path.suffix in (".so", ".wasm") or path.name.startswith("build-") for path in home.iterdir()):
+                home.chmod(mode & 0o700)
+            elif mode & 0o022:
+                return "is open to other users and holds other files"
     except OSError as error:
         return f"cannot be closed to other users ({error.strerror})"
     return None
@@ -89,7 +93,7 @@ def _from_disk(key: str, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL | 
         return None
     for path in candidates:
         try:
-            if _foreign(path):
+            if foreign(path):
                 note(f"cache: {path} may have been written by another user; the system is compiled anew")
             elif _digest(path) != path.stem.split("-")[1]:
                 note(f"cache: {path} is damaged; the system is compiled anew")
@@ -106,7 +110,7 @@ def _from_disk(key: str, check: Callable[[ctypes.CDLL], None]) -> ctypes.CDLL | 
     return None
 
 
-def _foreign(path: Path) -> bool:
+def foreign(path: Path) -> bool:
     """True where another user owns the file, or may write it."""
     state = path.lstat()
     if not hasattr(os, "geteuid"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import secrets
+import shutil
 import socket
 import tempfile
 import threading
@@ -16,7 +17,7 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Protocol
 
 from stribeck.errors import InputError, arg, needed
-from stribeck.files import sha256_of, write_with
+from stribeck.files import open_file, sha256_of, write_with
 
 if TYPE_CHECKING:
     from pyarrow import fs
@@ -98,7 +99,7 @@ def read_json(place: Place, name: str) -> dict[str, object]:
     try:
         with place.open(name) as file:
             found = json.load(file)
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}
 
@@ -127,13 +128,16 @@ class Folder:
         return str(self.folder)
 
     def put(self, name: str, write: Write) -> str:
-        """See :class:`Place`."""
-        write_with(self.folder / name, write)
-        return sha256_of(self.folder / name)
+        """See :class:`Place`. A pipe, a device or a link that leads nowhere makes room for the file."""
+        path = self.folder / name
+        if os.path.lexists(path) and not path.is_file():
+            path.unlink()
+        write_with(path, write)
+        return sha256_of(path)
 
     def open(self, name: str) -> IO[bytes]:
         """See :class:`Place`."""
-        return (self.folder / name).open("rb")
+        return open_file(self.folder / name)
 
     def state(self, name: str) -> tuple[int, int]:
         """See :class:`Place`."""
@@ -148,7 +152,7 @@ class Folder:
         """See :class:`Place`."""
         for pattern in _LEFT:
             for left in self.folder.glob(pattern):
-                left.unlink()
+                shutil.rmtree(left) if left.is_dir() and not left.is_symlink() else left.unlink()
 
     @contextmanager
     def alone(self) -> Iterator[None]:

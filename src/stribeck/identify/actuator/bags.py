@@ -141,7 +141,7 @@ def opened_mcap(path: Path) -> Source:
             raise
         told = ", ".join(f"{topic} ({kind})" for topic, kind in others.items())
         raise InputError(f"{error}; not read, as neither cdr nor json: {told}") from None
-    except (McapError, ValueError) as error:
+    except (McapError, ValueError, RecursionError) as error:
         raise InputError(f"'{path}': cannot be read as MCAP: {error or type(error).__name__}") from None
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, needed
-from stribeck.files import read_file
+from stribeck.files import read_json
 from stribeck.recorded import Source
 
 
@@ -31,9 +30,9 @@ def opened_episode(path: Path, episode: int) -> Source:
     with needed("reading LeRobot datasets"):
         from pyarrow import ArrowException, parquet
     try:
-        info = json.loads(read_file(path / "meta" / "info.json"))
-        features = info["features"]
-    except (OSError, ValueError, KeyError, TypeError) as error:
+        info = read_json(path / "meta" / "info.json")
+        features = {n: dict(f) for n, f in info["features"].items()}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"'{path}': meta/info.json: cannot be read: {error}") from None
     numbered = sorted((path / "data").rglob(f"episode_{episode:06d}.parquet"))  # version 2: a file for each episode
     files = numbered or sorted((path / "data").rglob("file-*.parquet"))

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
 
 from stribeck.errors import InputError
-from stribeck.files import read_file
+from stribeck.files import read_json
 from stribeck.identify.actuator import bags, lerobot
 from stribeck.recorded import Source, opened
 
@@ -47,10 +46,10 @@ def _bam(path: Path) -> Source:
     The columns are those of the entries, and ``t``; whole numbers beside them (mass, length, kp, vin) are constants.
     """
     try:
-        data = json.loads(read_file(path))
+        data = read_json(path)
     except OSError as error:
         raise InputError(f"'{path}': cannot be read: {error.strerror or error}") from None
-    except (ValueError, RecursionError) as error:
+    except ValueError as error:
         raise InputError(f"'{path}': is not JSON: {error}") from None
     entries = data.get("entries") if isinstance(data, dict) else None
     if not isinstance(entries, list) or not entries or not all(isinstance(e, dict) for e in entries):

@@ -22,7 +22,7 @@ def main(arguments: list[str]) -> int:
         data = json.loads(Path(arguments[0]).read_text())
         certificates: dict[str, Json] = data["certificates"]
         items = list(certificates.items())
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         print(f"{arguments[0]}: holds no certificates: {type(error).__name__}: {error}", file=sys.stderr)
         return 2
     print(f"law {data.get('law')}")
