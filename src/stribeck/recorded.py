@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck.arrays import Array
+from stribeck.arrays import Array, of_arrow
 from stribeck.errors import InputError, StribeckError, arg, nearest, needed
 
 _WIDEST = 1000  # columns of a matrix
 _LONGEST_PREAMBLE = 200  # lines before the head of a text file
+_NUMBERS = ("int", "uint", "float", "double", "halffloat", "bool")  # Arrow's types that are numbers
 _SCALARS = 1  # a variable of so many values is a constant of the file, not a column
 
 
@@ -189,7 +190,7 @@ class CsvSource(Source):
                 for name, column in joined.items():
                     if rows + len(batch) > len(column):  # grows in place: no second copy of a long column
                         column.resize(2 * rows + len(batch), refcheck=False)
-                    column[rows : rows + len(batch)] = batch.column(name).to_numpy(zero_copy_only=False)
+                    column[rows : rows + len(batch)] = of_arrow(batch.column(name))
                 rows += len(batch)
             for column in joined.values():
                 column.resize(rows, refcheck=False)
@@ -311,11 +312,12 @@ def _parquet(path: Path) -> Source:
             self.variables = {}
             for batch in self.file.iter_batches(1 << 18, columns=names, use_threads=False):
                 for name in names:
-                    part = batch.column(name).to_numpy(zero_copy_only=False)
-                    if part.dtype.kind not in "fiub":  # text, which the check below names
-                        self.variables[name] = part
+                    part = batch.column(name)
+                    part = part.dictionary_decode() if hasattr(part, "dictionary_decode") else part
+                    if not str(part.type).startswith(_NUMBERS):  # text, which the check below names
+                        self.variables[name] = part.to_numpy(zero_copy_only=False)
                         continue
-                    self.variables.setdefault(name, np.empty(rows))[place : place + len(part)] = part
+                    self.variables.setdefault(name, np.empty(rows))[place : place + len(part)] = of_arrow(part)
                 place += len(batch)
 
     return Lazy()

@@ -5,7 +5,7 @@ import pytest
 
 from stribeck.errors import InputError
 from stribeck.identify.actuator import fit_machine, read_logs
-from tests.identify.actuator.recorded import body, logs, record
+from tests.identify.actuator.recorded import NOISE, body, logs, record
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
 WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
@@ -47,3 +47,16 @@ def test_what_is_wrong_with_held_is_said(tmp_path):
         "log.0.outputs.a.y.held: true: must be said of an input: an output is a sample",
         "log.0.inputs.x.held: 1: must be true or false",
     ]
+
+
+def test_the_last_samples_of_an_uneven_recording_are_compared_at_their_own_times(tmp_path):
+    """The simulation ended up to half a sample before them: recordings whose times jitter left more than noise."""
+    rows = np.cumsum(np.random.default_rng(5).choice([6, 7, 7, 9], 140))
+    rows = rows[rows <= 990]
+    uneven = lambda x: {n: column[rows] for n, column in x.items()}  # noqa: E731
+    record(tmp_path / "run.csv", body(amplitude=5.0, step=0.001), change=uneven)
+    found = fit_machine(body(), logs(tmp_path, ["run.csv"], WANTED), starts=1, baselines=False)
+    (trace,) = found.logs[0].traces
+    assert trace.rms < 1.2 * NOISE
+    p = found.parameters[MASS]
+    assert p.low < 1.0 < p.high

@@ -1,6 +1,9 @@
 """Files, units and damaged data: what is read, what is said, what is refused."""
 
+import math
 import re
+import subprocess
+import sys
 from contextlib import nullcontext
 
 import h5py
@@ -434,3 +437,15 @@ def test_parquet_files_that_are_wrong_behind_their_head(tmp_path, damage, text):
         path.write_bytes(content[:1000] + bytes(500) + content[1500:])
     with pytest.raises(InputError, match=text):
         read(path, ColumnNames({"time": "t", "position": "y", "force": "F"}))
+
+
+def test_pandas_is_not_read_for_a_file(tmp_path):
+    """Arrow reads it before it gives a column away: a quarter of a second, in which a Ctrl-C was lost."""
+    table = pa.table({"t": pa.array([1, None, 3], pa.int32()), "x": pa.array([0.5, 0.5, None]).dictionary_encode()})
+    parquet.write_table(table, tmp_path / "a.parquet")
+    (tmp_path / "a.csv").write_text("t,x\n1,0.5\n,0.5\n3,\n")
+    code = "import sys; from stribeck.recorded import read_columns as r; w = {'t': 't', 'x': 'x'}\n"
+    code += "print([v.tolist() for p in sys.argv[1:] for v in r(p, w).values()], 'pandas' in sys.modules)"
+    files = [str(tmp_path / name) for name in ("a.csv", "a.parquet")]
+    done = subprocess.run([sys.executable, "-c", code, *files], capture_output=True, text=True, check=True)
+    assert done.stdout == f"{[[1.0, math.nan, 3.0], [0.5, 0.5, math.nan]] * 2} False\n"
