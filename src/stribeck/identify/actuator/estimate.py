@@ -13,7 +13,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.runs import RecordedRun, roughness, unshifted
-from stribeck.identify.actuator.shooting import joined_stretches
+from stribeck.identify.actuator.shooting import joined_stretches, relayed
 from stribeck.identify.actuator.solve import Found, half_squares, scanned, search
 from stribeck.identify.actuator.starts import begun, stretches
 from stribeck.identify.work import Stopped, Work
@@ -220,6 +220,7 @@ def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
     tied = BestPoint(found[0], found[1].u, replace(found[1], agreeing=parts.found.agreeing), [*parts.notes], True)
     if not tied.stopped:
         tied = _weighted(tied, given, keep)
+        tied.problem = replace(tied.problem, runs=relayed(tied.problem, tied.u), noise=dict(tied.problem.noise))
     left, right = leftovers(parts.problem, parts.u), leftovers(tied.problem, tied.u)
     if not all(right[c][0] <= _AS_WELL * left[c][0] for c in left):
         parts.notes.append(

@@ -64,10 +64,11 @@ class RecordedRun:
         return sum(len(x.t) for x in self.targets)
 
     def predict(
-        self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int, ends: Sequence[str] = ()
-    ) -> list[Array]:
+        self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int, ends: Sequence[str] = (),
+        shift: Mapping[str, Array] | None = None,
+    ) -> list[Array]:  # fmt: skip
         """For each target the simulated column at its times, (lanes, times); nan where a lane failed. Then the columns
-        ``ends`` where the run ends, (lanes, 1)."""
+        ``ends`` where the run ends, (lanes, 1). ``shift``: what is added to states at its start in each lane, else its own."""
         count = len(next(iter(values.values())))
         given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
         variations = vary(self.scenario, given)
@@ -82,7 +83,8 @@ class RecordedRun:
         found = [np.full((count, len(x.t)), np.nan) for x in wanted]
         if not len(good):
             return found
-        variations.shift = self.shift
+        own = self.shift if shift is None else shift
+        variations.shift = {name: np.broadcast_to(x, (count,)) for name, x in own.items()}
         some = variations if len(good) == count else variations.part(good)
         outcome = lanes.solve(library(scenario), some, threads)
         width = len(scenario.system.states)
