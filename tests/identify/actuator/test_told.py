@@ -113,6 +113,15 @@ def test_the_shorter_of_two_recordings_is_told(tmp_path):
     ]
 
 
+def test_recordings_that_are_all_cut_short_are_told(tmp_path):
+    short = lambda x: {n: column[:60] for n, column in x.items()}  # noqa: E731
+    for name in ("a.csv", "b.csv"):
+        record(tmp_path / name, body(), change=short)
+    told = checks.before(read_logs(logs(tmp_path, ["a.csv", "b.csv"], WANTED)), Scenario(body()))
+    assert told == ["all recordings: end by 0.59 s, and the machine's t_end is 1 s: cut short?"]
+    assert not checks.before(read_logs(logs(tmp_path, ["a.csv", "b.csv"], WANTED)), Scenario(body(t_end=0.6)))
+
+
 def test_a_column_that_stood_still_is_told(tmp_path):
     """A logger that went on with the encoder's last value; a coarse encoder that rests is none."""
     stop = lambda x: {**x, "y": np.where(x["t"] > 0.7, x["y"][70], x["y"])}  # noqa: E731
