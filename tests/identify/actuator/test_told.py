@@ -8,8 +8,12 @@ from scipy.integrate import odeint
 
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, checks, fit_machine, read_logs
+from stribeck.identify.actuator.coordinates import coordinates
+from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, prepared
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
-from tests.identify.actuator.recorded import body, logs, record
+from stribeck.identify.actuator.solve import Found
+from tests.identify.actuator.recorded import NOISE, body, logs, record
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
 WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
@@ -158,3 +162,19 @@ def test_the_unit_of_a_machine_that_falls_over_is_named(tmp_path, factor, said):
     told = fit_machine(machine, Logs((recording,), sought), starts=2, baselines=False)
     assert {p.verdict for p in told.parameters.values()} == {"not judged"}
     assert any(n.startswith(f"arm.y: with its column times {said}") for n in told.notes), told.notes
+
+
+def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
+    """F_c above the F_s that is fixed: nothing is left that could be compared, which is not little."""
+    record(tmp_path / "a.csv", body())
+    told = read_logs(logs(tmp_path, ["a.csv"], {F_C: {"low": 0.1, "high": 10.0}}))
+    scenario = Scenario(body())
+    runs, _ = prepared(scenario, [(0, told.recordings[0])], {F_C})
+    problem = MachineProblem(runs, coordinates(scenario, told), {"a.y": NOISE})
+    good, bad = (np.array([problem.sought[0].inner(x)]) for x in (1.0, 5.0))
+    assert not beyond_noise(problem, good, 1)
+    assert not BestPoint(problem, good, Found(good, 0.0), [], False).missed()
+    assert beyond_noise(problem, bad, 1)
+    assert BestPoint(problem, bad, Found(bad, 0.0), [], False).missed() == [
+        "a.y: cannot be simulated with the best numbers"
+    ]
