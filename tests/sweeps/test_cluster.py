@@ -303,14 +303,12 @@ def test_a_worker_that_would_solve_lanes_to_other_bits_says_so():
     given = Variations(scenario(), values)
     first = tuple((path, x[:1].tobytes()) for path, x in values.items())
     probe = lanes.solve_here(lanes.compiled(given.scenario.system), given.part(np.array([0])), 1).digest
-    solve = worker._solver(worker.lanes_text(scenario(), {}, probe), first)
+    solve = worker._solver(worker.lanes_text(scenario(), probe), first)
     assert solve(values).states.shape[0] == 24
     with pytest.raises(worker.Refused, match="other bits"):
-        worker._solver(worker.lanes_text(scenario(), {}, "0" * 64), first)
+        worker._solver(worker.lanes_text(scenario(), "0" * 64), first)
     with pytest.raises(worker.Refused, match="other bits"):  # the bits of another lane
-        worker._solver(
-            worker.lanes_text(scenario(), {}, probe), tuple((p, x[1:2].tobytes()) for p, x in values.items())
-        )
+        worker._solver(worker.lanes_text(scenario(), probe), tuple((p, x[1:2].tobytes()) for p, x in values.items()))
 
 
 def test_paths_in_any_order(tmp_path):

@@ -23,6 +23,8 @@ from stribeck.signals import Signal
 from stribeck.signals.pieces import Pieces, merged
 from stribeck.simulation.places import Place, machine_places
 
+_SHIFT = "shift."  # before a state's name: what is added to it where a lane begins
+
 
 @dataclass(frozen=True)
 class Tables:
@@ -68,16 +70,16 @@ class Variations:
     Args:
         scenario: what all lanes share.
         values: arrays of equal length by path, such as ``{"law.k_v": [1e6, 1e7]}``; a single number holds for all.
-        shift: what is added to states at t = 0, by name.
+            ``shift.NAME`` is what is added to a state at t = 0.
 
     Raises:
         InputError: a path is none that can be varied, or its values are no such arrays.
     """
 
-    def __init__(
-        self, scenario: Scenario, values: Mapping[str, ArrayLike], shift: Mapping[str, float] | None = None
-    ) -> None:
-        self.values, self.shift = arrays(values), dict(shift or {})
+    def __init__(self, scenario: Scenario, values: Mapping[str, ArrayLike]) -> None:
+        given = arrays(values)
+        self.shift = {path.removeprefix(_SHIFT): x for path, x in given.items() if path.startswith(_SHIFT)}
+        self.values = {path: x for path, x in given.items() if not path.startswith(_SHIFT)}
         off = {f"law.{name}" for name, x in scenario.law.values.items() if x is None} if scenario.rig.single else set()
         on = dict.fromkeys(off & self.values.keys(), 1.0)
         self.scenario = scenario.with_changes(on) if on else scenario  # the lanes have their own values
@@ -88,9 +90,14 @@ class Variations:
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
 
+    @property
+    def numbers(self) -> dict[str, Array]:
+        """All that differs from lane to lane, as it was given."""
+        return self.values | {f"{_SHIFT}{name}": x for name, x in self.shift.items()}
+
     def part(self, lanes: NDArray[np.int64]) -> Variations:
         """Some of the lanes."""
-        return Variations(self.scenario, {path: x[lanes] for path, x in self.values.items()}, self.shift)
+        return Variations(self.scenario, {path: x[lanes] for path, x in self.numbers.items()})
 
     def changes(self, lane: int) -> dict[str, float]:
         """What makes the scenario that of one lane, for :meth:`Scenario.with_changes`."""
@@ -124,7 +131,7 @@ class Variations:
         given = self.scenario.initial
         names = [state.name for state in self.scenario.system.states]
         begin: Array = self._table([self._varied.get(("initial", name), given.get(name, 0.0)) for name in names])
-        return np.asarray(begin + [self.shift.get(name, 0.0) for name in names])
+        return begin + self._table([self.shift.get(name, 0.0) for name in names])
 
     def atol(self) -> Array:
         """The absolute tolerance of each state."""

@@ -48,7 +48,7 @@ class _Far:
 
     def __init__(self, workers: Workers) -> None:
         self.workers = workers
-        self._lock, self._shared = Lock(), dict[tuple[Scenario, tuple[tuple[str, float], ...]], _Shared]()
+        self._lock, self._shared = Lock(), dict[Scenario, _Shared]()
         self._laws = dict[str, str]()
 
     def solve(self, library: ctypes.CDLL, variations: Variations, progress: Progress | None) -> Outcome:
@@ -59,7 +59,7 @@ class _Far:
         found: dict[int, Outcome] = {}
 
         def call(part: int) -> Call[worker.SolvedLanes]:
-            numbers = {path: x[part * size : (part + 1) * size].tobytes() for path, x in variations.values.items()}
+            numbers = {path: x[part * size : (part + 1) * size].tobytes() for path, x in variations.numbers.items()}
             return worker.some_lanes, (text, first_lane, numbers)
 
         def take(part: int, made: worker.SolvedLanes) -> None:
@@ -73,13 +73,13 @@ class _Far:
     def _sent(self, library: ctypes.CDLL, variations: Variations) -> _Shared:
         """The text of what the lanes share, with the digest of the first lane that was ever asked for, solved here; and that
         lane's values."""
-        key = (variations.scenario, tuple(variations.shift.items()))
+        key = variations.scenario
         with self._lock:
             if key not in self._shared:
                 first = variations.part(np.array([0]))
                 probe = lanes.solve_here(library, first, 1).digest
-                text = worker.lanes_text(variations.scenario, variations.shift, probe)
-                self._shared[key] = (text, {path: x.tobytes() for path, x in first.values.items()})
+                text = worker.lanes_text(variations.scenario, probe)
+                self._shared[key] = (text, {path: x.tobytes() for path, x in first.numbers.items()})
             return self._shared[key]
 
     def answer(self, question: response.Question) -> response.Answer:

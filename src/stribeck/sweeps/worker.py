@@ -53,12 +53,6 @@ class _ToldOrder(_Told):
     url: str | None
 
 
-class _ToldLanes(_Told):
-    """Those of :func:`lanes_text`."""
-
-    shift: dict[str, float]
-
-
 class _ToldLaw(TypedDict):
     """The keys of :func:`law_text`."""
 
@@ -168,9 +162,9 @@ def part(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes], fir
         return {"sha256": sha256_of(path), "data": path.read_bytes()}
 
 
-def lanes_text(scenario: Scenario, shift: Mapping[str, float], probe: str) -> str:
+def lanes_text(scenario: Scenario, probe: str) -> str:
     """What some lanes share, as JSON, with the digest of what becomes of the first."""
-    return _text(scenario, probe, {"shift": dict(shift)})
+    return _text(scenario, probe, {})
 
 
 def some_lanes(text: str, first_lane: dict[str, bytes], numbers: dict[str, bytes]) -> SolvedLanes:
@@ -311,12 +305,12 @@ def _solver(text: str, first_lane: tuple[tuple[str, bytes], ...]) -> Callable[[M
     Raises:
         Refused: this worker's numbers would not be the same.
     """
-    given: _ToldLanes = json.loads(text)
+    given: _Told = json.loads(text)
     with _scenario_of(given) as scenario:
-        library, shift = lanes.compiled(scenario.system), given["shift"]
+        library = lanes.compiled(scenario.system)
 
         def solve(values: Mapping[str, Array]) -> Outcome:
-            return lanes.solve_here(library, Variations(scenario, values, shift), 1)
+            return lanes.solve_here(library, Variations(scenario, values), 1)
 
         _compare(solve(_values(dict(first_lane))).digest, given["probe"])
     return solve

@@ -44,3 +44,18 @@ def test_missing_samples_cost_no_truth(tmp_path, end, sure):
             assert found.parameters[name].low < 1.0 < found.parameters[name].high
     else:
         assert any("b.csv: samples of its inputs are missing" in note for note in found.notes)
+
+
+@pytest.mark.parametrize("between", [1, 2, 4])
+def test_gaps_near_each_other_are_known_to_be_crossed_worse(between):
+    """Few samples stand between them, and these tell the slope: the error is that of such a place, not of one gap alone."""
+    t = np.linspace(0.0, 2.0, 401)
+    for phase in np.linspace(0.0, 3.0, 5):
+        x = np.sin(9 * t + phase) + 0.5 * np.sin(5 * t)
+        some = np.r_[0:200, 209 : 209 + between, 216 + between : 401]
+        found = bridged(t[some], x[some])
+        gap = (found.t > t[199] + 1e-9) & (found.t < t[209] - 1e-9)
+        wrong = np.sqrt(np.mean((found.x - np.interp(found.t, t, x))[gap] ** 2))
+        told = found.doubt * np.sqrt(np.mean((found.others[0] - found.x)[gap] ** 2))
+        assert wrong < 3 * told
+        assert told < 0.03  # of a signal of 1

@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 from scipy.integrate import odeint
+from scipy.linalg import expm
 
+from stribeck import Scenario
 from stribeck.identify.actuator import Logs, fit_machine
+from stribeck.identify.actuator.coordinates import coordinates
+from stribeck.identify.actuator.estimate import point_of, prepared
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
 from stribeck.identify.actuator.runs import later
 
@@ -72,3 +77,33 @@ def test_an_unstable_machine_is_fitted_in_windows():
         assert p.verdict == "found"
         assert p.low < x < p.high
         assert p.high - p.low < 0.1 * x
+
+
+def test_what_nobody_measures_begins_a_stretch_as_the_one_before_ends_at_the_same_numbers():
+    """A motor with inductance, its encoder alone: each stretch by the exponential of a matrix, its current handed on."""
+    K, R, L, volts, step = 0.5, 1.0, 0.3, 2.0, 0.01
+    law = {"name": "coulomb_viscous", "k_v": 1.0, "parameters": {"F_c": 1e-9, "sigma_2": 0.02}}
+    machine = {
+        "schema": 2, "name": "drive", "bodies": {"arm": {"inertia": 0.05}},
+        "contacts": {"joint": {"from": "arm", "law": law}},
+        "motors": {"drive": {"on": "arm", "K": K, "R": R, "L": L, "signal": {"kind": "step", "time": 0.0, "value": volts}}},
+        "solve": {"t_end": 0.6}, "output": {"step": step},
+    }  # fmt: skip
+    t = step * np.arange(61)
+    measured = 0.3 * t**2 * (3 - 2 * t) + 1e-3 * np.random.default_rng(0).standard_normal(len(t))
+    recording = Recording("drive", t, {"arm.y": Channel("y", t, measured)}, {}, {}, window=0.2)
+    sought = coordinates(Scenario.of(machine), Logs((recording,), (Sought("bodies.arm.inertia", 0.01, 0.2),)))
+    runs, starts = prepared(Scenario.of(machine), [(0, recording)], {"bodies.arm.inertia"})
+    problem = MachineProblem(runs, [*sought, *starts], {"arm.y": 1e-3}, tied=True)
+    for inertia in (0.03, 0.08):
+        values = {**problem.values(problem.start()), "bodies.arm.inertia": inertia}
+        r, x, at = problem.residuals(point_of(problem, values)[None])[0], np.zeros(4), 0
+        A = np.array([[0, 1, 0, 0], [0, -0.02 / inertia, K / inertia, 0], [0, -K / L, -R / L, volts / L], [0, 0, 0, 0]])
+        for run in runs:
+            begin = "" if run.piece == "0" else f"{float(run.piece):g}s."
+            own = [values.get(f"log.0.{begin or '0s.'}initial.arm.{what}", 0.0) for what in "yv"]
+            x = np.array([*own, x[2], 1.0])
+            (target,) = run.targets
+            y = np.array([(expm(A * s) @ x)[0] for s in target.t])
+            np.testing.assert_allclose(r[at : at + len(y)], (y - target.x) / 1e-3, atol=1e-4)
+            x, at = expm(A * run.scenario.end) @ x, at + len(y)

@@ -8,8 +8,12 @@ from scipy.integrate import odeint
 
 from stribeck import Scenario
 from stribeck.identify.actuator import Logs, checks, fit_machine, read_logs
+from stribeck.identify.actuator.coordinates import coordinates
+from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, prepared
+from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Channel, Recording, Sought
-from tests.identify.actuator.recorded import body, logs, record
+from stribeck.identify.actuator.solve import Found
+from tests.identify.actuator.recorded import NOISE, body, logs, record
 
 F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
 WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
@@ -113,6 +117,15 @@ def test_the_shorter_of_two_recordings_is_told(tmp_path):
     ]
 
 
+def test_recordings_that_are_all_cut_short_are_told(tmp_path):
+    short = lambda x: {n: column[:60] for n, column in x.items()}  # noqa: E731
+    for name in ("a.csv", "b.csv"):
+        record(tmp_path / name, body(), change=short)
+    told = checks.before(read_logs(logs(tmp_path, ["a.csv", "b.csv"], WANTED)), Scenario(body()))
+    assert told == ["all recordings: end by 0.59 s, and the machine's t_end is 1 s: cut short?"]
+    assert not checks.before(read_logs(logs(tmp_path, ["a.csv", "b.csv"], WANTED)), Scenario(body(t_end=0.6)))
+
+
 def test_a_column_that_stood_still_is_told(tmp_path):
     """A logger that went on with the encoder's last value; a coarse encoder that rests is none."""
     stop = lambda x: {**x, "y": np.where(x["t"] > 0.7, x["y"][70], x["y"])}  # noqa: E731
@@ -149,3 +162,19 @@ def test_the_unit_of_a_machine_that_falls_over_is_named(tmp_path, factor, said):
     told = fit_machine(machine, Logs((recording,), sought), starts=2, baselines=False)
     assert {p.verdict for p in told.parameters.values()} == {"not judged"}
     assert any(n.startswith(f"arm.y: with its column times {said}") for n in told.notes), told.notes
+
+
+def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
+    """F_c above the F_s that is fixed: nothing is left that could be compared, which is not little."""
+    record(tmp_path / "a.csv", body())
+    told = read_logs(logs(tmp_path, ["a.csv"], {F_C: {"low": 0.1, "high": 10.0}}))
+    scenario = Scenario(body())
+    runs, _ = prepared(scenario, [(0, told.recordings[0])], {F_C})
+    problem = MachineProblem(runs, coordinates(scenario, told), {"a.y": NOISE})
+    good, bad = (np.array([problem.sought[0].inner(x)]) for x in (1.0, 5.0))
+    assert not beyond_noise(problem, good, 1)
+    assert not BestPoint(problem, good, Found(good, 0.0), [], False).missed()
+    assert beyond_noise(problem, bad, 1)
+    assert BestPoint(problem, bad, Found(bad, 0.0), [], False).missed() == [
+        "a.y: cannot be simulated with the best numbers"
+    ]

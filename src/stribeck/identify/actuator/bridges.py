@@ -14,76 +14,104 @@ _INSIDE = 50  # points set in a gap, at most
 _NEAR = 4.5, 12.5  # samples' times from which the slope at an end of a gap is taken
 _LEAST, _MOST = 4, 12
 _TESTS = 24  # gaps of the same length that are made elsewhere, to see how well they are crossed
+_DRAWS = 4  # of what may be wrong, each gap to one side or the other
 
 
 @dataclass(frozen=True)
 class Bridged:
-    """A signal with its gaps crossed: ``x`` in the better way, ``other`` in another one; ``doubt``: how far it may be off
-    there, by how far the two are from each other."""
+    """A signal with its gaps crossed: ``x`` in the best way; ``others`` (draws, times), wrong in each gap by as much as it may
+    be, times one over ``doubt`` (0: nothing is missing), to a side of its own."""
 
     t: Array
     x: Array
-    other: Array
+    others: Array
     doubt: float = 0.0
 
 
 def bridged(t: Array, x: Array) -> Bridged:
     """A signal with points set in its gaps: a cubic with the slopes that it has before and after, or straight, whichever
-    misses less where the same gap is made elsewhere."""
+    misses less where the same samples are missing elsewhere."""
     gaps = np.diff(t)
     step = float(np.median(gaps)) if len(gaps) else 1.0
-    at = np.flatnonzero(gaps > GAP * step).astype(np.int64)
-    if not len(at) or len(t) < 3 * _LEAST:
-        return Bridged(t, x, x)
-    lacks = np.rint(gaps[at] / step).astype(int).tolist()
-    missed = {lack: _missed(t, x, lack, step, at) for lack in set(lacks)}
-    times, values, others, wrong = list[Array](), list[Array](), list[Array](), list[float]()
-    for i, lack in zip(at.tolist(), lacks, strict=True):
-        inner = np.linspace(t[i], t[i + 1], min(lack, _INSIDE) + 1)[1:-1]
-        ways = _ways(t, x, i, i + 1, inner, step)
-        best = int(np.argmin(missed[lack]))
-        times.append(inner)
-        values.append(ways[best])
-        others.append(ways[0 if best else 1])
-        wrong.append(float(missed[lack][best]))
-    apart = float(np.sqrt(np.mean((np.concatenate(values) - np.concatenate(others)) ** 2)))
-    error = float(np.sqrt(np.mean(np.square(wrong))))
-    order = np.argsort(new := np.concatenate([t, *times]))
-    whole, other = (np.concatenate([x, *crossed])[order] for crossed in (values, others))
-    return Bridged(new[order], whole, other, error / apart if apart > 0 else 0.0)
+    at = np.flatnonzero(gaps > GAP * step).tolist()
+    if not at or len(t) < 3 * _LEAST:
+        return Bridged(t, x, x[None])
+    grid, found = _on_grid(t, x, step), list[_Crossed]()
+    for i in at:
+        found.append(_crossed(t, x, i, step, grid))
+    sides = np.random.default_rng(0).choice([-1.0, 1.0], (_DRAWS, len(at)))
+    wrong = np.array([each.wrong for each in found])
+    doubt = float(wrong.max())
+    order = np.argsort(new := np.concatenate([t, *(each.t for each in found)]))
+    whole = np.concatenate([x, *(each.x for each in found)])[order]
+    if not doubt > 0:
+        return Bridged(new[order], whole, whole[None])
+    size = float(np.sqrt(np.mean(x**2)))  # what the draws are off by where it is worst: far above the solver's error
+    aside = [size * w / doubt * side[:, None] * each.aside for w, side, each in zip(wrong, sides.T, found, strict=True)]
+    others = whole + np.concatenate([np.zeros((_DRAWS, len(t))), *aside], axis=1)[:, order]
+    return Bridged(new[order], whole, others, doubt / size)
 
 
-def _ways(t: Array, x: Array, i: int, j: int, when: Array, step: float) -> Array:
-    """From sample i to sample j straight, and as cubics with slopes from few and from many samples."""
-    return np.stack(
-        [np.interp(when, t[[i, j]], x[[i, j]]), *(_cubic(t, x, i, j, when, reach * step) for reach in _NEAR)]
-    )
+@dataclass(frozen=True)
+class _Crossed:
+    """Points in a gap: times, values, by how much they are wrong (root mean square), and the shape of that."""
+
+    t: Array
+    x: Array
+    wrong: float
+    aside: Array
 
 
-def _cubic(t: Array, x: Array, i: int, j: int, when: Array, reach: float) -> Array:
-    """The cubic from sample i to sample j, with the slopes of those before and after."""
-    span, secant = t[j] - t[i], (x[j] - x[i]) / (t[j] - t[i])
-    slopes = []
-    for end, near in ((i, np.arange(max(i - _MOST, 0), i + 1)), (j, np.arange(j, min(j + _MOST, len(t))))):
-        near = near[abs(t[near] - t[end]) < reach]
-        s = (t[near] - t[end]) / reach
-        order = 2 if len(near) > 3 else 1
-        slopes.append(float(np.polyfit(s, x[near], order)[-2]) / reach if len(near) > 1 else secant)
-    s = (when - t[i]) / span
-    near_, far = (slopes[0] - secant) * span, (slopes[1] - secant) * span
-    return np.asarray(x[i] + secant * span * s + s * (1 - s) * ((1 - s) * near_ - s * far))
+def _crossed(t: Array, x: Array, i: int, step: float, grid: tuple[NDArray[np.int64], Array]) -> _Crossed:
+    """The gap after sample i, crossed in the way that misses least where the same samples are missing elsewhere."""
+    some = slice(max(i - _MOST, 0), min(i + 2 + _MOST, len(t)))
+    here, lack = i - some.start, round((t[i + 1] - t[i]) / step)
+    inner = np.linspace(t[i], t[i + 1], min(lack, _INSIDE) + 1)[1:-1]
+    ways = _ways(t[some], x[some, None], here, inner, step)[:, :, 0]
+    number, even = grid
+    around, within = number[some] - number[i], np.arange(1, number[i + 1] - number[i])
+    first, last = -int(around[0]), len(even) - int(around[-1])
+    places = np.arange(first, max(last, first))
+    there = np.isfinite(even[places[:, None] + np.concatenate([around, within])]).all(axis=1)
+    places = places[there]
+    if not len(places):
+        return _Crossed(inner, ways[0], float(np.std(x)), _bump(inner, t[i], t[i + 1]))
+    places = places[np.unique(np.linspace(0, len(places) - 1, _TESTS).astype(int))]
+    tried = _ways(around * step, even[places + around[:, None]], here, within * step, step)
+    missed = np.sqrt(np.mean((tried - even[places + within[:, None]]) ** 2, axis=(1, 2)))
+    best = int(np.argmin(missed))
+    return _Crossed(inner, ways[best], float(missed[best]), _bump(inner, t[i], t[i + 1]))
 
 
-def _missed(t: Array, x: Array, lack: int, step: float, gaps: NDArray[np.int64]) -> Array:
-    """The root mean square by which each way misses samples that are there."""
-    room = lack + _LEAST
-    last = len(t) - 1 - room if len(t) > 2 * room else 0
-    places = {int(i) for i in np.linspace(_LEAST, last, _TESTS)} if last else set[int]()
-    errors: list[Array] = []
-    for i in sorted(places):
-        if not ((gaps >= i - _LEAST) & (gaps < i + room)).any():
-            there = x[i + 1 : i + lack]
-            errors.append(_ways(t, x, i, i + lack, t[i + 1 : i + lack], step) - there)
-    if not errors:
-        return np.full(1 + len(_NEAR), np.std(x))
-    return np.asarray(np.sqrt(np.mean(np.concatenate(errors, axis=1) ** 2, axis=1)))
+def _bump(inner: Array, begin: float, end: float) -> Array:
+    """A parabola over a gap, with a root mean square of 1."""
+    x = (inner - begin) * (end - inner)
+    return np.asarray(x / np.sqrt(np.mean(x**2)))
+
+
+def _on_grid(t: Array, x: Array, step: float) -> tuple[NDArray[np.int64], Array]:
+    """The samples' numbers on an even grid, and the signal there, nan where there is none."""
+    number = np.rint((t - t[0]) / step).astype(np.int64)
+    even = np.full(int(number[-1]) + 1, np.nan)
+    even[number] = x
+    return number, even
+
+
+def _ways(t: Array, x: Array, i: int, when: Array, step: float) -> Array:
+    """Signals (times, signals) from sample i to the next, (ways, when, signals): straight, and as cubics with slopes from few
+    and from many samples."""
+    span = t[i + 1] - t[i]
+    s = ((when - t[i]) / span)[:, None]
+    secant = (x[i + 1] - x[i]) / span
+    straight = x[i] + secant * span * s
+    found = [straight]
+    for reach in _NEAR:
+        slopes = []
+        for end, near in ((i, np.arange(i, -1, -1)[:_MOST]), (i + 1, np.arange(i + 1, len(t))[:_MOST])):
+            far = abs(t[near] - t[end])
+            near = near[(far < reach * step) | (np.arange(len(near)) < _LEAST)]  # another gap may lie nearby
+            order = 2 if len(near) > 3 else 1
+            slopes.append(np.polyfit((t[near] - t[end]) / step, x[near], order)[-2] / step if len(near) > 1 else secant)
+        before, after = (slopes[0] - secant) * span, (slopes[1] - secant) * span
+        found.append(straight + s * (1 - s) * ((1 - s) * before - s * after))
+    return np.stack(found)

@@ -41,10 +41,12 @@ def before(logs: Logs, scenario: Scenario) -> list[str]:
         typical = float(np.median([*lengths[:i], *lengths[i + 1 :]] or lengths))
         if len(lengths) > 1 and length < _SHORT * typical:
             found.append(f"{r.file}: ends at {length:.4g} s, the others at about {typical:.4g} s: was it cut short?")
-        elif length < _SHORT * scenario.solve.t_end and len(lengths) == 1:
-            found.append(
-                f"{r.file}: ends at {length:.4g} s, and the machine's t_end is {scenario.solve.t_end:g} s: cut short?"
-            )
+    if (longest := max(lengths)) < _SHORT * scenario.solve.t_end:
+        which = logs.recordings[0].file if len(lengths) == 1 else "all recordings"
+        ends = "ends at" if len(lengths) == 1 else "end by"
+        found.append(
+            f"{which}: {ends} {longest:.4g} s, and the machine's t_end is {scenario.solve.t_end:g} s: cut short?"
+        )
     return found
 
 

@@ -13,7 +13,7 @@ from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.runs import RecordedRun, roughness, unshifted
-from stribeck.identify.actuator.shooting import joined_stretches
+from stribeck.identify.actuator.shooting import joined_stretches, relayed
 from stribeck.identify.actuator.solve import Found, half_squares, scanned, search
 from stribeck.identify.actuator.starts import begun, stretches
 from stribeck.identify.work import Stopped, Work
@@ -26,6 +26,7 @@ _SETTLED = 0.05
 _BEYOND = 10.0  # times a column's noise: more is no noise, and an interval of noise would be wrong
 _DOUBTED = 2.0  # times: more may be another minimum, unless so many starts came to this one
 _AGREEING = 3
+_TRIED_ON = 1.2  # times: more is looked for then; noise that is white leaves 1.0, to some hundredths
 _STRETCH = 12  # stretches of a recording in which starts are compared, if nothing holds the machine on its way
 _SHORTEST = 0.2  # s
 _ROUGH = 12  # steps of the search in stretches
@@ -63,21 +64,23 @@ class BestPoint:
         """The columns of which the fit leaves too much, in words."""
         told = []
         for column, (left, size) in leftovers(self.problem, self.u).items():
-            if not left <= POOR * size and left > 3 * floor_of(self.problem, column):
+            if not np.isfinite(left):
+                told.append(f"{column}: cannot be simulated with the best numbers")
+            elif left > max(POOR * size, 3 * floor_of(self.problem, column)):
                 told.append(f"{column}: {100 * left / size if size else np.inf:.0f} % of its changes are left")
         return told
 
 
-def beyond_noise(problem: MachineProblem, u: Array, agreeing: int) -> list[str]:
+def beyond_noise(problem: MachineProblem, u: Array, agreeing: int, doubted: float = _DOUBTED) -> list[str]:
     """The columns of which far more is left than their noise, in words: the model errs, or the minimum is another. With
-    few starts ``agreeing`` on the minimum, what is left of twice the noise is enough to doubt it."""
-    most = _BEYOND if agreeing >= _AGREEING else _DOUBTED
+    few starts ``agreeing`` on the minimum, what is left of ``doubted`` times the noise is enough."""
+    most = _BEYOND if agreeing >= _AGREEING else doubted
     told = []
     for column, (left, _) in leftovers(problem, u).items():
         noise = roughness([t.x for run in problem.runs for t in run.targets if t.column == column])
         least = max(noise, floor_of(problem, column))
-        if least > 0 and left > most * least:
-            told.append(f"{column}: {left:.2g} is left, {left / least:.0f} times what changes from sample to sample")
+        if least > 0 and not left <= most * least:  # nan: it cannot be simulated there
+            told.append(f"{column}: {left:.2g} is left, {left / least:.3g} times what changes from sample to sample")
     return told
 
 
@@ -196,7 +199,7 @@ def estimate(
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work, step=_FAR_STEP)
     points = [begin, *others] if thorough else [begin]
     found = _whole(problem, points, starts, seed, {i for i, _ in _some(recordings)}, keep)
-    if thorough and many and not found.stopped and beyond_noise(problem, found.u, found.agreeing):
+    if thorough and many and not found.stopped and beyond_noise(problem, found.u, found.agreeing, _TRIED_ON):
         found = search(problem, 1, seed, found.u, _kept(problem, keep), scanned(problem, found), small=_NEAR)
     runs, own = prepared(scenario, recordings, named)
     problem = MachineProblem(runs, [*sought, *own], dict(noise), work=work)
@@ -220,6 +223,7 @@ def _joined(parts: BestPoint, given: set[str], keep: Keep | None) -> BestPoint:
     tied = BestPoint(found[0], found[1].u, replace(found[1], agreeing=parts.found.agreeing), [*parts.notes], True)
     if not tied.stopped:
         tied = _weighted(tied, given, keep)
+        tied.problem = replace(tied.problem, runs=relayed(tied.problem, tied.u), noise=dict(tied.problem.noise))
     left, right = leftovers(parts.problem, parts.u), leftovers(tied.problem, tied.u)
     if not all(right[c][0] <= _AS_WELL * left[c][0] for c in left):
         parts.notes.append(
@@ -278,7 +282,7 @@ def _whole(
             if share == 1.0:
                 u = continued(problem, u, kept)[0] if len(some.runs) < len(problem.runs) else u
                 found = search(problem, 1, seed, u, kept, steps=_ROUGH, small=_NEAR)
-                if found.stopped or not beyond_noise(problem, found.u, 1):
+                if found.stopped or not beyond_noise(problem, found.u, 1, _TRIED_ON):
                     return found
                 u = found.u
             tried.append((float(half_squares(problem.residuals(u[None]))[0]), u))
@@ -286,7 +290,7 @@ def _whole(
         for values in points[:_CAREFUL] if len(points) > 1 else []:
             u, _ = continued(problem, point_of(problem, values), None, careful=True)
             found = search(problem, 1, seed, u, kept, steps=_ROUGH, small=_NEAR)
-            if found.stopped or not beyond_noise(problem, found.u, 1):
+            if found.stopped or not beyond_noise(problem, found.u, 1, _TRIED_ON):
                 return found
             tried.append((found.cost, found.u))
             best = min(tried, key=lambda each: each[0])[1]

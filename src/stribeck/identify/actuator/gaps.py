@@ -9,6 +9,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator.intervals import Spread
 from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.runs import RecordedRun
 
 _MOVES = 0.5  # deviations of a number, or of the noise
 
@@ -18,14 +19,10 @@ def unknown(problem: MachineProblem, u: Array, s: Spread | None = None) -> list[
     move a number by a good part of its deviation, or, without a spread, would be seen beside the noise."""
     told = []
     for k, run in enumerate(problem.runs):
-        if run.otherwise is None or run.doubt <= 0:
+        if not run.otherwise:
             continue
-        own = replace(
-            problem, runs=[replace(run, scenario=run.otherwise)], noise=dict(problem.noise), tied=False, colours=()
-        )
         rows = slice(problem.first[k], problem.first[k + 1])
-        there = own.raw(u[None])[0][: run.size]
-        off = run.doubt * (there - problem.raw(u[None])[0][rows])
+        off = np.array([_off(problem, u, replace(run, scenario=each), rows) for each in run.otherwise])
         if s is None:
             much = float(np.sqrt(np.mean(off**2)))
             if not much > _MOVES:
@@ -33,9 +30,9 @@ def unknown(problem: MachineProblem, u: Array, s: Spread | None = None) -> list[
             words = f"its outputs could be off by {much:.2g} times what is left"
         else:
             asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
-            whole = np.zeros(problem.size)
-            whole[rows] = off
-            moves = s.moved_by(problem.whitened(whole))[asked]
+            whole = np.zeros((len(off), problem.size))
+            whole[:, rows] = off
+            moves = np.sqrt(np.mean([s.moved_by(each)[asked] ** 2 for each in problem.whitened(whole)], axis=0))
             if not moves.max() > _MOVES:
                 continue
             name = problem.sought[asked[int(np.argmax(moves))]].name
@@ -45,3 +42,10 @@ def unknown(problem: MachineProblem, u: Array, s: Spread | None = None) -> list[
             f"{words}; leave out what follows the first long gap"
         )
     return told
+
+
+def _off(problem: MachineProblem, u: Array, other: RecordedRun, rows: slice) -> Array:
+    """How far the residuals of a run are off where its inputs are wrong in gaps by as much as they may be."""
+    own = replace(problem, runs=[other], noise=dict(problem.noise), tied=False, colours=())
+    there = own.raw(u[None])[0][: other.size]
+    return np.asarray(other.doubt * (there - problem.raw(u[None])[0][rows]))

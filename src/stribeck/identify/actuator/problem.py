@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from itertools import chain, pairwise
 
 import numpy as np
 
@@ -32,16 +33,27 @@ class Seam:
     share: float
 
 
+def chains(runs: Sequence[RecordedRun]) -> list[list[int]]:
+    """The runs by their numbers: stretches that follow each other in a recording are in one list, in their order."""
+    found: list[list[int]] = []
+    end = np.nan
+    for k in sorted(range(len(runs)), key=lambda k: (runs[k].log, float(runs[k].piece or 0))):
+        run = runs[k]
+        begin = float(run.piece or 0)
+        follows = found and runs[found[-1][-1]].log == run.log and abs(begin - end) < run.scenario.output.step
+        found = [*found[:-1], [*found[-1], k]] if follows else [*found, [k]]
+        end = begin + run.scenario.end
+    return found
+
+
 def ties(runs: Sequence[RecordedRun], sought: Sequence[MachineCoordinate]) -> list[Seam]:
     """The ties between stretches that follow each other."""
+    before = {(runs[b].log, runs[b].piece): a for ks in chains(runs) for a, b in pairwise(ks)}
     found = []
     for i, c in enumerate(sought):
-        if not c.nuisance or c.piece in (None, "0"):
+        k = before.get((c.log or 0, c.piece)) if c.nuisance else None
+        if k is None:
             continue
-        before = [k for k, r in enumerate(runs) if r.log == c.log and r.piece and float(r.piece) < float(c.piece or 0)]
-        if not before:
-            continue
-        k = max(before, key=lambda each: float(runs[each].piece or 0))
         body, what = c.name.rsplit(".", 2)[1:]
         position = next((t for t in runs[k].targets if t.column == f"{body}.y"), None)
         if position is None or len(position.t) < 2:
@@ -76,7 +88,8 @@ class MachineProblem:
 
     ``residuals(U)`` takes points (lanes, coordinates) and gives (lanes, numbers): (simulated - measured)/noise of every
     target of every run, then priors, then, where stretches are ``tied``, how far the end of each misses the start of the
-    next, by what the samples tell of that start; nan where a simulation failed.
+    next, by what the samples tell of that start; nan where a simulation failed. What of a start nothing sets (bristles,
+    currents, bodies that nobody measures) then is as the stretch before ends at the same numbers.
     """
 
     runs: list[RecordedRun]
@@ -97,7 +110,10 @@ class MachineProblem:
         self.priors = [i for i, c in enumerate(self.sought) if c.prior is not None]
         self.ties = ties(self.runs, self.sought) if self.tied else []
         self.size = int(self.first[-1]) + len(self.priors) + len(self.ties)
-        self._ends = [[tie for tie in self.ties if tie.run == k] for k in range(len(self.runs))]
+        self._states = [state.name for state in self.runs[0].scenario.system.states]
+        self._chains = chains(self.runs) if self.tied else [[k] for k in range(len(self.runs))]
+        self._chains.sort(key=lambda ks: -sum(self.runs[k].scenario.rows for k in ks))
+        self._starts = [c for c in self.sought if c.nuisance]
         self._relations = Relations(self.sought, lambda path: number_at(self.runs[0], path))
 
     def repaired(self, U: Array) -> Array:
@@ -122,22 +138,20 @@ class MachineProblem:
         """What is left at the points U, by the noise; the runs are simulated beside each other."""
         U = np.atleast_2d(U)
         found = np.full((len(U), self.size), np.nan)
-        longest = sorted(range(len(self.runs)), key=lambda k: -self.runs[k].scenario.rows)
-        simulated = self.work.each(lambda k: self._simulated(k, U), longest)
+        simulated = self.work.each(lambda ks: list(self._followed(ks, U)), self._chains)
         self.work.check()
-        for k, rows in zip(longest, simulated, strict=True):
-            assert rows is not None
+        for k, rows, _ in chain.from_iterable(filter(None, simulated)):
             run, at = self.runs[k], int(self.first[k])
             begin = 0
             for target in run.targets:
                 size = len(target.t)
                 found[:, at : at + size] = (rows[:, begin : begin + size] - target.x) / self.noise[target.column]
                 at, begin = at + size, begin + size
-            for tie in self._ends[k]:
-                there = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
-                at = int(self.first[-1]) + len(self.priors) + self.ties.index(tie)
-                found[:, at] = (rows[:, begin] - there) / (tie.share * self.noise[tie.of])
-                begin += 1
+            for at, tie in enumerate(self.ties, int(self.first[-1]) + len(self.priors)):
+                if tie.run == k:
+                    there = np.array([self.sought[tie.coordinate].outer(u) for u in U[:, tie.coordinate]])
+                    end = rows[:, begin + self._states.index(tie.column)]
+                    found[:, at] = (end - there) / (tie.share * self.noise[tie.of])
         for n, i in enumerate(self.priors):
             c = self.sought[i]
             assert c.prior is not None
@@ -145,9 +159,39 @@ class MachineProblem:
         self.work.tick()
         return found
 
+    def _followed(self, ks: Sequence[int], U: Array) -> Iterator[tuple[int, Array, Mapping[str, Array]]]:
+        """The runs of a chain at the points U: what :meth:`_simulated` gives, and what is added to the states of its start
+        that nothing sets, so that they are as the run before ended."""
+        ends = np.empty((len(U), 0))
+        for i, k in enumerate(ks):
+            begins = self._unset(k) if i else {}
+            shift = {n: ends[:, self._states.index(n)] - x for n, x in begins.items()}
+            rows = self._simulated(k, U, shift)
+            ends = rows[:, self.runs[k].size :]
+            yield k, rows, shift
+
+    def _unset(self, k: int) -> dict[str, float]:
+        """The states of the start of a stretch that no coordinate of its own sets, and where the machine begins them."""
+        run = self.runs[k]
+        own = {".".join(c.name.rsplit(".", 2)[1:]) for c in self._starts if (c.log, c.piece) == (run.log, run.piece)}
+        begins = {**run.scenario.initial}
+        for path, x in run.start.items():
+            _, body, _, what = path.split(".")
+            begins[f"{body}.{what}"] = x
+        return {n: begins.get(n, 0.0) for n in self._states if n not in own}
+
+    def handed_on(self, u: Array) -> list[RecordedRun]:
+        """The runs, each begun as the one before ends at the point u in the states that nothing sets."""
+        found = list(self.runs)
+        for k, _, shift in chain.from_iterable(self._followed(ks, u[None]) for ks in self._chains):
+            known = {n: float(x[0]) for n, x in shift.items() if np.isfinite(x[0])}
+            found[k] = replace(self.runs[k], shift=known or self.runs[k].shift)
+        return found
+
     def predicted(
-        self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = (), threads: int | None = None
-    ) -> list[Array]:
+        self, run: RecordedRun, k: int, U: Array, ends: Sequence[str] = (), threads: int | None = None,
+        shift: Mapping[str, Array] | None = None,
+    ) -> list[Array]:  # fmt: skip
         """The simulated columns of a run with its sensors' gains and offsets, and the columns ``ends`` where it ends."""
         values: dict[str, Array] = {}
         sensors: dict[tuple[str, str], Array] = {}
@@ -166,7 +210,7 @@ class MachineProblem:
             column: (sensors.get((column, "delay")), sensors.get((column, "clock")))
             for column, what in sensors if what in ("delay", "clock")
         }  # fmt: skip
-        found = run.predict(values, delays, threads or self.threads, ends)
+        found = run.predict(values, delays, threads or self.threads, ends, shift)
         for target, x in zip(run.targets, found, strict=False):
             gain, offset = (sensors.get((target.column, what)) for what in ("gain", "offset"))
             if gain is not None:
@@ -175,18 +219,20 @@ class MachineProblem:
                 x += offset[:, None]
         return found
 
-    def _simulated(self, k: int, U: Array) -> Array:
-        """The columns that a run is compared in, one after the other, and where it ends those that are tied, at the points
-        U: each point once, and none of those that were simulated last."""
+    def _simulated(self, k: int, U: Array, shift: Mapping[str, Array]) -> Array:
+        """The columns that a run is compared in, one after the other, and all states where it ends if stretches are tied, at
+        the points U: each point once, and none of those that were simulated last."""
         run, seen = self.runs[k], self._seen[k]
-        keys = [row.tobytes() for row in np.ascontiguousarray(U[:, self.concerns[k]])]
+        given = np.column_stack([U[:, self.concerns[k]], *shift.values()])
+        keys = [row.tobytes() for row in given]
         new = [i for key, i in {key: i for i, key in enumerate(keys)}.items() if key not in seen]
         most = max(8, int(_MOST / max(run.scenario.rows, 1)))
-        threads = -(-self.threads // min(len(self.runs), self.threads))
+        threads = -(-self.threads // min(len(self._chains), self.threads))
         here: dict[bytes, Array] = {key: seen[key] for key in keys if key in seen}
         for first in range(0, len(new), most):
             some = new[first : first + most]
-            columns = self.predicted(run, k, U[some], [tie.column for tie in self._ends[k]], threads)
+            begun = {name: x[some] for name, x in shift.items()}
+            columns = self.predicted(run, k, U[some], self._states if self.tied else (), threads, begun or None)
             here |= zip((keys[i] for i in some), np.concatenate(columns, axis=1), strict=True)
         room = int(_REMEMBERED / (len(self.runs) * max(run.size, 1)))
         self._seen[k] = dict(list({**seen, **here}.items())[-room:]) if room else {}

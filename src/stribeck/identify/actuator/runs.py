@@ -50,8 +50,8 @@ class RecordedRun:
     start: dict[str, float] = field(default_factory=dict)  # initial values that differ from the file's
     held_out: bool = False
     shift: dict[str, float] = field(default_factory=dict)  # what is added to other states where a stretch begins
-    otherwise: Scenario | None = None  # with gaps of the inputs crossed in the other way
-    doubt: float = 0.0  # how far inputs may be off in gaps, by how far they are otherwise
+    otherwise: tuple[Scenario, ...] = ()  # draws of the inputs in gaps, wrong by what may be wrong over the doubt
+    doubt: float = 0.0
     inputs: dict[str, RecordedInput] = field(default_factory=dict)  # the recorded inputs, by path
 
     def driven(self, drives: Mapping[str, RecordedInput]) -> RecordedRun:
@@ -64,10 +64,11 @@ class RecordedRun:
         return sum(len(x.t) for x in self.targets)
 
     def predict(
-        self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int, ends: Sequence[str] = ()
-    ) -> list[Array]:
+        self, values: Mapping[str, Array], delays: Mapping[str, Late], threads: int, ends: Sequence[str] = (),
+        shift: Mapping[str, Array] | None = None,
+    ) -> list[Array]:  # fmt: skip
         """For each target the simulated column at its times, (lanes, times); nan where a lane failed. Then the columns
-        ``ends`` where the run ends, (lanes, 1)."""
+        ``ends`` where the run ends, (lanes, 1). ``shift``: what is added to states at its start in each lane, else its own."""
         count = len(next(iter(values.values())))
         given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
         variations = vary(self.scenario, given)
@@ -82,7 +83,8 @@ class RecordedRun:
         found = [np.full((count, len(x.t)), np.nan) for x in wanted]
         if not len(good):
             return found
-        variations.shift = self.shift
+        own = self.shift if shift is None else shift
+        variations.shift = {name: np.broadcast_to(x, (count,)) for name, x in own.items()}
         some = variations if len(good) == count else variations.part(good)
         outcome = lanes.solve(library(scenario), some, threads)
         width = len(scenario.system.states)
@@ -195,23 +197,26 @@ def recorded_run(
     targets = [Compared(n, c.t, c.x) for n, c in rows_of(recording, begin, min(end, new.end + begin)).items()]
     piece = None if span is None else f"{begin:g}"
     there = [x for x in targets if len(x.t)]
-    run = RecordedRun(recording.file, log, piece, new, there, {}, recording.hold_out, {}, None, doubt, drives)
-    return replace(run, otherwise=run.driven(others).scenario) if others else run
+    run = RecordedRun(recording.file, log, piece, new, there, {}, recording.hold_out, {}, (), doubt, drives)
+    return replace(run, otherwise=tuple(run.driven(each).scenario for each in others))
 
 
 def driven_by(
     scenario: Scenario, recording: Recording, span: tuple[float, float]
-) -> tuple[dict[str, RecordedInput], dict[str, RecordedInput], float]:
-    """The recorded inputs by path; those with gaps, crossed in the other way; and how far off they may be there, by how far
-    the two are from each other."""
-    drives, others, doubt = dict[str, RecordedInput](), dict[str, RecordedInput](), 0.0
+) -> tuple[dict[str, RecordedInput], list[dict[str, RecordedInput]], float]:
+    """The recorded inputs by path; draws of those with gaps, wrong there by what may be wrong; and by what that is to be
+    multiplied."""
+    drives, draws = dict[str, RecordedInput](), list[dict[str, RecordedInput]]()
+    doubt = max((c.bridged.doubt for c in recording.inputs.values()), default=0.0)
     for path, channel in recording.inputs.items():
         whole = channel.bridged
         drives[path] = recorded_input(scenario, path, whole.t, whole.x, span, channel)
         if whole.doubt > 0:
-            others[path] = recorded_input(scenario, path, whole.t, whole.other, span, channel)
-            doubt = max(doubt, whole.doubt)
-    return drives, others, doubt
+            draws = draws or [{} for _ in whole.others]
+            for each, other in zip(draws, whole.others, strict=True):
+                x = whole.x + whole.doubt / doubt * (other - whole.x)
+                each[path] = recorded_input(scenario, path, whole.t, x, span, channel)
+    return drives, draws, doubt
 
 
 def _step(recording: Recording) -> float:

@@ -55,8 +55,7 @@ def joined_stretches(
         u = found.u
         if found.stopped:
             break
-        problem = replace(problem, runs=relayed(problem, u))
-    return problem, replace(found, u=u)
+    return problem, found
 
 
 def unset(problem: MachineProblem, u: Array, s: Spread) -> list[str]:
@@ -102,42 +101,4 @@ def _far(new: dict[str, float], old: dict[str, float]) -> float:
 
 def relayed(problem: MachineProblem, u: Array) -> list[RecordedRun]:
     """The runs, each with the states that nothing else sets as the run before left them."""
-    found, states = list(problem.runs), [state.name for state in problem.runs[0].scenario.system.states]
-    order = sorted(
-        (k for k, run in enumerate(found) if run.piece), key=lambda k: (found[k].log, float(found[k].piece or 0))
-    )
-    ends: dict[str, float] = {}
-    for before, k in zip([None, *order], order, strict=False):
-        run = found[k]
-        if before is None or found[before].log != run.log or not ends:
-            ends = _ends(problem, run, k, u, states)
-            continue
-        set_ = {
-            f"{c.name.rsplit('.', 2)[1]}.{c.name.rsplit('.', 1)[1]}"
-            for c in problem.sought if c.nuisance and c.log == run.log and c.piece == run.piece
-        }  # fmt: skip
-        begins = _begins(problem, run, k, u)
-        shift = {n: ends[n] - begins.get(n, 0.0) for n in states if n not in set_ and np.isfinite(ends[n])}
-        found[k] = replace(run, shift=shift)
-        ends = _ends(problem, found[k], k, u, states)
-    return found
-
-
-def _ends(problem: MachineProblem, run: RecordedRun, k: int, u: Array, states: list[str]) -> dict[str, float]:
-    """The states where a run ends."""
-    found = problem.predicted(run, k, u[None], states)[len(run.targets) :]
-    return {name: float(x[0, 0]) for name, x in zip(states, found, strict=True)}
-
-
-def _begins(problem: MachineProblem, run: RecordedRun, k: int, u: Array) -> dict[str, float]:
-    """The states where a run begins, without its shift."""
-    found = {**run.scenario.initial}
-    paths = dict(run.start)
-    for i in np.flatnonzero(problem.concerns[k]):
-        c = problem.sought[i]
-        paths |= {path: scale * c.outer(u[i]) for path, scale in c.targets.items()}
-    for path, x in paths.items():
-        if ".initial." in path:
-            words = path.split(".")
-            found[f"{words[1]}.{words[3]}"] = x
-    return found
+    return replace(problem, tied=True).handed_on(u)
