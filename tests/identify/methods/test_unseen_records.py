@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 import stribeck
 from stribeck.identify.api import read_log
@@ -192,6 +193,27 @@ def test_a_loop_of_presliding_has_no_mass_of_hundreds_of_kilogrammes():
     )
     assert "stiffness" in fit.best.body
     assert not [n for n in ("mass", "delay") if n in fit.best.body and fit.best.body[n].identifiable]
+
+
+@pytest.mark.thorough
+def test_a_loop_of_presliding_has_no_friction_level():
+    """LuGre held at three quarters of F_c: F_c 1.8 N [1.4, 2.3] and a mass of 294 kg [193, 377] were called known, where 8 N and
+    0.05 kg are true."""
+
+    def rates(t, state):
+        _, v, z = state
+        slip = v - 2e4 * abs(v) / (8 + 3 * np.exp(-((v / 0.02) ** 2))) * z
+        return v, (6 * np.sin(np.pi * t) - 2e4 * z - 30 * slip - 0.5 * v) / 0.05, slip
+
+    t = np.arange(0, 10, 1e-3)
+    found = solve_ivp(rates, (0, 10), [0, 0, 0], "LSODA", t_eval=t, rtol=1e-9, atol=1e-12, max_step=2e-3)
+    draw = np.random.default_rng(77)
+    y = found.y[0] + 1e-7 * draw.standard_normal(len(t))
+    force = 6 * np.sin(np.pi * t) + 0.02 * draw.standard_normal(len(t))
+    fit = stribeck.fit({"t": t, "y": y, "F": force}, "stribeck", time="t", position="y", force="F")
+    everything = {**fit.estimates, **fit.body}
+    assert not [n for n in ("mass", "delay", "F_c", "F_s", "v_s") if n in everything and everything[n].identifiable]
+    assert any("presliding" in note for note in fit.notes)
 
 
 def test_backlash_is_no_weight_either(monkeypatch):

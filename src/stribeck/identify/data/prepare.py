@@ -121,7 +121,10 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
     if how.trim is None and cutoff > 0:
-        rows_kept, said = _without_ends(columns, lengths, round(_ENDS / (cutoff * step)), how)
+        lowest = (
+            chosen if chosen and "acceleration" not in roles else cutoff
+        )  # the acceleration's filter goes astray too
+        rows_kept, said = _without_ends(columns, lengths, round(_ENDS / (lowest * step)), how)
         notes += said
         parts_of_log = {name: x[rows_kept] for name, x in parts_of_log.items()}
     return Log(

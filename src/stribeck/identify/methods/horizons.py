@@ -15,6 +15,7 @@ from stribeck.identify.methods.optimise import Optimum, multistart
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import FINE, ROUGH, SLIDES, MotionProblem
 from stribeck.identify.models.problem import Coordinate
+from stribeck.identify.statistics.profiles import THRESHOLD
 from stribeck.identify.statistics.stretches import drifts
 from stribeck.identify.work import Work
 
@@ -29,6 +30,8 @@ _MANY_EVALUATIONS, _FEW_EVALUATIONS = 200, 40  # of a descent; of one from the o
 _SLOW = 3e-3  # of the largest speed, where friction may fall with it
 _BENDS = (3e-4, 1e-3, 3e-3, 1e-2, 3e-2)  # of the largest speed: where the Stribeck curve may end
 _RISE = 1.4  # F_s over F_c
+_HIDES = 3.0  # times the noise of the position: bristles that bend less at break-away are hidden by it
+_STIFFER = (0.3, 3.0)  # times the bristles that were found
 _TURNS = 0.05  # of the largest speed: what a reversal must pass
 
 
@@ -90,7 +93,42 @@ def follow(
     last = _best(inverse, output, [values], noise, force_noise, windows(log, used, _MOST), work, FINE)
     if work.stopped:
         return last
-    return replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing), farther=farther)
+    last = replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing), farther=farther)
+    bent = last.problem.length(last.problem.values(last.optimum.point))
+    hidden = output == "velocity" or noise * _HIDES > bent or last.ratio > _FOLLOWS
+    return _of_other_bristles(last, work) if hidden else last
+
+
+def _of_other_bristles(last: Followed, work: Work) -> Followed:
+    """The optimum from softer and stiffer bristles, where that is lower by more than chance: what noise hides of presliding
+    has minima of its own, whatever the windows."""
+    problem, optimum = last.problem, last.optimum
+    points = [problem.from_values(each) for each in other_bristles(problem, optimum.point)]
+    if not points:
+        return last
+    other = multistart(problem, points, work, 0.0, _FEW_EVALUATIONS)
+    chance = 0.5 * THRESHOLD * 2 * optimum.cost / max(len(problem.measured), 1)
+    if work.stopped or other.cost > optimum.cost - chance:
+        return last
+    smaller = float(np.sqrt(other.cost / optimum.cost))
+    other = replace(other, agreeing=optimum.agreeing, starts=optimum.starts)
+    return replace(last, optimum=other, ratio=smaller * last.ratio, left=smaller * last.left)
+
+
+def other_bristles(problem: MotionProblem, point: Array) -> list[dict[str, float]]:
+    """The constants of a point with softer and stiffer bristles, half critically damped, and a Stribeck curve that ends
+    early."""
+    values = problem.values(point)
+    if not {"sigma_0", "sigma_1"} <= {c.name for c in problem.coordinates}:
+        return []
+    found = []
+    for share in _STIFFER:
+        stiff = share * values["sigma_0"]
+        other = {**values, "sigma_0": stiff, "sigma_1": float(np.sqrt(stiff * values["mass"]))}
+        if {"v_s", "F_s", "F_c"} <= {c.name for c in problem.coordinates}:
+            other |= {"v_s": _SLOW * float(np.max(abs(problem.log.velocity))), "F_s": _RISE * values["F_c"]}
+        found.append(other)
+    return found
 
 
 def other_curves(problem: MotionProblem, point: Array) -> list[dict[str, float]]:

@@ -17,7 +17,7 @@ from stribeck.identify.methods.horizons import first_values, follow
 from stribeck.identify.methods.optimise import Optimum, multistart, starting_points
 from stribeck.identify.models.columns import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, first_deflection, velocity_problem
-from stribeck.identify.models.motion_problem import MotionProblem, raw, white_noise
+from stribeck.identify.models.motion_problem import MotionProblem, output_noise, raw, white_noise
 from stribeck.identify.models.problem import Problem, Tie
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.verdicts import Noise
@@ -191,7 +191,7 @@ class _Search:
     ) -> None:  # fmt: skip
         self.log, self.output, self.starts, self.seed, self.work = log, output, starts, seed, work
         self.inverse, self.first, self.low, self.high = made
-        self.noise = white_noise(raw(log, output), list(log.runs()))
+        self.noise = output_noise(log, output)
 
     def has_windows(self, drive: Mapping[str, object]) -> bool:
         """Whether the body can be simulated in short windows: under the measured force."""

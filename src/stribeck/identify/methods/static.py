@@ -35,6 +35,7 @@ _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
 _SIGN_FROM = 200_000  # rows that tell the force's sign
 _FIFTH = 0.2  # of the way, left out at an end
 _OF_A_LOOP = ("mass", "delay", "sigma_2")
+_BENDS = 5.0  # k_v times the largest speed: a sign that bends so slowly shows no jump at a reversal
 _HUBER = 1.345
 _LONGEST_STEP = 0.5  # of a shape's logarithm, in the fit without a part
 
@@ -131,7 +132,7 @@ def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
     made, solution, log = settled.model, settled.solution, rows.log
     judged = static_intervals(rows, made, solution, profiles)
     law, values = made.law, solution.values
-    told, of_bristles = _bristles(judged.estimates)
+    told, of_bristles = _bristles(judged.estimates, values, log)
     estimates = {n: told[n] for n in law.constants() if n in told}
     body = {n: e for n, e in told.items() if n in TERMS}
     body |= _by_direction(estimates, body, judged.names, judged.covariance)
@@ -187,19 +188,29 @@ def _zeros(estimates: Mapping[str, Estimate]) -> list[str]:
     ]
 
 
-def _bristles(estimates: Mapping[str, Estimate]) -> tuple[Mapping[str, Estimate], list[str]]:
-    """What a spring and no friction level may stand for; a mass and a delay that bend its line to a loop are not known."""
+def _bristles(
+    estimates: Mapping[str, Estimate], values: Mapping[str, float], log: Log
+) -> tuple[Mapping[str, Estimate], list[str]]:
+    """What a spring may stand for, beside no friction level or one that hardly comes to its end at the speeds measured: the
+    numbers that bend its line to a loop are not known."""
     spring, level = estimates.get("stiffness"), estimates.get("F_c")
-    if spring is None or level is None or level.identifiable or (spring.value is not None and spring.value <= 0):
+    if spring is None or level is None or not values["stiffness"] > 0:
         return estimates, []
-    why = "it may imitate the loop of presliding: there is a spring and no friction level"
+    found, names = "no friction level", _OF_A_LOOP
+    if level.identifiable:
+        fastest, reach = float(np.max(abs(log.velocity))), float(np.ptp(log.position)) / 2
+        bends = "k_v" in estimates and values["k_v"] * fastest < _BENDS
+        if not bends or values["stiffness"] * reach < values["F_c"]:
+            return estimates, []
+        found, names = "a sign that bends over all speeds measured", (*_OF_A_LOOP, "F_c", "F_s", "v_s")
+    why = f"it may imitate the loop of presliding: there is a spring and {found}"
     doubted = {
         n: replace(e, value=None, identifiable=False, why=why, best=e.value)
         for n, e in estimates.items()
-        if n in _OF_A_LOOP and e.identifiable
+        if n in names and e.identifiable
     }
     return {**estimates, **doubted}, [
-        "a spring and no friction level: if nothing but the contact holds the body, the record is one of presliding, and the "
+        f"a spring and {found}: if nothing but the contact holds the body, the record is one of presliding, and the "
         "spring is that of the bristles; a law that has them tells it (lugre, fitted by the method 'presliding')"
     ]
 

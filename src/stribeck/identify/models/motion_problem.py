@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
+from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.log import Log
 from stribeck.identify.models.columns import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, form_of
@@ -25,6 +26,7 @@ from stribeck.simulation.response import ForcedBody
 OUTPUTS = {"position": "position", "velocity": "velocity"}
 ROUGH, FINE = 1e-2, 1e-4  # error of a step as a share of the output's noise; an estimate averages over many samples
 SLIDES = 0.05  # of the largest speed: a window that starts faster needs no deflection of its own
+_DRAWN = 1 << 14  # samples of noise that tell what a filter leaves of it
 
 
 class MotionProblem(Problem):
@@ -210,6 +212,18 @@ def white_noise(x: Array, runs: Sequence[slice]) -> float:
     # a few jumps are the signal's own: the median tells the level, for normal noise 0.455 of the mean square
     smooth = float(np.sqrt(float(np.median(np.concatenate(squares))) / 0.455)) if squares else 0.0
     return max(smooth, float(_quantum(x) / np.sqrt(12)))
+
+
+def output_noise(log: Log, output: str) -> float:
+    """The standard deviation of the output's noise; of a velocity that is the slope of a filtered position, which is not
+    white, from that of the position."""
+    runs = list(log.runs())
+    if output != "velocity" or log.sources.get("unfiltered") != "position" or log.unfiltered is None:
+        return white_noise(raw(log, output), runs)
+    noise = white_noise(log.unfiltered, runs) * np.random.default_rng(0).standard_normal(_DRAWN)
+    if log.bandwidth is not None:
+        noise = low_pass(noise, log.bandwidth, log.step)
+    return float(np.std(spline_derivative(noise, log.step)[_DRAWN // 8 : -_DRAWN // 8]))
 
 
 def _quantum(x: Array) -> float:

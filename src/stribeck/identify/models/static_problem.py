@@ -221,10 +221,10 @@ def _starts(rest: NDArray[np.bool_], count: int, length: int, first: int) -> lis
     """Where the stretches of a run begin: evenly over it, or over the rows that move, each with a little of what is before."""
     highest = len(rest) - length
     if np.mean(rest) <= _LITTLE_REST or rest.all():
-        return (first + np.linspace(0, highest, count).astype(int)).tolist()
+        return [first + int(start) for start in np.linspace(0, highest, count)]
     moves = np.flatnonzero(~rest)
     which = np.linspace(0, max(len(moves) - length, 0), count).astype(int)
-    starts = np.clip(moves[which] - length // _BEFORE, 0, highest).tolist()
+    starts: list[int] = np.clip(moves[which] - length // _BEFORE, 0, highest).tolist()
     for k in range(1, count):  # none reaches into the next
         starts[k] = max(starts[k], starts[k - 1] + length)
     for k in range(count):

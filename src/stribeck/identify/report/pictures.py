@@ -99,7 +99,11 @@ def curve(fit: Fit, log: Log) -> FigureSvg:
         else:
             v = np.concatenate([-half[::-1], half])
             force = fit.as_law(guessing=True).steady_force(v) + fit.used.get("sigma_2_by_direction", 0.0) * abs(v)
-            force = np.where(abs(force) < _ROOM * np.max(abs(p.measured[inner])), force, np.nan)
+            bend = all(fit.estimates[n].identifiable for n in ("F_s", "v_s") if n in fit.estimates)
+            room = (_ROOM if bend else 1.0) * np.max(
+                abs(p.measured[inner])
+            )  # a bend that nobody saw stays within the data
+            force = np.where(abs(force) < room, force, np.nan)
             axis.plot(of_v.of(v), force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
         axis.set_xlabel(of_v.label)
         axis.set_ylabel("friction (N)")

@@ -24,6 +24,7 @@ from stribeck.identify.statistics.lacking import beside, open_terms
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
 _CLEARLY = 2.0  # standard errors
+_HALF = 0.5  # of the error on data left out: so much is no chance, however few moments it comes from
 _HEAVIEST = 2.0  # of the largest force: no heavier weight, with the offset, is taken from a part of a turn
 _AT_END = 0.99  # of the longest delay that is tried
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
@@ -129,7 +130,7 @@ def _compared(fit: Fit, rows: Rows, setting: Setting, settled: Settled) -> Fit:
     if better and plainer[better].left_out.error < (1 - _WORTH) * settled.left_out.error:
         least = plainer[better]
         told = f"{better} ({least.model.law.name}) predicts data left out better: {least.left_out.error:.3%}"
-        if _beyond_chance(least, settled):
+        if _beyond_chance(least, settled) or least.left_out.error < _HALF * settled.left_out.error:
             fit = beside(fit, least.solution.values)
             told += ", beyond chance, so that intervals are wider by what it differs by"
         fit = replace(fit, notes=(f"{told}; where no law is named, the best law and terms are looked for", *fit.notes))

@@ -32,6 +32,7 @@ from stribeck.identify.statistics.sensor_noise import (
 from stribeck.identify.statistics.stretches import at_least_by_blocks, at_least_by_speed, by_windows
 from stribeck.identify.statistics.verdicts import (
     Noise,
+    astray,
     between_samples,
     effect,
     farther,
@@ -200,6 +201,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     sizes, values = sizes_of(log), problem.values(u)
     unseen = presliding_unseen(problem, values, log)
     bias = systematic(problem, u, slopes)
+    lost = astray(problem, bias)
     doubts = _doubts(at, bias, values, sizes, unseen)
     ends = _profiled(at, [k for k in at.own if not doubts[k]], work) if profiles else {}
     estimates = {}
@@ -211,7 +213,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             low, high, _ = ends[k]
         else:
             low, high = (x if c.inner(c.low) < x < c.inner(c.high) else None for x in (u[k] - half, u[k] + half))
-        reach = farther(c, bias[k])
+        reach = farther(c, bias[k], c.name in _BRISTLES and lost)
         low, high = (None if x is None else x + side * reach for x, side in ((low, -1), (high, 1)))
         doubts[k] = doubts[k] or left_open(low, high, c.log)
         low, high = (None if x is None else c.outer(x) for x in (low, high))

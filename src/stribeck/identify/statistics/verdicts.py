@@ -141,9 +141,16 @@ def hangs(c: Coordinate, bias: float) -> str:
     return f"it hangs on the filter of the motion, which may shift it by {bias:.0%}: {why}"
 
 
-def farther(c: Coordinate, bias: float) -> float:
-    """How far the ends of an interval move for a systematic shift, inner coordinates."""
-    return 2 * bias if c.log and bias > _FARTHEST else bias
+def astray(problem: Problem, bias: Array) -> bool:
+    """Whether the filter of the motion moves one of the law's numbers so far that a step tells it, and what moves with it, to
+    a factor of two at best."""
+    return any(c.log and not c.nuisance and bias[k] > _FARTHEST for k, c in enumerate(problem.coordinates))
+
+
+def farther(c: Coordinate, bias: float, along: bool = False) -> float:
+    """How far the ends of an interval move for a systematic shift, inner coordinates; ``along``: with a number that the filter
+    moves far."""
+    return 2 * bias if c.log and (bias > _FARTHEST or along) else bias
 
 
 def between_samples(problem: MotionProblem, u: Array, slopes: Array) -> Array:
