@@ -6,6 +6,7 @@ import tomllib
 import tomli_w
 
 from stribeck import Scenario, simulate
+from stribeck.cli import actuator
 from tests.identify.actuator.recorded import body, logs, record
 from tests.pages import Page
 
@@ -13,7 +14,7 @@ F_C, MASS = "contacts.guide.law.parameters.F_c", "bodies.a.mass"
 WANTED = {F_C: {"low": 0.1, "high": 10.0}, MASS: {"low": 0.2, "high": 5.0}}
 
 
-def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(stribeck, tmp_path):
+def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(stribeck, tmp_path, capsys):
     record(tmp_path / "run.csv", body(amplitude=5.0))
     record(tmp_path / "other.csv", body(amplitude=5.0, F_c=1.2, F_s=1.3), seed=3)
     path = logs(tmp_path, ["run.csv"], WANTED)
@@ -37,6 +38,12 @@ def test_the_command_writes_a_machine_that_runs_and_says_what_moved_elsewhere(st
     found = json.loads(done.out)
     assert [m["name"] for m in found["transfer"]["moved"]] == [F_C]
     assert found["transfer"]["same"] == [MASS]
+    actuator._print_transfer(found["transfer"])  # as the command prints it without --json
+    there = found["transfer"]["moved"][0]["to"]
+    told = " ".join(capsys.readouterr().out.split())
+    assert f"beyond both intervals moved {F_C} {F_C}: " in told
+    assert f"there {there['low']:.6g} ... {there['high']:.6g}" in told
+    assert "other.csv (other): a.y predicted to " in told
     page = Page(tmp_path / "out" / "report.html")
     shown = page.rows(["number", "value", "95 % from", "to", "unit", "verdict"])
     assert shown[MASS][0] == f"{found['parameters'][MASS]['value']:.6g}"

@@ -11,6 +11,7 @@ from stribeck.cli.text import say
 from stribeck.errors import InputError, refuse_twice
 from stribeck.identify.actuator import MachineFit, fit_machine
 from stribeck.identify.actuator.page import FILES, number_or_open, write_machine_fit
+from stribeck.identify.actuator.result import Transfer
 from stribeck.scenario import Scenario, parse_assignment, parse_assignments
 
 if TYPE_CHECKING:
@@ -135,9 +136,23 @@ def _print(fit: MachineFit, files: Sequence[str]) -> None:
             say(f"{label}: not fitted: {why}", 6, "  ")
         say(f"law picked: {fit.laws['picked']}", 6, "  ")
     if fit.transfer is not None:
-        moved = ", ".join(m["name"] for m in fit.transfer["moved"]) or "nothing"
-        say(f"other recordings: beyond both intervals moved {moved}", 6, "  ")
+        _print_transfer(fit.transfer)
     for text in fit.notes:
         say(text, 6, "  note: ")
     for file in files:
         print(f"  wrote {file}")
+
+
+def _print_transfer(found: Transfer) -> None:
+    """How well the other recordings were predicted, and which numbers are other there."""
+    for log in found["logs"]:
+        errors: Any = log["errors"]
+        for column, x in errors.items():
+            print(f"  {log['file']} (other): {column} predicted to {100 * x['relative']:.3g} % of its changes")
+    moved = ", ".join(m["name"] for m in found["moved"]) or "nothing"
+    say(f"other recordings: beyond both intervals moved {moved}", 6, "  ")
+    for m in found["moved"]:
+        (a, b), (c, d) = ([number_or_open(x[end]) for end in ("low", "high")] for x in (m["from"], m["to"]))
+        say(f"{m['name']}: {a} ... {b}, there {c} ... {d}", 6, "      ")
+    if found["not_told"]:
+        say(f"not told of {', '.join(found['not_told'])}", 6, "      ")

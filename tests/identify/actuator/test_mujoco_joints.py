@@ -56,7 +56,7 @@ def test_what_is_written_is_what_the_command_reads(arm, tmp_path):
     model, table = arm
     short = {name: x[:200] for name, x in table.items()}
     joint = from_mujoco(model, [short, table], hold_out=[0])["elbow"]
-    machine, logs = joint.write(tmp_path)
+    machine, logs = joint.write(tmp_path / "elbow")  # the folder is made
     found = read_logs(logs)
     assert Scenario.of(machine).data == joint.machine.data
     assert [s.path for s in found.sought] == [s.path for s in joint.logs.sought]

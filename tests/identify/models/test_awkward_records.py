@@ -135,7 +135,7 @@ def test_a_static_friction_below_what_held_the_body_is_not_claimed():
 
 
 def test_a_law_that_misses_a_few_reversals_tells_no_bend_that_they_contradict():
-    """A soft sign, slowly passed through at five reversals alone: F_s 5.05 [4.95, 5.16] was told of `stribeck`, where 6 is true."""
+    """A soft sign, slowly passed through at five reversals alone: F_s 5.05 [4.95, 5.16] was told of `stribeck` for 6."""
     rng = np.random.default_rng(0)
     t = np.arange(0, 20, STEP)
     moving, phase = t % 4 >= 2, np.pi * (t % 4 - 2)

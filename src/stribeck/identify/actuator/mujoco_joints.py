@@ -46,12 +46,14 @@ class Joint:
         return fit_machine(self.machine, self.logs, **options)
 
     def write(self, folder: str | Path) -> tuple[Path, Path]:
-        """JOINT.toml and JOINT_logs.toml (with a CSV file for each recording), for ``stribeck fit``."""
+        """JOINT.toml and JOINT_logs.toml (with a CSV file for each recording), for ``stribeck fit``, in a folder
+        that is made if need be."""
         import tomli_w
 
         from stribeck.files import write_text
 
         folder, entries = Path(folder), list[dict[str, object]]()
+        folder.mkdir(parents=True, exist_ok=True)
         for i, r in enumerate(self.logs.recordings):
             names = {**{n: c.column for n, c in r.outputs.items()}, **{n: c.column for n, c in r.inputs.items()}}
             columns = {"t": r.t, **{c.column: c.x for c in (*r.outputs.values(), *r.inputs.values())}}
