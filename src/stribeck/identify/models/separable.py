@@ -17,6 +17,7 @@ from scipy.stats import qmc
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
+from stribeck.identify.models import ripple
 from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.terms import TERMS
 
@@ -26,6 +27,7 @@ _REFINED, _APART = 4, 0.15  # starts, which differ so much in the share of one s
 _HIGHEST = 3.0  # of the largest force: what the curve rises above F_c at most, as more was nowhere measured
 _END = 1.1  # times the lower end of a search: what lies below is the end itself
 _TOLD = 20.0  # twice the logarithm of a likelihood; five times what one record in 20 gains by chance: neighbouring rows err alike
+_APART_FROM_CURVE = ("delay", "ripple_waves")
 _LITTLE = 1e-7  # of the force: the least that Coulomb friction is
 _BEYOND = 1e100  # in a column: squares of what a law of the user's own gives must be numbers
 
@@ -240,8 +242,8 @@ class Separable:
         return [{**known, **narrow._shape_of(s.values)} for s in narrow.grid()[:1]]
 
     def grid(self) -> list[Minimum]:
-        """Solutions over a grid of shapes, the best first; a delay is looked for at the best of the others."""
-        curve = [s for s in self.shapes if s.name != "delay"]
+        """Solutions over a grid of shapes, the best first; a delay and a ripple are looked for at the best of the others."""
+        curve = [s for s in self.shapes if s.name not in _APART_FROM_CURVE]
         late = [s for s in self.shapes if s.name == "delay"]
         if not curve:
             trials = np.zeros((1, 0))
@@ -249,7 +251,7 @@ class Separable:
             trials = np.linspace(0, 1, _GRID)[:, None]
         else:
             trials = np.vstack([qmc.Sobol(len(curve), seed=0).random_base2(_DRAWS), _corners(len(curve))])
-        still = {s.name: 0.0 for s in late}
+        still = {s.name: self._harmless(s) for s in self.shapes if s not in curve}
         found = [
             self.solve({**still, **{s.name: s.at(x) for s, x in zip(curve, t, strict=True)}}) for t in trials.tolist()
         ]
@@ -260,7 +262,18 @@ class Separable:
             delays = [d for d in delays if shape.low <= d <= shape.high]
             more = [self.solve({**self._shape_of(s.values), "delay": d}) for s in found[:2] for d in delays]
             found = sorted([*found, *more], key=self._rank)
+        for shape in (s for s in self.shapes if s.name == "ripple_waves"):
+            at = self._shape_of(found[0].values)
+            more = [self.solve({**at, shape.name: x}) for x in self._waves(found[0], shape)]
+            found = sorted([*found, *more], key=self._rank)
         return found
+
+    def _waves(self, found: Minimum, shape: Shape) -> list[float]:
+        """How many waves the residual of a solution without a ripple shows."""
+        plain = {**found.values, "ripple_sin": 0.0, "ripple_cos": 0.0}
+        counted = self.weight > 0
+        left = (self.force - self.force_at(plain))[counted]
+        return ripple.peaks(self.columns.position[counted], left, shape.low, shape.high)
 
     def _rank(self, solution: Minimum) -> float:
         """The cost; a bend that takes the whole level is none."""

@@ -12,11 +12,12 @@ import numpy as np
 from stribeck import laws
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.details import AddedTerm, Candidate, FitDetails
-from stribeck.identify.log import Log
+from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, missed_beyond, settle
 from stribeck.identify.models import terms
+from stribeck.identify.models.ripple import range_of
 from stribeck.identify.models.static_problem import Rows, rows_of
-from stribeck.identify.models.terms import OF_POSITION, TERMS
+from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate
 from stribeck.identify.statistics.lacking import beside, open_terms
@@ -28,6 +29,7 @@ _HEAVIEST = 2.0  # of the largest force: no heavier weight, with the offset, is 
 _AT_END = 0.99  # of the longest delay that is tried
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
+_RIPPLE = " and ".join(RIPPLE)  # it takes the place of no weight or spring that is as good: these have fewer numbers
 _CANDIDATES = ("coulomb_viscous", "stribeck", "stribeck_tanh")
 
 
@@ -231,7 +233,7 @@ def _forward(
         likely = list(islice((n for n in by_cost if _credible(n, trials[n], best)), _TRIED))
         if not likely:
             return best, steps
-        name = min(likely, key=lambda n: trials[n].left_out.error)
+        name = min(likely, key=lambda n: trials[n].left_out.error * (1.0 if n != _RIPPLE else 1 / (1 - _WORTH)))
         found = trials[name]
         if found.left_out.error > (1 - _WORTH) * best.left_out.error or not _beyond_chance(found, best):
             return best, steps
@@ -281,6 +283,8 @@ def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
     if set(_PAIRED) & set(there):
         names = [n for n in names if n != "F_c_by_position"]
     names += [f"{n} and {_PAIRED[n]}" for n in names if n == "gravity_sin" and _PAIRED[n] in names]
+    if not set(RIPPLE) & set(there) and log.sources.get("position") != INTEGRAL and range_of(log, rows.q):
+        names.append(_RIPPLE)
     free = setting.free or ()
     if "k_v" in own and not own["k_v"].required and "k_v" not in setting.fixed and "k_v" not in free:
         names = ["k_v", *names]
