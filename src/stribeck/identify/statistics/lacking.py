@@ -64,7 +64,7 @@ def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], slopes:
         wider = np.column_stack([slopes, *found.values(), own := columns.pop(name)])
         told = linear_step(wider, misfit)[-1]
         half = clusters.half_widths(wider, misfit - wider @ linear_step(wider, misfit), parts, True)[-1]
-        if abs(told) < _CLEARLY * half:
+        if abs(told) < _CLEARLY * half or (TERMS[name].positive and told < 0):
             continue
         found[name], rest = own, left[name]
     shifts = np.zeros((1, count))
