@@ -11,10 +11,9 @@ from scipy.stats import t as student
 from stribeck.arrays import Array
 from stribeck.identify.details import FileLevel
 from stribeck.identify.methods.static_start import StaticModel
-from stribeck.identify.models.terms import column
 from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.statistics.clusters import BLOCKS
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory
 

@@ -15,10 +15,10 @@ from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_of, judged_of
 from stribeck.identify.methods.horizons import first_values, follow
 from stribeck.identify.methods.optimise import Optimum, multistart, starting_points
-from stribeck.identify.models.terms import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, first_deflection, velocity_problem
 from stribeck.identify.models.motion_problem import MotionProblem, raw, white_noise
 from stribeck.identify.models.problem import Problem, Tie
+from stribeck.identify.models.terms import column
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.verdicts import Noise
 from stribeck.identify.work import Work

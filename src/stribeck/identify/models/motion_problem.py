@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.log import Log
-from stribeck.identify.models.terms import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, form_of
 from stribeck.identify.models.problem import Coordinate, Problem
+from stribeck.identify.models.terms import column
 from stribeck.simulation.response import ForcedBody
 
 OUTPUTS = {"position": "position", "velocity": "velocity"}
