@@ -24,7 +24,7 @@ import stribeck
 from stribeck.identify.api import read_log
 
 RESULTS = Path(__file__).parent / "results" / "lacking_terms.json"
-POWERS = (2.0, 1.5, 3.0)  # of the speed, in records that bend otherwise
+POWERS = (2.0, 1.5, 3.0, 0.5)  # of the speed, in records that bend otherwise
 LACKS = ("delay", "direction", "weight", "spring", "position", "time", "forwards")
 LAWS = ("stribeck_tanh", "coulomb_viscous")
 OF_BENT = ("stribeck", *LAWS)

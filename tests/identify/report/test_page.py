@@ -46,11 +46,13 @@ def test_the_formula_of_a_term_is_the_column_that_is_fitted():
         "t": t - 3,
         "sin": np.sin,
         "cos": np.cos,
+        "sign": np.sign,
+        "sqrt": np.sqrt,
         "ripple_waves": 3.0,
     }
     assert set(FACTORS) == {n for n, term in TERMS.items() if term.column is not None}
     for name, text in FACTORS.items():
-        made = eval(re.sub(r"\|(\w)\|", r"abs(\1)", re.sub(r"(\w) (?=[\w|])", r"\1 * ", text)), known)
+        made = eval(re.sub(r"\|(\w)\|", r"abs(\1)", re.sub(r"([\w)]) (?=[\w|])", r"\1 * ", text)), known)
         assert np.allclose(column(name, log, {"ripple_waves": 3.0}), made), name
 
 

@@ -20,6 +20,7 @@ _WORDS = {
     "stiffness": "slow strokes over the whole travel, in both directions",
     "sigma_2_by_direction": "at least three constant speeds up to {fast}, the same in both directions",
     "drag": "constant speeds in both directions, at least five, evenly up to {fast} or more",
+    "thinning": "constant speeds in both directions, at least five, evenly in the logarithm up to {fast} or more",
     "ripple_waves": "slow strokes over the whole travel, in both directions",
     "offset": "the same constant speeds in both directions",
 }

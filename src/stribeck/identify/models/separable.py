@@ -198,7 +198,8 @@ class Separable:
         if not self.shapes:
             return self._told(self.solve({}))
         starts = self._apart(self.grid()) if everywhere or not warm else self._around(warm[0])
-        starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in warm]
+        known = [w for w in warm if "ripple_waves" in w or all(s.name != "ripple_waves" for s in self.shapes)]
+        starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in known]
         return self._told(min((self.refined(start) for start in starts), key=self._rank))
 
     def _told(self, found: Minimum) -> Minimum:

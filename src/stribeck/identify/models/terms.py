@@ -59,6 +59,10 @@ TERMS: dict[str, Term] = {
         "N s^2/m^2", "friction that grows with the square of the speed: air, oil that is churned",
         lambda log: log.velocity * abs(log.velocity), positive=True, friction=True,
     ),
+    "thinning": Term(
+        "N s^0.5/m^0.5", "friction that grows with the root of the speed: grease that thins",
+        lambda log: np.sign(log.velocity) * np.sqrt(abs(log.velocity)), positive=True, friction=True,
+    ),
     "F_c_by_position": Term("N/m", "growth of the friction level with position", lambda log: log.position, level=True),
     "F_c_by_load": Term("1", "growth of the friction level with load", lambda log: _get(log.load), True, "load"),
     "F_c_by_pressure": Term("m^2", "growth of the level with pressure", lambda log: _get(log.pressure), True, "pressure"),

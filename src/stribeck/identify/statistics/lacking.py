@@ -41,7 +41,7 @@ def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bo
     """The terms that may be added to those that are there; ``level``: the law has one, F_c, that may vary."""
     return [
         n for n, t in TERMS.items()
-        if n != "mass" and n not in given and n not in RIPPLE
+        if n != "mass" and n not in given and n not in (*RIPPLE, "thinning")
         and (not t.needs or getattr(log, t.needs) is not None)
         and (not t.level or level)
         and not (n.startswith("gravity") and float(np.ptp(log.position)) < _SHORT)
@@ -126,6 +126,8 @@ def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dic
     there = {**whole.held, **values}
     of_law = "F_c" in whole.columns.sliding.linear
     names = [n for n in open_terms(rows.log, (*whole.terms, *model.unseen), of_law) if n != "delay"]
+    if "F_s" in whole.wanted and "thinning" not in there:  # what such a curve bends by is taken for the Stribeck bend
+        names.append("thinning")
     made = whole.columns.at(there, names)
     found = {n: whole.weight * made[n] for n in names}
     if "delay" not in [s.name for s in whole.shapes]:
