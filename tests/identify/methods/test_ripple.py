@@ -46,6 +46,14 @@ def test_waves_that_are_known_are_given():
     assert fit.body["ripple_sin"].low <= SIN <= fit.body["ripple_sin"].high < SIN + 0.1
 
 
+@pytest.mark.parametrize(
+    ("name", "value"), [("ripple_waves", 0.0), ("ripple_waves", -9.0), ("drag", -1.0), ("mass", -1.0)]
+)
+def test_what_a_term_cannot_be_is_refused(name, value):
+    with pytest.raises(InputError, match=rf"{name}.*: must be a number (above|from) 0, and at most 1e\+30"):
+        stribeck.fit(axis(1, seconds=2.0), "coulomb_viscous", columns=NAMES, constants={name: value})
+
+
 def test_a_simulation_does_not_look_for_waves():
     log = read_log(axis(1, seconds=2.0), columns=NAMES)
     constants = {"sigma_0": 1e4, "sigma_1": 10.0, "F_c": 3.0, "F_s": 3.0, "v_s": 0.1}

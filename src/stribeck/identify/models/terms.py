@@ -9,6 +9,7 @@ import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, nearest
+from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.log import Log
 
 
@@ -98,6 +99,20 @@ def complete(names: Sequence[str], held: Mapping[str, float]) -> list[str]:
     if set(RIPPLE) & {*found, *held}:
         found = list(dict.fromkeys([*found, *(n for n in RIPPLE if n not in held)]))
     return found
+
+
+def problem(name: str, value: float | str) -> str:
+    """What is wrong with a value that is given for a term; nothing where it may be so."""
+    of_ripple, positive = name == "ripple_waves", TERMS[name].positive
+    least = "above 0, and" if of_ripple else "from 0, and" if positive else "of"
+    if (
+        not isinstance(value, str)
+        and abs(value) <= LARGEST
+        and not (positive and value < 0)
+        and (value or not of_ripple)
+    ):
+        return ""
+    return f"must be a number {least} at most {LARGEST:g}"
 
 
 def check(names: tuple[str, ...], log: Log) -> None:
