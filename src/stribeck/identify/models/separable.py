@@ -19,6 +19,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.models import ripple
 from stribeck.identify.models.columns import Columns
+from stribeck.identify.models.memory import rows_together
 from stribeck.identify.models.terms import TERMS
 
 _GRID, _DRAWS = 25, 6  # points of one shape; 2**draws of several
@@ -26,7 +27,7 @@ _DELAYS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0,
 _REFINED, _APART = 4, 0.15  # starts, which differ so much in the share of one shape: neighbours lead to one minimum
 _HIGHEST = 3.0  # of the largest force: what the curve rises above F_c at most, as more was nowhere measured
 _END = 1.1  # times the lower end of a search: what lies below is the end itself
-_TOLD = 20.0  # twice the logarithm of a likelihood; five times what one record in 20 gains by chance: neighbouring rows err alike
+_TOLD = 3.841459  # twice the logarithm of a likelihood: what one record in 20 gains by chance
 _APART_FROM_CURVE = ("delay", "ripple_waves")
 _LITTLE = 1e-7  # of the force: the least that Coulomb friction is
 _BEYOND = 1e100  # in a column: squares of what a law of the user's own gives must be numbers
@@ -221,7 +222,9 @@ class Separable:
         shapes = [replace(s, low=s.seen, seen=None) if s.seen else s for s in self.shapes]
         narrow = Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight)
         near = narrow.search(warm, everywhere)
-        gain = np.count_nonzero(self.weight) * np.log(near.cost / max(found.cost, 1e-300))
+        counted = self.weight > 0  # neighbouring rows err alike: they tell a thing once
+        rows = np.count_nonzero(counted) / rows_together((self.force - self.force_at(found.values))[counted])
+        gain = rows * np.log(near.cost / max(found.cost, 1e-300))
         told = gain > _TOLD and all(found.values[s.name] > _END * s.low for s in below)
         return (self, found) if told else (narrow, near)
 
