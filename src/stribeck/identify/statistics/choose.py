@@ -26,6 +26,8 @@ _TRIED = 3  # terms that lower the residual most, whose error on data left out i
 _WORTH = 0.01  # of the error: less gain does not pay for another number
 _CLEARLY = 2.0  # standard errors
 _HEAVIEST = 2.0  # of the largest force: no heavier weight, with the offset, is taken from a part of a turn
+_UNBOUNDED = ("stiffness", "F_c_by_position")  # grow on along a longer way
+_EXPLAINS = 0.82  # of the error: they must leave no more, as hysteresis and backlash look a little like them
 _AT_END = 0.99  # of the longest delay that is tried
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
@@ -253,6 +255,8 @@ def _credible(added: str, wide: Settled, narrow: Settled) -> bool:
             return False
     if not names & set(OF_POSITION):
         return True
+    if names & set(_UNBOUNDED) and wide.left_out.error > _EXPLAINS * narrow.left_out.error:
+        return False
     turn = np.linspace(0, 2 * np.pi, 100)
     weight = values.get("gravity_sin", 0.0) * np.sin(turn) + values.get("gravity_cos", 0.0) * np.cos(turn)
     if names & set(_PAIRED):
