@@ -15,7 +15,7 @@ from stribeck.identify.details import AddedTerm, Candidate, FitDetails
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, missed_beyond, settle
 from stribeck.identify.models import terms
-from stribeck.identify.models.ripple import range_of
+from stribeck.identify.models.ripple import range_of, share
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Fit
@@ -222,6 +222,7 @@ def _forward(
     while True:
         trials: dict[str, Settled] = {}
         names = [n for n in _open(rows, law, best.setting) if steepness or n != "k_v"]
+        names = [n for n in names if n != _RIPPLE or _ripples(best)]
         for k, name in enumerate(names):
             try:
                 trials[name] = settle(rows, law, _wider(best.setting, law, name), [best.shapes], everywhere=False)
@@ -241,6 +242,14 @@ def _forward(
             return best, steps
         best = found
         steps.append(_step(name, found))
+
+
+def _ripples(at: Settled) -> bool:
+    """Whether the residual ripples over the position by as much as a term must be worth: to fit it takes time."""
+    whole = at.model.whole
+    counted, found = whole.weight > 0, range_of(at.rows.log, at.rows.q)
+    left = (whole.force - whole.force_at(at.solution.values))[counted]
+    return found is not None and share(whole.columns.position[counted], left, *found) > _WORTH
 
 
 def _credible(added: str, wide: Settled, narrow: Settled) -> bool:

@@ -248,10 +248,8 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
 
 def _moves_away(at: Linear, reach: _Reach) -> dict[str, str]:
     """F_s, where the bend at v_s may be one that a term imitates that was not fitted: another may rise below it."""
-    if not {"F_s", "v_s"} <= set(at.names):
-        return {}
-    k = at.names.index("v_s")
-    if max(reach.below[k], reach.above[k]) <= _WIDEST:
+    k = at.names.index("v_s") if {"F_s", "v_s"} <= set(at.names) else None
+    if k is None or max(reach.below[k], reach.above[k]) <= _WIDEST:
         return {}
     return {"F_s": "with terms that were not fitted v_s may be half or twice its value, and F_s hangs on it"}
 
