@@ -110,7 +110,8 @@ def elsewhere(model: StaticModel, values: Mapping[str, float], names: Sequence[s
     if not added or not whole.shapes:
         return np.zeros(len(names))
     wider = Separable(whole.columns, whole.held, whole.wanted, (*whole.free, *added), whole.shapes, whole.weight)
-    found = wider.search([values]).values
+    starts = (wider.grid()[0].values, values)
+    found = min((wider.refined(start) for start in starts), key=lambda each: each.cost).values
     shifts = []
     for name in names:
         if name not in TERMS or TERMS[name].positive:
