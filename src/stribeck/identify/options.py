@@ -9,7 +9,7 @@ from stribeck import laws
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, nearest
 from stribeck.identify.data.quality import LARGEST
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, problem
 from stribeck.identify.statistics.crossvalidate import FOLDS
 
 METHODS = ("static", "presliding", "dynamic")
@@ -134,9 +134,9 @@ class FitOptions:
 
     def _wrong_terms(self) -> list[str]:
         return [
-            f"{arg(f'constants.{name}')}: {show(value)}: must be a number of at most {LARGEST:g}"
+            f"{arg(f'constants.{name}')}: {show(value)}: {text}"
             for name, value in self.constants.items()
-            if name in TERMS and (isinstance(value, str) or not abs(value) <= LARGEST)
+            if name in TERMS and (text := problem(name, value))
         ]
 
     def _only_static(self) -> list[str]:

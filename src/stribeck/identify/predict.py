@@ -23,11 +23,11 @@ from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
 from stribeck.identify.models import terms
-from stribeck.identify.models.columns import Columns, column
+from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.separable import Separable
 from stribeck.identify.models.static_problem import RATES, kept_rows, thinning
-from stribeck.identify.models.terms import OF_RECORD, TERMS
+from stribeck.identify.models.terms import OF_RECORD, TERMS, column
 from stribeck.identify.result import Fit, Prediction
 from stribeck.scenario.trust import astray
 
@@ -167,6 +167,8 @@ def _wrong(law: str, known: Mapping[str, Constant], values: Mapping[str, object]
             text = known[name].problem(value)
         elif name in TERMS:
             text = None if _number(value) else f"must be a number of at most {LARGEST:g}"
+            if not text and (of := TERMS[name].of) and of not in values:
+                text = f"needs {of}, which is missing"
         else:
             text = f"neither a constant of {law} nor a term"
         if not text and isinstance(value, int | float) and not abs(value) <= LARGEST:
@@ -280,7 +282,7 @@ def beside(model: FittedModel, log: Log, without: Container[str] = ()) -> Array:
     for name in model.body:
         term = TERMS[name]
         if name not in without and term.column is not None and not (term.level or term.friction):
-            found += model.values[name] * column(name, log)
+            found += model.values[name] * column(name, log, model.values)
     return found
 
 

@@ -10,8 +10,9 @@ from stribeck.arrays import Array
 from stribeck.identify.data.filters import shifted
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
-from stribeck.identify.models.columns import Columns, column
+from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.static_problem import thinning
+from stribeck.identify.models.terms import column
 
 TYPICAL = {"F_c": 2.0, "F_s": 3.0, "v_s": 0.02, "sigma_2": 5.0}
 TERMS = ("mass", "offset", "stiffness", "F_c_by_position")
@@ -35,7 +36,7 @@ def directly(log: Log, law: Sliding, delay: float, shape: dict[str, float]) -> d
     speeds, table = law.table(shape, max(log.velocity.max(), -log.velocity.min()), list(law.linear))
     curves = {name: np.interp(v, speeds, values) for name, values in table.items()}
     found = {name: reduce(x) for name, x in curves.items()}
-    found |= {name: reduce(moved(column(name, log))) for name in ("mass", "stiffness")}
+    found |= {name: reduce(moved(column(name, log, {}))) for name in ("mass", "stiffness")}
     found["F_c_by_position"] = reduce((curves["F_c"] + curves["F_s"]) * moved(log.position))
     return found | {"offset": reduce(np.ones(len(log)))}
 

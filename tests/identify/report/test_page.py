@@ -10,7 +10,7 @@ import pytest
 import stribeck
 from stribeck.identify.api import read_log
 from stribeck.identify.log import Log
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.report.formula import FACTORS, model_lines
 from stribeck.identify.report.page import page
 from stribeck.identify.report.traces import inner_rows
@@ -37,11 +37,23 @@ def test_the_formula_of_a_term_is_the_column_that_is_fitted():
     y, v, a, load, pressure = draw.uniform(-1, 1, (5, 7))
     t = np.arange(7.0)
     log = Log(t, y, v, a, np.zeros(7), np.zeros(7, np.int32), load, pressure, step=1.0)
-    known = {"y": y, "v": v, "a": a, "N": load, "p": pressure, "t": t - 3, "sin": np.sin, "cos": np.cos}
+    known = {
+        "y": y,
+        "v": v,
+        "a": a,
+        "N": load,
+        "p": pressure,
+        "t": t - 3,
+        "sin": np.sin,
+        "cos": np.cos,
+        "sign": np.sign,
+        "sqrt": np.sqrt,
+        "ripple_waves": 3.0,
+    }
     assert set(FACTORS) == {n for n, term in TERMS.items() if term.column is not None}
     for name, text in FACTORS.items():
-        made = eval(re.sub(r"\|(\w)\|", r"abs(\1)", text), known)
-        assert np.allclose(TERMS[name].column(log), made), name
+        made = eval(re.sub(r"\|(\w)\|", r"abs(\1)", re.sub(r"([\w)]) (?=[\w|])", r"\1 * ", text)), known)
+        assert np.allclose(column(name, log, {"ripple_waves": 3.0}), made), name
 
 
 def test_the_page_has_the_formula_of_what_was_fitted_with_every_unit(tmp_path):

@@ -11,10 +11,9 @@ from scipy.stats import t as student
 from stribeck.arrays import Array
 from stribeck.identify.details import FileLevel
 from stribeck.identify.methods.static_start import StaticModel
-from stribeck.identify.models.columns import column
 from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.statistics.clusters import BLOCKS
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory
 
@@ -41,7 +40,7 @@ def levels(rows: Rows, model: StaticModel, solution: Minimum) -> list[FileLevel]
     varying = [n for n in whole.terms if TERMS[n].level]
     found: list[FileLevel] = []
     for i, k in enumerate(there):
-        means = {n: float(np.mean(column(n, log)[of_row == k])) for n in varying}
+        means = {n: float(np.mean(column(n, log, {})[of_row == k])) for n in varying}
         row: FileLevel = {
             "file": files[k],
             "level": float(own[i]),

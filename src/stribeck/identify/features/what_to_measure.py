@@ -19,6 +19,9 @@ _WORDS = {
     "mass": "accelerations at which mass * acceleration exceeds half the friction level ({half}), in both directions",
     "stiffness": "slow strokes over the whole travel, in both directions",
     "sigma_2_by_direction": "at least three constant speeds up to {fast}, the same in both directions",
+    "drag": "constant speeds in both directions, at least five, evenly up to {fast} or more",
+    "thinning": "constant speeds in both directions, at least five, evenly in the logarithm up to {fast} or more",
+    "ripple_waves": "slow strokes over the whole travel, in both directions",
     "offset": "the same constant speeds in both directions",
 }
 _BOTH = 10.0  # factor between the fit's length and the record's, up to which the fit's is taken

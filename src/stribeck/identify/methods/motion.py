@@ -15,10 +15,10 @@ from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_of, judged_of
 from stribeck.identify.methods.horizons import first_values, follow
 from stribeck.identify.methods.optimise import Optimum, multistart, starting_points
-from stribeck.identify.models.columns import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, first_deflection, velocity_problem
 from stribeck.identify.models.motion_problem import MotionProblem, output_noise, raw, white_noise
 from stribeck.identify.models.problem import Problem, Tie
+from stribeck.identify.models.terms import column
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.verdicts import Noise
 from stribeck.identify.work import Work
@@ -32,7 +32,7 @@ _MISSED = 0.02  # of the output's changes: a fit that leaves more, and more than
 _OUTPUTS = {"position": "y", "velocity": "v"}
 
 
-_BESIDE = {"offset", "gravity_sin", "gravity_cos", "stiffness", "area", "sigma_2_by_direction"}
+_BESIDE = {"offset", "gravity_sin", "gravity_cos", "stiffness", "area", "sigma_2_by_direction", "drag"}
 
 
 class RigProblem(Problem):
@@ -87,7 +87,7 @@ class RigProblem(Problem):
         """What of the measured force neither moves the body nor is the law's: at the measured position and speed."""
         part = self.log.rows(rows)
         return np.asarray(
-            sum((values[n] * column(n, part) for n in self.inverse.body if n != "mass"), np.zeros(len(part)))
+            sum((values[n] * column(n, part, values) for n in self.inverse.body if n != "mass"), np.zeros(len(part)))
         )
 
     def _simulated(self, number: int, rows: slice, values: Given) -> Array | None:

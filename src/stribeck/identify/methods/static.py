@@ -22,10 +22,9 @@ from stribeck.identify.features.levels import levels
 from stribeck.identify.log import Log
 from stribeck.identify.methods.static_start import StaticModel, model
 from stribeck.identify.models import terms
-from stribeck.identify.models.columns import column
 from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows, rows_of
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Fit, Prediction
 from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, cross_validate
 from stribeck.identify.statistics.static_intervals import linearised, static_intervals
@@ -196,7 +195,8 @@ def _bristles(
     spring, level = estimates.get("stiffness"), estimates.get("F_c")
     if spring is None or level is None or not values["stiffness"] > 0:
         return estimates, []
-    found, names = "no friction level", _OF_A_LOOP
+    names: tuple[str, ...] = _OF_A_LOOP
+    found = "no friction level"
     if level.identifiable:
         fastest, reach = float(np.max(abs(log.velocity))), float(np.ptp(log.position)) / 2
         bends = "k_v" in estimates and values["k_v"] * fastest < _BENDS
@@ -311,7 +311,7 @@ def _curve(
     rest = np.zeros(len(log))
     for name in whole.terms:
         if not (TERMS[name].level or TERMS[name].friction):
-            rest += values.get(name, 0.0) * column(name, log)
+            rest += values.get(name, 0.0) * column(name, log, values)
     found = []
     for s in segments:
         friction = log.force[s] - rest[s]

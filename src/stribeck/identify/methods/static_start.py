@@ -12,10 +12,11 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Sizes, ranges, sizes_of
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import thinned
+from stribeck.identify.models import ripple
 from stribeck.identify.models.dynamic_problem import free_constants
 from stribeck.identify.models.separable import Separable, Shape
 from stribeck.identify.models.static_problem import Rows
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, complete
 from stribeck.laws.base import Law
 
 _STEEP = 10.0  # over the Stribeck velocity: a sign that is steep beside it, whatever the unit of the speed
@@ -79,7 +80,7 @@ def model(
         for n in wanted
         if n not in sliding.seen and n not in own
     }
-    terms = [n for n in dict.fromkeys([*(["mass"] if mass is None else []), *body]) if n not in held_terms]
+    terms = [n for n in complete([*(["mass"] if mass is None else []), *body], held_terms) if n not in held_terms]
     if any(TERMS[n].level for n in terms) and "F_c" not in sliding.linear:
         raise InputError(
             f"{arg('terms')}: in law '{law.name}' no friction level F_c multiplies the force, so none can vary"
@@ -91,6 +92,8 @@ def model(
         step = rows.log.step
         longest = min(_DELAY_STEPS * step, max(_LONGEST_DELAY, 2 * step))
         shapes.append(Shape("delay", -longest, longest, log=False))
+    if "ripple_waves" in terms:
+        shapes.append(_ripple(rows))
     held = {**{n: sliding.base[n] for n in unseen if n in sliding.base}, **given, "delay": 0.0, **held_terms}
     if "delay" in terms:
         del held["delay"]
@@ -163,6 +166,19 @@ def _shape(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> Shape:
         return Shape(name, low, 0.7 * sizes.fast)
     middle = constant.example or constant.default or ranges(law, sizes)[name].value
     return Shape(name, 0.2 * middle, 5 * middle)
+
+
+def _ripple(rows: Rows) -> Shape:
+    """How many waves are looked for.
+
+    Raises:
+        InputError: the record cannot show any.
+    """
+    if (found := ripple.range_of(rows.log, rows.q)) is None:
+        raise InputError(
+            f"{arg('terms')}: 'ripple_waves': the way holds too few of the waves that such rows show; must be given"
+        )
+    return Shape("ripple_waves", *found)
 
 
 def _slowest(rows: Rows) -> float:

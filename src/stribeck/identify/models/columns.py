@@ -13,11 +13,12 @@ from stribeck.arrays import Array
 from stribeck.identify.data import filters
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import Log
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, column
 
 Reduce = Callable[[Array], Array]
 _BYTES = 256_000_000  # that columns once computed may take
 _CURVES = 12  # whose columns are kept for curves that are the same
+_NOTHING: Mapping[str, float] = {}
 _ROUNDING = 1e-12  # of the largest value of a curve
 
 
@@ -48,7 +49,8 @@ class Columns:
         found = self._friction(shape, delay, levels)
         for name in terms:
             if TERMS[name].column is not None and not TERMS[name].level:
-                found[name] = self._late(name, 0.0 if name == "offset" else delay)
+                on = {of: values[of]} if (of := TERMS[name].of) else {}
+                found[name] = self._late(name, 0.0 if name == "offset" else delay, on)
         return found
 
     def _friction(self, shape: tuple[tuple[str, float], ...], delay: float, levels: Sequence[str]) -> dict[str, Array]:
@@ -87,7 +89,7 @@ class Columns:
         return self._once(name, curve, delay, lambda values: self.reduce(self._place(speeds, delay).of(values)))
 
     def _level(self, name: str, speeds: Array, delay: float, curve: Array) -> Array:
-        return self.reduce(self._place(speeds, delay).of(curve) * self._moved(column(name, self.log), delay))
+        return self.reduce(self._place(speeds, delay).of(curve) * self._moved(column(name, self.log, {}), delay))
 
     def _once(self, name: str, curve: Array, delay: float, make: Callable[[Array], Array]) -> Array:
         """The column of a curve; the last one, where that was of the same curve."""
@@ -107,15 +109,16 @@ class Columns:
             self._places[delay] = _Place(speeds, self._moved(self.log.velocity, delay))
         return self._places[delay]
 
-    def _late(self, name: str, delay: float) -> Array:
+    def _late(self, name: str, delay: float, on: Mapping[str, float] = _NOTHING) -> Array:
         """A column of the log or of a term, later by a delay: columns moved by whole rows, filtered once each, put together."""
-        parts = filters.whole_shifts(delay / self.log.step if delay else 0.0)
+        parts, key = filters.whole_shifts(delay / self.log.step if delay else 0.0), tuple(on.values())
         return _sum_of(
-            parts, lambda by: self._keep(("late", name, by), lambda: self.reduce(self._held(self._raw(name), by)))
+            parts,
+            lambda by: self._keep(("late", name, by, key), lambda: self.reduce(self._held(self._raw(name, on), by))),
         )
 
-    def _raw(self, name: str) -> Array:
-        return self.log.velocity if name == "velocity" else column(name, self.log)
+    def _raw(self, name: str, on: Mapping[str, float]) -> Array:
+        return self.log.velocity if name == "velocity" else column(name, self.log, on)
 
     def _keep(self, key: object, make: Callable[[], Array]) -> Array:
         if key in self._kept:
@@ -124,6 +127,11 @@ class Columns:
         made = self._kept[key] = make()
         self._forget()
         return made
+
+    @cached_property
+    def position(self) -> Array:
+        """Where the rows that are compared lie."""
+        return self.reduce(self.log.position)
 
     def _forget(self) -> None:
         while len(self._kept) > self._most:
@@ -171,10 +179,3 @@ class _Place:
     def of(self, values: Array) -> Array:
         """The table's values at the speeds asked for."""
         return np.asarray(values[self.low] + self.share * np.diff(values)[self.low])
-
-
-def column(name: str, log: Log) -> Array:
-    """The column of the log that a term multiplies."""
-    made = TERMS[name].column
-    assert made is not None
-    return made(log)

@@ -64,8 +64,8 @@ class VelocityProblem(Problem):
         self.body = [name for name in body if not TERMS[name].level and TERMS[name].column is not None]
         self.late = "delay" in body
         self.frictional = [i for i, c in enumerate(self.coordinates) if c.name not in (*self.body, "delay")]
-        self.level_columns = _columns(log, self.levels)
-        self.body_columns = _columns(log, self.body)
+        self.level_columns = _columns(log, self.levels, fixed)
+        self.body_columns = _columns(log, self.body, fixed)
 
     def with_rows(self, rows: NDArray[np.bool_]) -> VelocityProblem:
         """The same problem where other rows count."""
@@ -153,9 +153,9 @@ def form_of(law: type[Law], given: Given) -> Form:
     return Form(on, tuple((n, word) for n, word in given_words if word != constants[n].choices[0]))
 
 
-def _columns(log: Log, names: Sequence[str]) -> Array:
-    columns = [column(log) for column in (TERMS[name].column for name in names) if column is not None]
-    return np.array(columns).reshape(len(names), len(log))
+def _columns(log: Log, names: Sequence[str], given: Given) -> Array:
+    held = {n: float(x) for n, x in given.items() if n in TERMS}
+    return np.array([terms.column(n, log, held) for n in names]).reshape(len(names), len(log))
 
 
 def first_deflection(run: int) -> str:
@@ -203,8 +203,10 @@ def velocity_problem(
     law, fixed, tied = laws.find(law_name), dict(fixed or {}), dict(tied or {})
     held = {name: fixed.pop(name) for name in list(fixed) if name in TERMS}
     free = free_constants(law, fixed, tied, free)
-    body = list(dict.fromkeys(["mass", *body, *held]))
+    body = terms.complete(["mass", *body, *held], held)
     terms.check(tuple(body), log)
+    if unknown := [n for n in dict.fromkeys(TERMS[name].of for name in body) if n and n not in held]:
+        raise InputError([f"{arg('terms')}: {n}: a static fit looks for it; must be given here" for n in unknown])
     if mass is not None:
         held["mass"] = mass
     if any(TERMS[name].level for name in body) and "F_c" not in law.constants():
@@ -221,7 +223,7 @@ def velocity_problem(
         found.append((Coordinate(name, unit, *here.bounds), here.value, here.low, here.high))
     for name in body:
         if name not in held:
-            coordinate, value, lowest, highest = _body_coordinate(name, log, sizes.force, sizes.offset)
+            coordinate, value, lowest, highest = _body_coordinate(name, log, sizes.force, sizes.offset, held)
             value = beside.get(name, value)
             found.append((coordinate, value, min(lowest, value), max(highest, value)))
     for number, rows in enumerate(_with_own_start(log, law)):
@@ -256,7 +258,9 @@ def free_constants(law: type[Law], fixed: Given, tied: Mapping[str, Tie], free: 
     return wanted
 
 
-def _body_coordinate(name: str, log: Log, force: float, offset: float) -> tuple[Coordinate, float, float, float]:
+def _body_coordinate(
+    name: str, log: Log, force: float, offset: float, held: Given
+) -> tuple[Coordinate, float, float, float]:
     """A term of the body with a first value and the range of the starts: what makes a tenth of the friction level."""
     term = TERMS[name]
     if name == "delay":
@@ -264,7 +268,7 @@ def _body_coordinate(name: str, log: Log, force: float, offset: float) -> tuple[
         return Coordinate(name, term.unit, -50 * step, 50 * step, log=False, scale=step), 0.0, -3 * step, 3 * step
     if name == "offset":
         return Coordinate(name, term.unit, -1e3 * force, 1e3 * force, log=False, scale=force), offset, -force, force
-    column = _columns(log, [name])[0]
+    column = _columns(log, [name], held)[0]
     varies = column - column.mean() if name == "stiffness" else column
     size = 0.1 * force / max(float(np.quantile(abs(varies), 0.99)), 1e-12)
     if term.positive:
@@ -280,7 +284,7 @@ def _first_of_beside(log: Log, body: Sequence[str], held: Given) -> dict[str, fl
         return {}
     names = [*wanted, *(n for n in ("mass", "offset") if n not in held)]
     slow = _SIGN * float(np.max(abs(log.velocity)))
-    columns = [*_columns(log, names), np.tanh(log.velocity / max(slow, 1e-300)), log.velocity]
+    columns = [*_columns(log, names, held), np.tanh(log.velocity / max(slow, 1e-300)), log.velocity]
     matrix = np.array(columns).T
     size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
     rest = _less(log, {n: x for n, x in held.items() if TERMS[n].column is not None and not TERMS[n].level}).force
@@ -293,7 +297,7 @@ def _less(log: Log, values: Given) -> Log:
     known = {n: x for n, x in values.items() if TERMS[n].column is not None and not TERMS[n].level}
     if not known:
         return log
-    return log.with_columns(force=log.force - np.array(list(known.values())) @ _columns(log, list(known)))
+    return log.with_columns(force=log.force - np.array(list(known.values())) @ _columns(log, list(known), values))
 
 
 def _with_own_start(log: Log, law: type[Law]) -> list[slice]:

@@ -18,9 +18,9 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError
 from stribeck.identify.data.filters import low_pass, spline_derivative
 from stribeck.identify.log import Log
-from stribeck.identify.models.columns import column
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, form_of
 from stribeck.identify.models.problem import Coordinate, Problem
+from stribeck.identify.models.terms import column
 from stribeck.simulation.response import ForcedBody
 
 OUTPUTS = {"position": "position", "velocity": "velocity"}
@@ -121,7 +121,7 @@ class MotionProblem(Problem):
         return not set(self.beside) <= {"offset", "area"}
 
     def _columns(self, log: Log) -> Array:
-        return np.array([column(name, log)[self.rows] for name in self.beside]).reshape(-1, len(self.rows))
+        return np.array([column(name, log, {})[self.rows] for name in self.beside]).reshape(-1, len(self.rows))
 
     # -- outputs -----------------------------------------------------------------------------------------------------
 

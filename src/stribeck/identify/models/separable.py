@@ -17,7 +17,9 @@ from scipy.stats import qmc
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
+from stribeck.identify.models import ripple
 from stribeck.identify.models.columns import Columns
+from stribeck.identify.models.memory import rows_together
 from stribeck.identify.models.terms import TERMS
 
 _GRID, _DRAWS = 25, 6  # points of one shape; 2**draws of several
@@ -25,7 +27,8 @@ _DELAYS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0,
 _REFINED, _APART = 4, 0.15  # starts, which differ so much in the share of one shape: neighbours lead to one minimum
 _HIGHEST = 3.0  # of the largest force: what the curve rises above F_c at most, as more was nowhere measured
 _END = 1.1  # times the lower end of a search: what lies below is the end itself
-_TOLD = 20.0  # twice the logarithm of a likelihood; five times what one record in 20 gains by chance: neighbouring rows err alike
+_TOLD = 3.841459  # twice the logarithm of a likelihood: what one record in 20 gains by chance
+_APART_FROM_CURVE = ("delay", "ripple_waves")
 _LITTLE = 1e-7  # of the force: the least that Coulomb friction is
 _BEYOND = 1e100  # in a column: squares of what a law of the user's own gives must be numbers
 
@@ -196,7 +199,8 @@ class Separable:
         if not self.shapes:
             return self._told(self.solve({}))
         starts = self._apart(self.grid()) if everywhere or not warm else self._around(warm[0])
-        starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in warm]
+        known = [w for w in warm if "ripple_waves" in w or all(s.name != "ripple_waves" for s in self.shapes)]
+        starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in known]
         return self._told(min((self.refined(start) for start in starts), key=self._rank))
 
     def _told(self, found: Minimum) -> Minimum:
@@ -218,7 +222,9 @@ class Separable:
         shapes = [replace(s, low=s.seen, seen=None) if s.seen else s for s in self.shapes]
         narrow = Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight)
         near = narrow.search(warm, everywhere)
-        gain = np.count_nonzero(self.weight) * np.log(near.cost / max(found.cost, 1e-300))
+        counted = self.weight > 0  # neighbouring rows err alike: they tell a thing once
+        rows = np.count_nonzero(counted) / rows_together((self.force - self.force_at(found.values))[counted])
+        gain = rows * np.log(near.cost / max(found.cost, 1e-300))
         told = gain > _TOLD and all(found.values[s.name] > _END * s.low for s in below)
         return (self, found) if told else (narrow, near)
 
@@ -240,8 +246,8 @@ class Separable:
         return [{**known, **narrow._shape_of(s.values)} for s in narrow.grid()[:1]]
 
     def grid(self) -> list[Minimum]:
-        """Solutions over a grid of shapes, the best first; a delay is looked for at the best of the others."""
-        curve = [s for s in self.shapes if s.name != "delay"]
+        """Solutions over a grid of shapes, the best first; a delay and a ripple are looked for at the best of the others."""
+        curve = [s for s in self.shapes if s.name not in _APART_FROM_CURVE]
         late = [s for s in self.shapes if s.name == "delay"]
         if not curve:
             trials = np.zeros((1, 0))
@@ -249,7 +255,7 @@ class Separable:
             trials = np.linspace(0, 1, _GRID)[:, None]
         else:
             trials = np.vstack([qmc.Sobol(len(curve), seed=0).random_base2(_DRAWS), _corners(len(curve))])
-        still = {s.name: 0.0 for s in late}
+        still = {s.name: self._harmless(s) for s in self.shapes if s not in curve}
         found = [
             self.solve({**still, **{s.name: s.at(x) for s, x in zip(curve, t, strict=True)}}) for t in trials.tolist()
         ]
@@ -260,7 +266,18 @@ class Separable:
             delays = [d for d in delays if shape.low <= d <= shape.high]
             more = [self.solve({**self._shape_of(s.values), "delay": d}) for s in found[:2] for d in delays]
             found = sorted([*found, *more], key=self._rank)
+        for shape in (s for s in self.shapes if s.name == "ripple_waves"):
+            at = self._shape_of(found[0].values)
+            more = [self.solve({**at, shape.name: x}) for x in self._waves(found[0], shape)]
+            found = sorted([*found, *more], key=self._rank)
         return found
+
+    def _waves(self, found: Minimum, shape: Shape) -> list[float]:
+        """How many waves the residual of a solution without a ripple shows."""
+        plain = {**found.values, "ripple_sin": 0.0, "ripple_cos": 0.0}
+        counted = self.weight > 0
+        left = (self.force - self.force_at(plain))[counted]
+        return ripple.peaks(self.columns.position[counted], left, shape.low, shape.high)
 
     def _rank(self, solution: Minimum) -> float:
         """The cost; a bend that takes the whole level is none."""

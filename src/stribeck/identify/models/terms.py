@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, nearest
+from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.log import Log
 
 
@@ -24,15 +25,17 @@ class Term:
         needs: the optional column of the log that it takes.
         positive: the coefficient must be so.
         friction: it is part of friction, and not of the rig.
+        of: a number that the column hangs on, which is a term too and is sought as shapes of the law's curve are.
     """
 
     unit: str
     meaning: str
-    column: Callable[[Log], Array] | None
+    column: Callable[..., Array] | None
     level: bool = False
     needs: str = ""
     positive: bool = False
     friction: bool = False
+    of: str = ""
 
 
 TERMS: dict[str, Term] = {
@@ -41,9 +44,25 @@ TERMS: dict[str, Term] = {
     "stiffness": Term("N/m", "spring to ground", lambda log: log.position),
     "gravity_sin": Term("N", "what the sine of the position (rad) multiplies: an arm's weight", lambda log: np.sin(log.position)),
     "gravity_cos": Term("N", "what its cosine multiplies", lambda log: np.cos(log.position)),
+    "ripple_sin": Term(
+        "N", "what the sine of ripple_waves times the position multiplies: cogging",
+        lambda log, waves: np.sin(waves * log.position), of="ripple_waves",
+    ),
+    "ripple_cos": Term(
+        "N", "what its cosine multiplies", lambda log, waves: np.cos(waves * log.position), of="ripple_waves"
+    ),
+    "ripple_waves": Term("1/m", "2 pi over the length of the ripple: waves in a turn", None, positive=True),
     "area": Term("m^2", "area that the pressure pushes on", lambda log: _get(log.pressure), needs="pressure"),
     "sigma_2_by_direction": Term(
         "N s/m", "half of what viscous friction is more forwards", lambda log: abs(log.velocity), friction=True
+    ),
+    "drag": Term(
+        "N s^2/m^2", "friction that grows with the square of the speed: air, oil that is churned",
+        lambda log: log.velocity * abs(log.velocity), positive=True, friction=True,
+    ),
+    "thinning": Term(
+        "N s^0.5/m^0.5", "friction that grows with the root of the speed: grease that thins",
+        lambda log: np.sign(log.velocity) * np.sqrt(abs(log.velocity)), positive=True, friction=True,
     ),
     "F_c_by_position": Term("N/m", "growth of the friction level with position", lambda log: log.position, level=True),
     "F_c_by_load": Term("1", "growth of the friction level with load", lambda log: _get(log.load), True, "load"),
@@ -54,7 +73,8 @@ TERMS: dict[str, Term] = {
     "delay": Term("s", "time by which the measured motion lags the force", None),
 }  # fmt: skip
 OF_RECORD = ("F_c_by_time",)  # what went on during that record, and is not taken to another
-OF_POSITION = ("stiffness", "gravity_sin", "gravity_cos", "F_c_by_position")
+RIPPLE = ("ripple_sin", "ripple_cos", "ripple_waves")  # one without the others is none
+OF_POSITION = ("stiffness", "gravity_sin", "gravity_cos", "F_c_by_position", *RIPPLE)
 
 
 def _get(column: Array | None) -> Array:
@@ -64,6 +84,35 @@ def _get(column: Array | None) -> Array:
 
 def _about_middle(time: Array) -> Array:
     return np.asarray(time - 0.5 * (time.min() + time.max()))
+
+
+def column(name: str, log: Log, values: Mapping[str, float]) -> Array:
+    """The column of the log that a term multiplies; ``values`` hold what it hangs on."""
+    term = TERMS[name]
+    assert term.column is not None
+    return term.column(log, values[term.of]) if term.of else term.column(log)
+
+
+def complete(names: Sequence[str], held: Mapping[str, float]) -> list[str]:
+    """The terms with what each hangs on: of a ripple all three, whichever is named or given."""
+    found = list(dict.fromkeys(names))
+    if set(RIPPLE) & {*found, *held}:
+        found = list(dict.fromkeys([*found, *(n for n in RIPPLE if n not in held)]))
+    return found
+
+
+def problem(name: str, value: float | str) -> str:
+    """What is wrong with a value that is given for a term; nothing where it may be so."""
+    of_ripple, positive = name == "ripple_waves", TERMS[name].positive
+    least = "above 0, and" if of_ripple else "from 0, and" if positive else "of"
+    if (
+        not isinstance(value, str)
+        and abs(value) <= LARGEST
+        and not (positive and value < 0)
+        and (value or not of_ripple)
+    ):
+        return ""
+    return f"must be a number {least} at most {LARGEST:g}"
 
 
 def check(names: tuple[str, ...], log: Log) -> None:

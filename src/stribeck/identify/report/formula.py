@@ -9,8 +9,10 @@ from stribeck.identify.result import Fit
 from stribeck.laws.render import equations
 
 FACTORS = {
-    "mass": "a", "offset": "1", "stiffness": "y", "gravity_sin": "sin(y)", "gravity_cos": "cos(y)", "area": "p",
-    "sigma_2_by_direction": "|v|", "F_c_by_position": "y", "F_c_by_load": "N", "F_c_by_pressure": "p", "F_c_by_time": "t",
+    "mass": "a", "offset": "1", "stiffness": "y", "gravity_sin": "sin(y)", "gravity_cos": "cos(y)",
+    "ripple_sin": "sin(ripple_waves y)", "ripple_cos": "cos(ripple_waves y)", "area": "p", "sigma_2_by_direction": "|v|",
+    "drag": "v |v|", "thinning": "sign(v) sqrt(|v|)", "F_c_by_position": "y", "F_c_by_load": "N", "F_c_by_pressure": "p",
+    "F_c_by_time": "t",
 }  # fmt: skip
 _MEANING = {
     "a": "a acceleration (m/s^2)", "y": "y position (m, rad)", "p": "p pressure (Pa)", "N": "N load (N)",
@@ -31,7 +33,7 @@ def model_lines(fit: Fit) -> list[str]:
     given = {n: x for n, x in fit.fixed.items() if n in law.constants()}
     lines += [each.text for each in equations(law, form_of(law, given))]
     letters = {"v", *(["z"] if law.has_z else []), *(FACTORS[n] for n in own)}
-    letters |= {"y"} if {"sin(y)", "cos(y)"} & letters else set()
+    letters |= {"y"} if any(letter.endswith("y)") for letter in letters) else set()
     return [*lines, *(words for letter, words in _MEANING.items() if letter in letters)]
 
 

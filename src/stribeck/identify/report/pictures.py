@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +13,7 @@ from scipy.stats import chi2
 from stribeck.arrays import Array
 from stribeck.identify.details import FileLevel, MeasuredLoop
 from stribeck.identify.log import Log
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.report.traces import inner_rows
 from stribeck.identify.result import Fit
 from stribeck.report import plots
@@ -98,12 +100,14 @@ def curve(fit: Fit, log: Log) -> FigureSvg:
             axis.plot(speeds, p.fitted[rows], ".", color=plots.COLOURS[1], markersize=2, label="fitted")
         else:
             v = np.concatenate([-half[::-1], half])
-            force = fit.as_law(guessing=True).steady_force(v) + fit.used.get("sigma_2_by_direction", 0.0) * abs(v)
+            speeds_alone = cast(Log, SimpleNamespace(velocity=v))
+            force = fit.as_law(guessing=True).steady_force(v)
+            for name, x in fit.used.items():
+                if name in TERMS and TERMS[name].friction:
+                    force = force + x * column(name, speeds_alone, {})
             bend = all(fit.estimates[n].identifiable for n in ("F_s", "v_s") if n in fit.estimates)
-            room = (_ROOM if bend else 1.0) * np.max(
-                abs(p.measured[inner])
-            )  # a bend that nobody saw stays within the data
-            force = np.where(abs(force) < room, force, np.nan)
+            most = _ROOM if bend else 1.0  # of the data: a bend that nobody saw stays within them
+            force = np.where(abs(force) < most * np.max(abs(p.measured[inner])), force, np.nan)
             axis.plot(of_v.of(v), force, color=plots.COLOURS[1], label=f"{fit.law}, steady")
         axis.set_xlabel(of_v.label)
         axis.set_ylabel("friction (N)")

@@ -12,11 +12,12 @@ import numpy as np
 from stribeck import laws
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.details import AddedTerm, Candidate, FitDetails
-from stribeck.identify.log import Log
+from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, missed_beyond, settle
 from stribeck.identify.models import terms
+from stribeck.identify.models.ripple import range_of, share
 from stribeck.identify.models.static_problem import Rows, rows_of
-from stribeck.identify.models.terms import OF_POSITION, TERMS
+from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate
 from stribeck.identify.statistics.lacking import beside, open_terms
@@ -26,9 +27,12 @@ _WORTH = 0.01  # of the error: less gain does not pay for another number
 _CLEARLY = 2.0  # standard errors
 _HALF = 0.5  # of the error on data left out: so much is no chance, however few moments it comes from
 _HEAVIEST = 2.0  # of the largest force: no heavier weight, with the offset, is taken from a part of a turn
+_UNBOUNDED = ("stiffness", "F_c_by_position")  # grow on along a longer way
+_EXPLAINS = 0.82  # of the error: they must leave no more, as hysteresis and backlash look a little like them
 _AT_END = 0.99  # of the longest delay that is tried
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
+_RIPPLE = " and ".join(RIPPLE)  # it takes the place of no weight or spring that is as good: these have fewer numbers
 _CANDIDATES = ("coulomb_viscous", "stribeck", "stribeck_tanh")
 
 
@@ -219,6 +223,7 @@ def _forward(
     while True:
         trials: dict[str, Settled] = {}
         names = [n for n in _open(rows, law, best.setting) if steepness or n != "k_v"]
+        names = [n for n in names if n != _RIPPLE or _ripples(best)]
         for k, name in enumerate(names):
             try:
                 trials[name] = settle(rows, law, _wider(best.setting, law, name), [best.shapes], everywhere=False)
@@ -232,12 +237,20 @@ def _forward(
         likely = list(islice((n for n in by_cost if _credible(n, trials[n], best)), _TRIED))
         if not likely:
             return best, steps
-        name = min(likely, key=lambda n: trials[n].left_out.error)
+        name = min(likely, key=lambda n: trials[n].left_out.error * (1.0 if n != _RIPPLE else 1 / (1 - _WORTH)))
         found = trials[name]
         if found.left_out.error > (1 - _WORTH) * best.left_out.error or not _beyond_chance(found, best):
             return best, steps
         best = found
         steps.append(_step(name, found))
+
+
+def _ripples(at: Settled) -> bool:
+    """Whether the residual ripples over the position by as much as a term must be worth: to fit it takes time."""
+    whole = at.model.whole
+    counted, found = whole.weight > 0, range_of(at.rows.log, at.rows.q)
+    left = (whole.force - whole.force_at(at.solution.values))[counted]
+    return found is not None and share(whole.columns.position[counted], left, *found) > _WORTH
 
 
 def _credible(added: str, wide: Settled, narrow: Settled) -> bool:
@@ -252,6 +265,8 @@ def _credible(added: str, wide: Settled, narrow: Settled) -> bool:
             return False
     if not names & set(OF_POSITION):
         return True
+    if names & set(_UNBOUNDED) and wide.left_out.error > _EXPLAINS * narrow.left_out.error:
+        return False
     turn = np.linspace(0, 2 * np.pi, 100)
     weight = values.get("gravity_sin", 0.0) * np.sin(turn) + values.get("gravity_cos", 0.0) * np.cos(turn)
     if names & set(_PAIRED):
@@ -282,6 +297,8 @@ def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
     if set(_PAIRED) & set(there):
         names = [n for n in names if n != "F_c_by_position"]
     names += [f"{n} and {_PAIRED[n]}" for n in names if n == "gravity_sin" and _PAIRED[n] in names]
+    if not set(RIPPLE) & set(there) and log.sources.get("position") != INTEGRAL and range_of(log, rows.q):
+        names.append(_RIPPLE)
     free = setting.free or ()
     if "k_v" in own and not own["k_v"].required and "k_v" not in setting.fixed and "k_v" not in free:
         names = ["k_v", *names]

@@ -17,6 +17,7 @@ from scipy.stats import t as student
 
 from stribeck.arrays import Array
 from stribeck.identify.log import Log
+from stribeck.identify.models.memory import rows_together
 
 Groups = NDArray[np.intp]
 _LITTLE, _ROUNDING = 1e-12, 1e-14  # of all that is known: a direction of which nothing is
@@ -127,18 +128,6 @@ def misfit_share(v: Array, misfit: Array, weight: Array) -> float:
     sums = np.bincount(band, r)
     total = float(r @ r)
     taken = float(np.sum(sums[counts > 0] ** 2 / counts[counts > 0]))
-    memory = _rows_together(r)
+    memory = rows_together(r)
     noise = memory * len(counts) / max(len(r), 1)
     return float(np.clip(taken / total - noise, 0.0, 1.0)) if total > 0 else 0.0
-
-
-def _rows_together(r: Array) -> float:
-    """How many rows in a row err alike: the sum of the residual's correlation up to its first zero."""
-    n = len(r)
-    spectrum = abs(np.fft.rfft(r - r.mean(), 2 * n)) ** 2
-    correlation = np.fft.irfft(spectrum)[: n // 2]
-    if correlation[0] <= 0:
-        return 1.0
-    correlation = correlation / correlation[0]
-    end = int(np.argmax(correlation < 0)) or 1
-    return float(1 + 2 * np.sum(correlation[1:end]))

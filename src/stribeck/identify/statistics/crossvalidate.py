@@ -13,7 +13,7 @@ from stribeck.identify.log import Log
 
 FOLDS = 10
 _BLOCKS = 5  # in a part
-_ALIKE = 0.003  # of the error: laws that differ by less are as good, however sure that is
+_ALIKE = 0.001  # of the error: laws that differ by less are as good, however sure that is
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,8 @@ def cross_validate(
 
 
 def choose(candidates: Mapping[str, LeftOut]) -> tuple[str, str]:
-    """The law to take, and why: the one with the fewest parameters whose error is within a standard error, or within three
-    thousandths, of the best.
+    """The law to take, and why: the one with the fewest parameters whose error is within a standard error, or within a
+    thousandth, of the best.
 
     The standard error is that of the difference between the two over the parts.
     """
@@ -89,6 +89,6 @@ def choose(candidates: Mapping[str, LeftOut]) -> tuple[str, str]:
         return best, f"lowest cross-validated error ({candidates[best].error:.4%}), and no simpler law is as good"
     return kept, (
         f"{candidates[kept].parameters} parameters do as well as the {candidates[best].parameters} of {best}: its "
-        f"cross-validated error ({candidates[kept].error:.4%}) is within a standard error (or 0.3 %) of the lowest "
+        f"cross-validated error ({candidates[kept].error:.4%}) is within a standard error (or 0.1 %) of the lowest "
         f"({candidates[best].error:.4%})"
     )

@@ -11,8 +11,9 @@ from stribeck.arrays import Array
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.static_start import StaticModel
 from stribeck.identify.models.problem import linear_step
+from stribeck.identify.models.separable import Separable
 from stribeck.identify.models.static_problem import Rows
-from stribeck.identify.models.terms import OF_POSITION, TERMS
+from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics import clusters
 
@@ -21,24 +22,26 @@ _CLEARLY = 1.5  # halves of a 95 % interval: the best of several terms is looked
 _ONE_SIDED = 0.1  # of what tells a delay: more of it on one side
 _BOTH_WAYS = 0.1  # of the fastest speed
 _WIDEST = 2.0  # to each side: a wider interval is not determined
+_POWERS = (1.25, 3.0)  # of the speed, beside its square
 _SHORT = 0.3  # rad: on less way a weight is a constant
 
 
 @dataclass(frozen=True)
 class Lacking:
-    """Terms that the residual asks for: by how much they would move each coordinate, and what share of the squared residual
-    they would take away."""
+    """Terms that the residual asks for: how far they would move each coordinate down and up, and what share of the squared
+    residual they would take away."""
 
     names: tuple[str, ...]
     share: float
-    shift: Array
+    below: Array
+    above: Array
 
 
 def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bool) -> list[str]:
     """The terms that may be added to those that are there; ``level``: the law has one, F_c, that may vary."""
     return [
         n for n, t in TERMS.items()
-        if n != "mass" and n not in given
+        if n != "mass" and n not in given and n not in (*RIPPLE, "thinning")
         and (not t.needs or getattr(log, t.needs) is not None)
         and (not t.level or level)
         and not (n.startswith("gravity") and float(np.ptp(log.position)) < _SHORT)
@@ -51,22 +54,34 @@ def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], slopes:
     by the linear step from the optimum."""
     count, parts = slopes.shape[1], clusters.parts_of(rows.log.rows(rows.kept)).number
     columns = _columns(rows, model, values)
-    found: list[str] = []
+    found: dict[str, Array] = {}
     whole = rest = float(misfit @ misfit)
     while columns and count and rest > 0:
-        left = {n: _left(np.column_stack([slopes, x]), misfit) for n, x in columns.items()}
+        left = {n: _left(np.column_stack([slopes, *found.values(), x]), misfit) for n, x in columns.items()}
         name = min(left, key=lambda n: left[n])
         if left[name] > rest - _SHARE * whole:
             break
-        wider = np.column_stack([slopes, columns.pop(name)])
+        wider = np.column_stack([slopes, *found.values(), own := columns.pop(name)])
         told = linear_step(wider, misfit)[-1]
         half = clusters.half_widths(wider, misfit - wider @ linear_step(wider, misfit), parts, True)[-1]
-        if abs(told) < _CLEARLY * half:
+        if abs(told) < _CLEARLY * half or (TERMS[name].positive and told < 0):
             continue
-        found.append(name)
-        slopes, rest = wider, left[name]
-    shift = linear_step(slopes, misfit)[:count] if found else np.zeros(count)
-    return Lacking(tuple(found), 1 - rest / whole if whole > 0 else 0.0, shift)
+        found[name], rest = own, left[name]
+    shifts = np.zeros((1, count))
+    for added in _forms(rows, model, found) if found else []:
+        step = linear_step(np.column_stack([slopes, *added.values()]), misfit)[:count]
+        shifts = np.vstack([shifts, step])
+    return Lacking(tuple(found), 1 - rest / whole if whole > 0 else 0.0, -shifts.min(axis=0), shifts.max(axis=0))
+
+
+def _forms(rows: Rows, model: StaticModel, found: dict[str, Array]) -> list[dict[str, Array]]:
+    """The columns that the residual asks for; with friction that bends with the speed, also by other powers of it, as nothing
+    says which."""
+    if "drag" not in found:
+        return [found]
+    v, whole = rows.log.velocity, model.whole
+    other = {p: whole.weight * whole.columns.reduce(np.sign(v) * abs(v) ** p) for p in _POWERS}
+    return [found, *({**found, "drag": x} for x in other.values())]
 
 
 def unfitted(
@@ -83,7 +98,27 @@ def unfitted(
         )
     if "delay" in names:
         late = abs(lateness(rows, names.index("delay"), slopes, misfit))
-    return np.maximum(-asked.shift, 0) + late, np.maximum(asked.shift, 0) + late, notes
+    there = elsewhere(model, values, names, asked.names)
+    return late + np.maximum(asked.below, -there), late + np.maximum(asked.above, there), notes
+
+
+def elsewhere(model: StaticModel, values: Mapping[str, float], names: Sequence[str], asked: Sequence[str]) -> Array:
+    """By how much each coordinate differs where the whole search is made again with the terms that the residual asks for: a bend
+    of the curve that is used up by one of them lies at another place then, far from a linear step."""
+    whole = model.whole
+    added = [n for n in asked if TERMS[n].column is not None]
+    if not added or not whole.shapes:
+        return np.zeros(len(names))
+    wider = Separable(whole.columns, whole.held, whole.wanted, (*whole.free, *added), whole.shapes, whole.weight)
+    starts = (wider.grid()[0].values, values)
+    found = min((wider.refined(start) for start in starts), key=lambda each: each.cost).values
+    shifts = []
+    for name in names:
+        if name not in TERMS or TERMS[name].positive:
+            shifts.append(np.log(max(found[name], 1e-30 * values[name]) / values[name]))
+        else:
+            shifts.append(found[name] - values[name])
+    return np.array(shifts)
 
 
 def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dict[str, Array]:
@@ -92,6 +127,8 @@ def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dic
     there = {**whole.held, **values}
     of_law = "F_c" in whole.columns.sliding.linear
     names = [n for n in open_terms(rows.log, (*whole.terms, *model.unseen), of_law) if n != "delay"]
+    if "F_s" in whole.wanted and "thinning" not in there:  # what such a curve bends by is taken for the Stribeck bend
+        names.append("thinning")
     made = whole.columns.at(there, names)
     found = {n: whole.weight * made[n] for n in names}
     if "delay" not in [s.name for s in whole.shapes]:

@@ -15,11 +15,11 @@ from stribeck.identify.features.rest import held_force
 from stribeck.identify.features.what_to_measure import experiment_for
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.methods.static_start import StaticModel, unit_of
-from stribeck.identify.models.columns import Columns, column
+from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.problem import linear_step
 from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows, thinning
-from stribeck.identify.models.terms import TERMS
+from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
 from stribeck.identify.statistics.lacking import one_sided, unfitted
@@ -34,7 +34,7 @@ _MOST_BIAS = 0.2
 _WHOLE = 1.5  # of the shift that a lower cut-off makes
 _REACHED = 0.8  # of F_s: what the curve must come to within the speeds measured
 _ONE_SPEED = 1.5  # between slow and fast rows: less is one speed
-_MISFIT = 0.1  # of the squared residual
+_MISFIT = 0.1  # of the squared residual; what a plain bend of the speed takes counts however little it is: lacking.py
 _PROFILED = ("F_c", "F_s", "v_s", "k_v", "delta")
 
 
@@ -116,7 +116,7 @@ def static_intervals(
     """Intervals and verdicts for everything that was to be fitted."""
     at = linearised(model.whole, solution)
     reach, notes, details = _half_widths(rows, model, solution, at)
-    verdicts = _verdicts(rows, model, solution, at, reach.widest)
+    verdicts = {**_moves_away(at, reach), **_verdicts(rows, model, solution, at, reach.widest)}
     curves: dict[str, Profile] = {}
     low, high = -reach.half, reach.half
     if profiles:
@@ -246,6 +246,14 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
     return {**_physical(rows, model, solution, at), **found}
 
 
+def _moves_away(at: Linear, reach: _Reach) -> dict[str, str]:
+    """F_s, where the bend at v_s may be one that a term imitates that was not fitted: another may rise below it."""
+    k = at.names.index("v_s") if {"F_s", "v_s"} <= set(at.names) else None
+    if k is None or max(reach.below[k], reach.above[k]) <= _WIDEST:
+        return {}
+    return {"F_s": "with terms that were not fitted v_s may be half or twice its value, and F_s hangs on it"}
+
+
 def _bend_unseen(model: StaticModel, solution: Minimum) -> str:
     """The end of what is tried at which the Stribeck curve bends: below the slowest rows, or as a part of the viscous curve."""
     shape = next((s for s in model.whole.shapes if s.name == "v_s"), None)
@@ -276,7 +284,7 @@ def _physical(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> 
         beside: Array | float = np.zeros(len(rows.log))
         for name in model.whole.terms:
             if not (TERMS[name].level or TERMS[name].friction or name in ("mass", "area")):
-                beside = beside + values.get(name, 0.0) * column(name, rows.log)
+                beside = beside + values.get(name, 0.0) * column(name, rows.log, values)
         held = held_force(replace_force(rows, values), rows.rest, beside)
         if held is not None and held > 1.02 * values["F_s"]:
             found["F_s"] = f"the body was held at rest by {held:.3g} N, more than the {values['F_s']:.3g} N of the fit"
