@@ -1,9 +1,18 @@
 """LuGre contains the static curve: from a start that leads elsewhere it must not end worse than that."""
 
+import numpy as np
 import pytest
 
-from stribeck.identify.actuator import fit_machine
-from tests.identify.actuator.recorded import body, logs, record
+from stribeck import Scenario
+from stribeck.identify.actuator import Logs, fit_machine
+from stribeck.identify.actuator.coordinates import coordinates
+from stribeck.identify.actuator.estimate import BestPoint, prepared
+from stribeck.identify.actuator.larger import doubtful
+from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.recordings import Channel, Recording, Sought
+from stribeck.identify.actuator.solve import Found
+from tests.identify.actuator.recorded import NOISE, body, logs, record
+from tests.machine.independent import solve
 
 LAW = "contacts.guide.law.parameters."
 MASS, F_C, SIGMA_2 = "bodies.a.mass", f"{LAW}F_c", f"{LAW}sigma_2"
@@ -47,3 +56,21 @@ def test_laws_left_open_are_searched_again_from_those_that_they_contain(folder):
 def test_a_law_by_itself_is_searched_again_from_the_static_curve(folder):
     data = body(mass=3.3, F_c=0.5, sigma_2=5.6, sigma_0=260000.0, sigma_1=440.0, F_s=8.8, v_s=0.11)
     fitted(folder, data, ALL)
+
+
+@pytest.mark.parametrize(("wave", "doubted"), [(0.0, False), (0.7, True)])
+def test_little_more_than_noise_is_doubted_where_it_is_not_white(wave, doubted):
+    """A twelfth more than noise, in waves: a wrong minimum of a slide left so much, and missed F_s by 33 deviations."""
+    data = body(amplitude=5.0, t_end=4.0)
+    y, t = solve(data, rtol=1e-9)["a.y"], 0.01 * np.arange(401)
+    off = np.random.default_rng(0).standard_normal(401) + wave * np.sin(2.1 * t)
+    assert np.std(off) < 1.2
+    recording = Recording(
+        "run", t, {"a.y": Channel("y", t, y + NOISE * off)}, {}, {"bodies.a.initial.y": 0.0, "bodies.a.initial.v": 0.0}
+    )
+    scenario = Scenario(data)
+    sought = coordinates(scenario, Logs((recording,), (Sought("bodies.a.mass", 0.5, 2.0),)))
+    runs, _ = prepared(scenario, [(0, recording)], {"bodies.a.mass"})
+    problem = MachineProblem(runs, sought, {"a.y": NOISE})
+    u = np.array([sought[0].inner(1.0)])
+    assert doubtful(BestPoint(problem, u, Found(u, 0.0), [], False)) is doubted

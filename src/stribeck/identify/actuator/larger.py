@@ -12,6 +12,7 @@ from scipy.stats import qmc
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, estimate, leftovers, prepared
+from stribeck.identify.actuator.intervals import WHITE, remembered
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.solve import search
@@ -47,8 +48,12 @@ def left_more(one: BestPoint, other: BestPoint, times: float = 1.0) -> bool:
 
 
 def doubtful(best: BestPoint) -> bool:
-    """Whether more than noise is left: there may be a better minimum."""
-    return bool(best.missed() or beyond_noise(best.problem, best.u, best.found.agreeing))
+    """Whether more than noise is left, or noise that is not white: there may be a better minimum."""
+    problem, u = best.problem, best.u
+    if best.missed() or beyond_noise(problem, u, best.found.agreeing):
+        return True
+    _, memory, _ = remembered(problem, problem.residuals(u[None])[0])
+    return max(memory.values(), default=1.0) > WHITE
 
 
 def mend(candidates: Sequence[OpenLaw], recordings: Sequence[tuple[int, Recording]], seed: int, work: Work) -> None:
