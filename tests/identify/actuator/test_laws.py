@@ -1,5 +1,7 @@
 """LuGre contains the static curve: from a start that leads elsewhere it must not end worse than that."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -74,3 +76,6 @@ def test_little_more_than_noise_is_doubted_where_it_is_not_white(wave, doubted):
     problem = MachineProblem(runs, sought, {"a.y": NOISE})
     u = np.array([sought[0].inner(1.0)])
     assert doubtful(BestPoint(problem, u, Found(u, 0.0), [], False)) is doubted
+    at_bound = replace(problem, sought=[replace(sought[0], low=1.0)])
+    u = np.array([at_bound.low[0]])
+    assert doubtful(BestPoint(at_bound, u, Found(u, 0.0), [], False))

@@ -20,6 +20,7 @@ from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
 
 _WORSE = 1.01  # times what the smaller law leaves: more is another minimum
+_EDGE = 1e-3  # of the bounds: a number so near to one ended there
 _PLACES = 16  # of the numbers that the smaller law does not have
 _ROUGH, _NEAR = 12, 1e-4  # of the search from these places
 
@@ -48,9 +49,12 @@ def left_more(one: BestPoint, other: BestPoint, times: float = 1.0) -> bool:
 
 
 def doubtful(best: BestPoint) -> bool:
-    """Whether more than noise is left, or noise that is not white: there may be a better minimum."""
+    """Whether more than noise is left, or noise that is not white, or a number ended at its bound: there may be a better
+    minimum."""
     problem, u = best.problem, best.u
-    if best.missed() or beyond_noise(problem, u, best.found.agreeing):
+    asked = np.array([not c.nuisance for c in problem.sought], bool)
+    edge = np.minimum(u - problem.low, problem.high - u) < _EDGE * (problem.high - problem.low)
+    if best.missed() or beyond_noise(problem, u, best.found.agreeing) or (edge & asked).any():
         return True
     _, memory, _ = remembered(problem, problem.residuals(u[None])[0])
     return max(memory.values(), default=1.0) > WHITE
