@@ -7,7 +7,7 @@ import pytest
 from scipy.integrate import odeint
 
 from stribeck import Scenario
-from stribeck.identify.actuator import Logs, checks, fit_machine, read_logs
+from stribeck.identify.actuator import Logs, checks, fit_machine, read_logs, suspects
 from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, prepared
 from stribeck.identify.actuator.problem import MachineProblem
@@ -178,3 +178,13 @@ def test_numbers_with_which_nothing_can_be_simulated_are_no_fit(tmp_path):
     assert BestPoint(problem, bad, Found(bad, 0.0), [], False).missed() == [
         "a.y: cannot be simulated with the best numbers"
     ]
+
+
+def test_a_reason_that_leaves_more_than_noise_says_so():
+    """Delays, clocks and fixed numbers that were the reason came down to the noise; where the law erred none did."""
+    before = {"a.y": (1e-3, 0.1)}
+    whole, part = (suspects.Better(x / 1e-3, "a.y", x, x / 1e-4, [0.0]).words(before) for x in (1.1e-4, 4e-4))
+    assert whole == "0.00011 of a.y is left, not 0.001"
+    assert part == (
+        "0.0004 of a.y is left, not 0.001 (still 4 times its noise: more is wrong, or it is the law that errs)"
+    )

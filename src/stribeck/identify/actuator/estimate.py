@@ -77,8 +77,7 @@ def beyond_noise(problem: MachineProblem, u: Array, agreeing: int, doubted: floa
     most = _BEYOND if agreeing >= _AGREEING else doubted
     told = []
     for column, (left, _) in leftovers(problem, u).items():
-        noise = roughness([t.x for run in problem.runs for t in run.targets if t.column == column])
-        least = max(noise, floor_of(problem, column))
+        least = noise_of(problem, column)
         if least > 0 and not left <= most * least:  # nan: it cannot be simulated there
             told.append(f"{column}: {left:.2g} is left, {left / least:.3g} times what changes from sample to sample")
     return told
@@ -115,6 +114,12 @@ def leftovers(problem: MachineProblem, u: Array) -> dict[str, tuple[float, float
             at += len(target.t)
     rms: Callable[[list[Array]], float] = lambda parts: float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))  # noqa: E731
     return {name: (rms(parts), rms(size[name])) for name, parts in left.items()}
+
+
+def noise_of(problem: MachineProblem, column: str) -> float:
+    """The noise of a column: what changes from sample to sample."""
+    rough = roughness([t.x for run in problem.runs for t in run.targets if t.column == column])
+    return max(rough, floor_of(problem, column))
 
 
 def floor_of(problem: MachineProblem, column: str) -> float:

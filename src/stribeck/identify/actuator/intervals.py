@@ -13,6 +13,7 @@ from stribeck.identify.actuator.result import Group
 from stribeck.identify.actuator.solve import direction, half_squares
 
 THRESHOLD = float(chi2.ppf(0.95, 1))
+WHITE = 1.5  # samples in which residuals forget, up to which they are taken as white
 _CLOSE = 0.01  # of the threshold's root
 _TRIES = 12
 _DAMPINGS = (1e-6, 1e-2)

@@ -10,7 +10,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator import advise, driven, gaps, intervals, suspects
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
-from stribeck.identify.actuator.intervals import Ends, Spread, groups, profiles
+from stribeck.identify.actuator.intervals import WHITE, Ends, Spread, groups, profiles
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.result import Group, Parameter
 from stribeck.identify.actuator.shooting import unset
@@ -19,7 +19,6 @@ from stribeck.scenario import Scenario
 from stribeck.simulation.places import machine_places
 
 _WIDE = 10.0  # an interval over this factor tells the order of magnitude only
-_WHITE = 1.5  # samples in which residuals forget, up to which they are taken as white
 _AGAIN = 4
 
 
@@ -122,7 +121,7 @@ def _widened(s: Spread, problem: MachineProblem, asked: list[int]) -> list[str]:
             f"noise of the inputs ({driven.in_words(run)}{how}) is counted: intervals are {wider.min():.2g} to {wider.max():.2g} "
             "times as wide as for noise of the outputs alone"
         ]
-    coloured = {name: x for name, x in s.memory.items() if x > _WHITE}
+    coloured = {name: x for name, x in s.memory.items() if x > WHITE}
     if not coloured:
         return ["residuals are white: the intervals need no widening"]
     how = ", ".join(f"{name} over {x:.3g} samples" for name, x in coloured.items())

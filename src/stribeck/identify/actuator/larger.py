@@ -12,6 +12,7 @@ from scipy.stats import qmc
 from stribeck.arrays import Array
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, beyond_noise, estimate, leftovers, prepared
+from stribeck.identify.actuator.intervals import WHITE, remembered
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.recordings import Recording
 from stribeck.identify.actuator.solve import search
@@ -19,6 +20,7 @@ from stribeck.identify.work import Work
 from stribeck.scenario import Scenario
 
 _WORSE = 1.01  # times what the smaller law leaves: more is another minimum
+_EDGE = 1e-3  # of the bounds: a number so near to one ended there
 _PLACES = 16  # of the numbers that the smaller law does not have
 _ROUGH, _NEAR = 12, 1e-4  # of the search from these places
 
@@ -47,8 +49,15 @@ def left_more(one: BestPoint, other: BestPoint, times: float = 1.0) -> bool:
 
 
 def doubtful(best: BestPoint) -> bool:
-    """Whether more than noise is left: there may be a better minimum."""
-    return bool(best.missed() or beyond_noise(best.problem, best.u, best.found.agreeing))
+    """Whether more than noise is left, or noise that is not white, or a number ended at its bound: there may be a better
+    minimum."""
+    problem, u = best.problem, best.u
+    asked = np.array([not c.nuisance for c in problem.sought], bool)
+    edge = np.minimum(u - problem.low, problem.high - u) < _EDGE * (problem.high - problem.low)
+    if best.missed() or beyond_noise(problem, u, best.found.agreeing) or (edge & asked).any():
+        return True
+    _, memory, _ = remembered(problem, problem.residuals(u[None])[0])
+    return max(memory.values(), default=1.0) > WHITE
 
 
 def mend(candidates: Sequence[OpenLaw], recordings: Sequence[tuple[int, Recording]], seed: int, work: Work) -> None:

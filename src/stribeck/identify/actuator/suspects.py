@@ -12,7 +12,7 @@ from stribeck.arrays import Array
 from stribeck.identify.actuator import fixed, sensors
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.driven import otherwise_held
-from stribeck.identify.actuator.estimate import POOR, BestPoint, leftovers
+from stribeck.identify.actuator.estimate import POOR, BestPoint, leftovers, noise_of
 from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.solve import search
@@ -28,8 +28,9 @@ _NAMED = 3
 _TRIED, _STEPS, _ROUGHLY = 3, 12, 1e-3
 _TOGETHER = 8  # fixed numbers that are sought together
 _FEWER = 0.9  # of what one number more leaves: several must leave less
-_LIKE = 1.3  # times the least that is left: reasons that explain as much
+_LIKE = 1.3  # times the least that is left: reasons that explain as much (docs/fit-actuators.md counts both)
 _FAR_LESS = 0.6  # of what is left now
+_STILL = 1.5  # times the noise: a reason that leaves more does not explain all
 
 
 @dataclass(frozen=True)
@@ -125,36 +126,43 @@ def _held_tried(problem: MachineProblem, u: Array) -> list[tuple[float, str]]:
     if other is None:
         return []
     found, before = search(other[0], 1, 0, u, steps=_STEPS, small=_ROUGHLY), leftovers(problem, u)
-    better = None if found.stopped else _better(before, leftovers(other[0], found.u), [])
+    better = None if found.stopped else _better(before, other[0], found.u, [])
     return [] if better is None else [(_AS_WELL * better.share, f"with inputs {other[1]}, {better.words(before)}")]
 
 
 @dataclass(frozen=True)
 class Better:
-    """What is left with numbers sought that were not: the column that has most of what it had, and the numbers."""
+    """What is left with numbers sought that were not: the column that has most of what it had, by its noise too, and the
+    numbers."""
 
     share: float
     column: str
     left: float
+    by_noise: float
     values: list[float]
 
     def words(self, before: dict[str, tuple[float, float]]) -> str:
         """What is left, and was."""
-        return f"{self.left:.2g} of {self.column} is left, not {before[self.column][0]:.2g}"
+        found = f"{self.left:.2g} of {self.column} is left, not {before[self.column][0]:.2g}"
+        if not self.by_noise > _STILL:
+            return found
+        return f"{found} (still {self.by_noise:.2g} times its noise: more is wrong, or it is the law that errs)"
 
 
 def _better(
-    before: dict[str, tuple[float, float]], after: dict[str, tuple[float, float]], values: list[float]
+    before: dict[str, tuple[float, float]], problem: MachineProblem, u: Array, values: list[float]
 ) -> Better | None:
-    """What is left, where that is far less than before."""
+    """What is left at a point, where that is far less than before."""
+    after = leftovers(problem, u)
     shares = {c: after[c][0] / before[c][0] for c in after if before[c][0] > 0}
     if not shares:
         return None
     column = max(shares, key=lambda c: shares[c])
     left, size = after[column]
-    return (
-        Better(shares[column], column, left, values) if left < min(_FAR_LESS * before[column][0], POOR * size) else None
-    )
+    if not left < min(_FAR_LESS * before[column][0], POOR * size):
+        return None
+    noise = noise_of(problem, column)
+    return Better(shares[column], column, left, left / noise if noise > 0 else np.inf, values)
 
 
 def _with(problem: MachineProblem, u: Array, suspects: Sequence[Suspect]) -> Better | None:
@@ -167,7 +175,7 @@ def _with(problem: MachineProblem, u: Array, suspects: Sequence[Suspect]) -> Bet
     if found.stopped:
         return None
     values = [c.outer(x) for c, x in zip(added, found.u[len(u) :], strict=True)]
-    return _better(leftovers(problem, u), leftovers(own, found.u), values)
+    return _better(leftovers(problem, u), own, found.u, values)
 
 
 def _moves(best: BestPoint, s: Spread, x: Suspect) -> bool:
