@@ -75,7 +75,7 @@ def together(folder: Path, last: str = "summary.json", older: Mapping[str, str] 
 def _listed(summary: Path) -> set[Path]:
     """The files of an older result, seen from its folder: those beside or below the summary that lists them."""
     try:
-        files = [Path(name) for name in read_json(summary)["files"]]
+        files = [Path(name) for name in json_of(summary)["files"]]
         there = next(path.parent for path in reversed(files) if path.name == summary.name)
     except (OSError, ValueError, KeyError, TypeError, StopIteration):
         return set()
@@ -164,7 +164,7 @@ def read_file(path: Path) -> bytes:
         return file.read()
 
 
-def read_json(path: Path) -> Any:
+def json_of(path: Path) -> Any:
     """The data of a JSON file.
 
     Raises:

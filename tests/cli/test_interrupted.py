@@ -391,3 +391,22 @@ def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, m
     assert _status(words) == 130
     assert "bodies.a.mass" in capsys.readouterr().out
     assert content(tmp_path / "out") == {}
+
+
+@needs_signals
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_while_an_object_is_taken_away(number):
+    """It was printed as a traceback and lost: the command went on, after SIGTERM for 5 s."""
+    code = (
+        "import os, signal, sys, time\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from stribeck import cli\n"
+        "class Last:\n"
+        f"    def __del__(self): os.kill(os.getpid(), {int(number)}); time.sleep(0.2)\n"
+        "def command(words):\n"
+        "    last = Last(); del last; time.sleep(3); print('went on'); return 0\n"
+        "cli._status = command\n"
+        "cli.main([])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (128 + number, "", "")

@@ -52,6 +52,7 @@ def main(arguments: list[str] | None = None) -> NoReturn:
             signal.signal(number, _stop)
             watched.append(number)
     _see_to_the_end(watched)
+    sys.unraisablehook = _once_more
     # pydantic asks every installed package whether it is a plugin of its, which takes as long as a run
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     if _command(arguments) not in _LINEAR_ALGEBRA:  # its threads would take their time to begin, and have no work
@@ -91,6 +92,17 @@ def _see_to_the_end(numbers: list[int]) -> None:
         os._exit(128 + got[0])
 
     threading.Thread(target=watch, daemon=True).start()
+
+
+def _once_more(lost: sys.UnraisableHookArgs) -> None:
+    """A signal that came while Python took away an object, and got lost there, comes again."""
+    if not isinstance(lost.exc_value, KeyboardInterrupt):
+        sys.__unraisablehook__(lost)
+        return
+    number = _Stop.last if isinstance(lost.exc_value, _Stop) else signal.SIGINT
+    again = threading.Timer(0.05, os.kill, (os.getpid(), number))
+    again.daemon = True
+    again.start()
 
 
 def _stop(number: int, frame: object) -> NoReturn:

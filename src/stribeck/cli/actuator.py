@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stribeck.cli import show
 from stribeck.cli.text import say
@@ -70,7 +70,7 @@ def fit(
     return {"done": 0, "stopped": 130}.get(found.status, 1)
 
 
-def _tell(fit: MachineFit, summary: dict[str, Any], files: list[str], json: bool) -> None:
+def _tell(fit: MachineFit, summary: Mapping[str, object], files: list[str], json: bool) -> None:
     if json:
         show.print_json({**summary, "files": files})
     else:

@@ -13,7 +13,7 @@ from typing import Any
 
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, note
-from stribeck.files import read_json
+from stribeck.files import json_of
 
 STEEPNESS = 200.0  # s/rad: BAM's sign is exact, a machine's is smooth: complete within some 0.01 rad/s
 _NEEDED = ("armature", "friction_base", "friction_viscous")
@@ -81,7 +81,7 @@ def from_bam(source: str | Path | Mapping[str, Any]) -> dict[str, Any]:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        found = read_json(path)
+        found = json_of(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror or error}") from None
     except ValueError as error:

@@ -9,7 +9,7 @@ from pathlib import Path
 from stribeck.constants import show
 from stribeck.errors import InputError, arg, needed
 from stribeck.explore.beside import Report
-from stribeck.files import read_json
+from stribeck.files import json_of
 from stribeck.scenario import Scenario
 from stribeck.scenario.trust import astray, named
 
@@ -31,7 +31,7 @@ def of_folder(folder: Path, changes: Mapping[str, object], trust: bool) -> Repor
 
 def _run(folder: Path, trust: bool) -> Scenario:
     try:
-        found = read_json(folder / "summary.json")
+        found = json_of(folder / "summary.json")
         tables, beside = dict(found["tables"]), folder / found["folder"]
     except (OSError, ValueError, KeyError, TypeError):
         must = "must be a folder that 'stribeck run --out' or 'stribeck fit --out' wrote"

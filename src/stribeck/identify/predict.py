@@ -16,7 +16,7 @@ from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, StribeckError, arg
-from stribeck.files import finite, read_json
+from stribeck.files import finite, json_of
 from stribeck.identify.data.filters import shifted
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.rest import at_rest
@@ -196,7 +196,7 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
     path = Path(folder)
     path = path / FILE if path.is_dir() else path
     try:
-        data = read_json(path)
+        data = json_of(path)
     except OSError as error:
         raise InputError(
             f"{arg('fit')}: '{path}': cannot be read: {error.strerror} (stribeck fit --out DIR writes it)"

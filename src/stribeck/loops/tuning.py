@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, arg
-from stribeck.files import read_json, write_text
+from stribeck.files import json_of, write_text
 from stribeck.loops.boundary import known_path
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import Loop, time_constant
@@ -61,7 +61,7 @@ class _Search:
         if journal is None or not journal.is_file():
             return made
         try:
-            kept = read_json(journal)
+            kept = json_of(journal)
             if kept["key"] != key:
                 return made
             made.random.bit_generator.state = kept["random"]

@@ -229,8 +229,8 @@ static inline void restart_step(Run *run, const Parameters *p, const Coefficient
     run->last_h = 0;
 }
 
-/* Advance the run until it is done, fails, or has used its attempts; call again to go on. */
-EXPORT int stribeck_advance(Run *run)
+/* Advance the run until it is done, fails, or has used its attempts. */
+static NOINLINE int advance(Run *run)
 {
     const Parameters parameters = *(const Parameters *)run->parameters, *p = &parameters;
     Coefficients coefficients, *c = &coefficients;
@@ -251,12 +251,6 @@ EXPORT int stribeck_advance(Run *run)
     while (run->t < run->t_end) {
         if (run->attempts_left-- <= 0) return MORE;
         if (run->events + stribeck_event_room() > run->event_room) return EVENTS_FULL;
-        if (run->since++ >= LOOK) {
-            if (run->t >= run->t_looked && run->t - run->t_looked < LEAST_WAY * run->t_end) return STALLED;
-            if (run->wild > MOST_WILD) return NOT_FINITE;
-            run->t_looked = run->t;
-            run->since = run->wild = 0;
-        }
         const int64_t n = run->piece;
         const Segment piece = present(run);
         double t_stop = n + 1 < run->pieces ? smaller(run->piece_start[n + 1], run->t_end) : run->t_end;
@@ -318,4 +312,27 @@ EXPORT int stribeck_advance(Run *run)
         }
     }
     return DONE;
+}
+
+/* The same, and whether it gets on; call again to go on. Apart, for what stands in the loop above changes its rounding. */
+EXPORT int stribeck_advance(Run *run)
+{
+    int64_t left = run->attempts_left;
+    for (;;) {
+        const int64_t some = left < LOOK - run->since ? left : LOOK - run->since;
+        run->attempts_left = some;
+        const int status = advance(run);
+        const int64_t used = run->attempts_left > 0 ? some - run->attempts_left : some;
+        run->since += used;
+        run->attempts_left = left -= used;
+        if (status != MORE) return status;
+        if (run->since >= LOOK) {
+            const double way = run->t - run->t_looked;
+            if (run->wild > MOST_WILD) return NOT_FINITE;
+            if (way >= 0 && way < LEAST_WAY * run->t_end) return STALLED;
+            run->t_looked = run->t;
+            run->since = run->wild = 0;
+        }
+        if (left <= 0) return MORE;
+    }
 }

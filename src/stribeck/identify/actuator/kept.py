@@ -8,7 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from stribeck.files import read_json, write_json
+from stribeck.files import json_of, write_json
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.scenario import Scenario
 
@@ -32,7 +32,7 @@ class Kept:
         self.stages: dict[str, Any] = {}
         if self.path is not None:
             try:
-                found = read_json(self.path)
+                found = json_of(self.path)
                 self.stages = found["stages"] if found["digest"] == self.digest else {}
             except (OSError, ValueError, KeyError, TypeError):
                 self.stages = {}  # none yet, or of another fit

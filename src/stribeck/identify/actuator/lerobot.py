@@ -10,7 +10,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, needed
-from stribeck.files import read_json
+from stribeck.files import json_of
 from stribeck.recorded import Source
 
 
@@ -30,7 +30,7 @@ def opened_episode(path: Path, episode: int) -> Source:
     with needed("reading LeRobot datasets"):
         from pyarrow import ArrowException, parquet
     try:
-        info = read_json(path / "meta" / "info.json")
+        info = json_of(path / "meta" / "info.json")
         features = {n: dict(f) for n, f in info["features"].items()}
     except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
         raise InputError(f"'{path}': meta/info.json: cannot be read: {error}") from None

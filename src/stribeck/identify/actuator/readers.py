@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from stribeck.errors import InputError
-from stribeck.files import read_json
+from stribeck.files import json_of
 from stribeck.identify.actuator import bags, lerobot
 from stribeck.recorded import Source, opened
 
@@ -46,7 +46,7 @@ def _bam(path: Path) -> Source:
     The columns are those of the entries, and ``t``; whole numbers beside them (mass, length, kp, vin) are constants.
     """
     try:
-        data = read_json(path)
+        data = json_of(path)
     except OSError as error:
         raise InputError(f"'{path}': cannot be read: {error.strerror or error}") from None
     except ValueError as error:
