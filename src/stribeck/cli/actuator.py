@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from stribeck.cli import show
 from stribeck.cli.text import say
@@ -138,7 +138,8 @@ def _print(fit: MachineFit, files: Sequence[str]) -> None:
 def _print_transfer(found: Transfer) -> None:
     """How well the other recordings were predicted, and which numbers are other there."""
     for log in found["logs"]:
-        errors: Any = log["errors"]
+        errors = log["errors"]
+        assert isinstance(errors, dict)
         for column, x in errors.items():
             print(f"  {log['file']} (other): {column} predicted to {100 * x['relative']:.3g} % of its changes")
     moved = ", ".join(m["name"] for m in found["moved"]) or "nothing"
