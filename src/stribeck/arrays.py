@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+if TYPE_CHECKING:
+    import pyarrow
+
 Array = NDArray[np.float64]
 
 
-def of_arrow(column: Any) -> Array:
+def of_arrow(column: pyarrow.Array) -> Array:
     """An Arrow array of numbers in double precision, nan where there is none. Arrow's own way reads pandas first, which takes
     a quarter of a second and swallows a Ctrl-C that comes meanwhile."""
     column = column.cast("float64", safe=False)

@@ -146,7 +146,8 @@ def _print(fit: MachineFit, files: Sequence[str]) -> None:
 def _print_transfer(found: Transfer) -> None:
     """How well the other recordings were predicted, and which numbers are other there."""
     for log in found["logs"]:
-        errors: Any = log["errors"]
+        errors = log["errors"]
+        assert isinstance(errors, dict)
         for column, x in errors.items():
             print(f"  {log['file']} (other): {column} predicted to {100 * x['relative']:.3g} % of its changes")
     moved = ", ".join(m["name"] for m in found["moved"]) or "nothing"

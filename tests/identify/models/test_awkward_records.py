@@ -98,6 +98,18 @@ def test_motion_one_way_leaves_friction_and_offset_open_and_says_so():
     assert stribeck.fit(two, "coulomb_viscous").details["levels"] == []
 
 
+def test_motion_one_way_leaves_the_top_of_the_bend_open_too():
+    """F_s 13 was told where 11 is true, beside an offset of 2."""
+    rng = np.random.default_rng(0)
+    v = np.exp(2.5 * np.sin(2 * np.pi * 0.2 * np.arange(0, 20, STEP)) - 2.5)
+    law = stribeck.law("stribeck", {"F_c": 8, "F_s": 11, "v_s": 0.1, "sigma_2": 2})
+    log = log_of(v, lambda t, y, v, a: 0.1 * a + law.steady_force(v) + 2 + 0.1 * rng.standard_normal(len(t)))
+    fit = stribeck.fit(log, "stribeck", select=False)
+    assert not fit.estimates["F_s"].identifiable
+    assert "both together are 1" in fit.estimates["F_s"].why
+    assert fit.estimates["v_s"].value == pytest.approx(0.1, rel=0.1)
+
+
 def standing(seconds=12.0, held=0.0, seed=0):
     rng = np.random.default_rng(seed)
     t = np.arange(0, seconds, STEP)

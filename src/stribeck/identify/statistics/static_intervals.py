@@ -269,8 +269,9 @@ def _physical(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> 
     if speed[0] > 0 and speed[1] / speed[0] < _ONE_SPEED and {"F_c", "sigma_2"} <= set(at.names):
         why = f"nearly all rows have one speed ({speed[0]:.3g} to {speed[1]:.3g} m/s): F_c and sigma_2 cannot be told apart"
         found |= dict.fromkeys(("F_c", "sigma_2"), why)
-    if "offset" in model.unseen and "F_c" in at.names:
-        found["F_c"] = f"{model.unseen['offset']}; both together are {values['F_c']:.4g} N"
+    if "offset" in model.unseen:
+        levels = [n for n in ("F_c", "F_s") if n in at.names]
+        found |= {n: f"{model.unseen['offset']}; both together are {values[n]:.4g} N" for n in levels}
     if "F_s" in at.names and len(v):
         grid = np.quantile(abs(v), np.linspace(0, 1, 200))
         law = model.whole.columns.sliding

@@ -32,13 +32,13 @@ from stribeck.identify.statistics.sensor_noise import (
 from stribeck.identify.statistics.stretches import at_least_by_blocks, at_least_by_speed, by_windows
 from stribeck.identify.statistics.verdicts import (
     Noise,
-    astray,
     between_samples,
     effect,
     farther,
     hangs,
     indistinct,
     left_open,
+    misled,
     presliding_unseen,
     shape,
     why_not,
@@ -201,7 +201,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     sizes, values = sizes_of(log), problem.values(u)
     unseen = presliding_unseen(problem, values, log)
     bias = systematic(problem, u, slopes)
-    lost = astray(problem, bias)
+    lost = misled(problem, bias)
     doubts = _doubts(at, bias, values, sizes, unseen)
     ends = _profiled(at, [k for k in at.own if not doubts[k]], work) if profiles else {}
     estimates = {}

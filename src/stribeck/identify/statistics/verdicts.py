@@ -141,7 +141,7 @@ def hangs(c: Coordinate, bias: float) -> str:
     return f"it hangs on the filter of the motion, which may shift it by {bias:.0%}: {why}"
 
 
-def astray(problem: Problem, bias: Array) -> bool:
+def misled(problem: Problem, bias: Array) -> bool:
     """Whether the filter of the motion moves one of the law's numbers so far that a step tells it, and what moves with it, to
     a factor of two at best."""
     return any(c.log and not c.nuisance and bias[k] > _FARTHEST for k, c in enumerate(problem.coordinates))
