@@ -12,7 +12,6 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
-from stribeck.equations import Equations
 from stribeck.errors import BuildError, InputError, StribeckError
 from stribeck.identify.actuator.inputs import RecordedInput, later, misread, recorded_input, table_at
 from stribeck.identify.actuator.recordings import Channel, Recording
@@ -25,7 +24,6 @@ Late = tuple[Array | None, Array | None]  # a constant delay, s, and one that gr
 _FINER = 5
 _EVEN = 2e-2  # of a step: how far samples may be off an even grid that is taken as such
 _MEDIAN = 0.6745  # of a normal number's size, by its deviation
-_LIBRARIES: dict[Equations, ctypes.CDLL] = {}
 _LOCK = Lock()
 
 
@@ -123,20 +121,13 @@ def library(scenario: Scenario) -> ctypes.CDLL:
     Raises:
         StribeckError: there is no C compiler, or it cannot build the system.
     """
-    key = scenario.system
-    with _LOCK:
-        return _built(key)
-
-
-def _built(key: Equations) -> ctypes.CDLL:
-    if key not in _LIBRARIES:
-        if compiler.find() is None:
-            raise StribeckError("fitting a machine needs a C compiler ('stribeck doctor' says how to get one)")
-        try:
-            _LIBRARIES[key] = lanes.compiled(key)
-        except (BuildError, OSError) as error:
-            raise StribeckError(f"fitting a machine: its compiled form cannot be built: {error}") from None
-    return _LIBRARIES[key]
+    if compiler.find() is None:
+        raise StribeckError("fitting a machine needs a C compiler ('stribeck doctor' says how to get one)")
+    try:
+        with _LOCK:
+            return lanes.compiled(scenario.system)
+    except (BuildError, OSError) as error:
+        raise StribeckError(f"fitting a machine: its compiled form cannot be built: {error}") from None
 
 
 def roughness(parts: Sequence[Array], order: int = 3) -> float:
