@@ -4,9 +4,10 @@ Records with known truth: three sines, a position with noise, a tanh-Stribeck fr
 lacking terms is then a false alarm); the others hold a delay, a direction, a weight, a spring, a level that grows with the
 position or the time, or a stronger level forwards, from 0.3 to 30 % of the friction. Each is fitted by the law behind it
 without that term, and by least squares (coulomb_viscous), which lacks the Stribeck curve in every second one. Further ones
-have a friction that bends upwards with the speed, by a power of it, beside a Stribeck bend that may be too narrow to be seen.
+have a friction that bends upwards with the speed, by a power of it, beside a Stribeck bend that may be too narrow to be seen, or
+a Stribeck curve of another exponent than the law's 2.
 
-    python benchmarks/lacking_terms.py [--cases 280] [--first 0] [--bent 60] [--out FILE]
+    python benchmarks/lacking_terms.py [--cases 280] [--first 0] [--bent 60] [--pointed 35] [--out FILE]
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from stribeck.identify.api import read_log
 
 RESULTS = Path(__file__).parent / "results" / "lacking_terms.json"
 POWERS = (2.0, 1.5, 3.0, 0.5)  # of the speed, in records that bend otherwise
+EXPONENTS = (1.0, 1.0, 0.7, 1.5, 2.0)  # of the Stribeck curve, in records that are pointed
 LACKS = ("delay", "direction", "weight", "spring", "position", "time", "forwards")
 LAWS = ("stribeck_tanh", "coulomb_viscous")
 OF_BENT = ("stribeck", *LAWS)
@@ -76,6 +78,27 @@ def bent(seed: int) -> tuple[str, dict[str, np.ndarray], dict[str, float]]:
     return f"bent, |v|^{power:g}", {"t": t, "y": y, "F": force}, truth
 
 
+def pointed(seed: int) -> tuple[str, dict[str, np.ndarray], dict[str, float]]:
+    """As :func:`record`, of a Stribeck curve whose exponent may be another than 2."""
+    draw = np.random.default_rng(seed)
+    exponent, level = EXPONENTS[seed % len(EXPONENTS)], float(np.exp(draw.uniform(-1, 2)))
+    v_s, rises = float(np.exp(draw.uniform(np.log(5e-3), np.log(0.1)))), draw.uniform(0.2, 0.8)
+    viscous, mass, offset = (
+        level * draw.uniform(0.05, 0.4),
+        level * draw.uniform(0, 0.3),
+        level * draw.uniform(-0.1, 0.1),
+    )
+    noise, t = draw.choice([1e-3, 5e-3, 2e-2]), np.arange(2 * ROWS) * STEP
+    w = 2 * np.pi * np.exp(draw.uniform(np.log(0.15), np.log(1.8), 1 + seed % 2))
+    speed, phase = draw.uniform(0.3, 1.0, len(w)), draw.uniform(0, 6, len(w))
+    v, a = np.sin(np.outer(t, w) + phase) @ speed, np.cos(np.outer(t, w) + phase) @ (speed * w)
+    y = -np.cos(np.outer(t, w) + phase) @ (speed / w) + 1e-7 * draw.standard_normal(len(t))
+    curve = level * (1 + rises * np.exp(-(abs(v / v_s) ** exponent))) + viscous * abs(v)
+    force = mass * a + curve * np.sign(v) + offset + level * noise * draw.standard_normal(len(t))
+    truth = {"mass": mass, "offset": offset, "F_c": level, "sigma_2": viscous, "F_s": level * (1 + rises)}
+    return f"pointed, |v/v_s|^{exponent:g}", {"t": t, "y": y, "F": force}, truth
+
+
 def one(made: tuple[str, dict[str, np.ndarray], dict[str, float]], laws: tuple[str, ...] = LAWS) -> dict[str, Any]:
     """By law: the numbers that have a truth, with verdict and interval; and whether terms are said to lack."""
     what, columns, truth = made
@@ -124,6 +147,7 @@ def summary(cases: list[dict[str, Any]], law: str) -> dict[str, Any]:
 def counted(cases: dict[str, dict[str, Any]]) -> dict[str, Any]:
     """The counts by law and by what the records hold, and each number called known that is missed."""
     kinds = ["nothing", *LACKS, *(f"bent, |v|^{power:g}" for power in POWERS)]
+    kinds += [f"pointed, |v/v_s|^{exponent:g}" for exponent in dict.fromkeys(EXPONENTS)]
     counts = {
         f"{law}, {'complete' if what == 'nothing' else what}": summary(chosen, law)
         for law in OF_BENT
@@ -144,6 +168,7 @@ def main() -> None:
     parser.add_argument("--cases", type=int, default=280)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--bent", type=int, default=60)
+    parser.add_argument("--pointed", type=int, default=35)
     parser.add_argument("--out", type=Path, default=RESULTS)
     given = parser.parse_args()
     cases: dict[str, dict[str, Any]] = {}
@@ -152,6 +177,9 @@ def main() -> None:
         given.out.write_text(json.dumps(counted(cases), indent=1) + "\n", encoding="utf-8")
     for seed in range(given.first, given.first + given.bent):
         cases[f"bent {seed}"] = one(bent(seed), OF_BENT)
+        given.out.write_text(json.dumps(counted(cases), indent=1) + "\n", encoding="utf-8")
+    for seed in range(given.first, given.first + given.pointed):
+        cases[f"pointed {seed}"] = one(pointed(seed), OF_BENT[:2])
         given.out.write_text(json.dumps(counted(cases), indent=1) + "\n", encoding="utf-8")
     for name, count in counted(cases)["counts"].items():
         print(name, count)

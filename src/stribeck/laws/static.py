@@ -5,9 +5,9 @@ from __future__ import annotations
 from types import SimpleNamespace
 
 from stribeck.constants import Constant
-from stribeck.expressions.ops import Value, exp, larger, sign, smaller, tanh
+from stribeck.expressions.ops import Value, larger, sign, smaller, tanh
 from stribeck.laws.base import STATIC_ABOVE_COULOMB, Scales, StaticLaw
-from stribeck.laws.terms import K_V, S_0
+from stribeck.laws.terms import K_V, S_0, stribeck_level
 
 _TIME = 1e-2  # s; a static law has no length of its own: its scale is the distance gone at its speed in this time
 
@@ -43,7 +43,7 @@ class Stribeck(StaticLaw):
     @staticmethod
     def friction(p: SimpleNamespace, v: Value, z: Value, dz_dt: Value) -> Value:
         S = sign(v) if p.k_v is None else S_0(p, v)
-        return S * (p.F_c + (p.F_s - p.F_c) * exp(-(abs(v / p.v_s) ** p.delta))) + p.sigma_2 * v
+        return S * stribeck_level(p, v) + p.sigma_2 * v
 
     @staticmethod
     def scales(p: SimpleNamespace) -> Scales:
@@ -85,10 +85,11 @@ class StribeckTanh(StaticLaw):
     k_v = Constant(
         K_V.unit, "steepness of the smooth sign tanh(k_v v)", above=0, rotary_unit=K_V.rotary_unit, example=100.0
     )
+    delta = Constant("", "exponent of the Stribeck curve; 2 unless given", above=0, optional=True)
 
     @staticmethod
     def friction(p: SimpleNamespace, v: Value, z: Value, dz_dt: Value) -> Value:
-        return tanh(p.k_v * v) * (p.F_c + (p.F_s - p.F_c) * exp(-((v / p.v_s) ** 2))) + p.sigma_2 * v
+        return tanh(p.k_v * v) * stribeck_level(p, v) + p.sigma_2 * v
 
     @staticmethod
     def scales(p: SimpleNamespace) -> Scales:

@@ -34,11 +34,16 @@ def term(latex: str) -> Callable[[Callable[..., Value]], Callable[..., Value]]:
     return decorate
 
 
+def stribeck_level(p: SimpleNamespace, v: Value) -> Value:
+    """The level in N between F_s at rest and F_c far above v_s; the square of v/v_s where no exponent delta is given."""
+    x = (v / p.v_s) ** 2 if getattr(p, "delta", None) is None else abs(v / p.v_s) ** p.delta
+    return p.F_c + (p.F_s - p.F_c) * exp(-x)
+
+
 @term("g")
 def g(p: SimpleNamespace, v: Value) -> Value:
     """Steady deflection in m (the paper's f_s, eq. 3; the exponent delta as in Tustin and Bo & Pavelescu 1982)."""
-    x = (v / p.v_s) ** 2 if getattr(p, "delta", None) is None else abs(v / p.v_s) ** p.delta
-    return (p.F_c + (p.F_s - p.F_c) * exp(-x)) / p.sigma_0
+    return stribeck_level(p, v) / p.sigma_0
 
 
 @term("S_0")

@@ -185,6 +185,30 @@ def test_a_bend_that_is_used_up_by_another_power_of_the_speed_is_not_told(law: s
         assert not told.identifiable or told.low <= truth <= told.high
 
 
+@pytest.mark.parametrize("law", ["stribeck", "stribeck_tanh"])
+def test_a_stribeck_curve_of_another_exponent_tells_no_wrong_level(law: str) -> None:
+    """F_c was told as 1.009 [1.007, 1.035] and F_s as 1.392 [1.389, 1.403], where 1 and 1.5 are true."""
+    draw, t = np.random.default_rng(0), np.arange(0, 20, 2e-3)
+    v = 1.3 * np.sin(1.6 * t)
+    curve = 1 + 0.5 * np.exp(-abs(v / 0.05)) + 0.1 * abs(v)
+    data = {"t": t, "v": v, "F": curve * np.sign(v) + 0.01 * draw.standard_normal(len(t))}
+    found = fit(data, law, columns={"time": "t", "velocity": "v", "force": "F"}, select=False)
+    assert any("delta" in note for note in found.notes)
+    for name, truth in (("F_c", 1.0), ("F_s", 1.5), ("sigma_2", 0.1)):
+        told = found.estimates[name]
+        assert not told.identifiable or told.low <= truth <= told.high
+    known = fit(
+        data,
+        law,
+        columns={"time": "t", "velocity": "v", "force": "F"},
+        select=False,
+        constants={"delta": 1.0},
+        mass=0.0,
+    )
+    assert not any("delta" in note for note in known.notes)
+    assert known.estimates["F_c"].low <= 1.0 <= known.estimates["F_c"].high < 1.02
+
+
 def test_drag_is_a_term() -> None:
     found = fit(_bent(0.2), "coulomb_viscous", columns={"time": "t", "velocity": "v", "force": "F"}, terms=["drag"])
     told = found.body["drag"]

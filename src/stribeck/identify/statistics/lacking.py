@@ -11,7 +11,7 @@ from stribeck.arrays import Array
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.static_start import StaticModel
 from stribeck.identify.models.problem import linear_step
-from stribeck.identify.models.separable import Separable
+from stribeck.identify.models.separable import Separable, Shape
 from stribeck.identify.models.static_problem import Rows
 from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Estimate, Fit
@@ -24,6 +24,9 @@ _BOTH_WAYS = 0.1  # of the fastest speed
 _WIDEST = 2.0  # to each side: a wider interval is not determined
 _POWERS = (1.25, 3.0)  # of the speed, beside its square
 _SHORT = 0.3  # rad: on less way a weight is a constant
+_EXPONENT, _USUAL = "delta", 2.0  # of the Stribeck curve, which a law takes as its default says unless it is given
+_STEP = 0.05  # of the exponent, for its slope
+_EXPONENTS = (0.5, 4.0)  # between which the literature has it
 
 
 @dataclass(frozen=True)
@@ -64,7 +67,7 @@ def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], slopes:
         wider = np.column_stack([slopes, *found.values(), own := columns.pop(name)])
         told = linear_step(wider, misfit)[-1]
         half = clusters.half_widths(wider, misfit - wider @ linear_step(wider, misfit), parts, True)[-1]
-        if abs(told) < _CLEARLY * half or (TERMS[name].positive and told < 0):
+        if abs(told) < _CLEARLY * half or (name in TERMS and TERMS[name].positive and told < 0):
             continue
         found[name], rest = own, left[name]
     shifts = np.zeros((1, count))
@@ -106,10 +109,15 @@ def elsewhere(model: StaticModel, values: Mapping[str, float], names: Sequence[s
     """By how much each coordinate differs where the whole search is made again with the terms that the residual asks for: a bend
     of the curve that is used up by one of them lies at another place then, far from a linear step."""
     whole = model.whole
-    added = [n for n in asked if TERMS[n].column is not None]
-    if not added or not whole.shapes:
+    added = [n for n in asked if n in TERMS and TERMS[n].column is not None]
+    shapes, held = list(whole.shapes), dict(whole.held)
+    if _EXPONENT in asked:
+        least = model.law.constants()[_EXPONENT].at_least or 0.0
+        shapes.append(Shape(_EXPONENT, max(_EXPONENTS[0], least), _EXPONENTS[1]))
+        values = {**values, _EXPONENT: held.pop(_EXPONENT, _USUAL)}
+    if not (added or _EXPONENT in asked) or not whole.shapes:
         return np.zeros(len(names))
-    wider = Separable(whole.columns, whole.held, whole.wanted, (*whole.free, *added), whole.shapes, whole.weight)
+    wider = Separable(whole.columns, held, whole.wanted, (*whole.free, *added), shapes, whole.weight)
     starts = (wider.grid()[0].values, values)
     found = min((wider.refined(start) for start in starts), key=lambda each: each.cost).values
     shifts = []
@@ -131,7 +139,12 @@ def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dic
         names.append("thinning")
     made = whole.columns.at(there, names)
     found = {n: whole.weight * made[n] for n in names}
-    if "delay" not in [s.name for s in whole.shapes]:
+    shapes = [s.name for s in whole.shapes]
+    if "v_s" in shapes and _EXPONENT in model.law.constants() and not {_EXPONENT} & {*shapes, *model.given}:
+        usual = there.get(_EXPONENT, _USUAL)
+        more, less = (whole.force_at({**there, _EXPONENT: usual * (1 + by)}) for by in (_STEP, -_STEP))
+        found[_EXPONENT] = whole.weight * (more - less) / (2 * _STEP * usual)
+    if "delay" not in shapes:
         step = rows.log.step
         later, sooner = (whole.force_at({**there, "delay": there.get("delay", 0.0) + by}) for by in (step, -step))
         found["delay"] = whole.weight * (later - sooner) / (2 * step)
