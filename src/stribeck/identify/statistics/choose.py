@@ -20,6 +20,7 @@ from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate
+from stribeck.identify.statistics.alike import told_apart
 from stribeck.identify.statistics.lacking import beside, open_terms
 
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
@@ -113,7 +114,8 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     terms.check(tuple(setting.body), log)
     rows = rows_of(log, setting.decimate)
     found, steps = _forward(rows, law, settle(rows, law, setting), tell)
-    compared = _compared(finished(rows, found), rows, setting, found)
+    fit = told_apart(finished(rows, found), found, setting.body, _beyond_chance)
+    compared = _compared(fit, rows, setting, found)
     return replace(compared, details={**compared.details, "selection": steps})
 
 
@@ -175,6 +177,8 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
     for name, each in settled.items():
         law = name.removesuffix(", selected")
         fit = finished(rows, each, profiles=name == picked)
+        if name == picked:
+            fit = told_apart(fit, each, setting.body, _beyond_chance)
         details: FitDetails = {**fit.details, "candidates": [*plainer, _row("this fit", each)]}
         if name != law:
             details["selection"] = wider[law][1]

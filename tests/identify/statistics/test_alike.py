@@ -1,0 +1,30 @@
+"""An arm's weight on a part of a turn looks like a spring."""
+
+import numpy as np
+import pytest
+
+from stribeck import fit
+
+
+@pytest.mark.parametrize(("way", "told"), [(0.4, False), (3.0, True)])
+def test_a_spring_is_not_told_where_a_weight_does_as_well(way: float, told: bool) -> None:
+    """On 0.4 rad stiffness = 2.989 [2.984, 2.995] was told as known, where there is a weight of 3 N m and no spring."""
+    draw, t = np.random.default_rng(1), np.arange(0, 30, 5e-3)
+    rates, phases = 2 * np.pi * np.array([0.11, 0.37]), np.array([0.3, 1.1])
+    y = way / 2 * (np.sin(np.outer(t, rates) + phases) @ np.array([0.7, 0.3]))
+    v = way / 2 * (np.cos(np.outer(t, rates) + phases) @ (np.array([0.7, 0.3]) * rates))
+    force = 3 * np.sin(y) + 0.5 * np.sign(v) + 0.2 * v + 0.02 * draw.standard_normal(len(t))
+    found = fit(
+        {"t": t, "y": y, "v": v, "F": force},
+        mass=0.0,
+        columns={"time": "t", "position": "y", "velocity": "v", "force": "F"},
+    )
+    best = getattr(found, "best", found)
+    there = {"stiffness", "gravity_sin"} & set(best.body)
+    assert len(there) == 1
+    (name,) = there
+    assert best.body[name].identifiable is told
+    assert any("alike" in note for note in best.notes) is not told
+    if told:
+        assert name == "gravity_sin"
+        assert best.body[name].low <= 3 <= best.body[name].high
