@@ -28,7 +28,7 @@ _FEWEST_ROWS = 20  # that are fitted at all
 _MOVES = 0.015  # of the mass: what half the band may change it by
 _HEAVY = 0.05  # of the force: less inertia tells nothing of the band
 _LITTLE_REST = 0.02  # of the rows: less rest stays in
-_SMEARED = 2.0  # periods of the motion's cut-off: how far it moves a start or a stop into a rest
+_SMEARED = 4.0  # periods of the motion's cut-off: how far it moves a start or a stop into a rest
 _BEFORE = 10  # a stretch of a long record begins this part of its length before it moves
 
 
