@@ -140,8 +140,8 @@ class Fit:
     @property
     def correlations(self) -> Array:
         """The covariance scaled to a diagonal of ones."""
-        deviation = np.sqrt(np.diag(self.covariance))
         with np.errstate(all="ignore"):
+            deviation = np.sqrt(np.diag(self.covariance))
             return np.asarray(self.covariance / np.outer(deviation, deviation))
 
     @property

@@ -52,7 +52,8 @@ def at_least_by_speed(problem: Problem, slopes: Array, misfit: Array, v: Array, 
     half = half_widths(slopes, misfit, by_speed(v, np.ones(len(v))), False)
     more = np.maximum(half / np.sqrt(THRESHOLD * np.maximum(np.diag(inner), 1e-300)), 1.0)
     more[[c.nuisance for c in problem.coordinates]] = 1.0
-    return np.asarray(inner * np.outer(more, more))
+    with np.errstate(over="ignore"):  # told by nothing: infinite
+        return np.asarray(inner * np.outer(more, more))
 
 
 def sandwich(problem: MotionProblem, slopes: Array, misfit: Array, clusters: Sequence[slice]) -> Array:

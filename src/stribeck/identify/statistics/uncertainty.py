@@ -162,7 +162,8 @@ class _Optimum:
     @property
     def deviations(self) -> Array:
         """Of the coordinates."""
-        return np.asarray(np.sqrt(np.diag(self.inner)))
+        with np.errstate(invalid="ignore"):  # rounding made it negative: nan, which nothing is told by
+            return np.asarray(np.sqrt(np.diag(self.inner)))
 
     @property
     def inflation(self) -> Array:

@@ -49,14 +49,17 @@ class Noise:
 
 def why_not(problem: Problem, k: int, u: Array, inner: Array, support: float, alike: bool) -> str:
     """Why a coordinate is not determined, or nothing."""
-    c, deviation = problem.coordinates[k], float(np.sqrt(inner[k, k]))
+    c = problem.coordinates[k]
     low, high = problem.bounds
     room = 1e-3 * (high[k] - low[k])
     if c.log and not low[k] + room < u[k] < high[k] - room:
         return "the fit drives it to the end of what is tried"
-    spread = np.sqrt(np.diag(inner))
     with np.errstate(all="ignore"):
+        spread = np.sqrt(np.diag(inner))
         relation = inner[k] / (spread * spread[k])
+    deviation = float(spread[k])
+    if not np.isfinite(deviation):
+        return "its variance is lost in rounding: others make up for it"
     others = [i for i in np.argsort(-abs(relation)) if i != k and abs(relation[i]) > 0.9]
     along = [problem.coordinates[i].name for i in others if not problem.coordinates[i].nuisance][:2]
     together = f"; {' and '.join(along)} can make up for it" if along else ""
