@@ -81,11 +81,12 @@ def main() -> None:
     """Run the experiments that are not there yet, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--experiments", type=int, default=12)
+    parser.add_argument("--first", type=int, default=0, help="the seed of the first")
     parser.add_argument("--out", type=Path, default=Path("build/actuator"))
     given = parser.parse_args()
     given.out.mkdir(parents=True, exist_ok=True)
     rows = []
-    for seed in range(given.experiments):
+    for seed in range(given.first, given.first + given.experiments):
         file = given.out / f"{seed}.json"
         if not file.exists():
             file.write_text(json.dumps(experiment(seed)))
