@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
@@ -207,6 +209,34 @@ def test_a_stribeck_curve_of_another_exponent_tells_no_wrong_level(law: str) -> 
     )
     assert not any("delta" in note for note in known.notes)
     assert known.estimates["F_c"].low <= 1.0 <= known.estimates["F_c"].high < 1.02
+
+
+_OWN = """
+from stribeck.constants import Constant
+from stribeck.laws.static import Stribeck
+from stribeck.laws.terms import S_0
+from stribeck.expressions.ops import exp
+class Own(Stribeck):
+    name = "own"
+    delta = Constant("m", "a length, not an exponent", above=0, default=0.5)
+    @staticmethod
+    def friction(p, v, z, dz_dt):
+        return S_0(p, v) * (p.F_c + (p.F_s - p.F_c) * exp(-abs(v / p.v_s) * (1.5 + p.delta))) + p.sigma_2 * v
+"""
+
+
+def test_what_a_law_of_ones_own_calls_delta_is_no_exponent(tmp_path: Path) -> None:
+    """It was varied from 0.5 to 4, whatever it was, and said to lack."""
+    (tmp_path / "own.py").write_text(_OWN)
+    draw, t = np.random.default_rng(0), np.arange(0, 20, 2e-3)
+    v = 1.3 * np.sin(1.6 * t)
+    curve = 1 + 0.5 * np.exp(-((v / 0.05) ** 2)) + 0.1 * abs(v)
+    data = {"t": t, "v": v, "F": curve * np.sign(v) + 0.01 * draw.standard_normal(len(t))}
+    found = fit(
+        data, f"{tmp_path / 'own.py'}:Own", columns={"time": "t", "velocity": "v", "force": "F"}, select=False,
+        constants={"k_v": 1e4},
+    )  # fmt: skip
+    assert not any("delta would" in note or "delta and" in note for note in found.notes)
 
 
 def test_drag_is_a_term() -> None:

@@ -14,12 +14,8 @@ from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.units import si_unit
 
-_TOLD_BY = {
-    "loads": "f",
-    "controllers": "r",
-    "motors": "V",
-    "bodies": "v",
-}  # the column that an element's signal becomes
+# The column that an element's signal becomes.
+_TOLD_BY = {"loads": "f", "controllers": "r", "motors": "V", "bodies": "v"}
 
 
 @dataclass(frozen=True)

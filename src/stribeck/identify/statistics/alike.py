@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,19 +10,18 @@ import numpy as np
 from stribeck.errors import StribeckError
 from stribeck.identify.methods.static import Settled, settle
 from stribeck.identify.result import Fit
+from stribeck.identify.statistics.crossvalidate import beyond_chance
 from stribeck.identify.statistics.lacking import open_terms
 
 _SPRING, _WEIGHT = "stiffness", ("gravity_sin", "gravity_cos")
-Clearly = Callable[[Settled, Settled], bool]
 
 
-def told_apart(fit: Fit, at: Settled, asked: Sequence[str], clearly: Clearly) -> Fit:
+def told_apart(fit: Fit, at: Settled, asked: Sequence[str]) -> Fit:
     """The fit; its spring or weight, unless asked for, is not told where the other predicts data left out as well.
 
     Args:
         fit, at: what was found.
         asked: the terms that the user named.
-        clearly: whether one predicts data left out better than another, beyond chance.
     """
     body = at.setting.body
     own = [n for n in (_SPRING, *_WEIGHT) if n in body]
@@ -37,7 +36,7 @@ def told_apart(fit: Fit, at: Settled, asked: Sequence[str], clearly: Clearly) ->
         instead = settle(at.rows, at.model.law.name, replace(at.setting, body=(*rest, *other)), [at.shapes])
     except StribeckError:
         return fit
-    if clearly(at, instead):
+    if beyond_chance(at.left_out, instead.left_out):
         return fit
     why = f"{other[0]} in its place predicts data left out as well: on this way a spring and a weight are alike"
     body_now = {

@@ -21,11 +21,11 @@ from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate
 from stribeck.identify.statistics.alike import told_apart
+from stribeck.identify.statistics.crossvalidate import beyond_chance
 from stribeck.identify.statistics.lacking import beside, open_terms
 
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
-_CLEARLY = 2.0  # standard errors
 _HALF = 0.5  # of the error on data left out: so much is no chance, however few moments it comes from
 _HEAVIEST = 2.0  # of the largest force: no heavier weight, with the offset, is taken from a part of a turn
 _UNBOUNDED = ("stiffness", "F_c_by_position")  # grow on along a longer way
@@ -114,7 +114,7 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     terms.check(tuple(setting.body), log)
     rows = rows_of(log, setting.decimate)
     found, steps = _forward(rows, law, settle(rows, law, setting), tell)
-    fit = told_apart(finished(rows, found), found, setting.body, _beyond_chance)
+    fit = told_apart(finished(rows, found), found, setting.body)
     compared = _compared(fit, rows, setting, found)
     return replace(compared, details={**compared.details, "selection": steps})
 
@@ -136,7 +136,7 @@ def _compared(fit: Fit, rows: Rows, setting: Setting, settled: Settled) -> Fit:
     if better and plainer[better].left_out.error < (1 - _WORTH) * settled.left_out.error:
         least = plainer[better]
         told = f"{better} ({least.model.law.name}) predicts data left out better: {least.left_out.error:.3%}"
-        if _beyond_chance(least, settled) or least.left_out.error < _HALF * settled.left_out.error:
+        if beyond_chance(least.left_out, settled.left_out) or least.left_out.error < _HALF * settled.left_out.error:
             fit = beside(fit, least.solution.values)
             told += ", beyond chance, so that intervals are wider by what it differs by"
         fit = replace(fit, notes=(f"{told}; where no law is named, the best law and terms are looked for", *fit.notes))
@@ -178,7 +178,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
         law = name.removesuffix(", selected")
         fit = finished(rows, each, profiles=name == picked)
         if name == picked:
-            fit = told_apart(fit, each, setting.body, _beyond_chance)
+            fit = told_apart(fit, each, setting.body)
         details: FitDetails = {**fit.details, "candidates": [*plainer, _row("this fit", each)]}
         if name != law:
             details["selection"] = wider[law][1]
@@ -243,7 +243,9 @@ def _forward(
             return best, steps
         name = min(likely, key=lambda n: trials[n].left_out.error * (1.0 if n != _RIPPLE else 1 / (1 - _WORTH)))
         found = trials[name]
-        if found.left_out.error > (1 - _WORTH) * best.left_out.error or not _beyond_chance(found, best):
+        if found.left_out.error > (1 - _WORTH) * best.left_out.error or not beyond_chance(
+            found.left_out, best.left_out
+        ):
             return best, steps
         best = found
         steps.append(_step(name, found))
@@ -278,15 +280,6 @@ def _credible(added: str, wide: Settled, narrow: Settled) -> bool:
         if largest > _HEAVIEST * float(np.max(abs(wide.rows.log.force))):
             return False
     return bool(np.all(missed_beyond(wide) <= missed_beyond(narrow)))
-
-
-def _beyond_chance(wide: Settled, narrow: Settled) -> bool:
-    """Whether the squared error falls by more than two standard errors of its fall over the parts: the best of several
-    terms is looked at, and neighbouring parts err alike."""
-    fall = narrow.left_out.squares - wide.left_out.squares
-    if len(fall) < 2:
-        return True
-    return bool(float(fall.sum()) > _CLEARLY * float(np.std(fall, ddof=1)) * np.sqrt(len(fall)))
 
 
 def _open(rows: Rows, law: str, setting: Setting) -> list[str]:

@@ -13,6 +13,7 @@ from stribeck.identify.log import Log
 
 FOLDS = 10
 _BLOCKS = 5  # in a part
+_CLEARLY = 2.0  # standard errors
 _ALIKE = 0.001  # of the error: laws that differ by less are as good, however sure that is
 
 
@@ -68,6 +69,15 @@ def cross_validate(
     part, how = groups(log, folds)
     squares, size = zip(*(missed_without(part == number) for number in range(int(part.max()) + 1)), strict=True)
     return LeftOut(np.array(squares), np.array(size), how, parameters)
+
+
+def beyond_chance(one: LeftOut, other: LeftOut) -> bool:
+    """Whether one's squared error is less than another's by more than two standard errors of that over the parts: the best of
+    several models is looked at, and neighbouring parts err alike."""
+    fall = other.squares - one.squares
+    if len(fall) < 2:
+        return True
+    return bool(float(fall.sum()) > _CLEARLY * float(np.std(fall, ddof=1)) * np.sqrt(len(fall)))
 
 
 def choose(candidates: Mapping[str, LeftOut]) -> tuple[str, str]:

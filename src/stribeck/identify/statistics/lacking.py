@@ -114,7 +114,8 @@ def elsewhere(model: StaticModel, values: Mapping[str, float], names: Sequence[s
     if _EXPONENT in asked:
         least = model.law.constants()[_EXPONENT].at_least or 0.0
         shapes.append(Shape(_EXPONENT, max(_EXPONENTS[0], least), _EXPONENTS[1]))
-        values = {**values, _EXPONENT: held.pop(_EXPONENT, _USUAL)}
+        held.pop(_EXPONENT, None)
+        values = {**values, _EXPONENT: _USUAL}
     if not (added or _EXPONENT in asked) or not whole.shapes:
         return np.zeros(len(names))
     wider = Separable(whole.columns, held, whole.wanted, (*whole.free, *added), shapes, whole.weight)
@@ -140,15 +141,20 @@ def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dic
     made = whole.columns.at(there, names)
     found = {n: whole.weight * made[n] for n in names}
     shapes = [s.name for s in whole.shapes]
-    if "v_s" in shapes and _EXPONENT in model.law.constants() and not {_EXPONENT} & {*shapes, *model.given}:
-        usual = there.get(_EXPONENT, _USUAL)
-        more, less = (whole.force_at({**there, _EXPONENT: usual * (1 + by)}) for by in (_STEP, -_STEP))
-        found[_EXPONENT] = whole.weight * (more - less) / (2 * _STEP * usual)
+    if "v_s" in shapes and _has_exponent(model) and not {_EXPONENT} & {*shapes, *model.given}:
+        more, less = (whole.force_at({**there, _EXPONENT: _USUAL * (1 + by)}) for by in (_STEP, -_STEP))
+        found[_EXPONENT] = whole.weight * (more - less) / (2 * _STEP * _USUAL)
     if "delay" not in shapes:
         step = rows.log.step
         later, sooner = (whole.force_at({**there, "delay": there.get("delay", 0.0) + by}) for by in (step, -step))
         found["delay"] = whole.weight * (later - sooner) / (2 * step)
     return {n: x for n, x in found.items() if np.any(x)}
+
+
+def _has_exponent(model: StaticModel) -> bool:
+    """Whether the law has the exponent of the Stribeck curve; one of the user's own may mean another thing by that name."""
+    constant = model.law.constants().get(_EXPONENT)
+    return constant is not None and constant.unit == "" and constant.default in (None, _USUAL)
 
 
 def _left(slopes: Array, misfit: Array) -> float:
