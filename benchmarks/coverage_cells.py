@@ -5,9 +5,10 @@ of force that never exceed three times its Coulomb friction. Each cell changes h
 position, sampling, quantisation, drift, outliers; and what is fitted, the position for the force or the force for the
 motion. Files are written and read back, so that the whole chain of a user's fit is under test.
 
-    python benchmarks/coverage_cells.py [--cells NAME ...] [--experiments 200] [--workers 2] [--list]
+    python benchmarks/coverage_cells.py [--cells NAME ...] [--intervals 200] [--experiments 200] [--workers 2] [--list]
 
-Every experiment has a seed of its own; what benchmarks/results/coverage_cells.json has already is not run again.
+Every experiment has a seed of its own; what benchmarks/results/coverage_cells.json has already is not run again. A cell
+ends with the first experiment by which so many intervals are called known, held or not, or when its experiments are used up.
 """
 
 from __future__ import annotations
@@ -142,11 +143,24 @@ def summary(cases: list[dict[str, Any]]) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def cell_of(name: str, have: dict[str, Any], given: argparse.Namespace, pool: ProcessPoolExecutor) -> dict[str, Any]:
+    """The cell's experiments in the order of their seeds, until enough intervals are called known; its summary."""
+    cases = have.get("cases", {}) if have.get("cell") == asdict(CELLS[name]) else {}
+    told: list[dict[str, Any]] = []
+    while len(told) < given.experiments and summary(told)["known"] < given.intervals:
+        seeds = range(len(told), min(len(told) + given.workers, given.experiments))
+        missing = [seed for seed in seeds if str(seed) not in cases]
+        cases.update(zip(map(str, missing), pool.map(partial(one, name), missing), strict=True))
+        told += [cases[str(seed)] for seed in seeds]
+    return {"cell": asdict(CELLS[name]), "summary": summary(told), "cases": cases}
+
+
 def main() -> None:
     """Run the cells that are asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--cells", nargs="+", default=list(CELLS), choices=list(CELLS), metavar="NAME")
-    parser.add_argument("--experiments", type=int, default=200)
+    parser.add_argument("--intervals", type=int, default=200, help="called known, of a cell")
+    parser.add_argument("--experiments", type=int, default=200, help="of a cell, at most")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--list", action="store_true", help="the names of the cells")
     parser.add_argument("--out", type=Path, default=RESULTS)
@@ -157,13 +171,8 @@ def main() -> None:
     result = json.loads(given.out.read_text(encoding="utf-8")) if given.out.exists() else {"cells": {}}
     with ProcessPoolExecutor(given.workers) as pool:
         for name in given.cells:
-            have = result["cells"].get(name, {})
-            cases = have.get("cases", {}) if have.get("cell") == asdict(CELLS[name]) else {}
-            missing = [seed for seed in range(given.experiments) if str(seed) not in cases]
-            for seed, case in zip(missing, pool.map(partial(one, name), missing), strict=True):
-                cases[str(seed)] = case
-            told = summary([cases[key] for key in sorted(cases, key=int)])
-            result["cells"][name] = {"cell": asdict(CELLS[name]), "summary": told, "cases": cases}
+            result["cells"][name] = cell_of(name, result["cells"].get(name, {}), given, pool)
+            told = result["cells"][name]["summary"]
             given.out.write_text(json.dumps(result) + "\n", encoding="utf-8")
             share = f"{100 * told['hold'] / told['known']:.1f} %" if told["known"] else "-"
             print(f"{name}: {share} of {told['known']} intervals hold; {told}", file=sys.stderr, flush=True)
