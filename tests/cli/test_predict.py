@@ -138,16 +138,29 @@ def test_a_machine_is_refused_in_a_line(stribeck, tmp_path):
     ("part", "value", "told"),
     [
         ("values", {"F_c": "x"}, "values.F_c: must be"), ("values", {"F_c": [1]}, "values.F_c: must be"),
-        ("values", {"mass": None}, "values.mass: must be a number"), ("others", [1], "others: is not"),
-        ("others", {"a": "b"}, "others: is not"), ("columns", [1], "columns: is not"), ("units", {"v": 3}, "units: is not"),
-        ("cutoff", "x", "cutoff: is not"), ("cutoff", -4, "cutoff: is not"), ("force_gain", [1], "force_gain: is not"),
-        ("values", {"F_c": 1e308}, "values.F_c: 1e+308: must be at most 1e+30"), ("published", 3, "published: is not"),
-        ("others", {"x": {"law": "stribeck", "values": {"F_c": 5.0, "F_s": 4.0}}}, "others.x.F_s: 4: must be at least F_c"),
+        ("values", {"mass": None}, "values.mass: must be a number"), ("others", [1], "others: [1]: must be"),
+        ("others", {"a": "b"}, "others: a table with a: must be"), ("columns", [1], "columns: [1]: must be a table of names"),
+        ("units", {"v": 3}, "units: a table with v: must be"), ("cutoff", "x", "cutoff: 'x': must be"),
+        ("cutoff", -4, "cutoff: -4: must be nothing or 0 to 1e+30 Hz"), ("force_gain", [1], "force_gain: [1]: must be"),
+        ("values", {"F_c": 1e308}, "values.F_c: 1e+308: must be at most 1e+30"), ("published", 3, "published: 3: must be"),
+        ("others", {"x": {"law": "stribeck", "values": {"F_c": 5.0, "F_s": 4.0, "v_s": 0.1}}},
+         "others.x.values.F_s: 4: must be at least F_c"),
+        ("others", {"x": {"law": "coulomb_viscous", "values": {}}}, "fit.json': others.x.values.F_c: missing"),
+        ("others", {"x": {"law": "dahl", "values": {}, "more": 1}}, "others: a table with x: must be"),
         ("values", {"mass": 1.0}, "fit.json': values.F_c: missing"),
-        ("fit", [1], "fit: is not"), ("files", 3, "files: is not"), ("method", [1], "method: is not"),
-        ("fit", {"decimation": float("nan")}, "fit: is not"), ("fit", {"decimation": 10**400}, "fit: is not"),
-        ("values", {"mass": 10**400}, "values.mass: must be a number"), ("cutoff", 10**400, "cutoff: is not"),
-        ("values", {"mass": float("nan")}, "values.mass: must be a number"), ("force_gain", 10**400, "force_gain: is not"),
+        ("fit", [1], "fit: [1]: must be a table"), ("files", 3, "files: 3: must be"), ("method", [1], "method: [1]: must be"),
+        ("fit", {"decimation": float("nan")}, "fit.decimation: nan: must be nothing or one of 1, 2, 5"),
+        ("fit", {"decimation": 10**400}, "fit.decimation: a whole number of 401 digits: must be"),
+        ("fit", {"decimation": 3}, "fit.decimation: 3: must be"), ("fit", {"decimation": True}, "fit.decimation: true: must be"),
+        ("fit", {"friction_error": -0.1}, "fit.friction_error: -0.1: must be"), ("fit", {"error": 1}, "fit.'error': is no part"),
+        ("fit", {}, "fit.relative_force_error: missing"),
+        ("values", {"mass": 10**400}, "values.mass: must be a number"), ("cutoff", 10**400, "cutoff: a whole number of 401"),
+        ("values", {"mass": float("nan")}, "values.mass: must be a number"), ("force_gain", 10**400, "force_gain: a whole"),
+        ("method", "dynamics", "method: 'dynamics': must be one of static, presliding, dynamic"),
+        ("output", "positon", "output: 'positon': must be one of force, position, velocity"),
+        ("drive", {"kind": "velocity"}, "drive: a table with kind: must be nothing or a drive (force, spring, pid)"),
+        ("drive", {}, "drive: an empty table: must be"), ("data_sha256", 3, "data_sha256: 3: must be text"),
+        ("cut_off", 3.0, "'cut_off': is no part of it (did you mean 'cutoff'?)"), ("format", True, "is no model of a fit"),
     ],
 )  # fmt: skip
 def test_a_fit_s_file_that_was_tampered_with_is_refused_in_a_line(stribeck, fitted, tmp_path, part, value, told):
@@ -156,6 +169,19 @@ def test_a_fit_s_file_that_was_tampered_with_is_refused_in_a_line(stribeck, fitt
     found = stribeck("predict", fitted / "none.csv", "--fit", tmp_path)
     assert (found.status, found.out) == (2, "")
     assert told in found.err
+
+
+def test_a_part_of_a_fit_that_is_missing_is_named(stribeck, fitted, tmp_path):
+    """Without ``published`` the record was read in another way, and without ``cutoff`` filtered in another, unasked."""
+    data = json.loads((fitted / "out" / "fit.json").read_text())
+    for part in data.keys() - {"format", "values", "law", "method"}:
+        (tmp_path / "fit.json").write_text(json.dumps({n: x for n, x in data.items() if n != part}))
+        found = stribeck("predict", fitted / "train.csv", "--fit", tmp_path)
+        assert (found.status, found.out) == (2, "")
+        assert f"fit.json': {part}: missing" in found.err
+    older = {n: data[n] for n in ("law", "method", "values", "columns")}  # of before this was written
+    (tmp_path / "fit.json").write_text(json.dumps({"format": 1, **older}))
+    assert stribeck("predict", fitted / "train.csv", "--fit", tmp_path).status == 0
 
 
 @pytest.mark.parametrize("words", [("--cutoff", "nan"), ("--cutoff", "-1"), ("--set", "mass=nan")])

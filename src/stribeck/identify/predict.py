@@ -7,15 +7,15 @@ from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
-from typing import TypeGuard
+from typing import TypeGuard, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from stribeck import laws
+from stribeck import drives, laws
 from stribeck.arrays import Array
 from stribeck.constants import Constant, show
-from stribeck.errors import InputError, StribeckError, arg
+from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.files import finite, json_of
 from stribeck.identify.data.filters import shifted
 from stribeck.identify.data.quality import LARGEST
@@ -25,14 +25,17 @@ from stribeck.identify.log import Log
 from stribeck.identify.models import terms
 from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.dynamic_problem import VelocityProblem
+from stribeck.identify.models.motion_problem import OUTPUTS
 from stribeck.identify.models.separable import Separable
 from stribeck.identify.models.static_problem import RATES, kept_rows, thinning
 from stribeck.identify.models.terms import OF_RECORD, TERMS, column
+from stribeck.identify.options import METHODS
 from stribeck.identify.result import Fit, Prediction
 from stribeck.scenario.trust import astray
 
 FILE = "fit.json"
-_FORMAT = 1
+_FORMAT = 2
+_FORMATS = (1, 2)  # the first may lack what it did not have yet
 _SHORTEST = 30  # rows that a run keeps behind the filter
 
 
@@ -44,21 +47,58 @@ def _number(x: object) -> TypeGuard[float]:
     return isinstance(x, int | float) and not isinstance(x, bool) and abs(x) <= LARGEST
 
 
+def _share(x: object) -> bool:
+    return x is None or (_number(x) and x >= 0)
+
+
 def _model(x: object) -> bool:
-    return isinstance(x, dict) and _text(x.get("law")) and isinstance(x.get("values"), dict)
+    return isinstance(x, dict) and x.keys() == {"law", "values"} and _text(x["law"]) and isinstance(x["values"], dict)
 
 
 def _table_of(known: Callable[[object], bool]) -> Callable[[object], bool]:
     return lambda x: isinstance(x, dict) and all(map(known, x.values()))
 
 
-# What each part of the file must be.
-_PARTS: dict[str, Callable[[object], bool]] = {
-    "law": _text, "method": _text, "values": lambda x: isinstance(x, dict), "others": _table_of(_model),
-    "fit": _table_of(lambda x: x is None or _number(x)), "columns": _table_of(_text), "units": _table_of(_text),
-    "force_gain": lambda x: x is None or _text(x) or _number(x), "cutoff": lambda x: x is None or (_number(x) and x >= 0),
-    "files": lambda x: isinstance(x, list) and all(map(_text, x)), "output": _text,
-    "drive": lambda x: x is None or isinstance(x, dict), "published": lambda x: isinstance(x, bool),
+def _one_of(*words: str) -> tuple[Callable[[object], bool], str]:
+    return lambda x: isinstance(x, str) and x in words, f"one of {', '.join(words)}"
+
+
+_DRIVES = tuple(kind for kind in drives.KINDS if kind != "velocity")  # that of a measured motion is its input
+
+# What each part of the file must be, and that in words.
+_PARTS: dict[str, tuple[Callable[[object], bool], str]] = {
+    "law": (_text, "a name"),
+    "method": _one_of(*METHODS),
+    "values": (lambda x: isinstance(x, dict), "a table"),
+    "others": (_table_of(_model), "a table of models, each of law and values"),
+    "fit": (lambda x: isinstance(x, dict), "a table"),
+    "columns": (_table_of(_text), "a table of names"),
+    "units": (_table_of(_text), "a table of units"),
+    "force_gain": (
+        lambda x: x is None or _text(x) or _number(x),
+        f"nothing, a name or a number of at most {LARGEST:g}",
+    ),
+    "cutoff": (_share, f"nothing or 0 to {LARGEST:g} Hz"),
+    "files": (lambda x: isinstance(x, list) and all(map(_text, x)), "a list of names"),
+    "output": _one_of("force", *OUTPUTS),
+    "drive": (
+        lambda x: x is None or (isinstance(x, dict) and x.get("kind") in _DRIVES),
+        f"nothing or a drive ({', '.join(_DRIVES)})",
+    ),
+    "published": (lambda x: isinstance(x, bool), "true or false"),
+    "data_sha256": (_text, "text"),
+}
+_ERRORS = ("relative_force_error", "cross_validated_error", "friction_error")
+_OF_FIT = dict.fromkeys(_ERRORS, (_share, f"nothing or 0 to {LARGEST:g}")) | {
+    "decimation": (
+        lambda x: x is None or (type(x) is int and x in RATES),
+        f"nothing or one of {', '.join(map(str, RATES))}",
+    ),
+}
+# How a record was read that nobody told of.
+_UNREAD: dict[str, object] = {
+    "files": [], "columns": {}, "units": {}, "force_gain": None, "cutoff": None, "output": "force", "drive": None,
+    "published": False,
 }  # fmt: skip
 
 
@@ -152,11 +192,37 @@ def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
                     "cross_validated_error": fit.cross_validated_error,
                     "friction_error": fit.details.get("friction_error"), "decimation": fit.details.get("decimation"),
                 },
-                "others": others, "data_sha256": fit.data_hash, **(reading or {}),
+                "others": others, "data_sha256": fit.data_hash, **_UNREAD, **(reading or {}),
             }
         ),
         indent=1, allow_nan=False,
     )  # fmt: skip
+
+
+def _unlike(data: Mapping[str, object]) -> list[str]:
+    """What of the file's parts is not as a fit writes it."""
+    tables = [("", data, _PARTS)]
+    if isinstance(data.get("fit"), dict):
+        tables.append(("fit.", cast("Mapping[str, object]", data["fit"]), _OF_FIT))
+    found = []
+    for at, table, parts in tables:
+        for name, value in table.items():
+            if name in parts:
+                holds, words = parts[name]
+                found += [] if holds(value) else [f"{at}{name}: {show(value)}: must be {words}"]
+            elif (at, name) != ("", "format"):
+                found.append(f"{at}{show(name)}: is no part of it{nearest(name, parts)}")
+        if data["format"] != 1:
+            found += [f"{at}{name}: missing" for name in parts if name not in table]
+    return found
+
+
+def _lacking(law: str, method: object, values: Mapping[str, object]) -> list[str]:
+    kind = laws.find(law)
+    if kind.has_z and method == "static":  # of bristles a static fit tells nothing
+        return []
+    lacking = (n for n, c in kind.constants().items() if c.required and n not in values)
+    return [f"{n}: missing: law '{law}' needs it" for n in lacking]
 
 
 def _wrong(law: str, known: Mapping[str, Constant], values: Mapping[str, object]) -> list[str]:
@@ -203,26 +269,26 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
         ) from None
     except ValueError:
         raise InputError(f"{arg('fit')}: '{path}': is not JSON") from None
-    if not isinstance(data, dict) or data.get("format") != _FORMAT or not {"values", "law"} <= set(data):
+    known = isinstance(data, dict) and type(data.get("format")) is int and data["format"] in _FORMATS
+    if not known or not {"values", "law", "method"} <= set(data):
         raise InputError(f"{arg('fit')}: '{path}': is no model of a fit (of format {_FORMAT})")
-    if wrong := [n for n, holds in _PARTS.items() if n in data and not holds(data[n])]:
-        raise InputError([f"{arg('fit')}: '{path}': {n}: is not what a fit writes there" for n in wrong])
+    if wrong := _unlike(data):
+        raise InputError([f"{arg('fit')}: '{path}': {text}" for text in wrong])
     if not trust and (strange := _strange(data["law"], data.get("others", {}), path.parent)):
         text = "lies elsewhere, and a law is a program that would be executed"
         remedy = "must be in the current folder, in the fit's or below them, or allowed with trust=True (--trust)"
         raise InputError([f"{arg('fit')}: '{path}': {show(name)}: {text}: {remedy}" for name in strange])
     law = laws.find(data["law"])
     others = {n: (o["law"], o["values"]) for n, o in data.get("others", {}).items()}
-    wrong = [f"values.{text}" for text in _wrong(data["law"], law.constants(), data["values"])]
-    if not law.has_z or data.get("method") != "static":  # of bristles a static fit tells nothing
-        lacking = (n for n, c in law.constants().items() if c.required and n not in data["values"])
-        wrong += [f"values.{n}: missing: law '{data['law']}' needs it" for n in lacking]
-    for name, (each, values) in others.items():
-        wrong += [f"others.{name}.{text}" for text in _wrong(each, laws.find(each).constants(), values)]
+    told = {"": (data["law"], data["values"]), **{f"others.{n}.": each for n, each in others.items()}}
+    wrong = []
+    for at, (each, values) in told.items():
+        texts = [*_wrong(each, laws.find(each).constants(), values), *_lacking(each, data["method"], values)]
+        wrong += [f"{at}values.{text}" for text in texts]
     if wrong:
         raise InputError([f"{arg('fit')}: '{path}': {text}" for text in wrong])
     return FittedModel(
-        law.name if ".py:" not in data["law"] else data["law"], str(data.get("method")), data["values"], data.get("fit", {}),
+        law.name if ".py:" not in data["law"] else data["law"], data["method"], data["values"], data.get("fit", {}),
         others, data.get("columns", {}), data.get("units", {}), data.get("force_gain"), data.get("cutoff"),
         tuple(data.get("files", ())), data.get("output", "force"), data.get("drive"),
         data.get("published", False),
