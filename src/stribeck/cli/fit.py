@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
@@ -42,11 +43,15 @@ def fit(
     how = fitting.preparation(laws, options, cutoff, trim)
     if out is not None:
         show.check_folder(out)
-    with show.lanes_on(on), show.progress("fit") as tell:
-        log = fitting.log_of(data, columns, how)
-        if tell is not None:
-            tell(_READ)
-        result = fitting.fit_log(log, laws, options, _rest_of(tell))
+    try:
+        with show.lanes_on(on), show.progress("fit") as tell:
+            log = fitting.log_of(data, columns, how)
+            if tell is not None:
+                tell(_READ)
+            result = fitting.fit_log(log, laws, options, _rest_of(tell))
+    except KeyboardInterrupt:
+        print("stribeck: nothing was found yet", file=sys.stderr)
+        raise
     written: list[str] = []
     summary = result.to_json()
     summary["data"] = {

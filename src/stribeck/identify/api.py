@@ -18,6 +18,7 @@ from stribeck.identify.data.units import ROLES
 from stribeck.identify.log import Log
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.methods.motion import fit_motion
+from stribeck.identify.methods.optimise import STOPPED
 from stribeck.identify.methods.presliding import fit_presliding
 from stribeck.identify.methods.static import Setting, check_motion
 from stribeck.identify.options import FitOptions
@@ -188,6 +189,11 @@ def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> 
                 return fits[name]
         except StribeckError as error:
             failed[name] = str(error).splitlines()[0]
+        except KeyboardInterrupt:  # before anything of this law was found
+            if not fits:
+                raise
+            best = min(fits.values(), key=lambda fit: fit.cross_validated_error or fit.relative_force_error)
+            return replace(best, status="stopped", notes=(f"{STOPPED}, of {', '.join(fits)}", *best.notes))
     return choose(fits, failed)
 
 
@@ -227,11 +233,13 @@ def _static(log: Log, law: str, options: FitOptions, compared: bool) -> Fit:
         return select_terms(log, law, setting) if select else fit_with_baselines(log, law, setting)
 
 
-def _any_law(log: Log, options: FitOptions) -> Choice:
+def _any_law(log: Log, options: FitOptions) -> Fit | Choice:
     """The static law and the terms that predict data left out best."""
     options.check_without_law()
     with threadpool_limits(1):
         choice = select_law(log, _setting(options, None))
+    if isinstance(choice, Fit):  # stopped
+        return _with_warning(choice)
     return replace(choice, fits={name: _with_warning(each) for name, each in choice.fits.items()})
 
 

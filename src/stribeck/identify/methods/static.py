@@ -27,7 +27,7 @@ from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Fit, Prediction
 from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, cross_validate
-from stribeck.identify.statistics.static_intervals import linearised, static_intervals
+from stribeck.identify.statistics.static_intervals import StaticConfidenceIntervals, linearised, static_intervals
 
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
@@ -126,10 +126,12 @@ def settle(
     return Settled(setting, made, solution, rows)
 
 
-def finished(rows: Rows, settled: Settled, profiles: bool = True) -> Fit:
+def finished(
+    rows: Rows, settled: Settled, profiles: bool = True, judged: StaticConfidenceIntervals | None = None
+) -> Fit:
     """The fit with intervals, verdicts and what a report shows."""
     made, solution, log = settled.model, settled.solution, rows.log
-    judged = static_intervals(rows, made, solution, profiles)
+    judged = judged or static_intervals(rows, made, solution, profiles)
     law, values = made.law, solution.values
     told, of_bristles = _bristles(judged.estimates, values, log)
     estimates = {n: told[n] for n in law.constants() if n in told}

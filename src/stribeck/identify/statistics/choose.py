@@ -13,16 +13,19 @@ from stribeck import laws
 from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.details import AddedTerm, Candidate, FitDetails
 from stribeck.identify.log import INTEGRAL, Log
+from stribeck.identify.methods.optimise import STOPPED
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, missed_beyond, settle
+from stribeck.identify.methods.static_start import unit_of
 from stribeck.identify.models import terms
 from stribeck.identify.models.ripple import range_of, share
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
-from stribeck.identify.result import Fit
+from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics import crossvalidate
 from stribeck.identify.statistics.alike import told_apart
 from stribeck.identify.statistics.crossvalidate import beyond_chance
 from stribeck.identify.statistics.lacking import beside, open_terms
+from stribeck.identify.statistics.static_intervals import StaticConfidenceIntervals
 
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
@@ -34,6 +37,7 @@ _AT_END = 0.99  # of the longest delay that is tried
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
 _RIPPLE = " and ".join(RIPPLE)  # it takes the place of no weight or spring that is as good: these have fewer numbers
+_BEFORE_ITS_END = "the fit was stopped before its end"
 _CANDIDATES = ("coulomb_viscous", "stribeck", "stribeck_tanh")
 
 
@@ -112,10 +116,13 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     """
     check_motion(log)
     terms.check(tuple(setting.body), log)
-    rows = rows_of(log, setting.decimate)
-    found, steps = _forward(rows, law, settle(rows, law, setting), tell)
-    fit = told_apart(finished(rows, found), found, setting.body)
-    compared = _compared(fit, rows, setting, found)
+    rows, reached = rows_of(log, setting.decimate), _Reached()
+    try:
+        found, steps = _forward(rows, law, reached.keep(settle(rows, law, setting)), tell, reached)
+        fit = told_apart(finished(rows, found), found, setting.body)
+        compared = _compared(fit, rows, setting, found)
+    except KeyboardInterrupt:
+        return reached.stopped()
     return replace(compared, details={**compared.details, "selection": steps})
 
 
@@ -123,9 +130,43 @@ def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
     """The fit that is asked for, and in ``details["candidates"]`` what plainer models come to on data left out."""
     check_motion(log)
     terms.check(tuple(setting.body), log)
-    rows = rows_of(log, setting.decimate)
-    settled = settle(rows, law, setting)
-    return _compared(finished(rows, settled), rows, setting, settled)
+    rows, reached = rows_of(log, setting.decimate), _Reached()
+    try:
+        settled = reached.keep(settle(rows, law, setting))
+        return _compared(finished(rows, settled), rows, setting, settled)
+    except KeyboardInterrupt:
+        return reached.stopped()
+
+
+class _Reached:
+    """The best model so far, for when Ctrl-C comes."""
+
+    def __init__(self) -> None:
+        self.best: Settled | None = None
+
+    def keep(self, settled: Settled) -> Settled:
+        """The same, which is kept where it foretells data left out better than the one before."""
+        if self.best is None or settled.left_out.error < self.best.left_out.error:
+            self.best = settled
+        return settled
+
+    def stopped(self) -> Fit:
+        """The fit so far: its values, none of which is called known, as what was not looked at would widen intervals.
+
+        Raises:
+            KeyboardInterrupt: nothing was found yet.
+        """
+        if self.best is None:
+            raise KeyboardInterrupt
+        made, values = self.best.model, self.best.solution.values
+        names = (*made.whole.wanted, *made.whole.free, *(s.name for s in made.whole.shapes))
+        estimates = {
+            n: Estimate(None, None, None, unit_of(made.law, n), False, _BEFORE_ITS_END, best=values[n]) for n in names
+        }
+        nothing = np.full((len(names), len(names)), np.nan)
+        judged = StaticConfidenceIntervals(estimates, names, nothing, {}, (), {})
+        fit = finished(self.best.rows, self.best, judged=judged)
+        return replace(fit, status="stopped", notes=(STOPPED, *fit.notes))
 
 
 def _compared(fit: Fit, rows: Rows, setting: Setting, settled: Settled) -> Fit:
@@ -143,25 +184,32 @@ def _compared(fit: Fit, rows: Rows, setting: Setting, settled: Settled) -> Fit:
     return replace(fit, details={**fit.details, "candidates": found})
 
 
-def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None = None) -> Choice:
+def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None = None) -> Fit | Choice:
     """The static law and the terms that predict data left out best, with the plainer ones beside it.
 
     Least squares (Coulomb, viscous and an offset) and the tanh-Stribeck curve that a few lines of SciPy would fit are among
-    the candidates, so that nothing worse than they are is picked.
+    the candidates, so that nothing worse than they are is picked. Ctrl-C ends it with the best so far.
     """
     check_motion(log)
-    rows = rows_of(log, setting.decimate, to_choose=True)
+    rows, reached = rows_of(log, setting.decimate, to_choose=True), _Reached()
+    try:
+        return _law_of(rows, setting, tell, reached)
+    except KeyboardInterrupt:
+        return reached.stopped()
+
+
+def _law_of(rows: Rows, setting: Setting, tell: Callable[[float], None] | None, reached: _Reached) -> Choice:
     plain: dict[str, Settled] = {}
     failed: dict[str, str] = {}
     for law in _CANDIDATES:
         try:
-            plain[law] = settle(rows, law, _for_law(setting, law))
+            plain[law] = reached.keep(settle(rows, law, _for_law(setting, law)))
         except StribeckError as error:
             failed[law] = str(error).splitlines()[0]
     if not plain:
         raise InputError([f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()])
     start = min(plain, key=lambda n: plain[n].left_out.error)
-    best, steps = _forward(rows, start, plain[start], tell, steepness=False)
+    best, steps = _forward(rows, start, plain[start], tell, reached, steepness=False)
     wider: dict[str, tuple[Settled, list[AddedTerm]]] = {start: (best, steps)}
     for law, narrow in plain.items():
         if law != start and narrow.setting.body != best.setting.body:
@@ -221,7 +269,7 @@ def _numbers(at: Settled) -> dict[str, float]:
 
 
 def _forward(
-    rows: Rows, law: str, best: Settled, tell: Callable[[float], None] | None, steepness: bool = True
+    rows: Rows, law: str, best: Settled, tell: Callable[[float], None] | None, reached: _Reached, steepness: bool = True
 ) -> tuple[Settled, list[AddedTerm]]:
     steps = [_step("(as asked)", best)]
     while True:
@@ -247,7 +295,7 @@ def _forward(
             found.left_out, best.left_out
         ):
             return best, steps
-        best = found
+        best = reached.keep(found)
         steps.append(_step(name, found))
 
 
