@@ -87,3 +87,39 @@ def test_a_file_with_a_mistake(content, said, tmp_path):
     (line,) = error.value.problems
     assert line.startswith(f"{path}: {said}")
     assert line.isprintable()
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        ("F_c = {value = 1.0, determined = 0}", "F_c.determined: 0: must be true or false"),
+        ("F_c = {value = 1.0, determined = 'false'}", "F_c.determined: 'false': must be true or false"),
+        ("F_c = {value = 1.0, unit = 3}", "F_c.unit: 3: must be text"),
+        ("F_c = {value = 1.0, unit = 'kN'}", "F_c.unit: 'kN': must be N or N m"),
+        ("F_c = {value = 1.0, low = 'x'}", "F_c.low: 'x': must be a number"),
+        ("F_c = {value = 1.0, high = true}", "F_c.high: true: must be a number"),
+        ("F_c = {low = 1.0}", "F_c: a table with low: must be a number, or a table with its value"),
+        ("F_c = 1.0\nsmooth_ab = 'sqrt'", "smooth_ab = 'sqrt': no law has such a constant"),
+        ("F_c = 1.0\n[other]\n[more]\n", None),
+    ],
+)  # fmt: skip
+def test_what_stands_beside_a_number_is_looked_at(content, said, tmp_path):
+    """``determined = 0`` let a number pass that the data do not determine, and 5 kN was taken as 5 N."""
+    path = tmp_path / "mine.toml"
+    path.write_text("[parameters]\n" + content)
+    if said is None:
+        assert law("coulomb_viscous", path, sigma_2=0.0).p.F_c == 1.0
+        return
+    with pytest.raises(InputError) as error:
+        law("coulomb_viscous", path, sigma_2=0.0)
+    assert len(error.value.problems) == 1
+    assert said in str(error.value)
+
+
+def test_a_motion_is_linear_or_rotary(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("motion = 'rotating'\nF_c = 1.0\nmaker = 'words beside the numbers'\n")
+    with pytest.raises(InputError, match="motion: 'rotating': must be linear or rotary"):
+        law("coulomb_viscous", path, sigma_2=0.0)
+    path.write_text(path.read_text().replace("rotating", "rotary"))
+    assert law("coulomb_viscous", path, sigma_2=0.0).rotary

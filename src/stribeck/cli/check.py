@@ -10,7 +10,7 @@ from math import inf, nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from stribeck import laws, parameter_sets
+from stribeck import laws
 from stribeck.cli import show
 from stribeck.cli.text import say, width
 from stribeck.constants import DECIDED, require_positive
@@ -159,7 +159,8 @@ def _all(
 ) -> int:
     from stribeck.properties.matrix import every_law
 
-    values = dict(parameter_sets.load(parameters).values) if parameters else {}
+    sets = (laws.parameters_for(cls, parameters) for cls in laws.builtin().values()) if parameters else ()
+    values = {n: x for each in sets for n, x in each.items()}
     known = {n for cls in laws.builtin().values() for n in cls.constants()}
     if unknown := [n for n in given if n not in known]:
         raise InputError([f"--set: {n}: no law has such a constant" for n in unknown])

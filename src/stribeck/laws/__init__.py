@@ -11,7 +11,7 @@ from types import ModuleType
 import numpy as np
 
 from stribeck import kinds, parameter_sets
-from stribeck.constants import kind_of, show
+from stribeck.constants import Constant, kind_of, show
 from stribeck.errors import InputError, arg, nearest, said_by
 from stribeck.expressions.ops import Value
 from stribeck.laws.base import PARAMETERS, BristleLaw, Claims, Law, Relation, Scales, StaticLaw
@@ -144,12 +144,22 @@ def parameters_for(law: type[Law] | None, name: str, folder: Path | None = None)
     Raises:
         InputError: there is no such set, or it holds a number that no law knows.
     """
-    values = parameter_sets.load(name, folder).values
+    found = parameter_sets.load(name, folder)
+    values = found.values
     own = law.constants() if law is not None else {}
     known = dict.fromkeys(n for each in (PARAMETERS, own, *(c.constants() for c in builtin().values())) for n in each)
-    if law is not None and (odd := [n for n, x in values.items() if n not in known and not isinstance(x, str)]):
+    if law is not None and (odd := [n for n in values if n not in known and n not in found.words]):
         raise InputError(
             [f"{name!r}: {n} = {show(values[n])}: no law has such a constant{nearest(n, known)}" for n in odd]
+        )
+    every: dict[str, Constant] = {**PARAMETERS, **own}
+    meant = {n: (every[n].unit_for(False), every[n].unit_for(True), "SI") for n in found.units if n in every}
+    if wrong := [n for n, units in meant.items() if found.units[n] not in units]:
+        raise InputError(
+            [
+                f"{name!r}: {n}.unit: {show(found.units[n])}: must be {' or '.join(dict.fromkeys(meant[n][:2]))}"
+                for n in wrong
+            ]
         )
     return {n: value for n, value in values.items() if n in PARAMETERS or n in own}
 

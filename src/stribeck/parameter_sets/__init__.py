@@ -3,15 +3,29 @@
 from __future__ import annotations
 
 import tomllib
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+from stribeck.constants import show
 from stribeck.errors import InputError, nearest
 from stribeck.files import read_file
 
 _FOLDER = Path(__file__).parent
+_MOTIONS = ("linear", "rotary")
+
+
+def _number(x: object) -> bool:
+    return isinstance(x, int | float) and not isinstance(x, bool)
+
+
+# What may stand beside a number in its table, and that in words.
+_BESIDE: dict[str, tuple[Callable[[object], bool], str]] = {
+    "determined": (lambda x: isinstance(x, bool), "true or false"), "unit": (lambda x: isinstance(x, str), "text"),
+    "low": (_number, "a number"), "high": (_number, "a number"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -24,6 +38,8 @@ class ParameterSet:
     motion: str  # "linear" or "rotary"
     values: dict[str, float] = field(hash=False)
     undetermined: tuple[str, ...] = ()  # values that a fit wrote, and that its data do not determine
+    units: dict[str, str] = field(default_factory=dict, hash=False)  # where the file tells them
+    words: tuple[str, ...] = ()  # text that stands beside the numbers of a file without [parameters]
 
     @property
     def rotary(self) -> bool:
@@ -106,6 +122,25 @@ def _read(path: Path) -> ParameterSet:
     table = data.get("parameters", {k: v for k, v in data.items() if k not in ("schema", "name")})
     if not isinstance(table, dict):
         raise InputError(f"{path}: parameters must be a table of numbers")
-    values = {k: v["value"] if isinstance(v, dict) and "value" in v else v for k, v in table.items()}
+    problems = [text for k, v in table.items() if isinstance(v, dict) and (text := _wrong(k, v))]
+    if words["motion"] not in ("", *_MOTIONS):
+        problems.append(f"motion: {show(words['motion'])}: must be {' or '.join(_MOTIONS)}")
+    if problems:
+        raise InputError([f"{path}: {text}" for text in problems])
+    values = {k: v["value"] if isinstance(v, dict) else v for k, v in table.items()}
     unknown = tuple(k for k, v in table.items() if isinstance(v, dict) and v.get("determined") is False)
-    return ParameterSet(path.stem, words["title"], words["source"], words["motion"] or "linear", values, unknown)
+    units = {k: v["unit"] for k, v in table.items() if isinstance(v, dict) and "unit" in v}
+    beside = () if "parameters" in data else tuple(k for k, x in values.items() if isinstance(x, str))
+    return ParameterSet(
+        path.stem, words["title"], words["source"], words["motion"] or "linear", values, unknown, units, beside
+    )
+
+
+def _wrong(name: str, told: dict[str, Any]) -> str | None:
+    """What is wrong with the table of one number, but for the number."""
+    if "value" not in told:
+        return f"{name}: {show(told)}: must be a number, or a table with its value"
+    for key, (holds, must) in _BESIDE.items():
+        if key in told and not holds(told[key]):
+            return f"{name}.{key}: {show(told[key])}: must be {must}"
+    return None
