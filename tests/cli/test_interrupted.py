@@ -206,6 +206,45 @@ def test_signals_leave_nothing(number, scenario, tmp_path):
     assert content(out) == {}
 
 
+IMPORTS = """
+import signal, sys, time
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.path.insert(0, sys.argv.pop())
+from stribeck import cli
+from stribeck.report import chapters
+cli._LONGEST_IMPORT = 0.5
+def slow(*args):
+    import swallows
+    print("imported", flush=True)
+    time.sleep(600)
+chapters.write_page = slow
+cli.main(sys.argv[1:])
+"""
+SWALLOWS = """
+import os, signal, time
+try:
+    os.kill(os.getpid(), signal.{name})
+    os.kill(os.getpid(), signal.{name})
+    time.sleep({seconds})
+except {all}:
+    pass
+"""
+
+
+@needs_signals
+@pytest.mark.parametrize(("name", "seconds"), [("SIGINT", 0.01), ("SIGTERM", 0.01), ("SIGINT", 600)])
+def test_a_signal_while_a_library_is_imported_is_not_lost(name, seconds, scenario, tmp_path):
+    """1 of 12 was, in libraries that catch all that comes while they look for others; one that never ends is left."""
+    caught = "BaseException" if seconds < 1 else "ImportError"
+    (tmp_path / "swallows.py").write_text(SWALLOWS.format(name=name, seconds=seconds, all=caught))
+    command = [sys.executable, "-c", IMPORTS, "run", str(scenario), "--out", str(tmp_path / "out"), str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 128 + getattr(signal, name), done.stderr
+    assert done.stderr in ("stribeck: interrupted\n", "stribeck: terminated\n")
+    assert (done.stdout == "imported\n") == (seconds < 1)
+    assert content(tmp_path / "out") == {}
+
+
 PAPER = """
 import os, signal, subprocess, sys, tempfile
 signal.signal(signal.SIGINT, signal.default_int_handler)

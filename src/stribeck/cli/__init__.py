@@ -12,6 +12,7 @@ import threading
 import time
 import warnings
 from contextlib import suppress
+from types import FrameType
 from typing import NoReturn
 
 from stribeck.cli.options import said
@@ -34,6 +35,8 @@ _LINEAR_ALGEBRA = ("fit", "predict", "validate", "rig", "design", "paper")
 _YOUNG = 100_000  # objects made between two looks for garbage: a start makes many, and all of them stay
 _PLAIN = "stribeck"  # how what cannot be encoded is written
 _GRACE = 5.0  # s, to clear away what has been begun
+_MOMENT = 0.05  # s, after which a signal comes again
+_LONGEST_IMPORT = 3.0  # s: so long a signal waits for its end
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
@@ -41,11 +44,15 @@ class _Stop(KeyboardInterrupt):
     """A signal that ends the process, taken as Ctrl-C is: what has been begun is cleared away."""
 
     last: int = signal.SIGINT
+    since: float | None = None  # when it came that waits for the end of an import
+    due: bool = False  # what comes is that one again
 
 
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 or 143 interrupted."""
     watched = []
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # a shell's background job ignores it
+        signal.signal(signal.SIGINT, _stop)
     for name in ("SIGTERM", "SIGHUP"):
         number = getattr(signal, name, None)
         if number is not None and signal.getsignal(number) is signal.SIG_DFL:  # nohup ignores it, and so do we
@@ -99,15 +106,40 @@ def _once_more(lost: sys.UnraisableHookArgs) -> None:
     if not isinstance(lost.exc_value, KeyboardInterrupt):
         sys.__unraisablehook__(lost)
         return
-    number = _Stop.last if isinstance(lost.exc_value, _Stop) else signal.SIGINT
-    again = threading.Timer(0.05, os.kill, (os.getpid(), number))
+    _again(_Stop.last if isinstance(lost.exc_value, _Stop) else signal.SIGINT)
+
+
+def _again(number: int) -> None:
+    """Have a signal come again, a moment later."""
+
+    def come() -> None:
+        _Stop.due = True
+        os.kill(os.getpid(), number)
+
+    again = threading.Timer(_MOMENT, come)
     again.daemon = True
     again.start()
 
 
-def _stop(number: int, frame: object) -> NoReturn:
-    _Stop.last = number
+def _stop(number: int, frame: FrameType | None) -> None:
+    """Stop here; while a library is imported, after that: some catch all that comes meanwhile, and it would be lost."""
+    _Stop.last, now, again, _Stop.due = number, time.monotonic(), _Stop.due, False
+    if _Stop.since is not None and not again:
+        return  # another one, while the first waits
+    if _importing(frame) and now - (_Stop.since or now) < _LONGEST_IMPORT:
+        _Stop.since = _Stop.since or now
+        _again(number)
+        return
+    _Stop.since = None
     raise _Stop
+
+
+def _importing(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
 
 
 def _status(arguments: list[str] | None) -> int:
