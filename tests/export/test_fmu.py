@@ -260,6 +260,104 @@ def test_an_input_that_is_no_number_in_model_exchange(name, fmi, folder):
     assert np.isfinite(get([reference["F"]])).all()
 
 
+class Exchanged:
+    """An instance for model exchange: what each state of an FMU computes, told whether it is refused."""
+
+    def __init__(self, path, fmi):
+        from fmpy.fmi2 import FMU2Model
+        from fmpy.fmi3 import FMU3Model
+
+        self.of, self.fmi = fmpy.read_model_description(path), fmi
+        self.fmu = (FMU2Model if fmi == 2 else FMU3Model)(
+            guid=self.of.guid, unzipDirectory=fmpy.extract(path),
+            modelIdentifier=self.of.modelExchange.modelIdentifier,
+        )  # fmt: skip
+        self.fmu.instantiate()
+        self.put, self.get = (
+            (self.fmu.setReal, self.fmu.getReal) if fmi == 2 else (self.fmu.setFloat64, self.fmu.getFloat64)
+        )
+        self.outputs = [v.valueReference for v in self.of.modelVariables if v.causality == "output" and not v.start]
+        self.known = [v.valueReference for v in self.of.modelVariables if v.causality == "input"]
+
+    def reach(self, state):
+        """Until this state of an FMU."""
+        if self.fmi == 2:
+            self.fmu.setupExperiment()
+        for name in ("enterInitializationMode", "exitInitializationMode", "enterContinuousTimeMode"):
+            if state == name:
+                return
+            getattr(self.fmu, name)()
+
+    def computes(self):
+        """What the FMU is asked to compute, by name."""
+        import ctypes
+
+        n = len(self.of.derivatives)
+        rates = (ctypes.c_double * max(n, 1))()
+        asked = {f"output {r}": lambda r=r: self.get([r]) for r in self.outputs}
+        if n:
+            take = self.fmu.getDerivatives if self.fmi == 2 else self.fmu.getContinuousStateDerivatives
+            asked["rates"] = lambda: take(rates, n)
+        return asked
+
+    def refused(self):
+        """Whether each of these is refused."""
+        from fmpy.fmi1 import FMICallException
+
+        found = {}
+        for name, ask in self.computes().items():
+            try:
+                ask()
+                found[name] = False
+            except FMICallException:
+                found[name] = True
+        return found
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "fmi"), [("dahl", "law", 2), ("dahl", "law", 3), ("makkar", "law", 2), ("makkar", "body", 3)]
+)
+@pytest.mark.parametrize(
+    "state", ["enterInitializationMode", "exitInitializationMode", "enterContinuousTimeMode", "end"]
+)
+def test_nothing_is_computed_with_constants_that_are_not_allowed(name, part, fmi, state, folder):
+    """F_c = inf was taken where it was set while time goes on: only a step, or the end of the initialisation, looked."""
+    model = Exchanged(fmu(name, part, fmi, folder), fmi)
+    model.reach(state)
+    assert not any(model.refused().values())
+    for v in model.of.modelVariables:
+        if v.causality != "parameter":
+            continue
+        constant = law(name).constants().get(v.name)
+        wrong = [np.nan, np.inf, -np.inf, -1.0, *([0.0] if constant is None or constant.above is not None else [])]
+        for value in (x for x in wrong if constant is None or constant.problem(x)):
+            model.put([v.valueReference], [value])
+            assert all(model.refused().values()), (v.name, value)
+        model.put([v.valueReference], [float(v.start)])
+        assert not any(model.refused().values())
+    model.put(model.known[:1], [np.nan])
+    assert all(model.refused().values())
+
+
+@pytest.mark.parametrize(("name", "part", "fmi"), [("dahl", "law", 2), ("makkar", "body", 3)])
+def test_states_and_times_are_numbers(name, part, fmi, folder):
+    import ctypes
+
+    from fmpy.fmi1 import FMICallException
+
+    model = Exchanged(fmu(name, part, fmi, folder), fmi)
+    model.reach("end")
+    n = len(model.of.derivatives)
+    for bad in (np.nan, np.inf, -np.inf):
+        with pytest.raises(FMICallException):
+            model.fmu.setTime(bad)
+        for i in range(n):
+            x = (ctypes.c_double * n)(*[bad if k == i else 0.0 for k in range(n)])
+            with pytest.raises(FMICallException):
+                model.fmu.setContinuousStates(x, n)
+            assert not any(model.refused().values())
+
+
 def test_two_instances_share_nothing(slave):
     one, two = slave(), slave()
     for each in (one, two):

@@ -65,6 +65,8 @@ fmi2Status fmi2SetupExperiment(fmi2Component i, fmi2Boolean toleranceDefined, fm
     fmi2Boolean stopTimeDefined, fmi2Real stopTime)
 {
     UNUSED(stopTimeDefined); UNUSED(stopTime);
+    if (!isfinite(startTime)) return fail(i, "the start time is not finite");
+    if (toleranceDefined && (!(tolerance >= 0) || !isfinite(tolerance))) return fail(i, "the tolerance must be a finite number > 0");
     MODEL(i)->time = startTime;
     if (toleranceDefined && tolerance > 0) MODEL(i)->tolerance = tolerance;
     return fmi2OK;
@@ -92,6 +94,7 @@ fmi2Status fmi2GetReal(fmi2Component i, const fmi2ValueReference references[], s
 {
     for (size_t k = 0; k < n; ++k) {
         double value = 0;
+        if (computed(references[k]) && checked(i) != fmi2OK) return fmi2Error;
         if (!get(MODEL(i), references[k], &value)) return fail(i, "there is no Real of this reference");
         if (!isfinite(value)) return fail(i, "a variable is not finite");
         values[k] = value;
@@ -126,6 +129,7 @@ NONE(String, fmi2String)
 fmi2Status fmi2GetDirectionalDerivative(fmi2Component i, const fmi2ValueReference unknowns[], size_t nUnknowns,
     const fmi2ValueReference knowns[], size_t nKnowns, const fmi2Real seed[], fmi2Real result[])
 {
+    if (checked(i) != fmi2OK) return fmi2Error;
     for (size_t j = 0; j < nUnknowns; ++j) {
         result[j] = 0;
         for (size_t k = 0; k < nKnowns; ++k) {
@@ -133,6 +137,7 @@ fmi2Status fmi2GetDirectionalDerivative(fmi2Component i, const fmi2ValueReferenc
             if (!partial(MODEL(i), unknowns[j], knowns[k], &value)) return fail(i, "there is no derivative of this by that");
             result[j] += value * seed[k];
         }
+        if (!isfinite(result[j])) return fail(i, "a derivative is not finite");
     }
     return fmi2OK;
 }
@@ -172,6 +177,7 @@ fmi2Status fmi2DoStep(fmi2Component i, fmi2Real point, fmi2Real step, fmi2Boolea
     UNUSED(noSet);
     if (!MODEL(i)->initialised) return fail(i, "the instance is not initialised");
     if (checked(i) != fmi2OK) return fmi2Error;
+    if (!isfinite(point + step)) return fail(i, "the communication point or the step is not finite");
     MODEL(i)->time = point;
     problem = advance_model(MODEL(i), step);
     if (problem) return fail(i, problem);

@@ -82,6 +82,8 @@ fmi3Status fmi3EnterInitializationMode(fmi3Instance i, fmi3Boolean toleranceDefi
     fmi3Float64 startTime, fmi3Boolean stopTimeDefined, fmi3Float64 stopTime)
 {
     UNUSED(stopTimeDefined); UNUSED(stopTime);
+    if (!isfinite(startTime)) return fail(i, "the start time is not finite");
+    if (toleranceDefined && (!(tolerance >= 0) || !isfinite(tolerance))) return fail(i, "the tolerance must be a finite number > 0");
     MODEL(i)->time = startTime;
     if (toleranceDefined && tolerance > 0) MODEL(i)->tolerance = tolerance;
     return fmi3OK;
@@ -112,6 +114,7 @@ fmi3Status fmi3GetFloat64(fmi3Instance i, const fmi3ValueReference references[],
     if (n != count) return fail(i, "as many values as references are needed");
     for (size_t k = 0; k < n; ++k) {
         double value = 0;
+        if (computed(references[k]) && checked(i) != fmi3OK) return fmi3Error;
         if (!get(MODEL(i), references[k], &value)) return fail(i, "there is no Float64 of this reference");
         if (!isfinite(value)) return fail(i, "a variable is not finite");
         values[k] = value;
@@ -213,6 +216,7 @@ fmi3Status fmi3GetVariableDependencies(fmi3Instance i, fmi3ValueReference depend
 fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference unknowns[], size_t nUnknowns,
     const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 result[], size_t nResult)
 {
+    if (checked(i) != fmi3OK) return fmi3Error;
     if (nSeed != nKnowns || nResult != nUnknowns) return fail(i, "as many values as references are needed");
     for (size_t j = 0; j < nUnknowns; ++j) {
         result[j] = 0;
@@ -221,6 +225,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference
             if (!partial(MODEL(i), unknowns[j], knowns[k], &value)) return fail(i, "there is no derivative of this by that");
             result[j] += value * seed[k];
         }
+        if (!isfinite(result[j])) return fail(i, "a derivative is not finite");
     }
     return fmi3OK;
 }
@@ -228,6 +233,7 @@ fmi3Status fmi3GetDirectionalDerivative(fmi3Instance i, const fmi3ValueReference
 fmi3Status fmi3GetAdjointDerivative(fmi3Instance i, const fmi3ValueReference unknowns[], size_t nUnknowns,
     const fmi3ValueReference knowns[], size_t nKnowns, const fmi3Float64 seed[], size_t nSeed, fmi3Float64 result[], size_t nResult)
 {
+    if (checked(i) != fmi3OK) return fmi3Error;
     if (nSeed != nUnknowns || nResult != nKnowns) return fail(i, "as many values as references are needed");
     for (size_t k = 0; k < nKnowns; ++k) {
         result[k] = 0;
@@ -236,6 +242,7 @@ fmi3Status fmi3GetAdjointDerivative(fmi3Instance i, const fmi3ValueReference unk
             if (!partial(MODEL(i), unknowns[j], knowns[k], &value)) return fail(i, "there is no derivative of this by that");
             result[k] += value * seed[j];
         }
+        if (!isfinite(result[k])) return fail(i, "a derivative is not finite");
     }
     return fmi3OK;
 }
@@ -287,6 +294,7 @@ fmi3Status fmi3DoStep(fmi3Instance i, fmi3Float64 point, fmi3Float64 step, fmi3B
     *last = point;
     if (!MODEL(i)->initialised) return fail(i, "the instance is not initialised");
     if (checked(i) != fmi3OK) return fmi3Error;
+    if (!isfinite(point + step)) return fail(i, "the communication point or the step is not finite");
     MODEL(i)->time = point;
     problem = advance_model(MODEL(i), step);
     if (problem) return fail(i, problem);

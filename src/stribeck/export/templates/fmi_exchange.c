@@ -15,6 +15,7 @@
 
 {{ F }}Status {{ F }}SetTime({{ Handle }} i, {{ Real }} time)
 {
+    if (!isfinite(time)) return fail(i, "the time is not finite");
     MODEL(i)->time = time;
     TOUCHED(MODEL(i));
     return {{ F }}OK;
@@ -23,6 +24,8 @@
 {{ F }}Status {{ F }}SetContinuousStates({{ Handle }} i, const {{ Real }} x[], size_t n)
 {
     if (n != STATES) return fail(i, "this is not the number of states");
+    for (size_t k = 0; k < n; ++k)
+        if (!isfinite(x[k])) return fail(i, "a state is not finite");
     for (size_t k = 0; k < n; ++k) X(MODEL(i))[k] = x[k];
     TOUCHED(MODEL(i));
     return {{ F }}OK;
@@ -39,6 +42,7 @@
 {
     Evaluation e;
     if (n != STATES) return fail(i, "this is not the number of states");
+    if (checked(i) != {{ F }}OK) return {{ F }}Error;
     evaluate(MODEL(i), &e);
     for (size_t k = 0; k < n; ++k) {
         if (!isfinite(e.rate[k])) return fail(i, "the derivative of a state is not finite");

@@ -15,3 +15,14 @@ static int set(Model *m, unsigned reference, double value)
     default: return 0;
     }
 }
+
+/* Whether it is computed from the constants, which must then be allowed. */
+static int computed(unsigned reference)
+{
+    switch (reference) {
+{% for variable in variables if not variable.settable and variable.causality != "independent" %}
+    case {{ variable.reference }}: return 1; /* {{ variable.name }} */
+{% endfor %}
+    default: return 0;
+    }
+}
