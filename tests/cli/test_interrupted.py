@@ -15,7 +15,7 @@ import pytest
 import tomli_w
 
 import stribeck
-from stribeck import examples
+from stribeck import examples, paper
 from stribeck.cli import _status, actuator
 from stribeck.files import together, write_text
 from stribeck.identify.actuator import page
@@ -305,6 +305,21 @@ def test_paper_leaves_no_workers(number, tmp_path):
         assert not alive(int(worker.name))
     assert "Traceback" not in error
     assert content(out) == {}
+
+
+def test_a_signal_while_paper_starts_its_workers(monkeypatch):
+    """It ended in a RuntimeError, after all that the workers had begun: 107 s."""
+    from concurrent.futures import process
+    from multiprocessing import active_children
+
+    def stopped(thread):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(process._ExecutorManagerThread, "start", stopped)
+    others = set(active_children())
+    with pytest.raises(KeyboardInterrupt):
+        paper._compute(None)
+    assert set(active_children()) <= others
 
 
 def test_lanes_one_by_one_end_soon(monkeypatch, scenario):

@@ -8,6 +8,7 @@ import pkgutil
 import signal
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from multiprocessing import parent_process
 from pathlib import Path
 from threading import Thread
@@ -110,25 +111,26 @@ def _compute(progress: Callable[[float, str], None] | None) -> dict[str, Chapter
     independent.sort(key=lambda name: _SLOWEST_FIRST.index(name) if name in _SLOWEST_FIRST else len(_SLOWEST_FIRST))
     done: dict[str, Chapter] = {}
     others = set(active_children())
-    with ProcessPoolExecutor(min(2, os.cpu_count() or 1), initializer=_begin_worker) as pool:
+    pool = ProcessPoolExecutor(min(2, os.cpu_count() or 1), initializer=_begin_worker)
+    try:
         futures = {pool.submit(_worked, name): name for name in independent}
-        try:
+        if progress is not None:
+            progress(0.0, f"{len(CHAPTERS)} chapters")
+        for future in as_completed(futures):
+            done[futures[future]] = future.result()
             if progress is not None:
-                progress(0.0, f"{len(CHAPTERS)} chapters")
-            for future in as_completed(futures):
-                done[futures[future]] = future.result()
-                if progress is not None:
-                    progress(
-                        len(done) / len(CHAPTERS), f"{len(done)} of {len(CHAPTERS)} chapters, {futures[future]} done"
-                    )
-        except BaseException:  # Ctrl-C too: a chapter takes up to a minute, and nobody waits for it any more
-            mine = set(active_children()) - others
-            for child in mine:
-                child.terminate()
-            for child in mine:  # a compiler that it called is ended, and temporary files are cleared away
-                child.join(_GRACE)
-                child.kill()
-            raise  # out of the pool, which waits for its thread: left running it could trip over the interpreter's end
+                progress(len(done) / len(CHAPTERS), f"{len(done)} of {len(CHAPTERS)} chapters, {futures[future]} done")
+    except BaseException:  # Ctrl-C too: a chapter takes up to a minute, and nobody waits for it any more
+        mine = set(active_children()) - others
+        for child in mine:
+            child.terminate()
+        for child in mine:  # a compiler that it called is ended, and temporary files are cleared away
+            child.join(_GRACE)
+            child.kill()
+        raise
+    finally:  # it waits for its thread: left running that could trip over the interpreter's end
+        with suppress(RuntimeError):  # of a thread that a signal kept from being started
+            pool.shutdown()
     for name in _READS_OTHERS:
         done[name] = _chapter(name, done)
     return {name: done[name] for name in CHAPTERS}
