@@ -1,6 +1,9 @@
 """What plots show: units that keep numbers short, words, the axis near rest, what a drive adds."""
 
+import os
 import re
+import subprocess
+import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -129,3 +132,12 @@ def test_runs_that_failed_stand_in_the_figure_of_verdicts(verdicts, shown):
     turned = SimpleNamespace(path="bodies.a.mass", low=0.0, high=1.0)
     line = SimpleNamespace(found=found, values=[0.2, 0.8], boundaries=[], mixed=[], turned=turned)
     assert (">failed<" in design_figures.line(line, 0).svg) is shown
+
+
+def test_matplotlib_says_nothing_of_its_own_folders(tmp_path):
+    """A line of 350 characters stood on the screen of a user without a home."""
+    words = "from stribeck.report import plots\nwith plots.style():\n    plots.figure([['a']], 2.0)\n"
+    told = os.environ | {"MPLCONFIGDIR": str(tmp_path / "file" / "below")}
+    (tmp_path / "file").touch()
+    done = subprocess.run([sys.executable, "-c", words], env=told, capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == ("", "")

@@ -72,6 +72,23 @@ def test_a_folder_that_cannot_be_made(place, home, tmp_path, monkeypatch):
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+@pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs users with numbers")
+def test_a_user_without_a_home(home, tmp_path, monkeypatch):
+    """A container's user may be a number alone: it was a traceback."""
+    import platformdirs
+
+    def nowhere(*args, **more):
+        raise RuntimeError("could not determine the home directory")
+
+    monkeypatch.delenv("STRIBECK_CACHE")
+    monkeypatch.setattr(platformdirs, "user_cache_dir", nowhere)
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    run(built=True)
+    own = tmp_path / f"stribeck-{os.geteuid()}"
+    assert own.stat().st_mode & 0o777 == 0o700
+    assert len(list(own.iterdir())) == 1
+
+
 def test_a_folder_that_is_read_only(home):
     home.mkdir(mode=0o500)
     run(built=True, notes=["cannot be written (Permission denied)"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, cast
@@ -64,6 +65,7 @@ _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more tha
 def style() -> Iterator[None]:
     """Within, matplotlib draws in the common style."""
     with needed("a plot"):
+        logging.getLogger("matplotlib").setLevel(logging.ERROR)  # where it keeps its fonts concerns nobody here
         import matplotlib
 
     with matplotlib.rc_context(cast(Any, _STYLE)):

@@ -24,12 +24,18 @@ _loaded: dict[tuple[str, str], ctypes.CDLL] = {}  # by the compiler's key and th
 
 
 def folder() -> Path:
-    """Where compiled systems are kept: $STRIBECK_CACHE, or the user's cache folder."""
+    """Where compiled systems are kept: $STRIBECK_CACHE, or the user's cache folder; of a user who has no home, a folder for
+    temporary files."""
     if given := os.environ.get("STRIBECK_CACHE"):
         return Path(given).absolute()  # a library's bare name would be looked for elsewhere
     import platformdirs
 
-    return Path(platformdirs.user_cache_dir("stribeck", appauthor=False))
+    try:
+        return Path(platformdirs.user_cache_dir("stribeck", appauthor=False))
+    except RuntimeError:  # a container's user may be a number alone, without $HOME
+        from tempfile import gettempdir
+
+        return Path(gettempdir(), f"stribeck-{os.geteuid()}")
 
 
 def library(
