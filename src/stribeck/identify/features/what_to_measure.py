@@ -13,7 +13,8 @@ _WORDS = {
     "sigma_0": "small reversals: move to and fro by {small} to {large} (total way), the largest at {loop} or slower, at least 20 "
     "samples in each, with a position resolution of {fine} or better",
     "sigma_1": "small and fast reversals: {small} to {large} (total way) at several frequencies, so that the speed in "
-    "the largest reaches {loop} to {loop_fast}; or steps of force from rest, rising at {rate} or faster",
+    "the largest reaches {loop} to {loop_fast}, with a position resolution of {fine} or better; "
+    "or steps of force from rest, rising at {rate} or faster",
     "sigma_2": "constant speeds in both directions up to {fast} or more, at least three of them above a third of that",
     "F_c": "constant speeds in both directions from {middle} up, long enough for the force to settle",
     "F_s": "constant speeds in both directions from {slowest} to {middle}, evenly spaced in the logarithm; or force "

@@ -18,6 +18,7 @@ from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.terms import TERMS
 from stribeck.identify.statistics.linear import linearised
 
+_NORMAL = 1.959964
 _WORTH = 1.2
 _MOST = 100.0  # what is more is not told in numbers: the curvature there is not that far away
 _RESOLVED = 1e-12  # of a variance, in the information
@@ -25,16 +26,19 @@ _RESOLVED = 1e-12  # of a variance, in the information
 
 @dataclass(frozen=True)
 class Effect:
-    """How many times narrower an interval would be with so many samples, and their noise, N."""
+    """The standard deviation that the noise would leave with so many samples of the advised motion, inner coordinates, and
+    their own noise, N."""
 
-    factor: float
+    deviation: float
     samples: int
     noise: float
 
-    def __str__(self) -> str:
-        if self.factor <= _WORTH:
+    def told(self, half: float, stays: float) -> str:
+        """In words, for half an interval now and what of it no further sample takes away: the sensor's and the model's part."""
+        factor = half / (_NORMAL * self.deviation + stays)
+        if not factor > _WORTH:
             return ""
-        times = f"{self.factor:.2g}" if self.factor < _MOST else f"more than {_MOST:g}"
+        times = f"{factor:.2g}" if factor < _MOST else f"more than {_MOST:g}"
         with_it = f"with {self.samples} samples of it beside this record, and {self.noise:.2g} N of force noise"
         return f" ({with_it}, the interval would be {times} times narrower)"
 
@@ -92,11 +96,12 @@ def _motion(name: str, log: Log, at: Reach, sizes: Sizes, mass: float, apart: bo
 
 def _effect(now: Array, slopes: Array, k: int, noise: float) -> Effect | None:
     """Of the information of new rows on a covariance."""
-    size = np.sqrt(np.diag(now))
+    with np.errstate(invalid="ignore"):
+        size = np.sqrt(np.diag(now))
     if not (np.isfinite(size) & (size > 0)).all() or not np.isfinite(slopes).all():
         return None
     value, vector = np.linalg.eigh(now / np.outer(size, size))
     told = vector / np.maximum(value, _RESOLVED * value[-1]) @ vector.T
     information = told + (slopes * size).T @ (slopes * size) / noise**2
-    after = np.linalg.pinv(information, hermitian=True)[k, k]
-    return Effect(float(np.sqrt(1.0 / after)), len(slopes), noise) if after > 0 else None
+    after = float(np.linalg.pinv(information, hermitian=True)[k, k] * size[k] ** 2)
+    return Effect(float(np.sqrt(after)), len(slopes), noise) if after > 0 else None

@@ -84,7 +84,11 @@ def static_intervals(
             verdicts.setdefault(name, "with terms that were not fitted it may be half or twice its value")
     # what nothing determines has a variance that is huge, and finite
     spread = np.minimum(wide.widest / _NORMAL, _HUGE)
-    inner = _relation(at) * np.outer(spread, spread)
+    relation = _relation(at)
+    inner = relation * np.outer(spread, spread)
+    bias = np.array([details.get("filter_bias", {}).get(n, 0.0) for n in at.names])
+    stays = bias + np.maximum(wide.below, wide.above)
+    noisy = np.minimum(np.sqrt(np.maximum(wide.half**2 - bias**2, 0.0)) / _NORMAL, _HUGE)
     estimates: dict[str, Estimate] = {}
     for k, name in enumerate(at.names):
         unit = unit_of(model.law, name)
@@ -94,7 +98,9 @@ def static_intervals(
         ).tolist()
         first, last = (end if np.isfinite(end) and 1e-12 < abs(end / x) < 1e12 else None for end in ends) if x else ends
         if why := verdicts.get(name):
-            what = _experiment(rows, model, solution, name, verdicts, (at, inner))
+            what = _experiment(rows, solution, name, verdicts)
+            if not ("offset" in model.unseen and name in ("F_c", "F_s")):  # no interval knows of the offset
+                what += _effect(rows, model, solution, at, relation * np.outer(noisy, noisy), stays, k, verdicts)
             estimates[name] = Estimate(None, first, last, unit, False, why, what, float(x))
         else:
             estimates[name] = Estimate(float(x), first, last, unit)
@@ -117,26 +123,21 @@ def _relation(at: Linear) -> Array:
     return np.asarray(relation)
 
 
-def _experiment(
-    rows: Rows,
-    model: StaticModel,
-    solution: Minimum,
-    name: str,
-    open_: Collection[str],
-    at: tuple[Linear, Array] | None = None,
-) -> str:
-    """What to measure for a number that the data leave open, and its effect: of one that is in the model near its optimum,
-    ``at`` with its covariance, and that no verdict but the interval's width leaves without a scale."""
-    sizes, values = sizes_of(thinned(rows.log)), solution.values
-    words = experiment_for(name, values, sizes, open_)
-    if at is None or ("offset" in model.unseen and name in ("F_c", "F_s")):
-        return words
-    linear, inner = at
-    noise = float(np.std(linear.misfit[rows.weight > 0]) * np.sqrt(rows.q))  # of a row before they are thinned
-    found = at_held_speeds(
-        model.whole, solution, inner, linear.names, name, noise, reachable(values, sizes, open_), sizes
-    )
-    return f"{words}{found or ''}"
+def _experiment(rows: Rows, solution: Minimum, name: str, open_: Collection[str]) -> str:
+    """What to measure for a number that the data leave open."""
+    return experiment_for(name, solution.values, sizes_of(thinned(rows.log)), open_)
+
+
+def _effect(
+    rows: Rows, model: StaticModel, solution: Minimum, at: Linear, now: Array, stays: Array, k: int, open_: Collection[str]
+) -> str:  # fmt: skip
+    """What that would do to its interval, in words; ``now``: the covariance by noise, ``stays``: the rest of half intervals."""
+    sizes = sizes_of(thinned(rows.log))
+    noise = float(np.std(at.misfit[rows.weight > 0]) * np.sqrt(rows.q))  # of a row before they are thinned
+    numbers = reachable(solution.values, sizes, open_)
+    found = at_held_speeds(model.whole, solution, now, at.names, at.names[k], noise, numbers, sizes)
+    half = _NORMAL * float(np.sqrt(now[k, k])) + float(stays[k])
+    return found.told(half, float(stays[k])) if found else ""
 
 
 def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> tuple[_Reach, list[str], FitDetails]:
@@ -294,23 +295,26 @@ def _unfitted(
         unseen |= {n: why for n in ("F_s", "v_s", "delta") if n in model.free}
     open_ = {*verdicts, *unseen}
     for name, why in unseen.items():
-        what = _experiment(rows, model, solution, name, open_)
+        what = _experiment(rows, solution, name, open_)
         found[name] = Estimate(None, None, None, unit_of(model.law, name), False, why, what)
     for name in (*model.whole.wanted, *model.whole.free):
         if name not in at.names and name not in found:
             best, half, size = _beyond_its_bound(model.whole, solution, name, at)
-            high, unit, why = max(best, 0.0) + half, unit_of(model.law, name), "at its lower bound, 0"
+            unit, why = unit_of(model.law, name), "at its lower bound, 0"
+            high: float | None = max(best, 0.0) + half
             if name in ("F_c", "F_s"):
                 why = "friction at the lowest speeds comes out as 0"
             elif best < -half:
                 why = f"it would come out below 0 ({best:.3g} {unit}): the law bends otherwise than these data"
                 high = None
-            elif high * size > _LOOSE * float(np.linalg.norm(model.whole.weight * model.whole.force)):
+            elif (max(best, 0.0) + half) * size > _LOOSE * float(
+                np.linalg.norm(model.whole.weight * model.whole.force)
+            ):
                 why = "it comes out as 0, and the residuals hardly depend on it"
             else:
                 found[name] = Estimate(0.0, 0.0, high, unit, True, why)
                 continue
-            what = _experiment(rows, model, solution, name, {*open_, name})
+            what = _experiment(rows, solution, name, {*open_, name})
             found[name] = Estimate(None, None, high, unit, False, why, what)
     return found
 

@@ -206,6 +206,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     doubts = _doubts(at, bias, values, sizes, unseen)
     ends = _profiled(at, [k for k in at.own if not doubts[k]], work) if profiles else {}
     intervals: dict[int, tuple[float | None, float | None]] = {}
+    stays: dict[int, float] = {}
     for k in at.own:
         c, half = problem.coordinates[k], np.sqrt(THRESHOLD) * at.deviations[k]
         low: float | None
@@ -214,8 +215,8 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             low, high, _ = ends[k]
         else:
             low, high = (x if c.inner(c.low) < x < c.inner(c.high) else None for x in (u[k] - half, u[k] + half))
-        reach = farther(c, bias[k], c.name in _BRISTLES and lost)
-        low, high = (None if x is None else x + side * reach for x, side in ((low, -1), (high, 1)))
+        stays[k] = farther(c, bias[k], c.name in _BRISTLES and lost)
+        low, high = (None if x is None else x + side * stays[k] for x, side in ((low, -1), (high, 1)))
         doubts[k] = doubts[k] or left_open(low, high, c.log)
         low, high = (None if x is None else c.outer(x) for x in (low, high))
         if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith(("v_s comes", "v_s is not")):
@@ -228,7 +229,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         c, best = problem.coordinates[k], float(problem.coordinates[k].outer(u[k]))
         if doubts[k]:
             what = experiment_for(c.name, values, sizes, open_)
-            what += effect(problem, c.name, values, at.inner, at.own, sizes, expected, numbers)
+            what += effect(problem, k, values, at.inner, at.own, sizes, expected, numbers, stays[k])
             estimates[c.name] = Estimate(None, low, high, c.unit, False, doubts[k], what, best)
         else:
             estimates[c.name] = Estimate(best, low, high, c.unit, best=best)

@@ -103,18 +103,20 @@ def presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -
 
 
 def effect(
-    problem: Problem, name: str, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Sizes, noise: Noise,
-    at: Reach,
+    problem: Problem, k: int, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Sizes, noise: Noise,
+    at: Reach, stays: float,
 ) -> str:  # fmt: skip
-    """What the advised experiment would do to the 95 % interval, in words."""
+    """What the advised experiment would do to the 95 % interval, in words; ``stays``: what of it is not the noise's."""
     inverse = problem if isinstance(problem, VelocityProblem) else getattr(problem, "inverse", None)
     if inverse is None:
         return ""
     own_force = inverse is problem and noise.measured > 0
     level = max(noise.measured, _LEAST_NOISE * sizes.force) if own_force else _TYPICAL_NOISE * sizes.force
     names = [problem.coordinates[k].name for k in own]
-    found = by_simulation(inverse, values, inner[np.ix_(own, own)], names, name, level, at, sizes)
-    return str(found or "")
+    found = by_simulation(
+        inverse, values, inner[np.ix_(own, own)], names, problem.coordinates[k].name, level, at, sizes
+    )
+    return found.told(float(np.sqrt(THRESHOLD * inner[k, k])) + stays, stays) if found else ""
 
 
 def shape(c: Coordinate, values: Mapping[str, float], sizes: Sizes, unseen: str) -> str:
