@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from stribeck.files import write_json, write_with
 from stribeck.report.page import Chapter, FigureSvg, Table, html
-from stribeck.report.plots import thin
+from stribeck.report.plots import in_time, thin
 
 
 def test_a_failed_write_leaves_the_old_file_and_nothing_beside(tmp_path):
@@ -52,3 +52,17 @@ def test_page_escapes_text_and_keeps_figures_apart():
     assert 'id="one-p"' in page
     assert 'xlink:href="#two-p"' in page
     assert 'width="10pt"' not in page
+
+
+def test_a_line_over_times_breaks_where_rows_lack_and_where_a_file_begins():
+    """It was drawn straight across them."""
+    time = np.concatenate([np.arange(0, 1, 0.01), np.arange(1.5, 2, 0.01), np.arange(1.99, 3, 0.01)])
+    x, y = in_time(time, np.arange(len(time)))
+    assert np.flatnonzero(np.isnan(y)).tolist() == [100, 151]
+    assert np.isnan(x[[100, 151]]).all()
+    assert np.array_equal(y[np.isfinite(y)], np.arange(len(time)))
+    long = np.concatenate([np.arange(0, 100, 1e-3), np.arange(200, 300, 1e-3)])
+    x, y = in_time(long, np.sin(long))
+    (broken,) = np.flatnonzero(np.isnan(x))
+    assert len(x) < 10_000
+    assert x[broken - 1] < 100 < 200 <= x[broken + 1]

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from stribeck.arrays import Array
 from stribeck.errors import needed
@@ -59,6 +59,7 @@ _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _LARGEST = 1e300  # of what is drawn: its axis ends beyond, and is a number too
 _LONGEST = 60  # characters of a label
 _BLOCKS = 1500  # a line across a page is drawn from so many stretches: more than print can show
+_GAP = 1.5  # usual steps: a longer one is a gap
 
 
 @contextmanager
@@ -100,14 +101,30 @@ def svg(made: Figure) -> str:
 
 def thin(x: Array, y: Array) -> tuple[Array, Array]:
     """A long line reduced to the extremes of each stretch: what print can show, with no peak lost."""
+    kept = _kept(x, y)
+    return x[kept], y[kept]
+
+
+def in_time(time: Array, y: Array) -> tuple[Array, Array]:
+    """A line over times, thinned, which breaks where rows lack (more than one and a half usual steps) and where another
+    file begins, whose first time is the last one's or before it."""
+    kept, steps = _kept(time, y), np.diff(time)
+    rising = steps[steps > 0]
+    usual = float(np.median(rising)) if len(rising) else 0.0
+    breaks = np.flatnonzero((steps > _GAP * usual) | (steps <= 0)) + 1
+    places = np.unique(np.searchsorted(kept, breaks))
+    return np.insert(time[kept].astype(float), places, np.nan), np.insert(y[kept].astype(float), places, np.nan)
+
+
+def _kept(x: Array, y: Array) -> NDArray[np.intp]:
+    """The rows of a line that print can show: all of a short one."""
     size = len(x) // _BLOCKS
     if size < 8:
-        return x, y
+        return np.arange(len(x))
     usable = len(x) // size * size
     start = np.arange(0, usable, size)
     extremes = [f(part[:usable].reshape(-1, size), 1) for part in (x, y) for f in (np.argmin, np.argmax)]
-    keep = np.unique(np.concatenate([start, *(start + e for e in extremes), np.arange(usable, len(x))]))
-    return x[keep], y[keep]
+    return np.unique(np.concatenate([start, *(start + e for e in extremes), np.arange(usable, len(x))]))
 
 
 def plain(text: str, longest: int = _LONGEST) -> str:

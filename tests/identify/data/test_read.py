@@ -449,3 +449,16 @@ def test_pandas_is_not_read_for_a_file(tmp_path):
     files = [str(tmp_path / name) for name in ("a.csv", "a.parquet")]
     done = subprocess.run([sys.executable, "-c", code, *files], capture_output=True, text=True, check=True)
     assert done.stdout == f"{[[1.0, math.nan, 3.0], [0.5, 0.5, math.nan]] * 2} False\n"
+
+
+def test_runs_of_which_nothing_is_left_are_told(tmp_path):
+    """Of 21 runs 20 were dropped without a word."""
+    t = np.arange(0, 6, 1e-3)
+    y = 0.01 * np.sin(2 * np.pi * 0.4 * t) + 1e-7 * np.random.default_rng(1).standard_normal(len(t))
+    run = np.where(t < 4, 0.0, 1 + np.floor((t - 4) / 0.1))
+    file = tmp_path / "log.csv"
+    np.savetxt(file, np.c_[t, y, np.sign(np.cos(2.5 * t)), run], delimiter=",", header="t,y,F,run", comments="")
+    columns = ColumnNames({"time": "t", "position": "y", "force": "F", "run": "run"})
+    found = load_log([file], columns, Preparation(cutoff=15.0))
+    assert [line for line in found.quality if line.startswith("20 of 21 runs, 2000 rows, are left out")]
+    assert len(set(found.run.tolist())) == 1

@@ -7,9 +7,11 @@ import pytest
 
 import stribeck
 from stribeck import InputError, laws
+from stribeck.identify.api import read_log
 from stribeck.identify.data.segments import constant_speed, distinct_speeds
 from stribeck.identify.log import Log
 from stribeck.identify.methods.presliding import fit_presliding, loops, turning_points
+from stribeck.identify.methods.static import Setting, settle
 from stribeck.identify.methods.static_start import model
 from stribeck.identify.models.static_problem import rows_of
 from stribeck.rig.synthetic import Sensors, experiment
@@ -344,3 +346,24 @@ def test_a_cross_validation_of_no_parts_is_refused(folds):
     """Each fit of one left out all rows: v_s: nan."""
     with pytest.raises(InputError, match=f"folds: {folds}: must be at least 2"):
         stribeck.fit(_log(_sweep(500), lambda *_: 5 * np.sign(_sweep(500))), "stribeck", folds=folds)
+
+
+def test_a_constant_that_is_freed_never_fits_worse():
+    """A free k_v ended where its search does, 1e4 over the largest speed, up to 1 % above the exact sign; a free delta at another
+    minimum than that of 2."""
+    t = np.arange(0, 8, 2e-3)
+    draw = np.random.default_rng(4)
+    y = 0.3 * np.sin(2 * np.pi * 0.3 * t) + 0.1 * np.sin(2 * np.pi * 0.71 * t)
+    v = np.gradient(y, 2e-3)
+    fast = np.max(abs(v))
+    cases = ((0.0, 2.0, "coulomb_viscous", "k_v"), (0.5, 2.0, "stribeck", "k_v"), (0.4, 0.7, "stribeck", "delta"))
+    for bend, power, law, more in cases:
+        force = (4 + 4 * bend * np.exp(-(abs(v / (0.1 * fast)) ** power))) * np.tanh(v / (3e-4 * fast)) + v
+        log = read_log(
+            {"t": t, "y": y + 1e-6 * draw.standard_normal(len(t)), "F": force + 0.05 * draw.standard_normal(len(t))},
+            columns={"time": "t", "position": "y", "force": "F"},
+        )
+        rows = rows_of(log)
+        own = ["F_c", "sigma_2", *(["F_s", "v_s"] if law == "stribeck" else []), more]
+        costs = [settle(rows, law, Setting({}, free=free)).solution.cost for free in (None, own)]
+        assert costs[1] <= costs[0] * (1 + 1e-9), (law, more)

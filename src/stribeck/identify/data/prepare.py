@@ -110,6 +110,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
     columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.simulated)
+    notes += _too_short(parts, lengths, trim)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
             rows = slice(last - count, last)
@@ -182,6 +183,18 @@ def _columns(
                 out[name][rows] = x[trim:]
             number += 1
     return out, kept
+
+
+def _too_short(parts: Sequence[Clean], lengths: Sequence[int], trim: int) -> list[str]:
+    """What to say of runs of which nothing is left."""
+    runs = [r.stop - r.start for part in parts for r in part.runs]
+    lost = [n for n, left in zip(runs, lengths, strict=True) if not left]
+    if not lost:
+        return []
+    return [
+        f"{len(lost)} of {len(runs)} runs, {sum(lost)} rows, are left out: each has no more than the {trim} rows in which the "
+        "filter settles; a higher cut-off or a smaller trim keeps them"
+    ]
 
 
 def _without_ends(

@@ -35,7 +35,7 @@ class Guess:
 @dataclass(frozen=True)
 class Sizes:
     """Natural sizes of a log: friction level (N), offset (N), largest and typical slow speed (m/s), stiffness at rest and
-    after reversals (N/m), travel (m)."""
+    after reversals (N/m), travel (m), and the step of its samples (s)."""
 
     force: float
     offset: float
@@ -43,6 +43,7 @@ class Sizes:
     slow: float
     stiffness: float
     travel: float = 0.0
+    step: float = 0.0
 
 
 def sizes_of(log: Log, mass: float = 0.0) -> Sizes:
@@ -63,7 +64,7 @@ def sizes_of(log: Log, mass: float = 0.0) -> Sizes:
         raise InputError(f"{arg('force')}: 0 throughout: there is no friction to fit")
     slow = float(np.quantile(speed[speed > 1e-6 * fast], 0.1))
     typical, travel = min(max(slow, 1e-5 * fast), 0.1 * fast), float(np.ptp(log.position))
-    return Sizes(level, offset, fast, typical, _stiffness(log, force, level), travel)
+    return Sizes(level, offset, fast, typical, _stiffness(log, force, level), travel, log.step)
 
 
 def reversals(v: Array) -> list[tuple[int, int]]:

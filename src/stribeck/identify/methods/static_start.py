@@ -71,7 +71,7 @@ def model(
     free = _with_steepness(law, given, free, body, held_terms, notes)
     wanted = free_constants(law, given, {}, free)
     if "k_v" in given and "k_v" not in fixed:  # a default: the force changes sign at once then, as in the literature
-        given["k_v"] = max(_SHARP, _SHARPEST / float(np.max(abs(rows.log.velocity))))
+        given["k_v"] = _sharp(rows)
     sizes = sizes_of(thinned(rows.log), mass or 0.0)
     sliding = Sliding(law, given, _typical(law, sizes, given))
     own = law.own_constants()
@@ -120,6 +120,11 @@ def _with_steepness(
     return [*usual, "k_v"]
 
 
+def _sharp(rows: Rows) -> float:
+    """The steepness of a sign that changes at once, s/m."""
+    return max(_SHARP, _SHARPEST / float(np.max(abs(rows.log.velocity))))
+
+
 def _told_apart(rows: Rows, terms: Sequence[str], unseen: dict[str, str], notes: list[str]) -> list[str]:
     """The terms without an offset where all motion is one way."""
     v = rows.log.velocity
@@ -158,14 +163,14 @@ def _shape(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> Shape:
             _one_way(v) and slowest > _SLOW * sizes.fast
         ):  # no row shows the sign change: a curve that fits would be guessed
             return Shape(name, _CHANGED / slowest, 1e4 / sizes.fast)
-        return Shape(name, 0.3 / sizes.fast, 1e4 / sizes.fast)
+        return Shape(name, 0.3 / sizes.fast, 1e4 / sizes.fast, usual=_sharp(rows) if name == "k_v" else None)
     if constant.unit == "m/s":
         low, half = (min(max(1e-3 * sizes.fast, x), 0.35 * sizes.fast) for x in (_slowest(rows), 0.5 * _slowest(rows)))
         if _one_way(v):  # the foot of a bend may show where its middle does not
             return Shape(name, half, 0.7 * sizes.fast, seen=low)
         return Shape(name, low, 0.7 * sizes.fast)
     middle = constant.example or constant.default or ranges(law, sizes)[name].value
-    return Shape(name, 0.2 * middle, 5 * middle)
+    return Shape(name, 0.2 * middle, 5 * middle, usual=constant.default)
 
 
 def _ripple(rows: Rows) -> Shape:

@@ -38,6 +38,7 @@ class Shape:
     """A number that the force is not linear in, and where it is looked for; ``log``: on a logarithmic scale.
 
     ``seen``, above ``low``, is how far down the record shows it: a place below counts only if it is no end of the search.
+    ``usual``: its value in the narrower model in which it is not free, which may lie beyond the search.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Shape:
     high: float
     log: bool = True
     seen: float | None = None
+    usual: float | None = None
 
     def at(self, share: float) -> float:
         """The value at a share of the way from the low end to the high one."""
@@ -201,7 +203,24 @@ class Separable:
         starts = self._apart(self.grid()) if everywhere or not warm else self._around(warm[0])
         known = [w for w in warm if "ripple_waves" in w or all(s.name != "ripple_waves" for s in self.shapes)]
         starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in known]
-        return self._told(min((self.refined(start) for start in starts), key=self._rank))
+        found = min((self.refined(start) for start in starts), key=self._rank)
+        return self._told(min((found, *self._narrower(found, warm)), key=self._rank))
+
+    def _narrower(self, found: Minimum, warm: Sequence[Mapping[str, float]]) -> list[Minimum]:
+        """The optima of the models in which a shape has its usual value, and what is refined from there: freeing it never fits
+        worse. Where narrower models were given, only from where the others are."""
+        others = []
+        for shape in (s for s in self.shapes if s.usual is not None):
+            rest, held = (
+                [s for s in self.shapes if s is not shape],
+                {**self.held, shape.name: float(shape.usual or 0.0)},
+            )
+            narrow = Separable(self.columns, held, self.wanted, self.free, rest, self.weight)
+            at = narrow.solve({}) if not rest else narrow.refined(found.values) if warm else narrow.search()
+            others.append(at)
+            if shape.low < held[shape.name] < shape.high:
+                others.append(self.refined(at.values))
+        return others
 
     def _told(self, found: Minimum) -> Minimum:
         """What was found, where the law has a force at the record's speeds."""

@@ -39,10 +39,10 @@ def figure(
                 of_y = scale([Quantity(label, unit, "", x[rows]) for x in (measured, other)])
                 of_missed = scale([Quantity("residual", unit, "", missed)])
                 for i, x, word in ((2, measured, words[0]), (1, other, words[1])):
-                    plots.line(axes[label], i, *plots.thin(time[rows], of_y.of(x[rows])), word, linewidth=0.9)
+                    plots.line(axes[label], i, *plots.in_time(time[rows], of_y.of(x[rows])), word, linewidth=0.9)
                 axes[label].set_ylabel(of_y.label)
                 left = axes[f"{label} residual"]
-                left.plot(*plots.thin(time[rows], of_missed.of(missed)), color=plots.COLOURS[2], linewidth=0.7)
+                left.plot(*plots.in_time(time[rows], of_missed.of(missed)), color=plots.COLOURS[2], linewidth=0.7)
                 left.set_ylabel(of_missed.label)
             axes[layout[-1][0]].set_xlabel("t (s)")
             plots.legend(made, axes[next(iter(traces))])

@@ -38,7 +38,7 @@ def data(log: Log) -> list[FigureSvg]:
         for name, unit in columns.items():
             shown = scale([Quantity(name, unit, "", getattr(log, name))])
             for rows in log.runs():
-                x, y = plots.thin(time[rows], shown.of(getattr(log, name)[rows]))
+                x, y = plots.in_time(time[rows], shown.of(getattr(log, name)[rows]))
                 axes[name].plot(x, y, color=plots.COLOURS[2], linewidth=0.8)
             axes[name].set_ylabel(shown.label)
         axes[next(reversed(columns))].set_xlabel(label)
@@ -176,7 +176,7 @@ def residuals(fit: Fit, log: Log) -> FigureSvg:
     with plots.style():
         made, axes = plots.figure([["time"], ["velocity"]], 4.2)
         time, label = _in_a_row(when)
-        axes["time"].plot(*plots.thin(time, rest), color=plots.COLOURS[2], linewidth=0.7)
+        axes["time"].plot(*plots.in_time(time, rest), color=plots.COLOURS[2], linewidth=0.7)
         axes["time"].set_xlabel(label)
         axes["velocity"].plot(speed[rows], rest[rows], ".", color=plots.COLOURS[2], markersize=2)
         axes["velocity"].set_xlabel(of_v.label)

@@ -67,10 +67,10 @@ def figure(fit: Fit, log: Log) -> FigureSvg | None:
         made, axes = plots.figure(layout, 2.1 * len(layout) + 0.6)
         for panel, rows in (("whole", slice(None)), *((f"look {i}", rows) for i, rows in enumerate(looks))):
             for label, y, colour, dashes in (("measured", measured, 2, "-"), ("fitted", fitted, 1, "--")):
-                x, value = plots.thin(time[rows], shown.of(y[rows]))
+                x, value = plots.in_time(time[rows], shown.of(y[rows]))
                 axes[panel].plot(x, value, dashes, color=plots.COLOURS[colour], linewidth=1.0, label=label)
             axes[panel].set_ylabel(shown.label)
-        axes["rest"].plot(*plots.thin(time, missed.of(measured - fitted)), color=plots.COLOURS[2], linewidth=0.6)
+        axes["rest"].plot(*plots.in_time(time, missed.of(measured - fitted)), color=plots.COLOURS[2], linewidth=0.6)
         axes["rest"].set_ylabel(missed.label)
         for axis in axes.values():
             axis.set_xlabel("t (s)")

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.details import FitDetails
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.rest import held_force
-from stribeck.identify.features.what_to_measure import experiment_for
+from stribeck.identify.features.what_to_measure import experiment_for, reachable
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.methods.static_start import StaticModel, unit_of
 from stribeck.identify.models.columns import Columns
@@ -22,7 +22,9 @@ from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
+from stribeck.identify.statistics.effects import at_held_speeds
 from stribeck.identify.statistics.lacking import one_sided, unfitted
+from stribeck.identify.statistics.linear import Linear, linearised
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
 _HUGE = 1e100
@@ -34,6 +36,7 @@ _MOST_BIAS = 0.2
 _WHOLE = 1.5  # of the shift that a lower cut-off makes
 _REACHED = 0.8  # of F_s: what the curve must come to within the speeds measured
 _ONE_SPEED = 1.5  # between slow and fast rows: less is one speed
+_LOOSE = 0.1  # of the force: what a number that comes out as 0 may make up at the end of its interval
 _MISFIT = 0.1  # of the squared residual; what a plain bend of the speed takes counts however little it is: lacking.py
 _PROFILED = ("F_c", "F_s", "v_s", "k_v", "delta")
 
@@ -64,68 +67,28 @@ class _Reach:
         return self.half + np.maximum(self.below, self.above)
 
 
-@dataclass(frozen=True)
-class Linear:
-    """The model near its optimum: names, values, whether the logarithm is what counts, slopes by that, the residual."""
-
-    names: tuple[str, ...]
-    values: Array
-    log: NDArray[np.bool_]
-    slopes: Array
-    misfit: Array
-
-
-def linearised(model: Separable, solution: Minimum) -> Linear:
-    """Slopes of the weighted force at the optimum by everything that is free and not at its bound."""
-    values = solution.values
-    columns = model.columns.at(values, model.terms)
-    found: dict[str, Array] = {}
-    tied = "F_s" in model.wanted and values["F_s"] <= values["F_c"] * (1 + 1e-4)
-    for name in (*model.wanted, *model.free):
-        if at_zero(name, values, model) or (name == "F_s" and tied):
-            continue
-        found[name] = columns[name] + columns["F_s"] if name == "F_c" and tied else columns[name]
-    before = model.force_at(values)
-    for shape in model.shapes:
-        if tied and shape.name in ("v_s", "delta"):
-            continue
-        step = 1e-4 * values[shape.name] if shape.log else 1e-3 * (shape.high - shape.low)
-        after = model.force_at({**values, shape.name: values[shape.name] + step})
-        found[shape.name] = (after - before) / step
-    names = tuple(found)
-    log = np.array([_is_log(n) for n in names], bool)
-    x = np.array([values[n] for n in names])
-    slopes = np.column_stack([found[n] for n in names]) * np.where(log, x, 1.0) if names else np.zeros((len(before), 0))
-    return Linear(names, x, log, model.weight[:, None] * slopes, model.weight * (model.force - before))
-
-
-def at_zero(name: str, values: dict[str, float], model: Separable) -> bool:
-    """Whether a coefficient that cannot be negative comes out as nothing."""
-    if name in TERMS and not TERMS[name].positive:
-        return False
-    return values[name] <= (2 * model.least if name == "F_c" else 0.0)
-
-
-def _is_log(name: str) -> bool:
-    return TERMS[name].positive if name in TERMS else True
-
-
 def static_intervals(
     rows: Rows, model: StaticModel, solution: Minimum, profiles: bool = True
 ) -> StaticConfidenceIntervals:
     """Intervals and verdicts for everything that was to be fitted."""
     at = linearised(model.whole, solution)
-    reach, notes, details = _half_widths(rows, model, solution, at)
-    verdicts = {**_moves_away(at, reach), **_verdicts(rows, model, solution, at, reach.widest)}
+    wide, notes, details = _half_widths(rows, model, solution, at)
+    verdicts = {**_moves_away(at, wide), **_verdicts(rows, model, solution, at, wide.widest)}
     curves: dict[str, Profile] = {}
-    low, high = -reach.half, reach.half
+    low, high = -wide.half, wide.half
     if profiles:
-        low, high, curves = _profiles(model, solution, at, reach, verdicts)
-    low, high = low - reach.below, high + reach.above
+        low, high, curves = _profiles(model, solution, at, wide, verdicts)
+    low, high = low - wide.below, high + wide.above
     for k, name in enumerate(at.names):
         if at.log[k] and max(-low[k], high[k]) > _WIDEST:
             verdicts.setdefault(name, "with terms that were not fitted it may be half or twice its value")
-    sizes, values = sizes_of(thinned(rows.log)), solution.values
+    # what nothing determines has a variance that is huge, and finite
+    spread = np.minimum(wide.widest / _NORMAL, _HUGE)
+    relation = _relation(at)
+    inner = relation * np.outer(spread, spread)
+    bias = np.array([details.get("filter_bias", {}).get(n, 0.0) for n in at.names])
+    stays = bias + np.maximum(wide.below, wide.above)
+    noisy = np.minimum(np.sqrt(np.maximum(wide.half**2 - bias**2, 0.0)) / _NORMAL, _HUGE)
     estimates: dict[str, Estimate] = {}
     for k, name in enumerate(at.names):
         unit = unit_of(model.law, name)
@@ -135,25 +98,46 @@ def static_intervals(
         ).tolist()
         first, last = (end if np.isfinite(end) and 1e-12 < abs(end / x) < 1e12 else None for end in ends) if x else ends
         if why := verdicts.get(name):
-            estimates[name] = Estimate(
-                None, first, last, unit, False, why, experiment_for(name, values, sizes), float(x)
-            )
+            what = _experiment(rows, solution, name, verdicts)
+            if not ("offset" in model.unseen and name in ("F_c", "F_s")):  # no interval knows of the offset
+                what += _effect(rows, model, solution, at, relation * np.outer(noisy, noisy), stays, k, verdicts)
+            estimates[name] = Estimate(None, first, last, unit, False, why, what, float(x))
         else:
             estimates[name] = Estimate(float(x), first, last, unit)
-    estimates |= _unfitted(rows, model, solution, at)
-    # what nothing determines has a variance that is huge, and finite
-    spread = np.minimum(reach.widest / _NORMAL * np.where(at.log, at.values, 1.0), _HUGE)
-    memory = noise_memory(at.misfit)
-    inner = covariance(at.slopes, 1.0, memory) if len(at.names) else np.zeros((0, 0))
+    estimates |= _unfitted(rows, model, solution, at, verdicts)
+    size = np.where(at.log, at.values, 1.0)
+    matrix = np.clip(inner * np.outer(size, size), -(_HUGE**2), _HUGE**2)
+    details["noise"] = {
+        "standard_deviation": float(np.std(at.misfit[rows.weight > 0])), "memory": len(noise_memory(at.misfit)),
+    }  # fmt: skip
+    return StaticConfidenceIntervals(estimates, at.names, matrix, curves, tuple(notes), details)
+
+
+def _relation(at: Linear) -> Array:
+    """The correlation of the coordinates that the residual's noise makes."""
+    inner = covariance(at.slopes, 1.0, noise_memory(at.misfit)) if len(at.names) else np.zeros((0, 0))
     root = np.sqrt(np.maximum(np.diag(inner), np.finfo(float).tiny))
     with np.errstate(all="ignore"):
         relation = np.clip(np.nan_to_num(inner / root / root[:, None], nan=0.0), -1.0, 1.0)
     np.fill_diagonal(relation, 1.0)  # also where rounding leaves a variance below 0: what nothing determines
-    matrix = relation * np.outer(spread, spread)
-    details["noise"] = {
-        "standard_deviation": float(np.std(at.misfit[rows.weight > 0])), "memory": len(memory),
-    }  # fmt: skip
-    return StaticConfidenceIntervals(estimates, at.names, matrix, curves, tuple(notes), details)
+    return np.asarray(relation)
+
+
+def _experiment(rows: Rows, solution: Minimum, name: str, open_: Collection[str]) -> str:
+    """What to measure for a number that the data leave open."""
+    return experiment_for(name, solution.values, sizes_of(thinned(rows.log)), open_)
+
+
+def _effect(
+    rows: Rows, model: StaticModel, solution: Minimum, at: Linear, now: Array, stays: Array, k: int, open_: Collection[str]
+) -> str:  # fmt: skip
+    """What that would do to its interval, in words; ``now``: the covariance by noise, ``stays``: the rest of half intervals."""
+    sizes = sizes_of(thinned(rows.log))
+    noise = float(np.std(at.misfit[rows.weight > 0]) * np.sqrt(rows.q))  # of a row before they are thinned
+    numbers = reachable(solution.values, sizes, open_)
+    found = at_held_speeds(model.whole, solution, now, at.names, at.names[k], noise, numbers, sizes)
+    half = _NORMAL * float(np.sqrt(now[k, k])) + float(stays[k])
+    return found.told(half, float(stays[k])) if found else ""
 
 
 def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> tuple[_Reach, list[str], FitDetails]:
@@ -299,36 +283,51 @@ def replace_force(rows: Rows, values: dict[str, float]) -> Log:
     return rows.log.with_columns(force=rows.log.force - values["area"] * rows.log.pressure)
 
 
-def _unfitted(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> dict[str, Estimate]:
+def _unfitted(
+    rows: Rows, model: StaticModel, solution: Minimum, at: Linear, verdicts: Collection[str]
+) -> dict[str, Estimate]:
     """What the data show nothing of, and what comes out as 0."""
     found: dict[str, Estimate] = {}
-    sizes, values = sizes_of(thinned(rows.log)), solution.values
     unseen = dict(model.unseen)
     tied = "F_s" in model.whole.wanted and "F_s" not in at.names and "F_c" in at.names
     if tied:
         why = "friction does not rise towards low speed in these data"
         unseen |= {n: why for n in ("F_s", "v_s", "delta") if n in model.free}
+    open_ = {*verdicts, *unseen}
     for name, why in unseen.items():
-        found[name] = Estimate(
-            None, None, None, unit_of(model.law, name), False, why, experiment_for(name, values, sizes)
-        )
+        what = _experiment(rows, solution, name, open_)
+        found[name] = Estimate(None, None, None, unit_of(model.law, name), False, why, what)
     for name in (*model.whole.wanted, *model.whole.free):
         if name not in at.names and name not in found:
-            high = _upper(model.whole, solution, name)
-            unit = unit_of(model.law, name)
+            best, half, size = _beyond_its_bound(model.whole, solution, name, at)
+            unit, why = unit_of(model.law, name), "at its lower bound, 0"
+            high: float | None = max(best, 0.0) + half
             if name in ("F_c", "F_s"):
                 why = "friction at the lowest speeds comes out as 0"
-                found[name] = Estimate(None, None, high, unit, False, why, experiment_for(name, values, sizes))
+            elif best < -half:
+                why = f"it would come out below 0 ({best:.3g} {unit}): the law bends otherwise than these data"
+                high = None
+            elif (max(best, 0.0) + half) * size > _LOOSE * float(
+                np.linalg.norm(model.whole.weight * model.whole.force)
+            ):
+                why = "it comes out as 0, and the residuals hardly depend on it"
             else:
-                found[name] = Estimate(0.0, 0.0, high, unit, True, "at its lower bound, 0")
+                found[name] = Estimate(0.0, 0.0, high, unit, True, why)
+                continue
+            what = _experiment(rows, solution, name, {*open_, name})
+            found[name] = Estimate(None, None, high, unit, False, why, what)
     return found
 
 
-def _upper(model: Separable, solution: Minimum, name: str) -> float:
-    """The upper end of a one-sided interval of a coefficient that comes out as 0."""
-    rest = model.weight * (model.force - model.force_at(solution.values))
+def _beyond_its_bound(model: Separable, solution: Minimum, name: str, at: Linear) -> tuple[float, float, float]:
+    """What a coefficient that comes out as 0 would be if it could be negative, all others changing with it, half the
+    one-sided interval about that, for residuals of which ten tell a thing once, and the norm of its column."""
     own = model.weight * model.columns.at(solution.values, model.terms)[name]
-    return float(1.645 * np.std(rest) * np.sqrt(10.0) / max(np.linalg.norm(own), 1e-300))
+    size = max(float(np.linalg.norm(own)), 1e-300)
+    if len(at.names):
+        own = own - at.slopes @ np.linalg.lstsq(at.slopes, own, rcond=1e-12)[0]
+    told = max(float(np.linalg.norm(own)), 1e-9 * size)
+    return float(own @ at.misfit) / told**2, float(1.645 * np.std(at.misfit) * np.sqrt(10.0)) / told, size
 
 
 # -- profiles --------------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from stribeck.arrays import Array
 from stribeck.identify.details import SeenNoise
 from stribeck.identify.features.filtering import filter_bias, sampling
 from stribeck.identify.features.guess import Sizes, sizes_of
-from stribeck.identify.features.what_to_measure import experiment_for
+from stribeck.identify.features.what_to_measure import experiment_for, reachable
 from stribeck.identify.log import Log
 from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.models.dynamic_problem import VelocityProblem
@@ -205,7 +205,8 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     lost = misled(problem, bias)
     doubts = _doubts(at, bias, values, sizes, unseen)
     ends = _profiled(at, [k for k in at.own if not doubts[k]], work) if profiles else {}
-    estimates = {}
+    intervals: dict[int, tuple[float | None, float | None]] = {}
+    stays: dict[int, float] = {}
     for k in at.own:
         c, half = problem.coordinates[k], np.sqrt(THRESHOLD) * at.deviations[k]
         low: float | None
@@ -214,16 +215,21 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             low, high, _ = ends[k]
         else:
             low, high = (x if c.inner(c.low) < x < c.inner(c.high) else None for x in (u[k] - half, u[k] + half))
-        reach = farther(c, bias[k], c.name in _BRISTLES and lost)
-        low, high = (None if x is None else x + side * reach for x, side in ((low, -1), (high, 1)))
+        stays[k] = farther(c, bias[k], c.name in _BRISTLES and lost)
+        low, high = (None if x is None else x + side * stays[k] for x, side in ((low, -1), (high, 1)))
         doubts[k] = doubts[k] or left_open(low, high, c.log)
         low, high = (None if x is None else c.outer(x) for x in (low, high))
-        best = float(c.outer(u[k]))
         if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith(("v_s comes", "v_s is not")):
             low = high = None  # the numbers of a curve that nobody has seen
+        intervals[k] = low, high
+    open_ = {problem.coordinates[k].name for k in at.own if doubts[k]}
+    numbers = reachable(values, sizes, open_)
+    estimates = {}
+    for k, (low, high) in intervals.items():
+        c, best = problem.coordinates[k], float(problem.coordinates[k].outer(u[k]))
         if doubts[k]:
-            what = experiment_for(c.name, values, sizes)
-            what += effect(problem, c.name, values, at.inner, at.own, sizes, expected)
+            what = experiment_for(c.name, values, sizes, open_)
+            what += effect(problem, k, values, at.inner, at.own, sizes, expected, numbers, stays[k])
             estimates[c.name] = Estimate(None, low, high, c.unit, False, doubts[k], what, best)
         else:
             estimates[c.name] = Estimate(best, low, high, c.unit, best=best)

@@ -9,13 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from stribeck.arrays import Array
-from stribeck.identify.features.experiments import narrower
 from stribeck.identify.features.guess import Sizes, reversals
+from stribeck.identify.features.what_to_measure import Reach
 from stribeck.identify.log import Log
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Coordinate, Problem, linear_step
 from stribeck.identify.result import Estimate
+from stribeck.identify.statistics.effects import by_simulation
 from stribeck.identify.statistics.profiles import THRESHOLD
 
 _WIDEST = 0.7  # half a 95 % interval in the logarithm, half to twice the value: a wider one is not determined
@@ -26,7 +27,6 @@ _TYPICAL_NOISE, _LEAST_NOISE = (
     0.01,
     0.001,
 )  # of the friction level: a force sensor's; less is a command's, not a sensor's
-_WORTH = 1.2
 _STRIBECK = ("F_s", "v_s")
 _ENDS = 0.3  # of the largest speed
 _RESOLVED = 10  # samples in which presliding must be passed through to be seen
@@ -103,23 +103,20 @@ def presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -
 
 
 def effect(
-    problem: Problem, name: str, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Sizes, noise: Noise
-) -> str:
-    """What the advised experiment would do to the 95 % interval, in words."""
+    problem: Problem, k: int, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Sizes, noise: Noise,
+    at: Reach, stays: float,
+) -> str:  # fmt: skip
+    """What the advised experiment would do to the 95 % interval, in words; ``stays``: what of it is not the noise's."""
     inverse = problem if isinstance(problem, VelocityProblem) else getattr(problem, "inverse", None)
     if inverse is None:
         return ""
     own_force = inverse is problem and noise.measured > 0
     level = max(noise.measured, _LEAST_NOISE * sizes.force) if own_force else _TYPICAL_NOISE * sizes.force
     names = [problem.coordinates[k].name for k in own]
-    found = narrower(inverse, values, inner[np.ix_(own, own)], names, name, level, sizes)
-    if found is None:
-        return ""
-    return (
-        f" (with it, and {level:.2g} N of force noise, the interval would be {found:.2g} times narrower)"
-        if found > _WORTH
-        else ""
+    found = by_simulation(
+        inverse, values, inner[np.ix_(own, own)], names, problem.coordinates[k].name, level, at, sizes
     )
+    return found.told(float(np.sqrt(THRESHOLD * inner[k, k])) + stays, stays) if found else ""
 
 
 def shape(c: Coordinate, values: Mapping[str, float], sizes: Sizes, unseen: str) -> str:

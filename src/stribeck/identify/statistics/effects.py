@@ -1,0 +1,107 @@
+"""By how much the interval of a parameter would shrink with the experiment that is advised for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.features.experiments import advised
+from stribeck.identify.features.guess import Sizes
+from stribeck.identify.features.what_to_measure import Reach
+from stribeck.identify.log import Log
+from stribeck.identify.models.columns import Columns
+from stribeck.identify.models.dynamic_problem import VelocityProblem
+from stribeck.identify.models.separable import Minimum, Separable
+from stribeck.identify.models.terms import TERMS
+from stribeck.identify.statistics.linear import linearised
+
+_NORMAL = 1.959964
+_WORTH = 1.2
+_MOST = 100.0  # what is more is not told in numbers: the curvature there is not that far away
+_RESOLVED = 1e-12  # of a variance, in the information
+
+
+@dataclass(frozen=True)
+class Effect:
+    """The standard deviation that the noise would leave with so many samples of the advised motion, inner coordinates, and
+    their own noise, N."""
+
+    deviation: float
+    samples: int
+    noise: float
+
+    def told(self, half: float, stays: float) -> str:
+        """In words, for half an interval now and what of it no further sample takes away: the sensor's and the model's part."""
+        factor = half / (_NORMAL * self.deviation + stays)
+        if not factor > _WORTH:
+            return ""
+        times = f"{factor:.2g}" if factor < _MOST else f"more than {_MOST:g}"
+        with_it = f"with {self.samples} samples of it beside this record, and {self.noise:.2g} N of force noise"
+        return f" ({with_it}, the interval would be {times} times narrower)"
+
+
+def by_simulation(
+    problem: VelocityProblem, values: dict[str, float], now: Array, names: Sequence[str], name: str, noise: float,
+    at: Reach, sizes: Sizes,
+) -> Effect | None:  # fmt: skip
+    """The effect on a number of a fit by simulation: from the Fisher information of the advised motion at the fitted constants.
+
+    Args:
+        now: the covariance of ``names``, inner coordinates.
+        noise: of the force, N.
+    """
+    log = _motion(name, problem.log, at, sizes, values.get("mass", 0.0), False)
+    own = [c for c in problem.coordinates if c.name in names]
+    beside = [*problem.body, *problem.levels]
+    if log is None or noise <= 0 or not np.isfinite(now).all() or problem.late or any(TERMS[n].needs for n in beside):
+        return None
+    coordinates = [replace(c, rows=None) for c in own]
+    if any(c.name not in values for c in coordinates):
+        return None
+    other = VelocityProblem(log, problem.law, coordinates, problem.fixed, problem.tied, beside)
+    slopes = other.sensitivities(other.point(values))
+    if slopes is None:
+        return None
+    order = [list(names).index(c.name) for c in coordinates]
+    return _effect(now[np.ix_(order, order)], slopes, [c.name for c in coordinates].index(name), noise)
+
+
+def at_held_speeds(
+    model: Separable,
+    solution: Minimum,
+    now: Array,
+    names: Sequence[str],
+    name: str,
+    noise: float,
+    at: Reach,
+    sizes: Sizes,
+) -> Effect | None:
+    """The same of a static fit; ``now`` as its own coordinates are."""
+    log = _motion(name, model.columns.log, at, sizes, solution.values.get("mass", 0.0), True)
+    if log is None or name not in names or noise <= 0 or any(TERMS[n].needs for n in model.terms):
+        return None
+    found = linearised(model.on(Columns(log, model.columns.sliding, lambda x: x)), solution)
+    if found.names != tuple(names):
+        return None
+    return _effect(now, found.slopes, list(names).index(name), noise)
+
+
+def _motion(name: str, log: Log, at: Reach, sizes: Sizes, mass: float, apart: bool) -> Log | None:
+    middle = 0.5 * (float(np.max(log.position)) + float(np.min(log.position)))
+    return advised(name, at, sizes, middle, mass, apart)
+
+
+def _effect(now: Array, slopes: Array, k: int, noise: float) -> Effect | None:
+    """Of the information of new rows on a covariance."""
+    with np.errstate(invalid="ignore"):
+        size = np.sqrt(np.diag(now))
+    if not (np.isfinite(size) & (size > 0)).all() or not np.isfinite(slopes).all():
+        return None
+    value, vector = np.linalg.eigh(now / np.outer(size, size))
+    told = vector / np.maximum(value, _RESOLVED * value[-1]) @ vector.T
+    information = told + (slopes * size).T @ (slopes * size) / noise**2
+    after = float(np.linalg.pinv(information, hermitian=True)[k, k] * size[k] ** 2)
+    return Effect(float(np.sqrt(after)), len(slopes), noise) if after > 0 else None

@@ -1,0 +1,88 @@
+"""What is advised where the data leave a number open: its numbers, and its effect once it is carried out."""
+
+import re
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.identify.features.guess import Sizes
+from stribeck.identify.features.what_to_measure import experiment_for, reachable
+
+SIZES = Sizes(force=1.0, offset=0.0, fast=0.5, slow=1e-3, stiffness=1e5, travel=0.1, step=2e-3)
+VALUES = {"sigma_0": 1e5, "F_c": 1.0, "F_s": 8.0, "v_s": 1e-3}
+
+
+def test_a_level_that_is_open_is_no_scale_of_reversals():
+    """With F_s = 8, open, where 1 is true they were advised 8 times too long."""
+    assert reachable(VALUES, SIZES, {"F_s"}).large == pytest.approx(5e-5)
+    assert reachable(VALUES, SIZES, {"F_s", "F_c"}).large == pytest.approx(5e-5)  # the force that was applied
+    assert reachable(VALUES, SIZES).large == pytest.approx(4e-4)
+    assert "5e-05 m (total way)" in experiment_for("sigma_0", VALUES, SIZES, {"F_s", "sigma_0"})
+
+
+def test_fast_reversals_have_samples_enough():
+    """A speed of 0.01 m/s was advised for reversals of 50 um, which are over in three samples."""
+    at = reachable(VALUES, SIZES, {"F_s"})
+    seconds = np.pi * at.large / at.loop_fast
+    assert seconds / SIZES.step >= 20 - 1e-9
+    assert reachable(VALUES, Sizes(1.0, 0.0, 0.5, 1e-3, 1e5, 0.1, 1e-6), {"F_s"}).loop_fast > at.loop_fast
+    assert at.loop < at.loop_fast
+
+
+def test_the_smallest_speed_does_not_follow_a_v_s_that_is_nowhere():
+    assert reachable({**VALUES, "v_s": 1e-9}, SIZES, {"v_s"}).slowest == pytest.approx(1e-3 * SIZES.fast)
+    assert reachable(VALUES, SIZES, {"v_s"}).slowest == pytest.approx(1e-4)
+
+
+# -- static fits: played, and fitted again ---------------------------------------------------------------------------
+
+STEP = 1e-3
+
+
+def record(v, run=0, noise=0.2, F_c=4.0, F_s=7.0, v_s=0.003, sigma_2=5.0):
+    """Speed and force of 2 kg, by equations written here."""
+    draw = np.random.default_rng(run + 1)
+    force = (F_c + (F_s - F_c) * np.exp(-((v / v_s) ** 2))) * np.sign(v) + sigma_2 * v + 2 * np.gradient(v, STEP)
+    errors = draw.standard_normal((2, len(v)))
+    return {
+        "t": np.arange(len(v)) * STEP, "v": v + 1e-6 * errors[0], "F": force + noise * errors[1],
+        "run": np.full(len(v), float(run)),
+    }  # fmt: skip
+
+
+def fitted(*records):
+    log = {name: np.concatenate([r[name] for r in records]) for name in records[0]}
+    columns = {"time": "t", "velocity": "v", "force": "F", "run": "run"}
+    return stribeck.fit(log, "stribeck", columns=columns, select=False, cutoff=0).estimates
+
+
+def test_a_static_fit_tells_by_how_much_the_advised_strokes_narrow_an_interval():
+    """It told no effect."""
+    wave = 0.015 * (0.55 + 0.45 * np.sin(2 * np.pi * 1.1 * np.arange(0, 2.5, STEP)))
+    both = [record(sign * wave, i) for i, sign in enumerate((1, -1))]
+    before = fitted(*both)["sigma_2"]
+    told = re.search(r"with (\d+) samples of it .* would be ([\d.]+) times narrower", before.experiment)
+    assert told, before.experiment
+    fast = float(re.search(r"up to ([\d.e-]+) m/s", before.experiment)[1])
+    held = [np.full(int(told[1]) // 20, sign * v) for v in np.geomspace(fast / 3, fast, 10) for sign in (1, -1)]
+    after = fitted(*both, *(record(v, i + 2) for i, v in enumerate(held)))["sigma_2"]
+    shrunk = np.log(before.high / before.low) / np.log(after.high / after.low)
+    assert shrunk > 1
+    assert 0.5 < shrunk / float(told[2]) < 2
+
+
+def test_what_comes_out_as_0_has_an_interval_with_the_others_freedom():
+    """sigma_2 was told as 0 [0, 0.22] N s/m where 3.1 is true, beside a v_s at the end of its search."""
+    t = np.arange(0, 20, STEP)
+    v = 0.02 * np.sin(2 * np.pi * 0.2 * t)
+    for seed in (1, 2):
+        made = record(v, seed, 0.05, 5.4, 7.4, 0.0196, 3.1)
+        del made["v"]
+        draw = np.random.default_rng(seed)
+        y = 0.02 / (0.4 * np.pi) * (1 - np.cos(2 * np.pi * 0.2 * t)) + 1e-7 * draw.standard_normal(len(t))
+        fit = stribeck.fit(
+            made | {"y": y}, "stribeck", columns={"time": "t", "position": "y", "force": "F"}, free=["k_v"]
+        )
+        e = fit.estimates["sigma_2"]
+        assert not e.identifiable or e.high >= 3.1
