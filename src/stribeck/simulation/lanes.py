@@ -135,8 +135,8 @@ def compiled(system: Equations) -> ctypes.CDLL:
 
 
 def solve(library: ctypes.CDLL, lanes: Variations, threads: int, progress: Progress | None = None) -> Outcome:
-    """Integrate every lane: here, or where :func:`solved_by` says."""
-    if _elsewhere:
+    """Integrate every lane: here, or where :func:`solved_by` says, unless signals differ from lane to lane."""
+    if _elsewhere and not lanes.played:
         return _elsewhere[-1](library, lanes, progress)
     return solve_here(library, lanes, threads, progress)
 

@@ -20,7 +20,7 @@ from stribeck.machine.parts import RATIO_ALLOWED, RATIO_LARGEST, SignalUse
 from stribeck.scenario import Scenario
 from stribeck.scenario.rig import AT_LIMIT, Rig, evaluate
 from stribeck.signals import Signal
-from stribeck.signals.pieces import Pieces, merged
+from stribeck.signals.pieces import Pieces, merged, pieces
 from stribeck.simulation.places import Place, machine_places
 
 _SHIFT = "shift."  # before a state's name: what is added to it where a lane begins
@@ -80,6 +80,7 @@ class Variations:
         given = arrays(values)
         self.shift = {path.removeprefix(_SHIFT): x for path, x in given.items() if path.startswith(_SHIFT)}
         self.values = {path: x for path, x in given.items() if not path.startswith(_SHIFT)}
+        self.played: Mapping[str, Sequence[Signal]] = {}  # by the path of a signal, what it is in each lane
         off = {f"law.{name}" for name, x in scenario.law.values.items() if x is None} if scenario.rig.single else set()
         on = dict.fromkeys(off & self.values.keys(), 1.0)
         self.scenario = scenario.with_changes(on) if on else scenario  # the lanes have their own values
@@ -97,7 +98,9 @@ class Variations:
 
     def part(self, lanes: NDArray[np.int64]) -> Variations:
         """Some of the lanes."""
-        return Variations(self.scenario, {path: x[lanes] for path, x in self.numbers.items()})
+        found = Variations(self.scenario, {path: x[lanes] for path, x in self.numbers.items()})
+        found.played = {path: [each[i] for i in lanes] for path, each in self.played.items()}
+        return found
 
     def changes(self, lane: int) -> dict[str, float]:
         """What makes the scenario that of one lane, for :meth:`Scenario.with_changes`."""
@@ -213,6 +216,11 @@ class Variations:
     def _tables(self) -> tuple[list[Pieces], NDArray[np.int64]]:
         """The tables that occur, and which of them each lane has: those where a number varies that makes pieces."""
         end, in_code = self.scenario.end, set(self.rig.machine.parameters)
+        if self.played:
+            own = {use.path: self.rig.pieces_of(use, end) for use in self.rig.signals if use.path not in self.played}
+            lanes = [{path: pieces(x[i]) for path, x in self.played.items()} for i in range(len(self))]
+            tables = [merged([{**own, **x}[use.path] for use in self.rig.signals]) for x in lanes]
+            return tables, np.arange(len(self))
         varied: list[tuple[SignalUse, str]] = [
             (use, name)
             for use, signal in self.rig.signals.items()

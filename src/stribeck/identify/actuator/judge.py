@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.actuator import advise, driven, gaps, intervals, suspects
+from stribeck.identify.actuator import advise, driven, gaps, intervals, lacking, suspects
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import WHITE, Ends, Spread, groups, profiles
@@ -43,13 +43,15 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
         s = intervals.spread(problem, best.u)
         if (noisy := driven.moved_by_noise(problem, best.u, s)) is not None:
             s = intervals.widened(s, *noisy)
-        if lacking := gaps.unknown(problem, best.u, s):
-            return _blank(best, scenario, "no interval: samples of the inputs are missing (see the notes)", lacking)
+        if missing := gaps.unknown(problem, best.u, s):
+            return _blank(best, scenario, "no interval: samples of the inputs are missing (see the notes)", missing)
         if begun := unset(problem, best.u, s):
             return _blank(
                 best, scenario, "no interval: stretches begin in states that nobody knows (see the notes)", begun
             )
-        told_of, moves = suspects.seen(best, s)
+        numbers = suspects.numbers(best, s)
+        unsaid = lacking.unsaid(best, s, numbers)
+        told_of, moves = suspects.seen(best, s, numbers, unsaid.terms)
         if moves:
             return _blank(
                 best,
@@ -64,6 +66,7 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
         best.u = search(problem, 1, 0, lower).u
     else:
         return _blank(best, scenario, "no interval: the search did not come to rest: a better point lies nearby", [])
+    ends = {k: unsaid.wider(k, ends[k], problem.low[k], problem.high[k]) for k in asked}
     found = {problem.sought[k].name: _parameter(best, scenario, s, k, ends[k]) for k in asked}
     names = [c.name for c in problem.sought]
     told = groups(s, names, asked)
@@ -73,7 +76,7 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
     size = np.sqrt(np.maximum(np.diag(s.covariance), 1e-300))
     relation = (s.covariance / np.outer(size, size))[np.ix_(asked, asked)]
     result = JudgedParameters(best, found, told, ([names[k] for k in asked], relation), _widened(s, problem, asked))
-    result.notes += [*told_of, *suspects.taken_as_exact(best, s)]
+    result.notes += [*told_of, *unsaid.notes(s, asked), *suspects.taken_as_exact(best, s), *unsaid.exact]
     return result
 
 

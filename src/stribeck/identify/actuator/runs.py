@@ -6,6 +6,7 @@ import ctypes
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import product
 from threading import Lock
 
 import numpy as np
@@ -16,6 +17,7 @@ from stribeck.errors import BuildError, InputError, StribeckError
 from stribeck.identify.actuator.inputs import RecordedInput, later, misread, recorded_input, table_at
 from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
+from stribeck.signals.piecewise import PointsSignal
 from stribeck.simulation import compiler, lanes
 from stribeck.simulation.places import machine_places
 from stribeck.simulation.variations import Variations, vary
@@ -51,6 +53,7 @@ class RecordedRun:
     otherwise: tuple[Scenario, ...] = ()  # draws of the inputs in gaps, wrong by what may be wrong over the doubt
     doubt: float = 0.0
     inputs: dict[str, RecordedInput] = field(default_factory=dict)  # the recorded inputs, by path
+    played: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)  # by name, what plays in signals if it is 1
 
     def driven(self, drives: Mapping[str, RecordedInput]) -> RecordedRun:
         """The same run with other signals."""
@@ -69,12 +72,14 @@ class RecordedRun:
         ``ends`` where the run ends, (lanes, 1). ``shift``: what is added to states at its start in each lane, else its own."""
         count = len(next(iter(values.values())))
         given = {path: np.full(count, x) for path, x in self.start.items()} | dict(values)
+        shares = {name: given.pop(name) for name in self.played if name in given}
         variations = vary(self.scenario, given)
         if not isinstance(variations, Variations):
             raise StribeckError(
                 "a number that is sought changes the form of the equations: it cannot be fitted in lanes"
             )
         scenario = variations.scenario
+        variations.played = self._signals(shares, count)
         good = np.flatnonzero([text is None for text in variations.problems()])
         last = np.array([self.scenario.end])
         wanted = [*self.targets, *(Compared(name, last, last) for name in ends)]
@@ -96,6 +101,21 @@ class RecordedRun:
             if late is not None:
                 late = tuple(None if each is None else each[good] for each in late)  # type: ignore[assignment]
             found[i][good] = at_times(grid, x, target, late)
+        return found
+
+    def _signals(self, shares: Mapping[str, Array], count: int) -> dict[str, list[PointsSignal]]:
+        """The signals in which something plays, in each lane: the sum of what plays, each times its share."""
+        if not shares:
+            return {}
+        grid: Array = np.arange(self.scenario.rows, dtype=float) * self.scenario.output.step
+        paths = dict.fromkeys(path for name in shares for path in self.played[name])
+        found: dict[str, list[PointsSignal]] = {path: [] for path in paths}
+        for path, lane in product(paths, range(count)):
+            total = np.zeros(len(grid))
+            for name, x in shares.items():
+                if x[lane] and path in self.played[name]:
+                    total += x[lane] * self.played[name][path]
+            found[path].append(PointsSignal(grid, total))
         return found
 
 

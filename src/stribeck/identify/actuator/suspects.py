@@ -21,6 +21,7 @@ _SURE = 4.5  # deviations
 _MATTERS = 0.02  # of what is left of the recordings that it concerns
 _MOVES = 1.0  # deviations of a number: one that would move by more has no interval
 _AS_WELL = 0.9  # of what the first explains: others that explain as much are named with it
+_SHADOW = 0.8  # of what a term of friction explains: numbers that explain less are its shadows
 _TWO_SIDED = 1.96  # deviations in half of an interval
 _UNSURE = 0.2  # of a fixed number: one that must be off by more to matter is not named
 _WHOLE = 0.5  # how far from 1 the share of the way to inputs held otherwise may be
@@ -37,7 +38,7 @@ _STILL = 1.5  # times the noise: a reason that leaves more does not explain all
 class Suspect:
     """A number that may be wrong: the coordinate that it would be, what it is now, how far it would be off and its deviation;
     by how much the sum of squares would fall, and by what share of that of the recordings that it concerns; how far each
-    coordinate would move."""
+    coordinate would move; and what it is, in words."""
 
     coordinate: MachineCoordinate
     now: float
@@ -46,6 +47,7 @@ class Suspect:
     fall: float
     share: float
     moves: Array
+    words: str = ""
 
     @property
     def sure(self) -> bool:
@@ -53,21 +55,33 @@ class Suspect:
         return abs(self.off) > _SURE * self.wide and self.share > _MATTERS
 
 
-def seen(best: BestPoint, s: Spread) -> tuple[list[str], bool]:
-    """What is not sought but the residuals show, in words; and whether it would move what is sought, so that no interval can
-    be given without it."""
+def numbers(best: BestPoint, s: Spread) -> list[Suspect]:
+    """What each number that is not sought would be."""
     problem = best.problem
-    found = sorted((x for x in _suspects(problem, best.u, s.J, s.moved) if x.sure), key=lambda x: -x.fall)
+    return [replace(x, words=_words(problem, x)) for x in _suspects(problem, best.u, s.J, s.moved)]
+
+
+def seen(
+    best: BestPoint, s: Spread, suspected: Sequence[Suspect], terms: Sequence[Suspect] = ()
+) -> tuple[list[str], bool]:
+    """What is not sought but the residuals show, in words, with ``terms`` of friction that they show; and whether a number of
+    it would move what is sought, so that no interval can be given without it."""
+    found = sorted((x for x in suspected if x.sure), key=lambda x: -x.fall)
+    terms = sorted(terms, key=lambda x: -x.fall)
+    if terms and found and found[0].fall < _SHADOW * terms[0].fall:
+        found = []
+    found = [x for x in found if x.fall > _AS_WELL * found[0].fall][:_NAMED]  # the rest may be their shadows
+    terms = [x for x in terms if not found or x.fall > _AS_WELL * found[0].fall][:1]
     other = _driven_otherwise(best, s)
-    if other and (not found or other[0].fall > _AS_WELL * found[0].fall):
+    if other and all(other[0].fall > _AS_WELL * x.fall for x in [*found[:1], *terms]):
         text = f"inputs {other[1]} would be followed better: what is left would fall by {100 * other[0].share:.2g} %"
         return [text], _moves(best, s, other[0])
-    if not found:
+    if not (found or terms):
         return [], False
-    found = [x for x in found if x.fall > _AS_WELL * found[0].fall][:_NAMED]  # the rest may be their shadows
-    words = "; or ".join(_words(problem, x) for x in found)
+    words = "; or ".join(x.words for x in [*found, *terms])
     names = " or ".join(x.coordinate.name for x in found)
-    return [f"{words}; seek {names} if that can be"], any(_moves(best, s, x) for x in found)
+    seek = f"; seek {names} if that can be" if names else ""
+    return [f"{words}{seek}"], any(_moves(best, s, x) for x in found)
 
 
 def taken_as_exact(best: BestPoint, s: Spread) -> list[str]:
@@ -196,7 +210,7 @@ def _driven_otherwise(best: BestPoint, s: Spread) -> tuple[Suspect, str] | None:
     if not (np.isfinite(off).all() and off @ off > 0):
         return None
     share = MachineCoordinate("inputs", 0.0, 1.0)
-    x = _suspect(best.problem, r, s.J, off, share, 0.0, s.moved)
+    x = suspect(best.problem, r, s.J, off, share, 0.0, s.moved)
     return (x, other[1]) if x.sure and abs(x.off - 1) < _WHOLE else None
 
 
@@ -204,13 +218,13 @@ def _suspects(problem: MachineProblem, u: Array, J: Array, moved: Array | None) 
     """What each number that is not sought would be, from the slopes."""
     r = problem.residuals(u[None])[0]
     return [
-        _suspect(problem, r, J, slopes, c, now, moved)
+        suspect(problem, r, J, slopes, c, now, moved)
         for candidates in (sensors.candidates, fixed.candidates)
         for c, now, slopes in candidates(problem, u)
     ]
 
 
-def _suspect(
+def suspect(
     problem: MachineProblem, r: Array, J: Array, slopes: Array, c: MachineCoordinate, now: float, moved: Array | None
 ) -> Suspect:
     """A number from its slopes; ``moved``: residuals as noise of the inputs moves them, a row for each draw."""
