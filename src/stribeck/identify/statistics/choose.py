@@ -14,12 +14,12 @@ from stribeck.errors import InputError, StribeckError, arg
 from stribeck.identify.details import AddedTerm, Candidate, FitDetails
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, missed_beyond, settle
-from stribeck.identify.models import terms
+from stribeck.identify.models import play, terms
 from stribeck.identify.models.ripple import range_of, share
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Fit
-from stribeck.identify.statistics import crossvalidate
+from stribeck.identify.statistics import crossvalidate, reversals
 from stribeck.identify.statistics.alike import told_apart
 from stribeck.identify.statistics.crossvalidate import beyond_chance
 from stribeck.identify.statistics.lacking import beside, open_terms
@@ -114,7 +114,7 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     terms.check(tuple(setting.body), log)
     rows = rows_of(log, setting.decimate)
     found, steps = _forward(rows, law, settle(rows, law, setting), tell)
-    fit = told_apart(finished(rows, found), found, setting.body)
+    fit = told_apart(reversals.named(finished(rows, found)), found, setting.body)
     compared = _compared(fit, rows, setting, found)
     return replace(compared, details={**compared.details, "selection": steps})
 
@@ -125,7 +125,8 @@ def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
     terms.check(tuple(setting.body), log)
     rows = rows_of(log, setting.decimate)
     settled = settle(rows, law, setting)
-    return _compared(finished(rows, settled), rows, setting, settled)
+    fit = reversals.looked_for(reversals.named(finished(rows, settled)), settled)
+    return _compared(fit, rows, setting, settled)
 
 
 def _compared(fit: Fit, rows: Rows, setting: Setting, settled: Settled) -> Fit:
@@ -178,7 +179,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
         law = name.removesuffix(", selected")
         fit = finished(rows, each, profiles=name == picked)
         if name == picked:
-            fit = told_apart(fit, each, setting.body)
+            fit = told_apart(reversals.named(fit), each, setting.body)
         details: FitDetails = {**fit.details, "candidates": [*plainer, _row("this fit", each)]}
         if name != law:
             details["selection"] = wider[law][1]
@@ -230,7 +231,13 @@ def _forward(
         names = [n for n in names if n != _RIPPLE or _ripples(best)]
         for k, name in enumerate(names):
             try:
-                trials[name] = settle(rows, law, _wider(best.setting, law, name), [best.shapes], everywhere=False)
+                trials[name] = settle(
+                    rows,
+                    law,
+                    _wider(best.setting, law, name),
+                    [reversals.start(best) if name == "play" else best.shapes],
+                    everywhere=False,
+                )
             except StribeckError:
                 continue
             if tell is not None:
@@ -269,6 +276,8 @@ def _credible(added: str, wide: Settled, narrow: Settled) -> bool:
     for shape in wide.model.whole.shapes:
         if shape.name == "delay" and abs(values["delay"]) > _AT_END * shape.high:
             return False
+    if not reversals.credible(wide):
+        return False
     if not names & set(OF_POSITION):
         return True
     if names & set(_UNBOUNDED) and wide.left_out.error > _EXPLAINS * narrow.left_out.error:
@@ -296,6 +305,8 @@ def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
     names += [f"{n} and {_PAIRED[n]}" for n in names if n == "gravity_sin" and _PAIRED[n] in names]
     if not set(RIPPLE) & set(there) and log.sources.get("position") != INTEGRAL and range_of(log, rows.q):
         names.append(_RIPPLE)
+    if "play" not in there and play.range_of(log):
+        names.append("play")
     free = setting.free or ()
     if "k_v" in own and not own["k_v"].required and "k_v" not in setting.fixed and "k_v" not in free:
         names = ["k_v", *names]
