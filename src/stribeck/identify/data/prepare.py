@@ -15,7 +15,7 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
-from stribeck.identify.data.effect import by_effect
+from stribeck.identify.data.effect import LITTLE, by_effect, quiet
 from stribeck.identify.data.filters import low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, read
@@ -27,7 +27,6 @@ _ABOVE_NOISE = 10.0  # what the spectrum of a measured motion stands above its f
 _LONGEST_LOOK = 1 << 18  # samples from which a spectrum is taken
 _HIGHEST = 0.4  # of the sampling rate
 _RAISED, _NOISE_ALLOWED = 4.0, 1e-3
-_LITTLE, _LITTLE_OF_RATE = 2e-4, 3e-3  # of the largest speed and acceleration: noise that biases nothing
 _SLOWEST_FILTER = 20.0  # lowest frequencies of the spectrum: what a cut-off chosen from the data is at least
 _ENDS = 1.5  # periods of the cut-off dropped at the end of a run that ends in motion
 _STILL = 0.01  # of the fastest speed
@@ -100,10 +99,18 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
             notes.append(
                 f"raised to {cutoff:.4g} Hz: below, ramps or reversals are rounded off, and the force is met less well"
             )
-        if not (how.simulated or how.published) and (higher := quiet(parts, measured, seen[2], cutoff, step)) > cutoff:
+        if (
+            not (how.simulated or how.published)
+            and (
+                higher := quiet(
+                    parts[0].columns[measured][parts[0].runs[0]], measured == "position", seen[2], cutoff, step
+                )
+            )
+            > cutoff
+        ):
             cutoff = higher
             notes.append(
-                f"raised to {cutoff:.3g} Hz: up to there the speed's noise stays below {_LITTLE:g} of the largest speed"
+                f"raised to {cutoff:.3g} Hz: up to there the speed's noise stays below {LITTLE:g} of the largest speed"
             )
         if how.simulated and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
@@ -353,24 +360,6 @@ def raised(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, s
         fastest = float(np.max(abs(np.diff(smooth)))) / step
         highest = np.cbrt(3 * (_NOISE_ALLOWED * fastest / (2 * np.pi)) ** 2 / max(floor, 1e-300))
     return float(max(min(highest, _RAISED * cutoff, _HIGHEST / step), cutoff))
-
-
-def quiet(parts: Sequence[Clean], measured: str, floor: float, cutoff: float, step: float) -> float:
-    """The cut-off for static fits: up to four times as high, while the noise of the speed and of the acceleration is little.
-
-    A filter at the edge of the spectrum still rounds off what lies below it: the speed near a reversal, where friction turns, is
-    off by some tenths of a percent of the largest.
-    """
-    part = parts[0]
-    smooth = low_pass(part.columns[measured][part.runs[0]][:_LONGEST_LOOK], cutoff, step)
-    orders = (1, 2) if measured == "position" else (0, 1)
-    highest = min(_RAISED * cutoff, _HIGHEST / step)
-    for order, share in zip(orders, (_LITTLE, _LITTLE_OF_RATE), strict=True):
-        largest = float(np.max(abs(np.diff(smooth, order)))) / step**order
-        power = 2 * order + 1  # the noise's variance: floor (2 pi)^(2 order) f^power / power
-        allowed = power * (share * largest) ** 2 / ((2 * np.pi) ** (2 * order) * max(floor, 1e-300))
-        highest = min(highest, float(allowed ** (1 / power)))
-    return float(max(highest, cutoff))
 
 
 def spectrum(x: Array, step: float) -> tuple[Array, Array]:
