@@ -20,14 +20,13 @@ from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate, reversals
-from stribeck.identify.statistics.alike import told_apart
+from stribeck.identify.statistics.alike import bounded, told_apart, too_heavy
 from stribeck.identify.statistics.crossvalidate import beyond_chance
 from stribeck.identify.statistics.lacking import beside, open_terms
 
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
 _HALF = 0.5  # of the error on data left out: so much is no chance, however few moments it comes from
-_HEAVIEST = 2.0  # of the largest force: no heavier weight, with the offset, is taken from a part of a turn
 _UNBOUNDED = ("stiffness", "F_c_by_position")  # grow on along a longer way
 _EXPLAINS = 0.82  # of the error: they must leave no more, as hysteresis and backlash look a little like them
 _AT_END = 0.99  # of the longest delay that is tried
@@ -114,6 +113,7 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     terms.check(tuple(setting.body), log)
     rows = rows_of(log, setting.decimate)
     found, steps = _forward(rows, law, settle(rows, law, setting), tell)
+    found = bounded(found, setting.body)
     fit = told_apart(reversals.named(finished(rows, found)), found, setting.body)
     compared = _compared(fit, rows, setting, found)
     return replace(compared, details={**compared.details, "selection": steps})
@@ -163,6 +163,7 @@ def select_law(log: Log, setting: Setting, tell: Callable[[float], None] | None 
         raise InputError([f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()])
     start = min(plain, key=lambda n: plain[n].left_out.error)
     best, steps = _forward(rows, start, plain[start], tell, steepness=False)
+    best = bounded(best, setting.body)
     wider: dict[str, tuple[Settled, list[AddedTerm]]] = {start: (best, steps)}
     for law, narrow in plain.items():
         if law != start and narrow.setting.body != best.setting.body:
@@ -282,12 +283,8 @@ def _credible(added: str, wide: Settled, narrow: Settled) -> bool:
         return True
     if names & set(_UNBOUNDED) and wide.left_out.error > _EXPLAINS * narrow.left_out.error:
         return False
-    turn = np.linspace(0, 2 * np.pi, 100)
-    weight = values.get("gravity_sin", 0.0) * np.sin(turn) + values.get("gravity_cos", 0.0) * np.cos(turn)
-    if names & set(_PAIRED):
-        largest = float(np.max(abs(weight + values.get("offset", 0.0))))
-        if largest > _HEAVIEST * float(np.max(abs(wide.rows.log.force))):
-            return False
+    if names & set(_PAIRED) and too_heavy(wide):
+        return False
     return bool(np.all(missed_beyond(wide) <= missed_beyond(narrow)))
 
 
