@@ -31,6 +31,8 @@ def predict(
         found = predicting.predict(model, log)
     summary = {**found.to_json(), "data": {"files": [str(p) for p in data], "rows": len(log)}}
     files: list[str] = []
+    outside = found.beyond.told() if found.beyond else ""
+    notes = [*([outside] if outside else []), *log.quality]
     if out is not None:
         from stribeck.identify.report import overlay
 
@@ -41,7 +43,8 @@ def predict(
         rows = [[name, percent(x, 3)] for name, x in _errors(found).items()]
         introduction = [
             f"The predicted force is off by {percent(found.force_error, 3)}. "
-            f"{model.law}, {model.method}, fitted to another record ({folder}), on {len(log)} rows of this one."
+            f"{model.law}, {model.method}, fitted to another record ({folder}), on {len(log)} rows of this one.",
+            *([f"{outside[:1].upper()}{outside[1:]}."] if outside else []),
         ]
         figures = overlay.figure("prediction", log.time, traces, ("measured", "predicted"))
         title = f"{model.law} on {', '.join(p.name for p in data)}"
@@ -53,7 +56,7 @@ def predict(
     print(f"{model.law}, {model.method}: {len(log)} rows, {found.rest:.0%} at rest")
     for name, x in _errors(found).items():
         print(f"  {name:44}{percent(x, 3):>10}")
-    for text in log.quality:
+    for text in notes:
         print(f"  note: {text}")
     for file in files:
         print(f"  wrote {file}")
@@ -70,7 +73,18 @@ def _errors(found: predicting.Predicted) -> dict[str, float | None]:
         "the fit's, on parts left out of its record": found.model.known.get("cross_validated_error"),
         "error against friction alone": found.friction_error,
         "error of the force, rows at rest too": found.all_rows_error,
+        **_parts(found),
         **{f"{name}, fitted to the same record": x for name, x in found.others.items()},
+    }
+
+
+def _parts(found: predicting.Predicted) -> dict[str, float | None]:
+    """The error beyond what was fitted, and within it."""
+    if not found.beyond or not found.beyond.rows:
+        return {}
+    return {
+        "error of the force, beyond what was fitted": found.beyond.error,
+        "error of the force, within it": found.beyond.within,
     }
 
 

@@ -72,6 +72,7 @@ class FitDetails(TypedDict, total=False):
     left_out: LeftOut
     friction_error: float
     rest: float
+    seen: dict[str, tuple[float, float]]
     decimation: int
     intervals_over: str
     misfit_share: float

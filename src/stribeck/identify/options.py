@@ -73,6 +73,9 @@ class FitOptions:
         method = self.method_for(laws.find(law))
         if method != "static" and (wrong := self._only_static()):
             raise InputError([f"{arg(name)}: belongs to {arg('method')} static, not {method}" for name in wrong])
+        if method != "static" and "play" in (*self.terms, *self.constants):
+            text = f"belongs to {arg('method')} static, not {method}: bristles turn round over a way by themselves"
+            raise InputError(f"{arg('terms')}: 'play': {text}")
         if method != "dynamic" and (self.output != "force" or self.drive):
             raise InputError(f"{arg('output')}, {arg('drive')}: belong to {arg('method')} dynamic, not {method}")
         if self.drive and self.output == "force":

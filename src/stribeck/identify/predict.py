@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Container, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Container, Mapping, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
 from typing import TypeGuard, cast
@@ -17,6 +17,7 @@ from stribeck.arrays import Array
 from stribeck.constants import Constant, show
 from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.files import finite, json_of
+from stribeck.identify.beyond import Beyond, beyond
 from stribeck.identify.data.filters import shifted
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.rest import at_rest
@@ -55,6 +56,10 @@ def _model(x: object) -> bool:
     return isinstance(x, dict) and x.keys() == {"law", "values"} and _text(x["law"]) and isinstance(x["values"], dict)
 
 
+def _range(x: object) -> bool:
+    return isinstance(x, list | tuple) and len(x) == 2 and all(map(_number, x)) and x[0] <= x[1]
+
+
 def _table_of(known: Callable[[object], bool]) -> Callable[[object], bool]:
     return lambda x: isinstance(x, dict) and all(map(known, x.values()))
 
@@ -87,6 +92,7 @@ _PARTS: dict[str, tuple[Callable[[object], bool], str]] = {
     ),
     "published": (lambda x: isinstance(x, bool), "true or false"),
     "data_sha256": (_text, "text"),
+    "seen": (_table_of(_range), "a table of ranges, each [low, high]"),
 }
 _ERRORS = ("relative_force_error", "cross_validated_error", "friction_error")
 _OF_FIT = dict.fromkeys(_ERRORS, (_share, f"nothing or 0 to {LARGEST:g}")) | {
@@ -115,6 +121,7 @@ class FittedModel:
         files: its files, seen from the folder of the fit; none in what older versions wrote.
         output: what the simulation was to meet; ``drive``: what moved the body then, None for the measured force.
         published: whether the record's last rows were kept, as in the published procedure.
+        seen: the ranges of the record's rows in motion; none in what older versions wrote.
     """
 
     law: str
@@ -130,6 +137,7 @@ class FittedModel:
     output: str = "force"
     drive: Mapping[str, object] | None = None
     published: bool = False
+    seen: Mapping[str, Sequence[float]] = field(default_factory=dict)
 
     @property
     def body(self) -> tuple[str, ...]:
@@ -146,6 +154,7 @@ class Predicted:
             the force less the terms that are not friction; ``all_rows_error``: as the first, rows at rest too; ``band_error``:
             as the first, both forces behind the filter of the fit, whose own error is told so; None without one.
         others: force errors of plainer models fitted to the same record.
+        beyond: rows beyond what the fit has seen; None where it tells no ranges.
         traces: measured and predicted force against time; ``friction``: the same for friction alone.
     """
 
@@ -156,6 +165,7 @@ class Predicted:
     band_error: float | None
     rest: float
     others: dict[str, float]
+    beyond: Beyond | None
     traces: Prediction
     friction: Prediction
 
@@ -165,6 +175,7 @@ class Predicted:
             "law": self.model.law, "method": self.model.method, "relative_force_error": self.force_error,
             "friction_error": self.friction_error, "all_rows_error": self.all_rows_error, "band_error": self.band_error,
             "rest": self.rest, "fit": self.model.known, "others": self.others,
+            "beyond": self.beyond.to_json() if self.beyond else None,
         }  # fmt: skip
 
 
@@ -192,7 +203,8 @@ def saved(fit: Fit, reading: Mapping[str, object] | None = None) -> str:
                     "cross_validated_error": fit.cross_validated_error,
                     "friction_error": fit.details.get("friction_error"), "decimation": fit.details.get("decimation"),
                 },
-                "others": others, "data_sha256": fit.data_hash, **_UNREAD, **(reading or {}),
+                "others": others, "seen": fit.details.get("seen", {}), "data_sha256": fit.data_hash, **_UNREAD,
+                **(reading or {}),
             }
         ),
         indent=1, allow_nan=False,
@@ -291,7 +303,7 @@ def load(folder: Path | str, trust: bool = False) -> FittedModel:
         law.name if ".py:" not in data["law"] else data["law"], data["method"], data["values"], data.get("fit", {}),
         others, data.get("columns", {}), data.get("units", {}), data.get("force_gain"), data.get("cutoff"),
         tuple(data.get("files", ())), data.get("output", "force"), data.get("drive"),
-        data.get("published", False),
+        data.get("published", False), data.get("seen", {}),
     )  # fmt: skip
 
 
@@ -326,9 +338,10 @@ def predict(model: FittedModel, log: Log) -> Predicted:
     size = float(np.linalg.norm(friction.measured[rows]))
     own = float(np.linalg.norm((log.force - force)[rows])) / max(size, 1e-300)
     every = np.ones(len(log), bool)
+    outside = beyond(model.seen, model.body, log, rows, log.force - force) if model.seen else None
     return Predicted(
         model, _error(log.force, force, rows), own, _error(log.force, force, every), _band_error(model, log, force, rest),
-        float(np.mean(rest)), others, traces, friction,
+        float(np.mean(rest)), others, outside, traces, friction,
     )  # fmt: skip
 
 

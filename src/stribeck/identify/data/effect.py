@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.data.filters import low_pass
+from stribeck.identify.data.filters import low_pass, slope
 
 _RAISE = 2.5  # from one cut-off that is tried to the next
 _HIGHEST = 0.4  # of the sampling rate
@@ -19,12 +19,18 @@ _SHARE = 6  # of the longest run, the most that its start is
 _SLOWED, _REST = 0.1, 0.1  # of a period, in which less than this share of the fastest speed is rest
 _BAND = 2.5  # lowest cut-offs, in which the force is compared: above, its own noise hides what the filter does
 _BENDS = (0, 1 / 128, 1 / 64, 1 / 32, 1 / 16, *np.linspace(1 / 8, 1, 8))  # of the free curve: closest where it turns
+LITTLE, _LITTLE_OF_RATE = 2e-4, 3e-3  # of the largest speed and acceleration: noise that biases nothing
+_RAISED, _WORTH_RAISING = (
+    4.0,
+    1.7,
+)  # times, the most and the least: less changes little but where a record begins and ends
+_LONGEST_LOOK = 1 << 18  # samples
 _FEWEST, _MOST = 400, 100_000  # rows that are compared
 
 Run = tuple[Array, Array]
 
 
-def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -> float:
+def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float, spline: bool = True) -> float:
     """The cut-off, raised where a plain regression of the force misses clearly less with a higher one.
 
     The force is compared in one band whatever the cut-off, so that only what the filter does to the motion makes the difference:
@@ -36,6 +42,7 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
         runs: measured motion and force of each.
         position: the motion is a position, not a speed.
         cutoff: Hz, the lowest to be tried; ``step``: between samples, s.
+        spline: speed and acceleration are slopes of a spline, as the fit's will be; else central differences.
     """
     tried = [cutoff]
     while tried[-1] * _RAISE < _HIGHEST / step:
@@ -47,13 +54,33 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -
     if len(tried) < 2 or sum(rows.stop - rows.start for rows in inside) < _FEWEST:
         return cutoff
     band = min(_BAND * cutoff, _HIGHEST / step)
-    missed = [_missed(chosen, inside, position, c, band, step) for c in tried]
-    over_all = [_missed(chosen, inside, position, c, None, step) for c in tried]
+    missed = [_missed(chosen, inside, position, c, band, step, spline) for c in tried]
+    over_all = [_missed(chosen, inside, position, c, None, step, spline) for c in tried]
     able = [i for i, m in enumerate(over_all) if m <= _NO_WORSE * min(over_all[: i + 1])]
     least = min(missed[i] for i in able)
     if least > _CLEARLY * missed[0]:
         return cutoff
     return tried[next(i for i in able if missed[i] <= _AS_GOOD * least)]
+
+
+def quiet(motion: Array, position: bool, floor: float, cutoff: float, step: float) -> float:
+    """The cut-off for static fits: up to four times as high, while the noise of the speed and of the acceleration is little.
+
+    A filter at the edge of the spectrum still rounds off what lies below it: the speed near a reversal, where friction turns, is
+    off by some tenths of a percent of the largest.
+
+    Args:
+        motion: what was measured of a run, ``position``: and not a speed.
+        floor: the power spectral density of its noise; ``cutoff``: Hz, so far; ``step``: between samples, s.
+    """
+    smooth = low_pass(motion[:_LONGEST_LOOK], cutoff, step)
+    highest = min(_RAISED * cutoff, _HIGHEST / step)
+    for order, share in zip((1, 2) if position else (0, 1), (LITTLE, _LITTLE_OF_RATE), strict=True):
+        largest = float(np.max(abs(np.diff(smooth, order)))) / step**order
+        power = 2 * order + 1  # the noise's variance: floor (2 pi)^(2 order) f^power / power
+        allowed = power * (share * largest) ** 2 / ((2 * np.pi) ** (2 * order) * max(floor, 1e-300))
+        highest = min(highest, float(allowed ** (1 / power)))
+    return float(highest if highest > _WORTH_RAISING * cutoff else cutoff)
 
 
 def _some(runs: Sequence[Run]) -> list[Run]:
@@ -73,16 +100,17 @@ def _end(motion: Array, position: bool, cutoff: float, step: float) -> int:
 
 
 def _missed(
-    runs: Sequence[Run], inside: Sequence[slice], position: bool, cutoff: float, band: float | None, step: float
-) -> float:
+    runs: Sequence[Run], inside: Sequence[slice], position: bool, cutoff: float, band: float | None, step: float,
+    spline: bool,
+) -> float:  # fmt: skip
     """What a regression on acceleration, a free odd curve of the speed and a constant misses of the force in a band (Hz; None
     for all frequencies); beside a measured position also a weight's and a spring's share, which may be most of it."""
     motions = []
     for motion, _ in runs:
         x = low_pass(motion, cutoff, step)
-        v = np.gradient(x, step) if position else x
+        v = slope(x, step, spline) if position else x
         place = (x - x[0], np.sin(x), np.cos(x)) if position else ()
-        motions.append((v, np.gradient(v, step), *place))
+        motions.append((v, slope(v, step, spline), *place))
     speeds = np.abs(np.concatenate([v[rows] for (v, *_), rows in zip(motions, inside, strict=True)]))
     knots = np.unique(np.quantile(speeds, _BENDS))
     matrix, force = [], []

@@ -104,3 +104,8 @@ def spline_derivative(x: Array, step: float) -> Array:
     if len(x) < 4:
         return np.asarray(np.gradient(x, step))
     return np.asarray(CubicSpline(step * np.arange(len(x)), x)(step * np.arange(len(x)), 1))
+
+
+def slope(x: Array, step: float, spline: bool) -> Array:
+    """dx/dt by a spline or central differences, which are the published procedure's for least squares."""
+    return spline_derivative(x, step) if spline else np.asarray(np.gradient(x, step))

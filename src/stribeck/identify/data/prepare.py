@@ -15,8 +15,8 @@ from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
 from stribeck.files import sha256_of
 from stribeck.identify.data.clocks import on_one_clock, released, steady_stretches
-from stribeck.identify.data.effect import by_effect
-from stribeck.identify.data.filters import low_pass, spline_derivative
+from stribeck.identify.data.effect import LITTLE, by_effect, quiet
+from stribeck.identify.data.filters import low_pass, slope
 from stribeck.identify.data.quality import FEWEST, Clean, clean
 from stribeck.identify.data.read import ColumnNames, read
 from stribeck.identify.log import INTEGRAL, Log
@@ -90,13 +90,27 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
         if (kept := keeping_all(parts, measured, seen[2], cutoff, step)) > cutoff:
             cutoff = kept
             notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
-        if (
-            not how.simulated
-            and (higher := by_effect(_met(parts, measured), measured == "position", cutoff, step)) > cutoff
-        ):
+        by_position = measured == "position"
+        higher = (
+            0.0 if how.simulated else by_effect(_met(parts, measured), by_position, cutoff, step, not how.published)
+        )
+        if higher > cutoff:
             cutoff = higher
             notes.append(
                 f"raised to {cutoff:.4g} Hz: below, ramps or reversals are rounded off, and the force is met less well"
+            )
+        if (
+            not (how.simulated or how.published)
+            and (
+                higher := quiet(
+                    parts[0].columns[measured][parts[0].runs[0]], measured == "position", seen[2], cutoff, step
+                )
+            )
+            > cutoff
+        ):
+            cutoff = higher
+            notes.append(
+                f"raised to {cutoff:.3g} Hz: up to there the speed's noise stays below {LITTLE:g} of the largest speed"
             )
         if how.simulated and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
@@ -109,7 +123,8 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
-    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.simulated)
+    spline = how.simulated or (cutoff > 0 and not how.published)  # of what no filter has passed it makes more noise
+    columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.simulated, spline)
     notes += _too_short(parts, lengths, trim)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass
         for last, count in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
@@ -117,7 +132,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
             columns["acceleration"][rows] = low_pass(columns["acceleration"][rows], chosen, step)
     run = np.repeat(np.arange(len(lengths), dtype=np.int32), lengths)
     files = [i for i, part in enumerate(parts) for _ in part.runs]
-    sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if how.simulated else "central differences")
+    sources = _sources(roles, measured, cutoff, parts, "a cubic spline" if spline else "central differences")
     if how.simulated:
         sources["unfiltered"] = measured
     parts_of_log: dict[str, Any] = {**columns, "run": run}
@@ -160,12 +175,13 @@ def _met(parts: Sequence[Clean], measured: str) -> list[tuple[Array, Array]]:
 
 
 def _columns(
-    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, keep: bool
-) -> tuple[dict[str, Array], list[int]]:
+    parts: Sequence[Clean], roles: Sequence[str], measured: str, step: float, cutoff: float, trim: int, keep: bool,
+    spline: bool,
+) -> tuple[dict[str, Array], list[int]]:  # fmt: skip
     """Every column of the log, one after the other so that little is held twice; and the rows of each run."""
     if len(parts) == 1 and len(parts[0].runs) == 1:  # however long: nothing is copied that need not be
         grid = _grid(parts[0], parts[0].runs[0], step)
-        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured if keep else "")
+        whole = _run(parts[0], parts[0].runs[0], grid, step, cutoff, measured if keep else "", spline)
         parts[0].columns.clear()
         return {name: x[trim:] for name, x in whole.items()}, [_enough(len(whole["time"]), trim)]
     grids = [_grid(part, r, step) for part in parts for r in part.runs]
@@ -179,7 +195,7 @@ def _columns(
     for part in parts:
         for r in part.runs:
             rows = slice(place[number], place[number + 1])
-            for name, x in _run(part, r, grids[number], step, cutoff, measured if keep else "").items():
+            for name, x in _run(part, r, grids[number], step, cutoff, measured if keep else "", spline).items():
                 out[name][rows] = x[trim:]
             number += 1
     return out, kept
@@ -264,7 +280,9 @@ def _grid(part: Clean, rows: slice, step: float) -> Array:
     return time if part.even else time[0] + step * np.arange(int((time[-1] - time[0]) / step * (1 + 1e-12)) + 1)
 
 
-def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep: str) -> dict[str, Array]:
+def _run(
+    part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep: str, spline: bool
+) -> dict[str, Array]:
     time = part.columns["time"][rows]
     found = {"time": grid}
     for name, column in part.columns.items():
@@ -276,19 +294,14 @@ def _run(part: Clean, rows: slice, grid: Array, step: float, cutoff: float, keep
         if name in found and cutoff > 0:
             found[name] = low_pass(found[name], cutoff, step)
     if "velocity" not in found:
-        found["velocity"] = _slope(found["position"], step, bool(keep))
+        found["velocity"] = slope(found["position"], step, spline)
     if "position" not in found:
         found["position"] = np.concatenate(
             [[0.0], np.cumsum((found["velocity"][1:] + found["velocity"][:-1]) * step / 2)]
         )
     if "acceleration" not in found:
-        found["acceleration"] = _slope(found["velocity"], step, bool(keep))
+        found["acceleration"] = slope(found["velocity"], step, spline)
     return found
-
-
-def _slope(x: Array, step: float, spline: bool) -> Array:
-    """dx/dt by a spline or central differences, which are the published procedure's for least squares."""
-    return spline_derivative(x, step) if spline else np.asarray(np.gradient(x, step))
 
 
 def _sources(roles: Sequence[str], measured: str, cutoff: float, parts: Sequence[Clean], slopes: str) -> dict[str, str]:

@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from stribeck.arrays import Array
 from stribeck.errors import StribeckError
+from stribeck.identify.beyond import seen
 from stribeck.identify.log import Log
 from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.methods.optimise import STOPPED, Optimum, multistart, starting_points
@@ -155,6 +156,6 @@ def fit_of(
         profiles=judged.profiles,
         prediction=Prediction(log.time, log.position, log.velocity, log.force - beside, force[0] - beside),
         notes=(*([] if optimum.exhausted and not work.stopped else notes), *judged.notes),
-        details={"search": optimum.verdict, "noise": judged.noise},
+        details={"search": optimum.verdict, "noise": judged.noise, "seen": seen(log, np.ones(len(log), bool))},
         status="stopped" if work.stopped else "done",
     )

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg
+from stribeck.identify.beyond import seen
 from stribeck.identify.data.segments import constant_speed
 from stribeck.identify.features.levels import levels
 from stribeck.identify.log import Log
@@ -167,6 +168,7 @@ def finished(
             **judged.details,
             "friction_error": friction,
             "rest": float(np.mean(rows.rest)),
+            "seen": seen(rows.log, ~rows.rest),
             "decimation": rows.q,
             "segments": _curve(made.whole, values, constant_speed(near), near),
             "left_out": settled.left_out,

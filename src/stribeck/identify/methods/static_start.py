@@ -12,7 +12,7 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Sizes, ranges, sizes_of
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import thinned
-from stribeck.identify.models import ripple
+from stribeck.identify.models import play, ripple
 from stribeck.identify.models.dynamic_problem import free_constants
 from stribeck.identify.models.separable import Separable, Shape
 from stribeck.identify.models.static_problem import Rows
@@ -94,6 +94,8 @@ def model(
         shapes.append(Shape("delay", -longest, longest, log=False))
     if "ripple_waves" in terms:
         shapes.append(_ripple(rows))
+    if "play" in terms:
+        shapes.append(_play(rows))
     held = {**{n: sliding.base[n] for n in unseen if n in sliding.base}, **given, "delay": 0.0, **held_terms}
     if "delay" in terms:
         del held["delay"]
@@ -162,7 +164,7 @@ def _shape(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> Shape:
         if (
             _one_way(v) and slowest > _SLOW * sizes.fast
         ):  # no row shows the sign change: a curve that fits would be guessed
-            return Shape(name, _CHANGED / slowest, 1e4 / sizes.fast)
+            return Shape(name, max(0.3 / sizes.fast, 1.0 / slowest), 1e4 / sizes.fast, seen=_CHANGED / slowest)
         return Shape(name, 0.3 / sizes.fast, 1e4 / sizes.fast, usual=_sharp(rows) if name == "k_v" else None)
     if constant.unit == "m/s":
         low, half = (min(max(1e-3 * sizes.fast, x), 0.35 * sizes.fast) for x in (_slowest(rows), 0.5 * _slowest(rows)))
@@ -184,6 +186,17 @@ def _ripple(rows: Rows) -> Shape:
             f"{arg('terms')}: 'ripple_waves': the way holds too few of the waves that such rows show; must be given"
         )
     return Shape("ripple_waves", *found)
+
+
+def _play(rows: Rows) -> Shape:
+    """Over what way friction may turn round.
+
+    Raises:
+        InputError: the body never comes back.
+    """
+    if (found := play.range_of(rows.log)) is None:
+        raise InputError(f"{arg('terms')}: 'play': needs motion in both directions: it shows behind reversals only")
+    return Shape("play", *found)
 
 
 def _slowest(rows: Rows) -> float:

@@ -17,7 +17,7 @@ from scipy.stats import qmc
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
-from stribeck.identify.models import ripple
+from stribeck.identify.models import play, ripple
 from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.memory import rows_together
 from stribeck.identify.models.terms import TERMS
@@ -28,7 +28,7 @@ _REFINED, _APART = 4, 0.15  # starts, which differ so much in the share of one s
 _HIGHEST = 3.0  # of the largest force: what the curve rises above F_c at most, as more was nowhere measured
 _END = 1.1  # times the lower end of a search: what lies below is the end itself
 _TOLD = 3.841459  # twice the logarithm of a likelihood: what one record in 20 gains by chance
-_APART_FROM_CURVE = ("delay", "ripple_waves")
+_APART_FROM_CURVE = ("delay", "ripple_waves", "play")
 _LITTLE = 1e-7  # of the force: the least that Coulomb friction is
 _BEYOND = 1e100  # in a column: squares of what a law of the user's own gives must be numbers
 
@@ -289,7 +289,19 @@ class Separable:
             at = self._shape_of(found[0].values)
             more = [self.solve({**at, shape.name: x}) for x in self._waves(found[0], shape)]
             found = sorted([*found, *more], key=self._rank)
+        for shape in (s for s in self.shapes if s.name == "play"):
+            more = [
+                self.solve({**at, shape.name: x})
+                for at in self._sharp(found[0])
+                for x in play.places(shape.low, shape.high)
+            ]
+            found = sorted([*found, *more], key=self._rank)
         return found
+
+    def _sharp(self, found: Minimum) -> list[dict[str, float]]:
+        """The shapes of a solution, and with a sign that jumps: a smooth one may have stood in for play."""
+        at = self._shape_of(found.values)
+        return [at, *({**at, s.name: s.high} for s in self.shapes if s.name == "k_v")]
 
     def _waves(self, found: Minimum, shape: Shape) -> list[float]:
         """How many waves the residual of a solution without a ripple shows."""
@@ -335,8 +347,9 @@ class Separable:
         return {s.name: float(np.clip(values[s.name], s.low, s.high)) for s in self.shapes}
 
     def _harmless(self, shape: Shape) -> float:
-        """Where a shape changes the curve least: a steep sign, no delay."""
-        return 0.0 if shape.name == "delay" else shape.high if shape.name == "k_v" else shape.at(0.5)
+        """Where a shape changes the curve least: a steep sign, no delay, the shortest play."""
+        ends = {"delay": 0.0, "k_v": shape.high, "play": shape.low}
+        return ends.get(shape.name, shape.at(0.5))
 
 
 def bounded(matrix: Array, rest: Array, positive: NDArray[np.bool_]) -> Array:

@@ -30,6 +30,8 @@ def model_lines(fit: Fit) -> list[str]:
     lines += [f"{level} grows by {' + '.join(growth)}" for level in ("F_c", "F_s") if growth and level in fit.used]
     if fit.used.get("delay"):
         lines.append("the motion is that of delay later, as it is measured late")
+    if fit.used.get("play"):
+        lines.append("behind a reversal F turns round evenly over the way play, whatever the speed")
     given = {n: x for n, x in fit.fixed.items() if n in law.constants()}
     lines += [each.text for each in equations(law, form_of(law, given))]
     letters = {"v", *(["z"] if law.has_z else []), *(FACTORS[n] for n in own)}

@@ -16,13 +16,13 @@ from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.optimise import STOPPED
 from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, missed_beyond, settle
 from stribeck.identify.methods.static_start import unit_of
-from stribeck.identify.models import terms
+from stribeck.identify.models import play, terms
 from stribeck.identify.models.ripple import range_of, share
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
 from stribeck.identify.result import Estimate, Fit
-from stribeck.identify.statistics import crossvalidate
-from stribeck.identify.statistics.alike import told_apart
+from stribeck.identify.statistics import crossvalidate, reversals
+from stribeck.identify.statistics.alike import bounded, told_apart, too_heavy
 from stribeck.identify.statistics.crossvalidate import beyond_chance
 from stribeck.identify.statistics.lacking import beside, open_terms
 from stribeck.identify.statistics.static_intervals import StaticConfidenceIntervals
@@ -30,7 +30,6 @@ from stribeck.identify.statistics.static_intervals import StaticConfidenceInterv
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
 _HALF = 0.5  # of the error on data left out: so much is no chance, however few moments it comes from
-_HEAVIEST = 2.0  # of the largest force: no heavier weight, with the offset, is taken from a part of a turn
 _UNBOUNDED = ("stiffness", "F_c_by_position")  # grow on along a longer way
 _EXPLAINS = 0.82  # of the error: they must leave no more, as hysteresis and backlash look a little like them
 _AT_END = 0.99  # of the longest delay that is tried
@@ -119,7 +118,8 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     rows, reached = rows_of(log, setting.decimate), _Reached()
     try:
         found, steps = _forward(rows, law, reached.keep(settle(rows, law, setting)), tell, reached)
-        fit = told_apart(finished(rows, found), found, setting.body)
+        found = bounded(found, setting.body)
+        fit = told_apart(reversals.named(finished(rows, found)), found, setting.body)
         compared = _compared(fit, rows, setting, found)
     except KeyboardInterrupt:
         return reached.stopped()
@@ -133,7 +133,8 @@ def fit_with_baselines(log: Log, law: str, setting: Setting) -> Fit:
     rows, reached = rows_of(log, setting.decimate), _Reached()
     try:
         settled = reached.keep(settle(rows, law, setting))
-        return _compared(finished(rows, settled), rows, setting, settled)
+        fit = reversals.looked_for(reversals.named(finished(rows, settled)), settled)
+        return _compared(fit, rows, setting, settled)
     except KeyboardInterrupt:
         return reached.stopped()
 
@@ -210,6 +211,7 @@ def _law_of(rows: Rows, setting: Setting, tell: Callable[[float], None] | None, 
         raise InputError([f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()])
     start = min(plain, key=lambda n: plain[n].left_out.error)
     best, steps = _forward(rows, start, plain[start], tell, reached, steepness=False)
+    best = bounded(best, setting.body)
     wider: dict[str, tuple[Settled, list[AddedTerm]]] = {start: (best, steps)}
     for law, narrow in plain.items():
         if law != start and narrow.setting.body != best.setting.body:
@@ -226,7 +228,7 @@ def _law_of(rows: Rows, setting: Setting, tell: Callable[[float], None] | None, 
         law = name.removesuffix(", selected")
         fit = finished(rows, each, profiles=name == picked)
         if name == picked:
-            fit = told_apart(fit, each, setting.body)
+            fit = told_apart(reversals.named(fit), each, setting.body)
         details: FitDetails = {**fit.details, "candidates": [*plainer, _row("this fit", each)]}
         if name != law:
             details["selection"] = wider[law][1]
@@ -278,7 +280,13 @@ def _forward(
         names = [n for n in names if n != _RIPPLE or _ripples(best)]
         for k, name in enumerate(names):
             try:
-                trials[name] = settle(rows, law, _wider(best.setting, law, name), [best.shapes], everywhere=False)
+                trials[name] = settle(
+                    rows,
+                    law,
+                    _wider(best.setting, law, name),
+                    [reversals.start(best) if name == "play" else best.shapes],
+                    everywhere=False,
+                )
             except StribeckError:
                 continue
             if tell is not None:
@@ -317,16 +325,14 @@ def _credible(added: str, wide: Settled, narrow: Settled) -> bool:
     for shape in wide.model.whole.shapes:
         if shape.name == "delay" and abs(values["delay"]) > _AT_END * shape.high:
             return False
+    if not reversals.credible(wide):
+        return False
     if not names & set(OF_POSITION):
         return True
     if names & set(_UNBOUNDED) and wide.left_out.error > _EXPLAINS * narrow.left_out.error:
         return False
-    turn = np.linspace(0, 2 * np.pi, 100)
-    weight = values.get("gravity_sin", 0.0) * np.sin(turn) + values.get("gravity_cos", 0.0) * np.cos(turn)
-    if names & set(_PAIRED):
-        largest = float(np.max(abs(weight + values.get("offset", 0.0))))
-        if largest > _HEAVIEST * float(np.max(abs(wide.rows.log.force))):
-            return False
+    if names & set(_PAIRED) and too_heavy(wide):
+        return False
     return bool(np.all(missed_beyond(wide) <= missed_beyond(narrow)))
 
 
@@ -344,6 +350,8 @@ def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
     names += [f"{n} and {_PAIRED[n]}" for n in names if n == "gravity_sin" and _PAIRED[n] in names]
     if not set(RIPPLE) & set(there) and log.sources.get("position") != INTEGRAL and range_of(log, rows.q):
         names.append(_RIPPLE)
+    if "play" not in there and play.range_of(log):
+        names.append("play")
     free = setting.free or ()
     if "k_v" in own and not own["k_v"].required and "k_v" not in setting.fixed and "k_v" not in free:
         names = ["k_v", *names]

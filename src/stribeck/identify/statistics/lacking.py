@@ -44,7 +44,7 @@ def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bo
     """The terms that may be added to those that are there; ``level``: the law has one, F_c, that may vary."""
     return [
         n for n, t in TERMS.items()
-        if n != "mass" and n not in given and n not in (*RIPPLE, "thinning")
+        if n != "mass" and n not in given and n not in (*RIPPLE, "thinning", "play")
         and (not t.needs or getattr(log, t.needs) is not None)
         and (not t.level or level)
         and not (n.startswith("gravity") and float(np.ptp(log.position)) < _SHORT)

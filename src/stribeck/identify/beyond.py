@@ -1,0 +1,99 @@
+"""Rows of a record that lie beyond the speeds, positions, loads and pressures that a fit has seen: a model is only told there by
+its form."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from stribeck.identify.log import INTEGRAL, Log
+from stribeck.identify.models.terms import TERMS
+
+_MARGIN = 0.01  # of the range seen: noise
+_GROWS = ("stiffness", "F_c_by_position")  # with the position, without end
+_TURNS = ("gravity_sin", "gravity_cos")  # of an angle: all is seen on a turn
+_UNITS = {"velocity": "m/s", "position": "m", "load": "N", "pressure": "Pa"}
+
+
+@dataclass(frozen=True)
+class Beyond:
+    """Rows in motion beyond what a fit has seen.
+
+    Attributes:
+        rows: how many; ``of``: of how many.
+        error: norm(residual)/norm(force) over these; ``within``: over the others; None where there are none.
+        what: of each quantity that goes beyond: how many rows, what the fit saw, and what this record has.
+    """
+
+    rows: int
+    of: int
+    error: float | None
+    within: float | None
+    what: dict[str, tuple[int, tuple[float, float], tuple[float, float]]]
+
+    def to_json(self) -> dict[str, object]:
+        """As ``stribeck predict --json`` has it."""
+        what = {
+            name: {"rows": n, "seen": list(seen), "here": list(here)} for name, (n, seen, here) in self.what.items()
+        }
+        return {"rows": self.rows, "of": self.of, "error": self.error, "within": self.within, "what": what}
+
+    def told(self) -> str:
+        """In a line; nothing where no row lies beyond."""
+        if not self.rows:
+            return ""
+        parts = [
+            f"{name} from {here[0]:.3g} to {here[1]:.3g} {_UNITS[name]}, seen from {seen[0]:.3g} to {seen[1]:.3g}"
+            for name, (_, seen, here) in self.what.items()
+        ]
+        share = f"{self.rows / self.of:.0%}" if self.rows >= 0.005 * self.of else "less than 1 %"
+        return f"{self.rows} rows ({share}) lie beyond what was fitted: {'; '.join(parts)}"
+
+
+def seen(log: Log, rows: NDArray[np.bool_]) -> dict[str, tuple[float, float]]:
+    """The ranges of a record's rows."""
+    columns = {n: getattr(log, n) for n in _UNITS if getattr(log, n) is not None}
+    if log.sources.get("position") == INTEGRAL:
+        columns.pop("position")
+    return {n: (float(x[rows].min()), float(x[rows].max())) for n, x in columns.items()} if rows.any() else {}
+
+
+def _hangs_on(terms: Collection[str], ranges: Mapping[str, Sequence[float]]) -> list[str]:
+    """The quantities on which a model with these terms hangs, and of which not all is seen."""
+    found = ["velocity", *(need for n in terms if (need := TERMS[n].needs))]
+    turn = "position" in ranges and ranges["position"][1] - ranges["position"][0] >= 2 * np.pi
+    if set(_GROWS) & set(terms) or (set(_TURNS) & set(terms) and not turn):
+        found.append("position")
+    return [n for n in dict.fromkeys(found) if n in ranges]
+
+
+def beyond(
+    ranges: Mapping[str, Sequence[float]], terms: Collection[str], log: Log, rows: NDArray[np.bool_], left: NDArray[np.float64]
+) -> Beyond:  # fmt: skip
+    """Which of the rows lie beyond the ranges that a fit has seen, of what its model hangs on.
+
+    Args:
+        ranges: by quantity; ``terms``: of the model.
+        log, rows: the record, and its rows in motion.
+        left: what the model misses of the force, N.
+    """
+    out, what = np.zeros(len(log), bool), {}
+    for name in _hangs_on(terms, ranges):
+        x = getattr(log, name)
+        if x is None:
+            continue
+        low, high = ranges[name]
+        margin = _MARGIN * (high - low)
+        there = rows & ((x < low - margin) | (x > high + margin))
+        if there.any():
+            out |= there
+            what[name] = int(there.sum()), (low, high), (float(x[rows].min()), float(x[rows].max()))
+
+    def error(which: NDArray[np.bool_]) -> float | None:
+        size = float(np.linalg.norm(log.force[which])) if which.any() else 0.0
+        return float(np.linalg.norm(left[which])) / size if size else None
+
+    return Beyond(int(out.sum()), int(rows.sum()), error(out), error(rows & ~out), what)

@@ -1,0 +1,54 @@
+"""Friction that turns round over a way behind a reversal: play in a gear or a spindle, or a contact that yields."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from itertools import pairwise
+
+import numpy as np
+
+from stribeck.arrays import Array
+from stribeck.identify.log import Log
+
+_SHORTEST, _LONGEST = 2e-3, 0.5  # of the way that the record makes
+_PLACES = 12  # at which it is looked for first
+_AT_END = 0.02  # of the search, on its scale
+
+
+def range_of(log: Log) -> tuple[float, float] | None:
+    """Between what ways (m) it is looked for; None where the body does not come back, or is not moved at all."""
+    way = float(np.ptp(log.position))
+    back = min(float(np.max(log.velocity)), -float(np.min(log.velocity)))
+    return (_SHORTEST * way, _LONGEST * way) if way > 0 and back > 0 else None
+
+
+def places(low: float, high: float) -> list[float]:
+    """Ways evenly over a search, in the logarithm."""
+    return [float(x) for x in np.geomspace(low, high, _PLACES + 2)[1:-1]]
+
+
+def at_an_end(way: float, low: float, high: float) -> bool:
+    """Whether a way lies at an end of its search: nothing of the kind was found."""
+    share = np.log(way / low) / np.log(high / low)
+    return not _AT_END < share < 1 - _AT_END
+
+
+def turned(position: Array, velocity: Array, runs: Iterable[slice], way: float) -> Array:
+    """Which part of the friction has which direction: from -1 (all of it that of motion backwards) to 1.
+
+    Behind a reversal it changes in proportion to the way, and is turned round after ``way`` (the stop operator). Between two
+    reversals of the position it is known in closed form, so that only these are gone through one by one. A run begins as
+    its speed says.
+    """
+    found = np.empty(len(position))
+    for run in runs:
+        y = position[run]
+        turns = np.flatnonzero(np.diff(np.sign(np.diff(y)))) + 1
+        first = np.concatenate([[0], turns])
+        at = y[first].tolist()
+        state = [float(np.sign(velocity[run.start]))]
+        for before, now in pairwise(at):
+            state.append(min(max(state[-1] + 2 * (now - before) / way, -1.0), 1.0))
+        part = np.searchsorted(turns, np.arange(len(y)), side="right")
+        found[run] = np.clip(np.array(state)[part] + 2 * (y - y[first][part]) / way, -1.0, 1.0)
+    return found

@@ -1,0 +1,77 @@
+"""Friction that turns round over a way behind a reversal: backlash, or a contact that yields."""
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.errors import InputError
+from stribeck.identify.api import read_log
+from stribeck.identify.models.play import turned
+from stribeck.identify.predict import load, predict, saved
+
+NAMES = {"time": "t", "position": "y", "force": "F"}
+WAY, LEVEL = 0.04, 3.0
+
+
+def joint(seed: int, way: float = WAY, seconds: float = 12.0) -> dict[str, np.ndarray]:
+    """A joint whose friction turns round over a way, row by row, and an encoder of a micrometre."""
+    draw = np.random.default_rng(seed)
+    t = np.arange(0, seconds, 2e-3)
+    w, phase, speed = 2 * np.pi * draw.uniform(0.15, 0.8, 2), draw.uniform(0, 6, 2), np.array([0.3, 0.2])
+    v, a = np.sin(np.outer(t, w) + phase) @ speed, np.cos(np.outer(t, w) + phase) @ (speed * w)
+    y = -np.cos(np.outer(t, w) + phase) @ (speed / w)
+    part = np.sign(v)
+    for i in range(1, len(t)) if way else ():
+        part[i] = min(max(part[i - 1] + (y[i] - y[i - 1]) / (way / 2), -1.0), 1.0)
+    force = 0.4 * a + LEVEL * part + 1.2 * v + 0.2 + 0.03 * draw.standard_normal(len(t))
+    return {"t": t, "y": y + 1e-6 * draw.standard_normal(len(t)), "F": force}
+
+
+def test_play_is_found_and_predicted(tmp_path):
+    """The force had been missed by a third or more, and backlash on a short way was taken for a weight or a spring."""
+    fit = stribeck.fit(joint(1), columns=NAMES).best
+    for told, truth in ((fit.body["play"], WAY), (fit.estimates["F_c"], LEVEL), (fit.body["mass"], 0.4)):
+        assert told.identifiable
+        assert told.low <= truth <= told.high < 1.2 * truth
+    assert not {"stiffness", "gravity_sin", "delay"} & set(fit.body)
+    assert any("turns round over 0.04 m" in note for note in fit.notes)
+    (tmp_path / "fit.json").write_text(saved(fit), encoding="utf-8")
+    assert predict(load(tmp_path), read_log(joint(2), columns=NAMES)).force_error < 0.02
+
+
+def test_no_play_is_taken_where_there_is_none():
+    assert "play" not in stribeck.fit(joint(3, way=0.0), columns=NAMES).best.body
+
+
+def test_a_law_that_is_named_says_what_its_residual_looks_like():
+    fit = stribeck.fit(joint(1), "coulomb_viscous", columns=NAMES)
+    assert "play" not in fit.body
+    assert any("behind each reversal" in note and "0.04 m" in note for note in fit.notes)
+    plain = stribeck.fit(joint(3, way=0.0), "coulomb_viscous", columns=NAMES)
+    assert not any("reversal" in note for note in plain.notes)
+
+
+def test_the_state_between_reversals_is_that_of_going_row_by_row():
+    draw = np.random.default_rng(0)
+    y = np.concatenate([np.cumsum(draw.standard_normal(500)), np.zeros(20), np.cumsum(draw.standard_normal(480))])
+    v = np.gradient(y)
+    v[0], v[600] = 1.0, -1.0
+    want = np.empty(1000)
+    for first, last in ((0, 600), (600, 1000)):
+        want[first] = np.sign(v[first])
+        for i in range(first + 1, last):
+            want[i] = min(max(want[i - 1] + 2 * (y[i] - y[i - 1]) / 3.0, -1.0), 1.0)
+    assert turned(y, v, [slice(0, 600), slice(600, 1000)], 3.0) == pytest.approx(want, abs=1e-12)
+
+
+@pytest.mark.parametrize("what", [{"terms": ["play"]}, {"constants": {"play": 0.01}}])
+def test_bristles_have_no_play_beside_them(what):
+    with pytest.raises(InputError, match=r"'play': belongs to method static, not dynamic"):
+        stribeck.fit(joint(1, seconds=2.0), "lugre", columns=NAMES, **what)
+
+
+def test_play_shows_behind_reversals_only():
+    one_way = joint(1)
+    one_way["y"] = one_way["y"] + 3.0 * one_way["t"]
+    with pytest.raises(InputError, match="'play': needs motion in both directions"):
+        stribeck.fit(one_way, "coulomb_viscous", columns=NAMES, terms=["play"])
