@@ -407,6 +407,18 @@ def test_a_signal_after_the_end(number):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@needs_signals
+def test_ctrl_c_while_modules_are_taken_away():
+    """Python has given the signal back by then, and the status was that of a process that it killed."""
+    code = (
+        "import os, signal\nsignal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "class Last:\n    def __del__(self, kill=os.kill, own=os.getpid()):\n        kill(own, 2)\n"
+        "last = Last()\nfrom stribeck.cli import main; main(['--version'])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
 def test_what_was_fitted_is_said_when_the_drawing_is_stopped(tmp_path, capsys, monkeypatch):
     """The fit was lost with the page."""
 
