@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stribeck.files import write_json, write_with
+from stribeck.files import read_sealed, write_json, write_sealed, write_with
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.report.plots import thin
 
@@ -52,3 +52,24 @@ def test_page_escapes_text_and_keeps_figures_apart():
     assert 'id="one-p"' in page
     assert 'xlink:href="#two-p"' in page
     assert 'width="10pt"' not in page
+
+
+def test_what_a_stopped_command_goes_on_from_is_as_it_was_written_or_none(tmp_path):
+    """A number that was changed in it, by hand or by a disk, was gone on from."""
+    path, data = tmp_path / "a.json", {"values": {"m": 1.25, "best": None}, "stages": [1, 2], "cost": 3e-310}
+    assert read_sealed(path) is None
+    write_sealed(path, data)
+    assert read_sealed(path) == data
+    text = path.read_text()
+    for other in (
+        text.replace("1.25", "1.26"),
+        text.replace("[1, 2]", "[1]"),
+        text[:-9],
+        "[]",
+        "{}",
+        "3",
+        '{"data": 1}',
+        "",
+    ):
+        path.write_text(other)
+        assert read_sealed(path) is None
