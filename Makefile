@@ -55,9 +55,9 @@ bench: setup
 proofs:
 	@if [ -x $(BIN)/python ]; then p=$(BIN)/python; else p='$(PYTHON)'; fi; $$p proofs/check.py || [ $$? -eq 3 ]
 
-# SEED=7 for another attack
+# SEED=7 for another attack, ONLY=kills for one part (parameters, machines, mutations); Ctrl-C tells how far it came
 fuzz: setup
-	$(BIN)/python tools/fuzz/run.py --seed $(or $(SEED),1)
+	$(BIN)/python tools/fuzz/run.py --seed $(or $(SEED),1) $(addprefix --only ,$(ONLY))
 
 clean:
 	rm -rf $(VENV) build docs/made dist src/*.egg-info stribeck-report

@@ -11,7 +11,7 @@ import shutil
 import stat
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from hashlib import file_digest
+from hashlib import file_digest, sha256
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -262,3 +262,19 @@ def sha256_of(path: Path) -> str:
 def write_json(path: Path, data: object) -> None:
     """Write data as JSON for people and programs."""
     write_text(path, json.dumps(finite(data), indent=2, allow_nan=False) + "\n")
+
+
+def write_sealed(path: Path, data: object) -> None:
+    """Write data as JSON beside its digest, for :func:`read_sealed`: what a stopped command goes on from."""
+    text = json.dumps(data, sort_keys=True)
+    write_text(path, json.dumps({"sha256": sha256(text.encode()).hexdigest(), "data": data}) + "\n")
+
+
+def read_sealed(path: Path) -> Any:
+    """The data of such a file; None where there is none that is as it was written."""
+    try:
+        found = json_of(path)
+        text = json.dumps(found["data"], sort_keys=True)
+        return found["data"] if found["sha256"] == sha256(text.encode()).hexdigest() else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None

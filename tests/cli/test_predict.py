@@ -84,6 +84,14 @@ def test_a_folder_without_a_fit_is_refused_in_a_line(stribeck, fitted, tmp_path,
     assert len(found.err.strip().splitlines()) == 1
 
 
+def test_a_record_at_rest_is_refused_in_a_line(stribeck, fitted, tmp_path):
+    """It was a traceback: the curve was tabled up to the fastest speed."""
+    (tmp_path / "log.csv").write_text("t,v,F\n" + "".join(f"{i / 100},0.0,{i % 7}\n" for i in range(400)))
+    found = stribeck("predict", tmp_path / "log.csv", "--fit", fitted / "out", *COLUMNS)
+    assert (found.status, found.out) == (2, "")
+    assert found.err.endswith("the body rests throughout: there is nothing to predict\n")
+
+
 def test_a_scenario_is_compared_with_a_record_of_itself(stribeck, tmp_path):
     assert stribeck("new", "--out", tmp_path / "rig.toml").status == 0
     assert stribeck("run", tmp_path / "rig.toml", "--out", tmp_path / "run").status == 0

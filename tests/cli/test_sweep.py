@@ -229,6 +229,9 @@ def test_ranges():
         (("--on", "dask", "--device", "cuda"), "--device: 'cuda': does not go with --on"),
         (("--device", "tpu"), "--device: 'tpu': must be 'cpu' or 'cuda'"),
         (("--out", "nothing://a/b"), "--out nothing://a/b: must be a path, or a URL that pyarrow or fsspec knows"),
+        (("--out", "file://"), "--out: 'file://': must name a place behind ://"),
+        (("--out", "memory://x"), "--out: memory://x: is gone when the command ends"),
+        (("--out", "zip://none/x.zip"), "--out zip://none/x.zip: cannot be reached: "),
     ],
     ids=lambda x: x[0] if isinstance(x, tuple) else "",
 )

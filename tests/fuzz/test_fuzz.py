@@ -77,3 +77,19 @@ def test_the_attack_sees_a_machine_that_is_off(attack, monkeypatch):
     what, fault = machines.one(data)
     assert what == "differ"
     assert "off by" in fault
+
+
+def test_ctrl_c_tells_how_far_it_came(attack, monkeypatch, capsys):
+    """A campaign of hours told nothing before its end, and took Ctrl-C for a fault of the command."""
+    import run
+
+    statuses = iter((2, 0, 2, 3, 130))
+    monkeypatch.setattr(attack["mutations"], "_status", lambda words: next(statuses))
+    wrong = []
+    with pytest.raises(KeyboardInterrupt):
+        run.part("mutations", attack["mutations"], 1, 9, wrong)
+    said = capsys.readouterr().out
+    assert said.startswith("mutations: 4 of 9, ")
+    assert said.endswith(" s of processor time: 1 exit status 0, 2 exit status 2, 1 exit status 3\n")
+    assert len(wrong) == 1
+    assert "exit status 3" in wrong[0]

@@ -259,11 +259,18 @@ def test_a_search_that_was_stopped_goes_on_and_ends_the_same(tmp_path, monkeypat
     assert begun == [0.6, 0.8]
     assert not journal.exists()
     begun.clear()
-    for text in (kept[: len(kept) // 2], kept.replace(b'"key": "', b'"key": "0')):
+    state = json.loads(kept)
+    other = {**state["data"], "best": [1.0, 1.0], "generation": 5}  # gains that nobody has tried were the result
+    damaged = (
+        kept[: len(kept) // 2],
+        kept.replace(b'"key": "', b'"key": "0'),
+        json.dumps({**state, "data": other}).encode(),
+    )
+    for text in damaged:
         journal.write_bytes(text)
         with pytest.raises(KeyboardInterrupt):
             search(stop, journal)
-    assert begun == [0.0, 0.0]
+    assert begun == [0.0, 0.0, 0.0]
 
 
 def test_the_commands_of_the_page(tmp_path, monkeypatch):

@@ -58,10 +58,13 @@ _FIRST_ONLY = ("new",)  # refuses what is there
 _LAST = 1.2  # of the time that the command takes; some kills come after its end
 
 
-def campaign(seed: int, count: int, names: tuple[str, ...] = tuple(COMMANDS)) -> tuple[Counter[str], list[str]]:
-    """How the processes ended, and what is wrong."""
-    ended: Counter[str] = Counter()
-    faults, tried = [], dict[str, float]()
+def campaign(
+    seed: int, count: int, ended: Counter[str] | None = None, faults: list[str] | None = None,
+    names: tuple[str, ...] = tuple(COMMANDS),
+) -> tuple[Counter[str], list[str]]:  # fmt: skip
+    """How the processes ended, and what is wrong; both are also added to what is given."""
+    ended, faults = Counter() if ended is None else ended, [] if faults is None else faults
+    tried = dict[str, float]()
     for i in range(count):
         rng = random.Random(f"{seed}/{i}")
         with tempfile.TemporaryDirectory() as folder:

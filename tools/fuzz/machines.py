@@ -16,10 +16,11 @@ _MOTION, _FORCE = 1e-5, 2e-4  # of the peak: what the second solver itself is go
 _UNSURE = 10.0  # by how much more than between two tolerances of the second solver
 
 
-def campaign(seed: int, count: int) -> tuple[Counter[str], list[str]]:
-    """How the runs ended, and which are off."""
-    ended: Counter[str] = Counter()
-    faults = []
+def campaign(
+    seed: int, count: int, ended: Counter[str] | None = None, faults: list[str] | None = None
+) -> tuple[Counter[str], list[str]]:
+    """How the runs ended, and which are off; both are also added to what is given."""
+    ended, faults = Counter() if ended is None else ended, [] if faults is None else faults
     for i in range(count):
         data = random_machine(random.Random(f"{seed}/{i}").randrange(2**32))
         try:

@@ -43,6 +43,7 @@ def commands(place: Path, rng: random.Random) -> list[str]:
         ["validate", file, "--log", str(place / "log.csv"), "--time", "t", "--position", "y", *_SHORT, "--out", out],
         [*_FIT, str(place / "log.csv"), "--law", "coulomb_viscous"],
         [*_FIT, str(place / "log.csv"), "--law", "coulomb_viscous", "--out", out],
+        ["predict", str(place / "log.csv"), "--fit", str(place / "fit.json")],
     ])  # fmt: skip
     if rng.random() < 0.3:
         at = rng.randrange(1, len(words) + 1)
@@ -96,9 +97,36 @@ class Mine(StaticLaw):
     def friction(p, v, z, dz_dt):
         return p.c * v
 """
-_SET = "title = 'x'\n[parameters]\nsigma_0 = 1e5\nsigma_1 = 300.0\nsigma_2 = 0.4\nF_c = 1.0\nF_s = 1.5\nv_s = 1e-3\n"
+_SET = (
+    "title = 'x'\nmotion = 'linear'\n[parameters]\nsigma_0 = {value = 1e5, low = 9e4, unit = 'N/m', determined = true}\n"
+    "sigma_1 = 300.0\nsigma_2 = 0.4\nF_c = 1.0\nF_s = 1.5\nv_s = 1e-3\n"
+)
 
 
+_MODEL = """{
+ "format": 2,
+ "law": "coulomb_viscous",
+ "method": "static",
+ "values": {"F_c": 1.0,
+  "sigma_2": 0.05},
+ "fit": {"relative_force_error": 0.01,
+  "cross_validated_error": 0.01,
+  "friction_error": 0.01,
+  "decimation": 1},
+ "others": {"least squares": {"law": "coulomb_viscous",
+  "values": {"F_c": 1.0,
+   "sigma_2": 0.05}}},
+ "data_sha256": "",
+ "files": ["log.csv"],
+ "columns": {"time": "t", "position": "y",
+  "force": "F"},
+ "units": {},
+ "force_gain": null,
+ "cutoff": null,
+ "output": "force",
+ "drive": null,
+ "published": false
+}"""
 _LOG = "t,y,F\n" + "\n".join(
     f"{0.01 * i:.2f},{0.1 * math.sin(0.05 * i):.6f},{(math.cos(0.05 * i) > 0) * 2 - 1 - 0.05 * math.sin(0.05 * i):.6f}"
     for i in range(400)
@@ -108,8 +136,8 @@ _LOG = "t,y,F\n" + "\n".join(
 def _files(place: Path, rng: random.Random) -> None:
     name = rng.choice([name for name in examples.names() if name != "measured"])
     text = {"rig.toml": examples.path(name).read_text(encoding="utf-8"), "set.toml": _SET, "mine.py": _LAW,
-            "log.csv": _LOG}  # fmt: skip
-    which = rng.choice(["rig.toml", "rig.toml", "rig.toml", "set.toml", "mine.py", "log.csv"])
+            "log.csv": _LOG, "fit.json": _MODEL}  # fmt: skip
+    which = rng.choice(["rig.toml", "rig.toml", "rig.toml", "set.toml", "mine.py", "log.csv", "fit.json"])
     for file, content in text.items():
         (place / file).write_bytes(mutated(content, rng) if file == which else content.encode())
 
@@ -133,10 +161,12 @@ def _time_limit() -> Iterator[None]:
         signal.signal(signal.SIGALRM, before[1])
 
 
-def campaign(seed: int, count: int) -> tuple[Counter[str], list[str]]:
-    """How the commands ended, and what is wrong: one line for each fault, with the seed that shows it again."""
-    ended: Counter[str] = Counter()
-    faults = []
+def campaign(
+    seed: int, count: int, ended: Counter[str] | None = None, faults: list[str] | None = None
+) -> tuple[Counter[str], list[str]]:
+    """How the commands ended, and what is wrong: one line for each fault, with the seed that shows it again; both are also
+    added to what is given."""
+    ended, faults = Counter() if ended is None else ended, [] if faults is None else faults
     for i in range(count):
         rng = random.Random(f"{seed}/{i}")
         with tempfile.TemporaryDirectory() as folder:
@@ -162,6 +192,8 @@ def one(words: list[str], place: Path, ended: Counter[str]) -> str | None:
         status = error.code if isinstance(error.code, int) else 1
     except BaseException as error:
         return f"traceback: {type(error).__name__}: {str(error)[:100]}"
+    if status == 130:
+        raise KeyboardInterrupt
     ended[f"exit status {status}"] += 1
     if status not in (0, 1, 2):
         return f"exit status {status}"

@@ -15,10 +15,11 @@ from stribeck import Scenario, simulate
 _AGREE = 1e-5  # of the peak: what the second solver itself is good for
 
 
-def campaign(seed: int, count: int) -> tuple[Counter[str], list[str]]:
-    """How the runs ended, and which are off."""
-    ended: Counter[str] = Counter()
-    faults = []
+def campaign(
+    seed: int, count: int, ended: Counter[str] | None = None, faults: list[str] | None = None
+) -> tuple[Counter[str], list[str]]:
+    """How the runs ended, and which are off; both are also added to what is given."""
+    ended, faults = Counter() if ended is None else ended, [] if faults is None else faults
     for i in range(count):
         data = random_rig(random.Random(f"{seed}/{i}").randrange(2**32))
         with warnings.catch_warnings():

@@ -71,7 +71,8 @@ def main(arguments: list[str] | None = None) -> NoReturn:
             stream.reconfigure(errors=_PLAIN)  # names of files need not be text
     try:
         status = _status(arguments)
-        for number in (signal.SIGINT, *watched):  # all is done and said: Python's own end takes no more stops
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done and said: Python's own end takes no more stops
+        for number in watched:  # with a handler of its own, as a process that never ends must go
             signal.signal(number, lambda *_: None)
     except KeyboardInterrupt:  # between the command's end and here
         status = 128 + _Stop.last

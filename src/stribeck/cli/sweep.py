@@ -30,6 +30,8 @@ def sweep(
     device: str = "cpu",
 ) -> int:
     """Simulate every lane, in parts; go on where an earlier run stopped."""
+    if out.startswith("memory:"):
+        raise InputError(f"--out: {out}: is gone when the command ends: must be a folder, or a URL of what stays")
     scenario = show.load(path, assignments, trust)
     check_cluster(on, threads, device)
     job = Sweep(scenario, _lanes(vary, samples, seed), out, summary, as_csv, device)

@@ -323,14 +323,14 @@ def predict(model: FittedModel, log: Log) -> Predicted:
     terms.check(model.body, log)
     rest = at_rest(log)
     simulated = laws.find(model.law).has_z and model.method != "static"
+    if rest.all() and not simulated:
+        raise InputError(f"{arg('data')}: the body rests throughout: there is nothing to predict")
     if simulated:
         force = _simulated(model, log)
     else:
         log = log.with_columns(velocity=np.where(rest, 0.0, log.velocity))
         force = _steady(model.law, model.values, log)
     rows = np.ones(len(log), bool) if simulated else ~rest
-    if not rows.any():
-        raise InputError(f"{arg('data')}: the body rests throughout: there is nothing to predict")
     left = log.force - beside(model, log)
     others = {n: _error(log.force, _steady(law, v, log), rows) for n, (law, v) in model.others.items()}
     traces = Prediction(log.time, log.position, log.velocity, log.force, force)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, arg
-from stribeck.files import json_of, write_text
+from stribeck.files import read_sealed, write_sealed
 from stribeck.loops.boundary import known_path
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import Loop, time_constant
@@ -58,21 +58,14 @@ class _Search:
     def begun(cls, journal: Path | None, key: str, start: Array, seed: int) -> _Search:
         """A new one, or the one that the journal has."""
         made = cls(journal, key, np.random.default_rng(seed), np.log(start), np.full(len(start), np.log(_FACTOR) / 2))
-        if journal is None or not journal.is_file():
+        kept = None if journal is None else read_sealed(journal)
+        if kept is None or kept["key"] != key:
             return made
-        try:
-            kept = json_of(journal)
-            if kept["key"] != key:
-                return made
-            made.random.bit_generator.state = kept["random"]
-            made.mean, made.spread = np.array(kept["mean"]), np.array(kept["spread"])
-            made.best = None if kept["best"] is None else np.array(kept["best"])
-            made.error = np.inf if kept["best"] is None else kept["error"]
-            made.generation, made.tried, made.quiet = kept["generation"], kept["tried"], kept["quiet"]
-        except (OSError, ValueError, KeyError, TypeError):  # a journal that is no journal: begin anew
-            return cls(
-                journal, key, np.random.default_rng(seed), np.log(start), np.full(len(start), np.log(_FACTOR) / 2)
-            )
+        made.random.bit_generator.state = kept["random"]
+        made.mean, made.spread = np.array(kept["mean"]), np.array(kept["spread"])
+        made.best = None if kept["best"] is None else np.array(kept["best"])
+        made.error = np.inf if kept["best"] is None else kept["error"]
+        made.generation, made.tried, made.quiet = kept["generation"], kept["tried"], kept["quiet"]
         return made
 
     def keep(self) -> None:
@@ -83,7 +76,7 @@ class _Search:
         lists = {n: None if (x := getattr(self, n)) is None else x.tolist() for n in ("mean", "spread", "best")}
         state = {"key": self.key, **numbers, **lists, "random": self.random.bit_generator.state}
         self.journal.parent.mkdir(parents=True, exist_ok=True)
-        write_text(self.journal, json.dumps(state | {"error": self.error if self.best is not None else None}) + "\n")
+        write_sealed(self.journal, state | {"error": self.error if self.best is not None else None})
 
     def done(self) -> None:
         """The result takes the journal's place."""

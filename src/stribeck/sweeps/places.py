@@ -179,6 +179,8 @@ class Store:
     environment (AWS_ENDPOINT_URL, ...)."""
 
     def __init__(self, url: str) -> None:
+        if not url.partition("://")[2].strip("/"):
+            raise InputError(f"{arg('folder')}: {url!r}: must name a place behind ://")
         self.url = url = url.rstrip("/")
         with needed(f"{arg('folder')} {url}", "parquet"):
             from pyarrow import ArrowInvalid, fs
@@ -199,6 +201,9 @@ class Store:
         except (ImportError, ValueError) as error:
             text = f"must be a path, or a URL that pyarrow or fsspec knows ({why}; fsspec: {error})"
             raise InputError(f"{arg('folder')} {self.url}: {text}") from None
+        except Exception as error:  # each kind of store raises what its libraries do
+            text = f"cannot be reached: {type(error).__name__}: {' '.join(str(error).split())}"
+            raise InputError(f"{arg('folder')} {self.url}: {text[:200]}") from None
         return fs.PyFileSystem(fs.FSSpecHandler(files)), path
 
     def __str__(self) -> str:

@@ -1,5 +1,7 @@
 """Machines whose numbers are known by construction: found, with intervals that hold them; or said not to be told."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,7 @@ from stribeck.errors import InputError
 from stribeck.identify.actuator import fit_machine, read_logs
 from stribeck.identify.actuator.coordinates import coordinates
 from stribeck.identify.actuator.estimate import prepared
+from stribeck.identify.actuator.kept import Kept
 from stribeck.identify.actuator.problem import MachineProblem
 from stribeck.identify.actuator.runs import RecordedRun
 from stribeck.scenario import Scenario
@@ -136,7 +139,13 @@ def test_a_fit_that_was_stopped_keeps_what_it_found_and_goes_on(recordings, tmp_
     path = logs(recordings, ["run0.csv"], WANTED)
     found = fit_machine(machine(), path, starts=4, progress=stop, folder=tmp_path)
     assert found.status == "stopped"
-    assert (tmp_path / "fit.partial.json").exists()
+    partial = tmp_path / "fit.partial.json"
+    kept = Kept(tmp_path, Scenario(machine()), read_logs(path))
+    assert kept.load("fit")
+    told = partial.read_text()
+    partial.write_text(json.dumps({"digest": kept.digest, "stages": {"fit": {"values": {"bodies.a.mass": "x"}}}}))
+    assert Kept(tmp_path, Scenario(machine()), read_logs(path)).load("fit") is None
+    partial.write_text(told)
     found = fit_machine(machine(), path, starts=4, folder=tmp_path, baselines=False)
     assert found.status == "done"
     assert not (tmp_path / "fit.partial.json").exists()

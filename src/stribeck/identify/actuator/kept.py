@@ -8,7 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from stribeck.files import json_of, write_json
+from stribeck.files import read_sealed, write_sealed
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.scenario import Scenario
 
@@ -30,12 +30,9 @@ class Kept:
         made.update(repr((logs.sought, logs.laws)).encode())
         self.digest = made.hexdigest()
         self.stages: dict[str, Any] = {}
-        if self.path is not None:
-            try:
-                found = json_of(self.path)
-                self.stages = found["stages"] if found["digest"] == self.digest else {}
-            except (OSError, ValueError, KeyError, TypeError):
-                self.stages = {}  # none yet, or of another fit
+        found = None if self.path is None else read_sealed(self.path)
+        if found is not None and found["digest"] == self.digest:
+            self.stages = found["stages"]
 
     def load(self, stage: str) -> dict[str, float] | None:
         """The best numbers of a stage that was begun before."""
@@ -49,7 +46,7 @@ class Kept:
             self.stages[stage] = {"values": values, "cost": cost}
             if self.path is not None:
                 self.path.parent.mkdir(parents=True, exist_ok=True)
-                write_json(self.path, {"digest": self.digest, "stages": self.stages})
+                write_sealed(self.path, {"digest": self.digest, "stages": self.stages})
 
         return save
 
