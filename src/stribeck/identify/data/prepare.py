@@ -204,8 +204,8 @@ def _without_ends(
 ) -> tuple[slice | NDArray[np.bool_], list[str]]:
     """The rows without the last ones of the runs that end in motion, where the filter goes astray; and what to say of it.
 
-    But for simulations and predictions only where it shows: the acceleration there exceeds all others of the run, or a plain regression of
-    the rest misses the force there.
+    For simulations and predictions all of them; else where it shows: the acceleration there exceeds all others of the run, or
+    a plain regression of the rest misses the force there.
     """
     left, spoilt = 0, 0
     v, a = abs(columns["velocity"]), abs(columns["acceleration"])
