@@ -45,7 +45,10 @@ class Effect:
         how = "beside this record, with" if self.alone is None else "alone, with such a position and"
         with_it = f"by {self.samples} samples of it {how} {self.noise:.2g} N of force noise"
         if half is None:
-            return f" ({with_it}, it would be known to {after:.2g} of its value)" if after < _KNOWN else ""
+            within = (
+                self.alone is not None and after < _KNOWN
+            )  # beside the record all hangs on numbers that are nowhere
+            return f" ({with_it}, it would be known to {after:.2g} of its value)" if within else ""
         if half <= _WORTH * after:
             return ""
         times = f"{half / after:.2g}" if half < _MOST * after else f"more than {_MOST:g}"
