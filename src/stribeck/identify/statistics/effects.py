@@ -45,9 +45,8 @@ class Effect:
         how = "beside this record, with" if self.alone is None else "alone, with such a position and"
         with_it = f"by {self.samples} samples of it {how} {self.noise:.2g} N of force noise"
         if half is None:
-            within = (
-                self.alone is not None and after < _KNOWN
-            )  # beside the record all hangs on numbers that are nowhere
+            # beside a record that shows no curve all hangs on numbers that are nowhere
+            within = self.alone is not None and after < _KNOWN
             return f" ({with_it}, it would be known to {after:.2g} of its value)" if within else ""
         if half <= _WORTH * after:
             return ""
