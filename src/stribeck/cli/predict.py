@@ -25,7 +25,7 @@ def predict(
     names = {**model.columns, **columns.names}
     units = {**{n: u for n, u in model.units.items() if n in names.values()}, **columns.units}
     gain = columns.force_gain if columns.force_gain is not None else model.force_gain
-    how = Preparation(cutoff if cutoff is not None else model.cutoff, None, simulated, model.published)
+    how = Preparation(cutoff if cutoff is not None else model.cutoff, None, simulated, model.published, True)
     with show.progress("predict"):
         log = fitting.log_of(data, ColumnNames(names, units, gain), how)
         found = predicting.predict(model, log)

@@ -62,7 +62,7 @@ def test_a_static_fit_tells_by_how_much_the_advised_strokes_narrow_an_interval()
     wave = 0.015 * (0.55 + 0.45 * np.sin(2 * np.pi * 1.1 * np.arange(0, 2.5, STEP)))
     both = [record(sign * wave, i) for i, sign in enumerate((1, -1))]
     before = fitted(*both)["sigma_2"]
-    told = re.search(r"with (\d+) samples of it .* would be ([\d.]+) times narrower", before.experiment)
+    told = re.search(r"by (\d+) samples of it .* would be ([\d.]+) times narrower", before.experiment)
     assert told, before.experiment
     fast = float(re.search(r"up to ([\d.e-]+) m/s", before.experiment)[1])
     held = [np.full(int(told[1]) // 20, sign * v) for v in np.geomspace(fast / 3, fast, 10) for sign in (1, -1)]

@@ -47,12 +47,14 @@ class Preparation:
         simulated: for simulations, which integrate the noise of the velocity away but not what a filter rounds off: a
             cut-off chosen from the data is raised.
         published: for plain least squares as published, which keeps the last rows of a run.
+        predicted: for a prediction, whose error is not to be the filter's: runs that end in motion lose their last rows.
     """
 
     cutoff: float | None = None
     trim: int | None = None
     simulated: bool = False
     published: bool = False
+    predicted: bool = False
 
 
 def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | None = None) -> Log:
@@ -218,8 +220,8 @@ def _without_ends(
 ) -> tuple[slice | NDArray[np.bool_], list[str]]:
     """The rows without the last ones of the runs that end in motion, where the filter goes astray; and what to say of it.
 
-    But for simulations only where it shows: the acceleration there exceeds all others of the run, or a plain regression of
-    the rest misses the force there.
+    For simulations and predictions all of them; else where it shows: the acceleration there exceeds all others of the run, or
+    a plain regression of the rest misses the force there.
     """
     left, spoilt = 0, 0
     v, a = abs(columns["velocity"]), abs(columns["acceleration"])
@@ -228,7 +230,8 @@ def _without_ends(
     for stop, n in zip(np.cumsum(lengths).tolist(), lengths, strict=True):
         if n > 4 * end and end > 0 and v[stop - 1] > _STILL * fastest:
             rest = float(a[stop - n : stop - end].max())
-            astray = how.simulated or float(a[stop - end : stop].max()) > rest
+            always = how.simulated or (how.predicted and not how.published)
+            astray = always or float(a[stop - end : stop].max()) > rest
             if not astray and _missed(columns, stop - n, stop, end):
                 astray = not how.published or end > _TRIFLE * n
                 spoilt += (not astray) * end

@@ -114,8 +114,9 @@ def _selection(fit: Fit) -> list[Chapter]:
 
 
 def _data(log: Log, data: str) -> Chapter:
+    count = len(list(log.runs()))
     text = [
-        f"{len(log)} rows in {len(list(log.runs()))} runs, one every {log.step:.6g} s. Found and done:"
+        f"{len(log)} rows in {count} {'run' if count == 1 else 'runs'}, one every {log.step:.6g} s. Found and done:"
         if log.quality
         else f"{len(log)} rows, one every {log.step:.6g} s.",
         *log.quality,

@@ -229,7 +229,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         c, best = problem.coordinates[k], float(problem.coordinates[k].outer(u[k]))
         if doubts[k]:
             what = experiment_for(c.name, values, sizes, open_)
-            what += effect(problem, k, values, at.inner, at.own, sizes, expected, numbers, stays[k])
+            what += effect(problem, k, values, at.inner, at.own, sizes, expected, numbers, stays[k], low is not None)
             estimates[c.name] = Estimate(None, low, high, c.unit, False, doubts[k], what, best)
         else:
             estimates[c.name] = Estimate(best, low, high, c.unit, best=best)

@@ -104,9 +104,10 @@ def presliding_unseen(problem: Problem, values: Mapping[str, float], log: Log) -
 
 def effect(
     problem: Problem, k: int, values: dict[str, float], inner: Array, own: Sequence[int], sizes: Sizes, noise: Noise,
-    at: Reach, stays: float,
+    at: Reach, stays: float, told: bool,
 ) -> str:  # fmt: skip
-    """What the advised experiment would do to the 95 % interval, in words; ``stays``: what of it is not the noise's."""
+    """What the advised experiment would do to the 95 % interval, in words; ``stays``: what of it is not the
+    noise's; ``told``: whether there is one."""
     inverse = problem if isinstance(problem, VelocityProblem) else getattr(problem, "inverse", None)
     if inverse is None:
         return ""
@@ -116,7 +117,8 @@ def effect(
     found = by_simulation(
         inverse, values, inner[np.ix_(own, own)], names, problem.coordinates[k].name, level, at, sizes
     )
-    return found.told(float(np.sqrt(THRESHOLD * inner[k, k])) + stays, stays) if found else ""
+    half = float(np.sqrt(THRESHOLD * inner[k, k])) + stays
+    return found.told(half if told or not problem.coordinates[k].log else None, stays) if found else ""
 
 
 def shape(c: Coordinate, values: Mapping[str, float], sizes: Sizes, unseen: str) -> str:
