@@ -64,6 +64,18 @@ def test_on_its_own_record_a_fit_s_error_in_its_band_is_the_fit_s(stribeck, tmp_
     assert data["relative_force_error"] > 1.1 * data["band_error"]
 
 
+def test_rows_beyond_what_was_fitted_are_told(stribeck, fitted, tmp_path):
+    """A fit of a curve up to 0.15 m/s says nothing of 0.3 m/s but by its form, and nobody was told."""
+    rows = record(tmp_path / "test.csv").read_text().splitlines()
+    doubled = [",".join([t, repr(2 * float(v)), f]) for t, v, f in (row.split(",") for row in rows[1:])]
+    (tmp_path / "fast.csv").write_text("\n".join([rows[0], *doubled]))
+    told = stribeck("predict", tmp_path / "fast.csv", "--fit", fitted / "out").out
+    assert "lie beyond what was fitted: velocity from -0.28" in told
+    assert "seen from -0.143 to 0.15\n" in told
+    assert "error of the force, beyond what was fitted" in told
+    assert "beyond what was fitted" not in stribeck("predict", tmp_path / "test.csv", "--fit", fitted / "out").out
+
+
 def test_a_fit_on_a_record_of_the_wrong_sign_shows_it(stribeck, fitted, tmp_path):
     test = record(tmp_path / "test.csv")
     found = stribeck("predict", test, "--fit", fitted / "out", "--force-gain", "-1", "--json")

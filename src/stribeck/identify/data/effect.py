@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.data.filters import low_pass, slope
+from stribeck.identify.data.filters import low_pass
 
 _RAISE = 2.5  # from one cut-off that is tried to the next
 _HIGHEST = 0.4  # of the sampling rate
@@ -30,7 +30,7 @@ _FEWEST, _MOST = 400, 100_000  # rows that are compared
 Run = tuple[Array, Array]
 
 
-def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float, spline: bool = True) -> float:
+def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float) -> float:
     """The cut-off, raised where a plain regression of the force misses clearly less with a higher one.
 
     The force is compared in one band whatever the cut-off, so that only what the filter does to the motion makes the difference:
@@ -42,7 +42,6 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float, s
         runs: measured motion and force of each.
         position: the motion is a position, not a speed.
         cutoff: Hz, the lowest to be tried; ``step``: between samples, s.
-        spline: speed and acceleration are slopes of a spline, as the fit's will be; else central differences.
     """
     tried = [cutoff]
     while tried[-1] * _RAISE < _HIGHEST / step:
@@ -54,8 +53,8 @@ def by_effect(runs: Sequence[Run], position: bool, cutoff: float, step: float, s
     if len(tried) < 2 or sum(rows.stop - rows.start for rows in inside) < _FEWEST:
         return cutoff
     band = min(_BAND * cutoff, _HIGHEST / step)
-    missed = [_missed(chosen, inside, position, c, band, step, spline) for c in tried]
-    over_all = [_missed(chosen, inside, position, c, None, step, spline) for c in tried]
+    missed = [_missed(chosen, inside, position, c, band, step) for c in tried]
+    over_all = [_missed(chosen, inside, position, c, None, step) for c in tried]
     able = [i for i, m in enumerate(over_all) if m <= _NO_WORSE * min(over_all[: i + 1])]
     least = min(missed[i] for i in able)
     if least > _CLEARLY * missed[0]:
@@ -100,17 +99,16 @@ def _end(motion: Array, position: bool, cutoff: float, step: float) -> int:
 
 
 def _missed(
-    runs: Sequence[Run], inside: Sequence[slice], position: bool, cutoff: float, band: float | None, step: float,
-    spline: bool,
-) -> float:  # fmt: skip
+    runs: Sequence[Run], inside: Sequence[slice], position: bool, cutoff: float, band: float | None, step: float
+) -> float:
     """What a regression on acceleration, a free odd curve of the speed and a constant misses of the force in a band (Hz; None
     for all frequencies); beside a measured position also a weight's and a spring's share, which may be most of it."""
     motions = []
     for motion, _ in runs:
         x = low_pass(motion, cutoff, step)
-        v = slope(x, step, spline) if position else x
+        v = np.gradient(x, step) if position else x
         place = (x - x[0], np.sin(x), np.cos(x)) if position else ()
-        motions.append((v, slope(v, step, spline), *place))
+        motions.append((v, np.gradient(v, step), *place))
     speeds = np.abs(np.concatenate([v[rows] for (v, *_), rows in zip(motions, inside, strict=True)]))
     knots = np.unique(np.quantile(speeds, _BENDS))
     matrix, force = [], []

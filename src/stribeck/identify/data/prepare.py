@@ -85,7 +85,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     notes = [note for part in parts for note in part.notes]
     measured = "position" if "position" in roles else "velocity"
     seen = _measured_spectrum(parts, measured, step)
-    cutoff, chosen = how.cutoff, 0.0
+    cutoff, chosen, spline = how.cutoff, 0.0, how.simulated
     if cutoff is None:
         cutoff, why = choose_cutoff(measured, *seen, step)
         notes.append(why)
@@ -93,27 +93,17 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
             cutoff = kept
             notes.append(f"raised to {cutoff:.4g} Hz: below, the filter takes more away than noise")
         by_position = measured == "position"
-        higher = (
-            0.0 if how.simulated else by_effect(_met(parts, measured), by_position, cutoff, step, not how.published)
-        )
+        higher = 0.0 if how.simulated else by_effect(_met(parts, measured), by_position, cutoff, step)
         if higher > cutoff:
             cutoff = higher
             notes.append(
                 f"raised to {cutoff:.4g} Hz: below, ramps or reversals are rounded off, and the force is met less well"
             )
-        if (
-            not (how.simulated or how.published)
-            and (
-                higher := quiet(
-                    parts[0].columns[measured][parts[0].runs[0]], measured == "position", seen[2], cutoff, step
-                )
-            )
-            > cutoff
-        ):
-            cutoff = higher
-            notes.append(
-                f"raised to {cutoff:.3g} Hz: up to there the speed's noise stays below {LITTLE:g} of the largest speed"
-            )
+        motion = parts[0].columns[measured][parts[0].runs[0]]
+        higher = quiet(motion, by_position, seen[2], cutoff, step)
+        if not (how.simulated or how.published) and higher > cutoff:
+            cutoff, spline = higher, True  # of what has noise it makes more
+            notes.append(f"raised to {cutoff:.3g} Hz: the speed's noise stays below {LITTLE:g} of the largest speed")
         if how.simulated and (higher := raised(parts, measured, seen[2], cutoff, step)) > cutoff:
             chosen, cutoff = cutoff, higher
             notes.append(
@@ -125,7 +115,6 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     trim = how.trim if how.trim is not None else max(round(_SETTLED / (cutoff * step)) - 1, 0) if cutoff > 0 else 0
     if trim < 0:
         raise InputError(f"{arg('trim')}: {trim}: must be a whole number >= 0")
-    spline = how.simulated or (cutoff > 0 and not how.published)  # of what no filter has passed it makes more noise
     columns, lengths = _columns(parts, roles, measured, step, cutoff, trim, how.simulated, spline)
     notes += _too_short(parts, lengths, trim)
     if chosen and "acceleration" not in roles:  # its noise does not average out: it multiplies the mass

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from itertools import pairwise
 
 import numpy as np
@@ -33,22 +32,27 @@ def at_an_end(way: float, low: float, high: float) -> bool:
     return not _AT_END < share < 1 - _AT_END
 
 
-def turned(position: Array, velocity: Array, runs: Iterable[slice], way: float) -> Array:
+def turned(log: Log, way: float) -> Array:
     """Which part of the friction has which direction: from -1 (all of it that of motion backwards) to 1.
 
     Behind a reversal it changes in proportion to the way, and is turned round after ``way`` (the stop operator). Between two
-    reversals of the position it is known in closed form, so that only these are gone through one by one. A run begins as
-    its speed says.
+    reversals of the position it is known in closed form, so that only these are gone through one by one.
     """
-    found = np.empty(len(position))
-    for run in runs:
-        y = position[run]
+    found = np.empty(len(log))
+    for run in log.runs():
+        y = log.position[run]
         turns = np.flatnonzero(np.diff(np.sign(np.diff(y)))) + 1
         first = np.concatenate([[0], turns])
         at = y[first].tolist()
-        state = [float(np.sign(velocity[run.start]))]
+        state = [_at_start(float(log.velocity[run.start]), float(log.acceleration[run.start]), way)]
         for before, now in pairwise(at):
             state.append(min(max(state[-1] + 2 * (now - before) / way, -1.0), 1.0))
         part = np.searchsorted(turns, np.arange(len(y)), side="right")
         found[run] = np.clip(np.array(state)[part] + 2 * (y - y[first][part]) / way, -1.0, 1.0)
     return found
+
+
+def _at_start(v: float, a: float, way: float) -> float:
+    """The state in which a run begins: a body that speeds up came back a while ago, by its acceleration v^2/(2 a) before."""
+    since = 0.5 * v * v / abs(a) if v * a > 0 else way
+    return float(np.sign(v)) * min(2 * since / way - 1, 1.0)

@@ -33,7 +33,10 @@ def bounded(at: Settled, asked: Sequence[str]) -> Settled:
     if _SPRING not in at.setting.body or set(own) & {*asked, *at.setting.fixed} or len(own) > 1:
         return at
     instead = _instead(at)
-    if instead is None or beyond_chance(at.left_out, instead.left_out) or too_heavy(instead):
+    if instead is None or beyond_chance(at.left_out, instead.left_out):
+        return at
+    spring, weight = abs(at.solution.values[_SPRING]), abs(instead.solution.values[_WEIGHT[0]])
+    if weight > np.pi * spring:  # more than the spring on half a turn: the way lies where a sine is flat
         return at
     ends = [float(np.sum(missed_beyond(each))) for each in (instead, at)]
     return instead if ends[0] <= _AS_GOOD * ends[1] else at

@@ -1,0 +1,106 @@
+"""Rows that lie beyond what a fit has seen."""
+
+import json
+
+import numpy as np
+import pytest
+
+import stribeck
+from stribeck.errors import InputError
+from stribeck.identify.api import read_log
+from stribeck.identify.beyond import beyond, seen
+from stribeck.identify.log import INTEGRAL, Log
+from stribeck.identify.predict import load, predict, saved
+
+NAMES = {"time": "t", "position": "y", "velocity": "v", "force": "F"}
+
+
+def log(position, velocity, source="measured", load=None) -> Log:
+    n = len(position)
+    return Log(
+        np.arange(n) * 1e-2, np.array(position, float), np.array(velocity, float), np.zeros(n), np.full(n, 2.0),
+        np.zeros(n, np.int32), None if load is None else np.array(load, float), step=1e-2, sources={"position": source},
+    )  # fmt: skip
+
+
+def test_the_errors_beyond_and_within_are_those_of_their_rows():
+    there = log([0.0, 0.5, 1.5, 2.0], [0.1, 0.2, 0.3, 0.9])
+    left = np.array([0.2, 0.2, 0.4, 1.0])
+    found = beyond({"position": (0, 1), "velocity": (0, 0.5)}, ("stiffness",), there, np.ones(4, bool), left)
+    assert (found.rows, found.of) == (2, 4)
+    assert found.error == pytest.approx(np.sqrt((0.4**2 + 1) / 8))
+    assert found.within == pytest.approx(0.1)
+    assert {n: w[0] for n, w in found.what.items()} == {"velocity": 1, "position": 2}
+    assert found.told() == (
+        "2 rows (50%) lie beyond what was fitted: velocity from 0.1 to 0.9 m/s, seen from 0 to 0.5; "
+        "position from 0 to 2 m, seen from 0 to 1"
+    )
+
+
+@pytest.mark.parametrize(
+    ("terms", "position", "counted"),
+    [
+        ((), (0, 1), 0),
+        (("gravity_sin",), (0, 1), 2),
+        (("gravity_sin",), (0, 6.3), 0),
+        (("F_c_by_position",), (0, 1), 2),
+    ],
+)
+def test_positions_count_where_the_model_hangs_on_what_was_not_seen(terms, position, counted):
+    there = log([0.0, 0.5, 9.0, 9.5], [0.1] * 4)
+    found = beyond({"position": position, "velocity": (0, 1)}, terms, there, np.ones(4, bool), np.zeros(4))
+    assert found.rows == counted
+
+
+def test_rows_at_rest_and_loads_of_which_no_term_is_do_not_count():
+    there = log([0.0] * 3, [0.1, 0.1, 0.9], load=[1.0, 5.0, 1.0])
+    ranges = {"velocity": (0, 0.5), "load": (0, 2)}
+    moves = np.array([True, True, False])
+    assert beyond(ranges, (), there, moves, np.zeros(3)).rows == 0
+    found = beyond(ranges, ("F_c_by_load",), there, moves, np.zeros(3))
+    assert (found.rows, list(found.what), found.told()[:31]) == (1, ["load"], "1 rows (50%) lie beyond what wa")
+
+
+def test_a_position_that_nobody_measured_has_no_range():
+    assert set(seen(log([0, 1], [0.1, 0.2], INTEGRAL), np.ones(2, bool))) == {"velocity"}
+
+
+def rig(size: float) -> dict[str, np.ndarray]:
+    t = np.arange(0, 6, 5e-3)
+    w, draw = 2 * np.pi * 0.5, np.random.default_rng(3)
+    y, v = size * np.sin(w * t), size * w * np.cos(w * t)
+    force = 0.5 * np.sign(v) + 0.3 * v + 2.0 * y + 0.01 * draw.standard_normal(len(t))
+    return {"t": t, "y": y, "v": v, "F": force}
+
+
+def test_a_fit_keeps_what_it_has_seen_and_tells_it_of_another_record(tmp_path):
+    fit = stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES, terms=["stiffness"], mass=0.0)
+    (tmp_path / "fit.json").write_text(saved(fit), encoding="utf-8")
+    model = load(tmp_path)
+    assert model.seen["position"] == pytest.approx((-0.2, 0.2), rel=0.01)
+    inside = predict(model, read_log(rig(0.2), columns=NAMES))
+    assert inside.beyond.rows == 0
+    assert inside.beyond.error is None
+    wide = predict(model, read_log(rig(0.4), columns=NAMES))
+    # of a sine twice as tall, 2/3 of the time beyond in the position, 2/3 in the speed, and never neither beyond
+    assert wide.beyond.rows == pytest.approx(wide.beyond.of, rel=0.02)
+    assert json.loads(json.dumps(wide.to_json()))["beyond"]["what"]["position"]["seen"] == pytest.approx(
+        [-0.2, 0.2], rel=0.01
+    )
+
+
+@pytest.mark.parametrize("range_", [[1.0], [2.0, 1.0], [0.0, "x"], 3.0])
+def test_a_range_that_is_none_is_refused(tmp_path, range_):
+    fit = stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES)
+    data = json.loads(saved(fit))
+    data["seen"]["velocity"] = range_
+    (tmp_path / "fit.json").write_text(json.dumps(data), encoding="utf-8")
+    with pytest.raises(InputError, match="seen: is not what a fit writes there"):
+        load(tmp_path)
+
+
+def test_older_fits_tell_no_ranges(tmp_path):
+    data = json.loads(saved(stribeck.fit(rig(0.2), "coulomb_viscous", columns=NAMES)))
+    del data["seen"]
+    (tmp_path / "fit.json").write_text(json.dumps(data), encoding="utf-8")
+    assert predict(load(tmp_path), read_log(rig(0.4), columns=NAMES)).beyond is None
