@@ -121,7 +121,7 @@ def _in_blocks(sign: Array, missed: Array, w: Array) -> float:
 
 def _predicted(whole: Separable, solution: Minimum, out: NDArray[np.bool_], means: Mapping[str, float]) -> FileLevel:
     """The level that the fit to the other files gives for this one, at the same shape of the curve."""
-    from stribeck.identify.statistics.static_intervals import linearised
+    from stribeck.identify.statistics.linear import linearised
 
     training = whole.weighted(np.where(out, 0.0, whole.weight))
     found = training.solve({s.name: solution.values[s.name] for s in whole.shapes})

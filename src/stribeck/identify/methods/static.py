@@ -27,7 +27,8 @@ from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Fit, Prediction
 from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, cross_validate
-from stribeck.identify.statistics.static_intervals import linearised, static_intervals
+from stribeck.identify.statistics.linear import linearised
+from stribeck.identify.statistics.static_intervals import static_intervals
 
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed

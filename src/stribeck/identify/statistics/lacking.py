@@ -10,12 +10,15 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.static_start import StaticModel
+from stribeck.identify.models.memory import rows_together
 from stribeck.identify.models.problem import linear_step
 from stribeck.identify.models.separable import Separable, Shape
 from stribeck.identify.models.static_problem import Rows
-from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
+from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS, column
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics import clusters
+from stribeck.identify.statistics.linear import Linear
+from stribeck.identify.statistics.suspects import BEND, LOAD, LOADS, bends, builds_up, by_load
 
 _SHARE = 0.005  # of the squared residual: what takes less away is left alone
 _CLEARLY = 1.5  # halves of a 95 % interval: the best of several terms is looked at
@@ -26,6 +29,8 @@ _POWERS = (1.25, 3.0)  # of the speed, beside its square
 _SHORT = 0.3  # rad: on less way a weight is a constant
 _EXPONENT, _USUAL = "delta", 2.0  # of the Stribeck curve, which a law takes as its default says unless it is given
 _STEP = 0.05  # of the exponent, for its slope
+_ALIKE = 10.0  # twice the logarithm of a likelihood: forms of a bend that differ by less are as good
+_NOTHING = 1e-12  # of a coefficient: less is nothing
 _EXPONENTS = (0.5, 4.0)  # between which the literature has it
 
 
@@ -52,9 +57,10 @@ def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bo
     ]  # fmt: skip
 
 
-def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], slopes: Array, misfit: Array) -> Lacking:
+def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], at: Linear) -> Lacking:
     """The terms that take most of the residual away, one after the other, and beyond what parts of the record differ by; each
     by the linear step from the optimum."""
+    slopes, misfit = at.slopes, at.misfit
     count, parts = slopes.shape[1], clusters.parts_of(rows.log.rows(rows.kept)).number
     columns = _columns(rows, model, values)
     found: dict[str, Array] = {}
@@ -65,34 +71,74 @@ def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], slopes:
         if left[name] > rest - _SHARE * whole:
             break
         wider = np.column_stack([slopes, *found.values(), own := columns.pop(name)])
-        told = linear_step(wider, misfit)[-1]
-        half = clusters.half_widths(wider, misfit - wider @ linear_step(wider, misfit), parts, True)[-1]
-        if abs(told) < _CLEARLY * half or (name in TERMS and TERMS[name].positive and told < 0):
+        told = linear_step(wider, misfit)
+        half = clusters.half_widths(wider, misfit - wider @ told, parts, True)[-1]
+        if abs(told[-1]) < _CLEARLY * half or (_positive(name) and told[-1] < 0):
             continue
         found[name], rest = own, left[name]
+        if name in LOADS:  # more is transmitted than was known
+            further = dict(zip(found, told[count:].tolist(), strict=True))
+            columns |= _by_load(rows, model, {**values, **further}) if LOAD not in found else {}
     shifts = np.zeros((1, count))
-    for added in _forms(rows, model, found) if found else []:
-        step = linear_step(np.column_stack([slopes, *added.values()]), misfit)[:count]
-        shifts = np.vstack([shifts, step])
+    for added in _forms(rows, model, at, found) if found else []:
+        shifts = np.vstack([shifts, _shift(model, values, at, added)])
     return Lacking(tuple(found), 1 - rest / whole if whole > 0 else 0.0, -shifts.min(axis=0), shifts.max(axis=0))
 
 
-def _forms(rows: Rows, model: StaticModel, found: dict[str, Array]) -> list[dict[str, Array]]:
-    """The columns that the residual asks for; with friction that bends with the speed, also by other powers of it, as nothing
-    says which."""
-    if "drag" not in found:
-        return [found]
-    v, whole = rows.log.velocity, model.whole
-    other = {p: whole.weight * whole.columns.reduce(np.sign(v) * abs(v) ** p) for p in _POWERS}
-    return [found, *({**found, "drag": x} for x in other.values())]
+def _positive(name: str) -> bool:
+    return name == LOAD or (name in TERMS and TERMS[name].positive)
 
 
-def unfitted(
-    rows: Rows, model: StaticModel, values: Mapping[str, float], names: Sequence[str], slopes: Array, misfit: Array
-) -> tuple[Array, Array, list[str]]:
+def _shift(model: StaticModel, values: Mapping[str, float], at: Linear, added: Mapping[str, Array]) -> Array:
+    """How far each coordinate goes with further columns; a coefficient goes straight, whose logarithm is the coordinate."""
+    step = linear_step(np.column_stack([at.slopes, *added.values()]), at.misfit)
+    further = dict(zip(added, step[len(at.names) :].tolist(), strict=True))
+    shapes = [s.name for s in model.whole.shapes]
+    moved = step[: len(at.names)].copy()
+    for k, name in enumerate(at.names):
+        if name == "F_s":  # a bend has its whole height where the speed tends to 0
+            moved[k] += sum(x for n, x in further.items() if n.startswith(BEND)) / values[name]
+        if at.log[k] and name not in shapes:
+            moved[k] = np.log(max(1 + moved[k], _NOTHING))
+    return np.asarray(moved)
+
+
+def _forms(rows: Rows, model: StaticModel, at: Linear, found: dict[str, Array]) -> list[dict[str, Array]]:
+    """The columns that the residual asks for; with friction that bends with the speed, also other forms of it, as nothing says
+    which: other powers, and those bends that the residual does not tell apart from the one that is found."""
+    whole, reduce = model.whole, model.whole.columns.reduce
+    v, forms = rows.log.velocity, [found]
+    if "drag" in found:
+        other = (whole.weight * reduce(np.sign(v) * abs(v) ** p) for p in _POWERS)
+        forms += [{**found, "drag": x} for x in other]
+    for name in (n for n in found if n == "thinning" or n.startswith(BEND)):
+        curves = {
+            n: x for n, x in {"thinning": column("thinning", rows.log, {}), **bends(rows.log)}.items() if n not in found
+        }
+        rest = {n: x for n, x in found.items() if n != name}
+        best, left = _alone(at, found)
+        together = len(left) / rows_together(left)
+        for other_name, x in curves.items():
+            instead = {**rest, other_name: whole.weight * reduce(x)}
+            cost, _ = _alone(at, instead)
+            told = linear_step(np.column_stack([at.slopes, *instead.values()]), at.misfit)[-1]
+            if together * np.log(cost / max(best, 1e-300)) < _ALIKE and not (_positive(other_name) and told < 0):
+                forms.append(instead)
+    return forms
+
+
+def _alone(at: Linear, added: Mapping[str, Array]) -> tuple[float, Array]:
+    """What is left with further columns: the sum of its squares, and itself."""
+    slopes = np.column_stack([at.slopes, *added.values()])
+    rest = at.misfit - slopes @ linear_step(slopes, at.misfit)
+    return float(rest @ rest), np.asarray(rest)
+
+
+def unfitted(rows: Rows, model: StaticModel, values: Mapping[str, float], at: Linear) -> tuple[Array, Array, list[str]]:
     """How far below and above each coordinate may be because of terms that were not fitted, whose shift has a side, and of a
     delay that a filter imitates; and what a reader should know of it."""
-    asked = lacking(rows, model, values, slopes, misfit)
+    names = at.names
+    asked = lacking(rows, model, values, at)
     late, notes = np.zeros(len(names)), []
     if asked.names:
         notes.append(
@@ -100,7 +146,7 @@ def unfitted(
             "the side to which that would shift"
         )
     if "delay" in names:
-        late = abs(lateness(rows, names.index("delay"), slopes, misfit))
+        late = abs(lateness(rows, names.index("delay"), at.slopes, at.misfit))
     there = elsewhere(model, values, names, asked.names)
     return late + np.maximum(asked.below, -there), late + np.maximum(asked.above, there), notes
 
@@ -136,10 +182,14 @@ def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dic
     there = {**whole.held, **values}
     of_law = "F_c" in whole.columns.sliding.linear
     names = [n for n in open_terms(rows.log, (*whole.terms, *model.unseen), of_law) if n != "delay"]
-    if "F_s" in whole.wanted and "thinning" not in there:  # what such a curve bends by is taken for the Stribeck bend
+    if "F_c" in whole.wanted and "thinning" not in there:  # what such a curve bends by is taken for the level
         names.append("thinning")
     made = whole.columns.at(there, names)
     found = {n: whole.weight * made[n] for n in names}
+    if "F_c" in whole.wanted:
+        of_speed = bends(rows.log) if "F_s" not in whole.wanted else {}
+        made = {**of_speed, **builds_up(rows.log)}
+        found |= {n: whole.weight * whole.columns.reduce(x) for n, x in made.items()} | _by_load(rows, model, there)
     shapes = [s.name for s in whole.shapes]
     if "v_s" in shapes and _has_exponent(model) and not {_EXPONENT} & {*shapes, *model.given}:
         more, less = (whole.force_at({**there, _EXPONENT: _USUAL * (1 + by)}) for by in (_STEP, -_STEP))
@@ -149,6 +199,12 @@ def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dic
         later, sooner = (whole.force_at({**there, "delay": there.get("delay", 0.0) + by}) for by in (step, -step))
         found["delay"] = whole.weight * (later - sooner) / (2 * step)
     return {n: x for n, x in found.items() if np.any(x)}
+
+
+def _by_load(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dict[str, Array]:
+    """The column of friction that grows with what is transmitted, for the terms' coefficients."""
+    whole = model.whole
+    return {LOAD: whole.weight * whole.columns.reduce(by_load(rows.log, values))} if "F_c" in whole.wanted else {}
 
 
 def _has_exponent(model: StaticModel) -> bool:

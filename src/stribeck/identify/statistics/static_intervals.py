@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.identify.details import FitDetails
@@ -23,6 +22,7 @@ from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
 from stribeck.identify.statistics.lacking import one_sided, unfitted
+from stribeck.identify.statistics.linear import Linear, linearised
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
 _HUGE = 1e100
@@ -62,52 +62,6 @@ class _Reach:
     def widest(self) -> Array:
         """To the side that is farther."""
         return self.half + np.maximum(self.below, self.above)
-
-
-@dataclass(frozen=True)
-class Linear:
-    """The model near its optimum: names, values, whether the logarithm is what counts, slopes by that, the residual."""
-
-    names: tuple[str, ...]
-    values: Array
-    log: NDArray[np.bool_]
-    slopes: Array
-    misfit: Array
-
-
-def linearised(model: Separable, solution: Minimum) -> Linear:
-    """Slopes of the weighted force at the optimum by everything that is free and not at its bound."""
-    values = solution.values
-    columns = model.columns.at(values, model.terms)
-    found: dict[str, Array] = {}
-    tied = "F_s" in model.wanted and values["F_s"] <= values["F_c"] * (1 + 1e-4)
-    for name in (*model.wanted, *model.free):
-        if at_zero(name, values, model) or (name == "F_s" and tied):
-            continue
-        found[name] = columns[name] + columns["F_s"] if name == "F_c" and tied else columns[name]
-    before = model.force_at(values)
-    for shape in model.shapes:
-        if tied and shape.name in ("v_s", "delta"):
-            continue
-        step = 1e-4 * values[shape.name] if shape.log else 1e-3 * (shape.high - shape.low)
-        after = model.force_at({**values, shape.name: values[shape.name] + step})
-        found[shape.name] = (after - before) / step
-    names = tuple(found)
-    log = np.array([_is_log(n) for n in names], bool)
-    x = np.array([values[n] for n in names])
-    slopes = np.column_stack([found[n] for n in names]) * np.where(log, x, 1.0) if names else np.zeros((len(before), 0))
-    return Linear(names, x, log, model.weight[:, None] * slopes, model.weight * (model.force - before))
-
-
-def at_zero(name: str, values: dict[str, float], model: Separable) -> bool:
-    """Whether a coefficient that cannot be negative comes out as nothing."""
-    if name in TERMS and not TERMS[name].positive:
-        return False
-    return values[name] <= (2 * model.least if name == "F_c" else 0.0)
-
-
-def _is_log(name: str) -> bool:
-    return TERMS[name].positive if name in TERMS else True
 
 
 def static_intervals(
@@ -191,7 +145,7 @@ def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
         f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, bias, half, at.log, strict=True) if log and s > h
     ]:
         notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
-    below, above, why = unfitted(rows, model, solution.values, at.names, at.slopes, at.misfit)
+    below, above, why = unfitted(rows, model, solution.values, at)
     details: FitDetails = {
         "intervals_over": parts.what,
         "misfit_share": share,
