@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS, column
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics import clusters
 from stribeck.identify.statistics.linear import Linear
-from stribeck.identify.statistics.suspects import BEND, LOAD, LOADS, bends, builds_up, by_load
+from stribeck.identify.statistics.suspects import BEND, LAG, LOAD, LOADS, bends, builds_up, by_load
 
 _SHARE = 0.005  # of the squared residual: what takes less away is left alone
 _CLEARLY = 1.5  # halves of a 95 % interval: the best of several terms is looked at
@@ -36,13 +36,15 @@ _EXPONENTS = (0.5, 4.0)  # between which the literature has it
 
 @dataclass(frozen=True)
 class Lacking:
-    """Terms that the residual asks for: how far they would move each coordinate down and up, and what share of the squared
-    residual they would take away."""
+    """What the residual asks for: its names, what share of the squared residual all would take away, and how far they would
+    move each coordinate down and up; ``sets``: the columns of terms alone, and of all; ``forms``: all that may stand for them."""
 
     names: tuple[str, ...]
+    sets: tuple[dict[str, Array], ...]
     share: float
     below: Array
     above: Array
+    forms: tuple[dict[str, Array], ...]
 
 
 def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bool) -> list[str]:
@@ -58,31 +60,51 @@ def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bo
 
 
 def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], at: Linear) -> Lacking:
-    """The terms that take most of the residual away, one after the other, and beyond what parts of the record differ by; each
-    by the linear step from the optimum."""
+    """What takes most of the residual away: terms alone, and with friction that no term is."""
+    terms = _columns(rows, model, values)
+    asked = _greedy(rows, model, values, at, terms)
+    found, whole = asked, float(at.misfit @ at.misfit)
+    if "F_c" in model.whole.wanted:
+        found = _greedy(rows, model, values, at, {**terms, **_suspects(rows, model, values)}, True)
+    forms, sets = _forms(rows, model, at, asked, terms), [asked]
+    if set(found) != set(asked):
+        sets.append(found)
+        forms += _forms(rows, model, at, found, {**terms, **_suspects(rows, model, values)})
+    shifts = np.vstack([np.zeros((1, len(at.names))), *(_shift(model, values, at, added) for added in forms)])
+    share = 1 - _alone(at, found)[0] / whole if whole > 0 else 0.0
+    return Lacking(tuple(found), tuple(sets), share, -shifts.min(axis=0), shifts.max(axis=0), tuple(forms))
+
+
+def _greedy(
+    rows: Rows,
+    model: StaticModel,
+    values: Mapping[str, float],
+    at: Linear,
+    columns: Mapping[str, Array],
+    loaded: bool = False,
+) -> dict[str, Array]:
+    """The columns that take most of the residual away, one after the other, and beyond what parts of the record differ by;
+    ``loaded``: a load that is found tells better what friction grows with."""
     slopes, misfit = at.slopes, at.misfit
     count, parts = slopes.shape[1], clusters.parts_of(rows.log.rows(rows.kept)).number
-    columns = _columns(rows, model, values)
     found: dict[str, Array] = {}
-    whole = rest = float(misfit @ misfit)
-    while columns and count and rest > 0:
-        left = {n: _left(np.column_stack([slopes, *found.values(), x]), misfit) for n, x in columns.items()}
+    open_, whole = dict(columns), float(misfit @ misfit)
+    rest = whole
+    while open_ and count and rest > 0:
+        left = {n: _left(np.column_stack([slopes, *found.values(), x]), misfit) for n, x in open_.items()}
         name = min(left, key=lambda n: left[n])
         if left[name] > rest - _SHARE * whole:
             break
-        wider = np.column_stack([slopes, *found.values(), own := columns.pop(name)])
+        wider = np.column_stack([slopes, *found.values(), own := open_.pop(name)])
         told = linear_step(wider, misfit)
         half = clusters.half_widths(wider, misfit - wider @ told, parts, True)[-1]
         if abs(told[-1]) < _CLEARLY * half or (_positive(name) and told[-1] < 0):
             continue
         found[name], rest = own, left[name]
-        if name in LOADS:  # more is transmitted than was known
+        if loaded and name in LOADS and LOAD not in found:
             further = dict(zip(found, told[count:].tolist(), strict=True))
-            columns |= _by_load(rows, model, {**values, **further}) if LOAD not in found else {}
-    shifts = np.zeros((1, count))
-    for added in _forms(rows, model, at, found) if found else []:
-        shifts = np.vstack([shifts, _shift(model, values, at, added)])
-    return Lacking(tuple(found), 1 - rest / whole if whole > 0 else 0.0, -shifts.min(axis=0), shifts.max(axis=0))
+            open_ |= _by_load(rows, model, {**values, **further})
+    return found
 
 
 def _positive(name: str) -> bool:
@@ -103,27 +125,29 @@ def _shift(model: StaticModel, values: Mapping[str, float], at: Linear, added: M
     return np.asarray(moved)
 
 
-def _forms(rows: Rows, model: StaticModel, at: Linear, found: dict[str, Array]) -> list[dict[str, Array]]:
-    """The columns that the residual asks for; with friction that bends with the speed, also other forms of it, as nothing says
-    which: other powers, and those bends that the residual does not tell apart from the one that is found."""
-    whole, reduce = model.whole, model.whole.columns.reduce
-    v, forms = rows.log.velocity, [found]
+def _forms(
+    rows: Rows, model: StaticModel, at: Linear, found: Mapping[str, Array], columns: Mapping[str, Array]
+) -> list[dict[str, Array]]:
+    """The columns that the residual asks for; other powers of the speed, as nothing says which; and each with one in its place
+    that the residual does not tell apart from it."""
+    whole, v = model.whole, rows.log.velocity
+    forms = [dict(found)] if found else []
     if "drag" in found:
-        other = (whole.weight * reduce(np.sign(v) * abs(v) ** p) for p in _POWERS)
+        other = (whole.weight * whole.columns.reduce(np.sign(v) * abs(v) ** p) for p in _POWERS)
         forms += [{**found, "drag": x} for x in other]
-    for name in (n for n in found if n == "thinning" or n.startswith(BEND)):
-        curves = {
-            n: x for n, x in {"thinning": column("thinning", rows.log, {}), **bends(rows.log)}.items() if n not in found
-        }
+    best, left = _alone(at, found)
+    together = len(left) / rows_together(left)
+    for name in found:
         rest = {n: x for n, x in found.items() if n != name}
-        best, left = _alone(at, found)
-        together = len(left) / rows_together(left)
-        for other_name, x in curves.items():
-            instead = {**rest, other_name: whole.weight * reduce(x)}
-            cost, _ = _alone(at, instead)
-            told = linear_step(np.column_stack([at.slopes, *instead.values()]), at.misfit)[-1]
-            if together * np.log(cost / max(best, 1e-300)) < _ALIKE and not (_positive(other_name) and told < 0):
-                forms.append(instead)
+        for instead, x in columns.items():
+            if instead in found:
+                continue
+            cost, _ = _alone(at, {**rest, instead: x})
+            if together * np.log(max(cost, 1e-300) / max(best, 1e-300)) > _ALIKE:
+                continue
+            told = linear_step(np.column_stack([at.slopes, *rest.values(), x]), at.misfit)[-1]
+            if not (_positive(instead) and told < 0):
+                forms.append({**rest, instead: x})
     return forms
 
 
@@ -134,9 +158,11 @@ def _alone(at: Linear, added: Mapping[str, Array]) -> tuple[float, Array]:
     return float(rest @ rest), np.asarray(rest)
 
 
-def unfitted(rows: Rows, model: StaticModel, values: Mapping[str, float], at: Linear) -> tuple[Array, Array, list[str]]:
+def unfitted(
+    rows: Rows, model: StaticModel, values: Mapping[str, float], at: Linear
+) -> tuple[Array, Array, list[str], tuple[dict[str, Array], ...]]:
     """How far below and above each coordinate may be because of terms that were not fitted, whose shift has a side, and of a
-    delay that a filter imitates; and what a reader should know of it."""
+    delay that a filter imitates; what a reader should know of it; and the columns that the residual asks for."""
     names = at.names
     asked = lacking(rows, model, values, at)
     late, notes = np.zeros(len(names)), []
@@ -147,33 +173,47 @@ def unfitted(rows: Rows, model: StaticModel, values: Mapping[str, float], at: Li
         )
     if "delay" in names:
         late = abs(lateness(rows, names.index("delay"), at.slopes, at.misfit))
-    there = elsewhere(model, values, names, asked.names)
-    return late + np.maximum(asked.below, -there), late + np.maximum(asked.above, there), notes
+    there = elsewhere(model, values, at, asked)
+    below = np.maximum(asked.below, -there.min(axis=0))
+    return late + below, late + np.maximum(asked.above, there.max(axis=0)), notes, asked.forms
 
 
-def elsewhere(model: StaticModel, values: Mapping[str, float], names: Sequence[str], asked: Sequence[str]) -> Array:
-    """By how much each coordinate differs where the whole search is made again with the terms that the residual asks for: a bend
-    of the curve that is used up by one of them lies at another place then, far from a linear step."""
+def elsewhere(model: StaticModel, values: Mapping[str, float], at: Linear, asked: Lacking) -> Array:
+    """By how much each coordinate differs where the whole search is made again with what the residual asks for: a bend of the
+    curve that is used up by one of them lies at another place then, far from a linear step. A row for each set of columns."""
+    shifts = [np.zeros(len(at.names))]
+    for found in asked.sets if model.whole.shapes else ():
+        if (wider := _wider(model, found)) is not None:
+            known = {**values, _EXPONENT: _USUAL} if _EXPONENT in found else values
+            starts = (wider.grid()[0].values, known)
+            there = min((wider.refined(start) for start in starts), key=lambda each: each.cost).values
+            shifts.append(np.array([_moved(name, values, there) for name in at.names]))
+    return np.array(shifts)
+
+
+def _wider(model: StaticModel, found: Mapping[str, Array]) -> Separable | None:
+    """The model with what the residual asks for, as far as that is no linear step alone."""
     whole = model.whole
-    added = [n for n in asked if n in TERMS and TERMS[n].column is not None]
+    added = [n for n in found if n in TERMS and TERMS[n].column is not None]
     shapes, held = list(whole.shapes), dict(whole.held)
-    if _EXPONENT in asked:
+    if _EXPONENT in found:
         least = model.law.constants()[_EXPONENT].at_least or 0.0
         shapes.append(Shape(_EXPONENT, max(_EXPONENTS[0], least), _EXPONENTS[1]))
         held.pop(_EXPONENT, None)
-        values = {**values, _EXPONENT: _USUAL}
-    if not (added or _EXPONENT in asked) or not whole.shapes:
-        return np.zeros(len(names))
-    wider = Separable(whole.columns, held, whole.wanted, (*whole.free, *added), shapes, whole.weight)
-    starts = (wider.grid()[0].values, values)
-    found = min((wider.refined(start) for start in starts), key=lambda each: each.cost).values
-    shifts = []
-    for name in names:
-        if name not in TERMS or TERMS[name].positive:
-            shifts.append(np.log(max(found[name], 1e-30 * values[name]) / values[name]))
-        else:
-            shifts.append(found[name] - values[name])
-    return np.array(shifts)
+    weight = np.where(whole.weight > 0, whole.weight, np.inf)
+    beside = {n: x / weight for n, x in found.items() if n not in TERMS and n != _EXPONENT}
+    if not (added or beside or _EXPONENT in found):
+        return None
+    return Separable(whole.columns, held, whole.wanted, (*whole.free, *added), shapes, whole.weight, beside)
+
+
+def _moved(name: str, values: Mapping[str, float], there: Mapping[str, float]) -> float:
+    """How far a coordinate goes from one solution to another."""
+    if name in TERMS and not TERMS[name].positive:
+        return there[name] - values[name]
+    # a bend has its whole height where the speed tends to 0
+    other = there[name] + (sum(x for n, x in there.items() if n.startswith(BEND)) if name == "F_s" else 0.0)
+    return float(np.log(max(other, 1e-30 * values[name]) / values[name]))
 
 
 def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dict[str, Array]:
@@ -182,14 +222,10 @@ def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dic
     there = {**whole.held, **values}
     of_law = "F_c" in whole.columns.sliding.linear
     names = [n for n in open_terms(rows.log, (*whole.terms, *model.unseen), of_law) if n != "delay"]
-    if "F_c" in whole.wanted and "thinning" not in there:  # what such a curve bends by is taken for the level
+    if "F_s" in whole.wanted and "thinning" not in there:  # what such a curve bends by is taken for the Stribeck bend
         names.append("thinning")
     made = whole.columns.at(there, names)
     found = {n: whole.weight * made[n] for n in names}
-    if "F_c" in whole.wanted:
-        of_speed = bends(rows.log) if "F_s" not in whole.wanted else {}
-        made = {**of_speed, **builds_up(rows.log)}
-        found |= {n: whole.weight * whole.columns.reduce(x) for n, x in made.items()} | _by_load(rows, model, there)
     shapes = [s.name for s in whole.shapes]
     if "v_s" in shapes and _has_exponent(model) and not {_EXPONENT} & {*shapes, *model.given}:
         more, less = (whole.force_at({**there, _EXPONENT: _USUAL * (1 + by)}) for by in (_STEP, -_STEP))
@@ -201,10 +237,38 @@ def _columns(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dic
     return {n: x for n, x in found.items() if np.any(x)}
 
 
+def _suspects(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dict[str, Array]:
+    """What friction that no term is would add to the weighted force, per unit; of a law without a Stribeck bend also the
+    root of the speed and a bend."""
+    whole, there = model.whole, {**model.whole.held, **values}
+    made = builds_up(rows.log)
+    if "F_s" in whole.wanted:
+        made |= bends(rows.log, there["v_s"])
+    else:
+        fastest = float(np.max(abs(rows.log.velocity)))
+        made |= bends(rows.log, fastest) | (
+            {} if "thinning" in there else {"thinning": column("thinning", rows.log, {})}
+        )
+    found = {n: whole.weight * whole.columns.reduce(x) for n, x in made.items()}
+    found |= {LAG: _late_friction(rows, model, there)}
+    return {n: x for n, x in {**found, **_by_load(rows, model, there)}.items() if np.any(x)}
+
+
+def _late_friction(rows: Rows, model: StaticModel, there: Mapping[str, float]) -> Array:
+    """What a friction level that lags behind the speed adds to the weighted force, per second."""
+    whole, step = model.whole, rows.log.step
+
+    def level(delay: float) -> Array:
+        columns = whole.columns.at({**there, "delay": there.get("delay", 0.0) + delay}, ())
+        return np.asarray(sum(there[n] * x for n, x in columns.items() if n in ("F_c", "F_s")))
+
+    return np.asarray(whole.weight * (level(step) - level(-step)) / (2 * step))
+
+
 def _by_load(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> dict[str, Array]:
     """The column of friction that grows with what is transmitted, for the terms' coefficients."""
     whole = model.whole
-    return {LOAD: whole.weight * whole.columns.reduce(by_load(rows.log, values))} if "F_c" in whole.wanted else {}
+    return {LOAD: whole.weight * whole.columns.reduce(by_load(rows.log, values))}
 
 
 def _has_exponent(model: StaticModel) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,11 +53,13 @@ class StaticConfidenceIntervals:
 
 @dataclass(frozen=True)
 class _Reach:
-    """How far intervals go (inner): half of what is alike to both sides, and what comes to it below and above."""
+    """How far intervals go (inner): half of what is alike to both sides, and what comes to it below and above; ``forms``: sets
+    of columns that the residual asks for."""
 
     half: Array
     below: Array
     above: Array
+    forms: tuple[dict[str, Array], ...] = ()
 
     @property
     def widest(self) -> Array:
@@ -94,7 +97,7 @@ def static_intervals(
             )
         else:
             estimates[name] = Estimate(float(x), first, last, unit)
-    estimates |= _unfitted(rows, model, solution, at)
+    estimates |= _unfitted(rows, model, solution, at, reach.forms)
     # what nothing determines has a variance that is huge, and finite
     spread = np.minimum(reach.widest / _NORMAL * np.where(at.log, at.values, 1.0), _HUGE)
     memory = noise_memory(at.misfit)
@@ -145,13 +148,13 @@ def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
         f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, bias, half, at.log, strict=True) if log and s > h
     ]:
         notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
-    below, above, why = unfitted(rows, model, solution.values, at)
+    below, above, why, forms = unfitted(rows, model, solution.values, at)
     details: FitDetails = {
         "intervals_over": parts.what,
         "misfit_share": share,
         "filter_bias": dict(zip(at.names, bias.tolist(), strict=True)),
     }
-    return _Reach(np.hypot(half, bias), below, above), notes + why, details
+    return _Reach(np.hypot(half, bias), below, above, forms), notes + why, details
 
 
 def _filter_bias(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> Array:
@@ -253,7 +256,9 @@ def replace_force(rows: Rows, values: dict[str, float]) -> Log:
     return rows.log.with_columns(force=rows.log.force - values["area"] * rows.log.pressure)
 
 
-def _unfitted(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> dict[str, Estimate]:
+def _unfitted(
+    rows: Rows, model: StaticModel, solution: Minimum, at: Linear, forms: Sequence[Mapping[str, Array]]
+) -> dict[str, Estimate]:
     """What the data show nothing of, and what comes out as 0."""
     found: dict[str, Estimate] = {}
     sizes, values = sizes_of(thinned(rows.log)), solution.values
@@ -268,21 +273,35 @@ def _unfitted(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> 
         )
     for name in (*model.whole.wanted, *model.whole.free):
         if name not in at.names and name not in found:
-            high = _upper(model.whole, solution, name)
+            high, other = _upper(rows, model.whole, solution, name, at, forms)
             unit = unit_of(model.law, name)
             if name in ("F_c", "F_s"):
                 why = "friction at the lowest speeds comes out as 0"
                 found[name] = Estimate(None, None, high, unit, False, why, experiment_for(name, values, sizes))
+            elif other:
+                why = f"it comes out as 0, and with terms that were not fitted as {other:.3g}"
+                found[name] = Estimate(None, 0.0, high, unit, False, why, experiment_for(name, values, sizes), 0.0)
             else:
                 found[name] = Estimate(0.0, 0.0, high, unit, True, "at its lower bound, 0")
     return found
 
 
-def _upper(model: Separable, solution: Minimum, name: str) -> float:
-    """The upper end of a one-sided interval of a coefficient that comes out as 0."""
+def _upper(
+    rows: Rows, model: Separable, solution: Minimum, name: str, at: Linear, forms: Sequence[Mapping[str, Array]]
+) -> tuple[float, float]:
+    """The upper end of a one-sided interval of a coefficient that comes out as 0, and what it is, beyond chance, with columns
+    that the residual asks for, or 0."""
     rest = model.weight * (model.force - model.force_at(solution.values))
     own = model.weight * model.columns.at(solution.values, model.terms)[name]
-    return float(1.645 * np.std(rest) * np.sqrt(10.0) / max(np.linalg.norm(own), 1e-300))
+    high, other = float(1.645 * np.std(rest) * np.sqrt(10.0) / max(np.linalg.norm(own), 1e-300)), 0.0
+    parts = clusters.parts_of(rows.log.rows(rows.kept)).number
+    for added in ({}, *forms):
+        slopes = np.column_stack([at.slopes, *added.values(), own])
+        step = linear_step(slopes, at.misfit)
+        half = float(clusters.half_widths(slopes, at.misfit - slopes @ step, parts, True)[-1])
+        high = max(high, float(step[-1]) + half)
+        other = max(other, float(step[-1]) if step[-1] > half else 0.0)
+    return high, other
 
 
 # -- profiles --------------------------------------------------------------------------------------------------------

@@ -1,7 +1,7 @@
 """Friction that no term here is: what a residual is asked for beside the terms, so that intervals reach to where a law with it
 would put the numbers.
 
-A bend of the curve at low speed (a Stribeck bend, a smooth sign, a second contact); friction that builds up over a way behind
+A bend of the curve at low speed (a Stribeck bend, a smooth sign, a second contact); a level that lags behind the speed; friction that builds up over a way behind
 a reversal (bristles, Maxwell slips, backlash; Al-Bender, Lampaert, Swevers, IEEE Trans. Autom. Control 50(11):1883-1887,
 2005); and friction that grows with what a gear transmits.
 """
@@ -16,18 +16,19 @@ from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS, column
 
-_WIDTHS = (0.02, 0.05, 0.1, 0.2, 0.4)  # of the fastest speed
+_WIDTHS = (0.02, 0.05, 0.1, 0.2, 0.4)  # of a speed
 _WAYS = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)  # of the way between reversals
 BEND = "a bend of the curve"
 LOADS = ("stiffness", "gravity_sin", "gravity_cos", "area")  # with which it is known better what is transmitted
+LAG = "friction that lags behind the speed"
 LOAD = "friction that grows with the load"
 
 
-def bends(log: Log) -> dict[str, Array]:
-    """Columns of a curve that is another below a speed (a share of the fastest), which fades exponentially."""
+def bends(log: Log, speed: float) -> dict[str, Array]:
+    """Columns of a curve that is another below shares of a speed, which fades exponentially: the fastest speed, or that of a
+    bend that is there."""
     v = log.velocity
-    fastest = float(np.max(abs(v)))
-    made = {share * fastest: np.sign(v) * np.exp(-abs(v) / (share * fastest)) for share in _WIDTHS}
+    made = {share * speed: np.sign(v) * np.exp(-abs(v) / (share * speed)) for share in _WIDTHS}
     return {f"{BEND} below {width:.2g} m/s": x for width, x in made.items()}
 
 
