@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS, column
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics import clusters
 from stribeck.identify.statistics.linear import Linear
-from stribeck.identify.statistics.suspects import BEND, LAG, LOAD, LOADS, bends, builds_up, by_load
+from stribeck.identify.statistics.suspects import BEND, LAG, LOAD, LOADS, UNSTEADY, bends, builds_up, by_load
 
 _SHARE = 0.005  # of the squared residual: what takes less away is left alone
 _CLEARLY = 1.5  # halves of a 95 % interval: the best of several terms is looked at
@@ -30,6 +30,9 @@ _SHORT = 0.3  # rad: on less way a weight is a constant
 _EXPONENT, _USUAL = "delta", 2.0  # of the Stribeck curve, which a law takes as its default says unless it is given
 _STEP = 0.05  # of the exponent, for its slope
 _ALIKE = 10.0  # twice the logarithm of a likelihood: forms of a bend that differ by less are as good
+_AS_GOOD = 1.1  # of what is left: a column that leaves no more may be the first one
+_UNSTEADY = 0.05  # of what is left: so much less without memory of the friction
+_MOST_OF_CURVE = 2  # bends of the curve at low speed
 _NOTHING = 1e-12  # of a coefficient: less is nothing
 _EXPONENTS = (0.5, 4.0)  # between which the literature has it
 
@@ -37,7 +40,8 @@ _EXPONENTS = (0.5, 4.0)  # between which the literature has it
 @dataclass(frozen=True)
 class Lacking:
     """What the residual asks for: its names, what share of the squared residual all would take away, and how far they would
-    move each coordinate down and up; ``sets``: the columns of terms alone, and of all; ``forms``: all that may stand for them."""
+    move each coordinate down and up; ``sets``: the columns of terms alone, and of all; ``forms``: all that may stand for them;
+    ``unsteady``: friction is not what it is at a steady speed, which no term tells as well."""
 
     names: tuple[str, ...]
     sets: tuple[dict[str, Array], ...]
@@ -45,6 +49,7 @@ class Lacking:
     below: Array
     above: Array
     forms: tuple[dict[str, Array], ...]
+    unsteady: bool
 
 
 def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bool) -> list[str]:
@@ -61,18 +66,20 @@ def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bo
 
 def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], at: Linear) -> Lacking:
     """What takes most of the residual away: terms alone, and with friction that no term is."""
-    terms = _columns(rows, model, values)
+    terms, whole = _columns(rows, model, values), float(at.misfit @ at.misfit)
     asked = _greedy(rows, model, values, at, terms)
-    found, whole = asked, float(at.misfit @ at.misfit)
-    if "F_c" in model.whole.wanted:
-        found = _greedy(rows, model, values, at, {**terms, **_suspects(rows, model, values)}, True)
     forms, sets = _forms(rows, model, at, asked, terms), [asked]
-    if set(found) != set(asked):
-        sets.append(found)
-        forms += _forms(rows, model, at, found, {**terms, **_suspects(rows, model, values)})
+    if "F_c" in model.whole.wanted:
+        every = {**terms, **_suspects(rows, model, values)}
+        found = _greedy(rows, model, values, at, every, (LOAD,)), _greedy(rows, model, values, at, every)
+        for each in (x for x in found if set(x) != set(asked)):
+            sets.append(each)
+            forms += _forms(rows, model, at, each, every)
     shifts = np.vstack([np.zeros((1, len(at.names))), *(_shift(model, values, at, added) for added in forms)])
-    share = 1 - _alone(at, found)[0] / whole if whole > 0 else 0.0
-    return Lacking(tuple(found), tuple(sets), share, -shifts.min(axis=0), shifts.max(axis=0), tuple(forms))
+    left = [_alone(at, each)[0] for each in (asked, sets[-1])]
+    unsteady = any(n.startswith(UNSTEADY) for n in sets[-1]) and left[1] < (1 - _UNSTEADY) * left[0]
+    share = 1 - left[1] / whole if whole > 0 else 0.0
+    return Lacking(tuple(sets[-1]), tuple(sets), share, -shifts.min(axis=0), shifts.max(axis=0), tuple(forms), unsteady)
 
 
 def _greedy(
@@ -81,10 +88,10 @@ def _greedy(
     values: Mapping[str, float],
     at: Linear,
     columns: Mapping[str, Array],
-    loaded: bool = False,
+    first: Sequence[str] = (),
 ) -> dict[str, Array]:
     """The columns that take most of the residual away, one after the other, and beyond what parts of the record differ by;
-    ``loaded``: a load that is found tells better what friction grows with."""
+    ``first``: of those that are as good to begin with, the one to take."""
     slopes, misfit = at.slopes, at.misfit
     count, parts = slopes.shape[1], clusters.parts_of(rows.log.rows(rows.kept)).number
     found: dict[str, Array] = {}
@@ -92,7 +99,9 @@ def _greedy(
     rest = whole
     while open_ and count and rest > 0:
         left = {n: _left(np.column_stack([slopes, *found.values(), x]), misfit) for n, x in open_.items()}
-        name = min(left, key=lambda n: left[n])
+        best = min(left.values())
+        name = next((n for n in first if not found and left.get(n, np.inf) < _AS_GOOD * best), "")
+        name = name or min(left, key=lambda n: left[n])
         if left[name] > rest - _SHARE * whole:
             break
         wider = np.column_stack([slopes, *found.values(), own := open_.pop(name)])
@@ -101,10 +110,16 @@ def _greedy(
         if abs(told[-1]) < _CLEARLY * half or (_positive(name) and told[-1] < 0):
             continue
         found[name], rest = own, left[name]
-        if loaded and name in LOADS and LOAD not in found:
+        if sum(map(_of_curve, found)) >= _MOST_OF_CURVE:  # more would add up to anything
+            open_ = {n: x for n, x in open_.items() if not _of_curve(n)}
+        if LOAD in columns and name in LOADS and LOAD not in found:
             further = dict(zip(found, told[count:].tolist(), strict=True))
             open_ |= _by_load(rows, model, {**values, **further})
     return found
+
+
+def _of_curve(name: str) -> bool:
+    return name.startswith(BEND) or name == "thinning"
 
 
 def _positive(name: str) -> bool:
@@ -160,9 +175,9 @@ def _alone(at: Linear, added: Mapping[str, Array]) -> tuple[float, Array]:
 
 def unfitted(
     rows: Rows, model: StaticModel, values: Mapping[str, float], at: Linear
-) -> tuple[Array, Array, list[str], tuple[dict[str, Array], ...]]:
+) -> tuple[Array, Array, list[str], Lacking]:
     """How far below and above each coordinate may be because of terms that were not fitted, whose shift has a side, and of a
-    delay that a filter imitates; what a reader should know of it; and the columns that the residual asks for."""
+    delay that a filter imitates; what a reader should know of it; and what the residual asks for."""
     names = at.names
     asked = lacking(rows, model, values, at)
     late, notes = np.zeros(len(names)), []
@@ -175,7 +190,7 @@ def unfitted(
         late = abs(lateness(rows, names.index("delay"), at.slopes, at.misfit))
     there = elsewhere(model, values, at, asked)
     below = np.maximum(asked.below, -there.min(axis=0))
-    return late + below, late + np.maximum(asked.above, there.max(axis=0)), notes, asked.forms
+    return late + below, late + np.maximum(asked.above, there.max(axis=0)), notes, asked
 
 
 def elsewhere(model: StaticModel, values: Mapping[str, float], at: Linear, asked: Lacking) -> Array:

@@ -22,7 +22,7 @@ from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
-from stribeck.identify.statistics.lacking import one_sided, unfitted
+from stribeck.identify.statistics.lacking import Lacking, one_sided, unfitted
 from stribeck.identify.statistics.linear import Linear, linearised
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
@@ -53,13 +53,13 @@ class StaticConfidenceIntervals:
 
 @dataclass(frozen=True)
 class _Reach:
-    """How far intervals go (inner): half of what is alike to both sides, and what comes to it below and above; ``forms``: sets
-    of columns that the residual asks for."""
+    """How far intervals go (inner): half of what is alike to both sides, and what comes to it below and above; ``asked``: what
+    the residual asks for."""
 
     half: Array
     below: Array
     above: Array
-    forms: tuple[dict[str, Array], ...] = ()
+    asked: Lacking | None = None
 
     @property
     def widest(self) -> Array:
@@ -97,7 +97,7 @@ def static_intervals(
             )
         else:
             estimates[name] = Estimate(float(x), first, last, unit)
-    estimates |= _unfitted(rows, model, solution, at, reach.forms)
+    estimates |= _unfitted(rows, model, solution, at, reach.asked.forms if reach.asked else ())
     # what nothing determines has a variance that is huge, and finite
     spread = np.minimum(reach.widest / _NORMAL * np.where(at.log, at.values, 1.0), _HUGE)
     memory = noise_memory(at.misfit)
@@ -148,13 +148,13 @@ def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
         f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, bias, half, at.log, strict=True) if log and s > h
     ]:
         notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
-    below, above, why, forms = unfitted(rows, model, solution.values, at)
+    below, above, why, asked = unfitted(rows, model, solution.values, at)
     details: FitDetails = {
         "intervals_over": parts.what,
         "misfit_share": share,
         "filter_bias": dict(zip(at.names, bias.tolist(), strict=True)),
     }
-    return _Reach(np.hypot(half, bias), below, above, forms), notes + why, details
+    return _Reach(np.hypot(half, bias), below, above, asked), notes + why, details
 
 
 def _filter_bias(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> Array:
@@ -204,9 +204,15 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
 
 
 def _moves_away(at: Linear, reach: _Reach) -> dict[str, str]:
-    """F_s, where the bend at v_s may be one that a term imitates that was not fitted: another may rise below it."""
+    """F_s, where the bend at v_s may be one that a term imitates that was not fitted: another may rise below it; and both,
+    where friction behind reversals, where the slow rows are, is not what it is at a steady speed."""
     k = at.names.index("v_s") if {"F_s", "v_s"} <= set(at.names) else None
-    if k is None or max(reach.below[k], reach.above[k]) <= _WIDEST:
+    if k is None:
+        return {}
+    if reach.asked and reach.asked.unsteady:
+        why = "friction lags behind the speed, or builds up behind reversals, and the bend at low speed hangs on the rows there"
+        return dict.fromkeys(("F_s", "v_s"), why)
+    if max(reach.below[k], reach.above[k]) <= _WIDEST:
         return {}
     return {"F_s": "with terms that were not fitted v_s may be half or twice its value, and F_s hangs on it"}
 

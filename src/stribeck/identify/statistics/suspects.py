@@ -1,9 +1,9 @@
 """Friction that no term here is: what a residual is asked for beside the terms, so that intervals reach to where a law with it
 would put the numbers.
 
-A bend of the curve at low speed (a Stribeck bend, a smooth sign, a second contact); a level that lags behind the speed; friction that builds up over a way behind
-a reversal (bristles, Maxwell slips, backlash; Al-Bender, Lampaert, Swevers, IEEE Trans. Autom. Control 50(11):1883-1887,
-2005); and friction that grows with what a gear transmits.
+A bend of the curve at low speed (a Stribeck bend, a smooth sign, a second contact); a level that lags behind the speed;
+friction that builds up over a way behind a reversal (bristles, Maxwell slips, backlash; Al-Bender, Lampaert, Swevers, IEEE
+Trans. Autom. Control 50(11):1883-1887, 2005); and friction that grows with what a gear transmits.
 """
 
 from __future__ import annotations
@@ -16,12 +16,14 @@ from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS, column
 
-_WIDTHS = (0.02, 0.05, 0.1, 0.2, 0.4)  # of a speed
+_WIDTHS = (0.01, 0.03, 0.08, 0.2)  # of a speed
 _WAYS = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)  # of the way between reversals
 BEND = "a bend of the curve"
 LOADS = ("stiffness", "gravity_sin", "gravity_cos", "area")  # with which it is known better what is transmitted
+BUILDS = "friction that builds up"
 LAG = "friction that lags behind the speed"
 LOAD = "friction that grows with the load"
+UNSTEADY = (BUILDS, LAG)
 
 
 def bends(log: Log, speed: float) -> dict[str, Array]:
@@ -39,7 +41,7 @@ def builds_up(log: Log) -> dict[str, Array]:
         return {}
     way = np.sign(log.velocity)
     made = {share * between: way * np.exp(-gone / (share * between)) for share in _WAYS}
-    return {f"friction that builds up over {width:.2g} m behind reversals": x for width, x in made.items()}
+    return {f"{BUILDS} over {width:.2g} m behind reversals": x for width, x in made.items()}
 
 
 def by_load(log: Log, values: Mapping[str, float]) -> Array:
