@@ -78,6 +78,7 @@ class Separable:
         wanted: the law's constants that are free and linear.
         terms: free terms of the body; ``shapes``: what is free and not linear.
         weight: of the rows; 0 leaves one out.
+        beside: further columns at the rows that are compared, whose coefficients may have any sign.
     """
 
     def __init__(
@@ -88,7 +89,9 @@ class Separable:
         terms: Sequence[str],
         shapes: Sequence[Shape],
         weight: Array | None = None,
+        beside: Mapping[str, Array] | None = None,
     ) -> None:
+        self.beside = dict(beside or {})
         self.columns, self.held, self.wanted, self.shapes = columns, dict(held), tuple(wanted), tuple(shapes)
         self.free = tuple(n for n in terms if TERMS[n].column is not None)
         self.terms = tuple(
@@ -101,7 +104,7 @@ class Separable:
 
     def weighted(self, weight: Array) -> Separable:
         """The same with other weights."""
-        return Separable(self.columns, self.held, self.wanted, self.free, self.shapes, weight)
+        return Separable(self.columns, self.held, self.wanted, self.free, self.shapes, weight, self.beside)
 
     def on(self, columns: Columns) -> Separable:
         """The same on another record."""
@@ -129,6 +132,7 @@ class Separable:
         names = [n for n in columns if n in self.wanted or n in self.free]
         for name in [n for n in columns if n not in names]:
             rest -= (1.0 if name == "" else {**self.held, **shape}[name]) * columns[name]
+        columns, names = {**columns, **self.beside}, [*names, *self.beside]
         matrix = np.column_stack([columns[n] for n in names]) if names else np.zeros((len(rest), 0))
         return names, matrix, rest
 
@@ -141,7 +145,7 @@ class Separable:
         if not max(np.max(abs(matrix), initial=0.0), np.max(abs(rest), initial=0.0)) < _BEYOND:
             nothing = self._named(names, np.zeros(len(names)))
             return Minimum({**self.held, **shape, **nothing}, np.inf), np.full(len(rest), self.highest * 1e3)
-        positive = np.array([n not in TERMS or TERMS[n].positive for n in names], bool)
+        positive = np.array([TERMS[n].positive if n in TERMS else n not in self.beside for n in names], bool)
         w = self.weight
         x = bounded(matrix * w[:, None], rest * w, positive)
         rise, most = self._limited(names, shape, x)
@@ -183,7 +187,7 @@ class Separable:
 
     def force_at(self, values: Mapping[str, float]) -> Array:
         """The model's force for given values."""
-        columns = self.columns.at(values, self.terms)
+        columns = {**self.columns.at(values, self.terms), **self.beside}
         return np.asarray(sum((values.get(name, 1.0) if name else 1.0) * x for name, x in columns.items()))
 
     # -- shapes ------------------------------------------------------------------------------------------------------
@@ -239,7 +243,7 @@ class Separable:
         if not below:
             return self, found
         shapes = [replace(s, low=s.seen, seen=None) if s.seen else s for s in self.shapes]
-        narrow = Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight)
+        narrow = Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight, self.beside)
         near = narrow.search(warm, everywhere)
         counted = self.weight > 0  # neighbouring rows err alike: they tell a thing once
         rows = np.count_nonzero(counted) / rows_together((self.force - self.force_at(found.values))[counted])
@@ -261,7 +265,7 @@ class Separable:
         if not missing:
             return []
         held = {**self.held, **{s.name: known[s.name] for s in self.shapes if s.name in known}}
-        narrow = Separable(self.columns, held, self.wanted, self.free, missing, self.weight)
+        narrow = Separable(self.columns, held, self.wanted, self.free, missing, self.weight, self.beside)
         return [{**known, **narrow._shape_of(s.values)} for s in narrow.grid()[:1]]
 
     def grid(self) -> list[Minimum]:

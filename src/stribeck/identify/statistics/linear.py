@@ -1,4 +1,4 @@
-"""A static model near its optimum: the slopes of its force by everything that is fitted."""
+"""A static model near its optimum: what is free there, and how the force changes with it."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from stribeck.identify.details import FitDetails
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.rest import held_force
-from stribeck.identify.features.what_to_measure import experiment_for, reachable
+from stribeck.identify.features.what_to_measure import reachable
 from stribeck.identify.log import Log, thinned
 from stribeck.identify.methods.static_start import StaticModel, unit_of
 from stribeck.identify.models.columns import Columns
@@ -22,8 +22,9 @@ from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
+from stribeck.identify.statistics.at_bounds import at_bounds, experiment
 from stribeck.identify.statistics.effects import at_held_speeds
-from stribeck.identify.statistics.lacking import one_sided, unfitted
+from stribeck.identify.statistics.lacking import Lacking, one_sided, unfitted
 from stribeck.identify.statistics.linear import Linear, linearised
 from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
@@ -36,7 +37,6 @@ _MOST_BIAS = 0.2
 _WHOLE = 1.5  # of the shift that a lower cut-off makes
 _REACHED = 0.8  # of F_s: what the curve must come to within the speeds measured
 _ONE_SPEED = 1.5  # between slow and fast rows: less is one speed
-_LOOSE = 0.1  # of the force: what a number that comes out as 0 may make up at the end of its interval
 _MISFIT = 0.1  # of the squared residual; what a plain bend of the speed takes counts however little it is: lacking.py
 _PROFILED = ("F_c", "F_s", "v_s", "k_v", "delta")
 
@@ -55,11 +55,13 @@ class StaticConfidenceIntervals:
 
 @dataclass(frozen=True)
 class _Reach:
-    """How far intervals go (inner): half of what is alike to both sides, and what comes to it below and above."""
+    """How far intervals go (inner): half of what is alike to both sides, and what comes to it below and above; ``asked``: what
+    the residual asks for."""
 
     half: Array
     below: Array
     above: Array
+    asked: Lacking | None = None
 
     @property
     def widest(self) -> Array:
@@ -98,13 +100,13 @@ def static_intervals(
         ).tolist()
         first, last = (end if np.isfinite(end) and 1e-12 < abs(end / x) < 1e12 else None for end in ends) if x else ends
         if why := verdicts.get(name):
-            what = _experiment(rows, solution, name, verdicts)
+            what = experiment(rows, solution, name, verdicts)
             if not ("offset" in model.unseen and name in ("F_c", "F_s")):  # no interval knows of the offset
                 what += _effect(rows, model, solution, at, relation * np.outer(noisy, noisy), stays, k, verdicts)
             estimates[name] = Estimate(None, first, last, unit, False, why, what, float(x))
         else:
             estimates[name] = Estimate(float(x), first, last, unit)
-    estimates |= _unfitted(rows, model, solution, at, verdicts)
+    estimates |= at_bounds(rows, model, solution, at, verdicts, wide.asked.forms if wide.asked else ())
     size = np.where(at.log, at.values, 1.0)
     matrix = np.clip(inner * np.outer(size, size), -(_HUGE**2), _HUGE**2)
     details["noise"] = {
@@ -121,11 +123,6 @@ def _relation(at: Linear) -> Array:
         relation = np.clip(np.nan_to_num(inner / root / root[:, None], nan=0.0), -1.0, 1.0)
     np.fill_diagonal(relation, 1.0)  # also where rounding leaves a variance below 0: what nothing determines
     return np.asarray(relation)
-
-
-def _experiment(rows: Rows, solution: Minimum, name: str, open_: Collection[str]) -> str:
-    """What to measure for a number that the data leave open."""
-    return experiment_for(name, solution.values, sizes_of(thinned(rows.log)), open_)
 
 
 def _effect(
@@ -175,13 +172,13 @@ def _half_widths(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) 
         f"{n} by {100 * s:.2g} %" for n, s, h, log in zip(at.names, bias, half, at.log, strict=True) if log and s > h
     ]:
         notes.append("intervals are wider to each side for what the filter of the motion may do: " + ", ".join(wide))
-    below, above, why = unfitted(rows, model, solution.values, at.names, at.slopes, at.misfit)
+    below, above, why, asked = unfitted(rows, model, solution.values, at)
     details: FitDetails = {
         "intervals_over": parts.what,
         "misfit_share": share,
         "filter_bias": dict(zip(at.names, bias.tolist(), strict=True)),
     }
-    return _Reach(np.hypot(half, bias), below, above), notes + why, details
+    return _Reach(np.hypot(half, bias), below, above, asked), notes + why, details
 
 
 def _filter_bias(rows: Rows, model: StaticModel, solution: Minimum, at: Linear) -> Array:
@@ -231,9 +228,15 @@ def _verdicts(rows: Rows, model: StaticModel, solution: Minimum, at: Linear, hal
 
 
 def _moves_away(at: Linear, reach: _Reach) -> dict[str, str]:
-    """F_s, where the bend at v_s may be one that a term imitates that was not fitted: another may rise below it."""
+    """F_s, where the bend at v_s may be one that a term imitates that was not fitted: another may rise below it; and both,
+    where friction behind reversals, where the slow rows are, is not what it is at a steady speed."""
     k = at.names.index("v_s") if {"F_s", "v_s"} <= set(at.names) else None
-    if k is None or max(reach.below[k], reach.above[k]) <= _WIDEST:
+    if k is None:
+        return {}
+    if reach.asked and reach.asked.unsteady:
+        why = "friction lags behind the speed, or builds up behind reversals, and the bend at low speed hangs on the rows there"
+        return dict.fromkeys(("F_s", "v_s"), why)
+    if max(reach.below[k], reach.above[k]) <= _WIDEST:
         return {}
     return {"F_s": "with terms that were not fitted v_s may be half or twice its value, and F_s hangs on it"}
 
@@ -281,53 +284,6 @@ def replace_force(rows: Rows, values: dict[str, float]) -> Log:
     if "area" not in values or rows.log.pressure is None:
         return rows.log
     return rows.log.with_columns(force=rows.log.force - values["area"] * rows.log.pressure)
-
-
-def _unfitted(
-    rows: Rows, model: StaticModel, solution: Minimum, at: Linear, verdicts: Collection[str]
-) -> dict[str, Estimate]:
-    """What the data show nothing of, and what comes out as 0."""
-    found: dict[str, Estimate] = {}
-    unseen = dict(model.unseen)
-    tied = "F_s" in model.whole.wanted and "F_s" not in at.names and "F_c" in at.names
-    if tied:
-        why = "friction does not rise towards low speed in these data"
-        unseen |= {n: why for n in ("F_s", "v_s", "delta") if n in model.free}
-    open_ = {*verdicts, *unseen}
-    for name, why in unseen.items():
-        what = _experiment(rows, solution, name, open_)
-        found[name] = Estimate(None, None, None, unit_of(model.law, name), False, why, what)
-    for name in (*model.whole.wanted, *model.whole.free):
-        if name not in at.names and name not in found:
-            best, half, size = _beyond_its_bound(model.whole, solution, name, at)
-            unit, why = unit_of(model.law, name), "at its lower bound, 0"
-            high: float | None = max(best, 0.0) + half
-            if name in ("F_c", "F_s"):
-                why = "friction at the lowest speeds comes out as 0"
-            elif best < -half:
-                why = f"it would come out below 0 ({best:.3g} {unit}): the law bends otherwise than these data"
-                high = None
-            elif (max(best, 0.0) + half) * size > _LOOSE * float(
-                np.linalg.norm(model.whole.weight * model.whole.force)
-            ):
-                why = "it comes out as 0, and the residuals hardly depend on it"
-            else:
-                found[name] = Estimate(0.0, 0.0, high, unit, True, why)
-                continue
-            what = _experiment(rows, solution, name, {*open_, name})
-            found[name] = Estimate(None, None, high, unit, False, why, what)
-    return found
-
-
-def _beyond_its_bound(model: Separable, solution: Minimum, name: str, at: Linear) -> tuple[float, float, float]:
-    """What a coefficient that comes out as 0 would be if it could be negative, all others changing with it, half the
-    one-sided interval about that, for residuals of which ten tell a thing once, and the norm of its column."""
-    own = model.weight * model.columns.at(solution.values, model.terms)[name]
-    size = max(float(np.linalg.norm(own)), 1e-300)
-    if len(at.names):
-        own = own - at.slopes @ np.linalg.lstsq(at.slopes, own, rcond=1e-12)[0]
-    told = max(float(np.linalg.norm(own)), 1e-9 * size)
-    return float(own @ at.misfit) / told**2, float(1.645 * np.std(at.misfit) * np.sqrt(10.0)) / told, size
 
 
 # -- profiles --------------------------------------------------------------------------------------------------------
