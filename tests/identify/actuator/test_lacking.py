@@ -1,5 +1,7 @@
 """Friction that lacks a term: it is named, and intervals reach as far as it would move them. Records by SciPy."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import odeint
@@ -163,3 +165,18 @@ def test_a_driven_body_feels_no_term():
     beside = {x.term: x.slopes for x in probes(plain, plain.start())}
     for x in probes(problem, start):
         assert np.allclose(x.slopes, beside[x.term], atol=1e-3 * abs(x.slopes).max()), x.term
+
+
+@pytest.mark.parametrize(
+    ("every", "said"), [(4, "inputs seem to be smooth between"), (10, "with inputs smooth between")]
+)
+def test_a_torque_that_was_sampled_too_coarsely_is_named(every, said):
+    """A clock was blamed, or nothing, where the torque between samples 20 and 50 ms apart is no straight line."""
+    runs = []
+    for i, size in enumerate((0.6, 1.2)):
+        run = recording(pushed(size), turned(pushed(size)), i)
+        runs.append(replace(run, inputs={"loads.push.signal": Channel("u", T[::every], pushed(size)[::every])}))
+    sought = tuple(Sought(n, x / 5, 5 * x) for n, x in TRUTH.items())
+    found = fit_machine(arm(), Logs(tuple(runs), sought), starts=1, baselines=False)
+    assert {p.verdict for p in found.parameters.values()} == {"not judged"}
+    assert any(n.startswith(said) for n in found.notes), found.notes

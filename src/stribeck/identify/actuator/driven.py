@@ -38,6 +38,15 @@ def otherwise_held(problem: MachineProblem) -> tuple[MachineProblem, str] | None
     return replace(problem, runs=runs, noise=dict(problem.noise), tied=False), words
 
 
+def bent(problem: MachineProblem) -> MachineProblem | None:
+    """The problem with inputs that bend between their samples where they run straight; None where none does."""
+    smooth = [{p: x.smooth() for p, x in run.inputs.items()} for run in problem.runs]
+    if all(x is run.inputs[p] for run, each in zip(problem.runs, smooth, strict=True) for p, x in each.items()):
+        return None
+    runs = [run.driven(each) for run, each in zip(problem.runs, smooth, strict=True)]
+    return replace(problem, runs=runs, noise=dict(problem.noise), tied=False)
+
+
 def noises(run: RecordedRun) -> dict[str, float]:
     """The noise of each recorded input: as given, or what changes from sample to sample; steps, which few samples take, are
     no noise."""

@@ -3,9 +3,10 @@ holds them."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from stribeck.arrays import Array
 from stribeck.constants import show
@@ -14,6 +15,7 @@ from stribeck.identify.actuator.recordings import Channel, Recording
 from stribeck.scenario import Scenario
 from stribeck.units import si_unit
 
+_CHORDS = 3  # of a curve from one sample to the next
 # The column that an element's signal becomes.
 _TOLD_BY = {"loads": "f", "controllers": "r", "motors": "V", "bodies": "v"}
 
@@ -35,6 +37,15 @@ class RecordedInput:
         """The signal as a machine's file has it; two equal times make a jump."""
         t, x = (np.repeat(self.t, 2)[1:], np.repeat(self.x, 2)[:-1]) if self.held else (self.t, self.x)
         return {"kind": "spline" if self.spline else "points", "t": t.tolist(), "value": x.tolist()}
+
+    def smooth(self) -> RecordedInput:
+        """The same signal where it runs smoothly from sample to sample, as chords of a cubic spline; itself where it is held,
+        smooth already, or too short."""
+        gaps = np.diff(self.t)
+        if self.held or self.spline or len(self.t) < 4 or not (gaps > 0).all():
+            return self
+        t = np.append((self.t[:-1, None] + gaps[:, None] * np.arange(_CHORDS) / _CHORDS).ravel(), self.t[-1])
+        return replace(self, t=t, x=CubicSpline(self.t, self.x)(t))
 
 
 def recorded_input(

@@ -11,7 +11,7 @@ import numpy as np
 from stribeck.arrays import Array
 from stribeck.identify.actuator import fixed, sensors
 from stribeck.identify.actuator.coordinates import MachineCoordinate
-from stribeck.identify.actuator.driven import otherwise_held
+from stribeck.identify.actuator.driven import bent, otherwise_held
 from stribeck.identify.actuator.estimate import POOR, BestPoint, leftovers, noise_of
 from stribeck.identify.actuator.intervals import Spread, inverse, remembered, scores
 from stribeck.identify.actuator.problem import MachineProblem
@@ -26,6 +26,8 @@ _TWO_SIDED = 1.96  # deviations in half of an interval
 _UNSURE = 0.2  # of a fixed number: one that must be off by more to matter is not named
 _WHOLE = 0.5  # how far from 1 the share of the way to inputs held otherwise may be
 _NAMED = 3
+_BENT = "smooth between their samples, which are too far apart for straight lines (record them faster)"
+_INPUTS = "inputs"  # a coordinate that cannot be sought
 _TRIED, _STEPS, _ROUGHLY = 3, 12, 1e-3
 _TOGETHER = 8  # fixed numbers that are sought together
 _FEWER = 0.9  # of what one number more leaves: several must leave less
@@ -56,9 +58,10 @@ class Suspect:
 
 
 def numbers(best: BestPoint, s: Spread) -> list[Suspect]:
-    """What each number that is not sought would be."""
+    """What each number that is not sought would be, and by what share inputs would bend between their samples."""
     problem = best.problem
-    return [replace(x, words=_words(problem, x)) for x in _suspects(problem, best.u, s.J, s.moved)]
+    own = [replace(x, words=_words(problem, x)) for x in _suspects(problem, best.u, s.J, s.moved)]
+    return [*own, *_bent(best, s)]
 
 
 def seen(
@@ -79,7 +82,7 @@ def seen(
     if not (found or terms):
         return [], False
     words = "; or ".join(x.words for x in [*found, *terms])
-    names = " or ".join(x.coordinate.name for x in found)
+    names = " or ".join(x.coordinate.name for x in found if x.coordinate.name != _INPUTS)
     seek = f"; seek {names} if that can be" if names else ""
     return [f"{words}{seek}"], any(_moves(best, s, x) for x in found)
 
@@ -136,12 +139,14 @@ def tried(best: BestPoint) -> list[str]:
 
 def _held_tried(problem: MachineProblem, u: Array) -> list[tuple[float, str]]:
     """Inputs that run otherwise between their samples, where that leaves far less: the share of it, and in words."""
-    other = otherwise_held(problem)
-    if other is None:
-        return []
-    found, before = search(other[0], 1, 0, u, steps=_STEPS, small=_ROUGHLY), leftovers(problem, u)
-    better = None if found.stopped else _better(before, other[0], found.u, [])
-    return [] if better is None else [(_AS_WELL * better.share, f"with inputs {other[1]}, {better.words(before)}")]
+    before, told, smooth = leftovers(problem, u), list[tuple[float, str]](), bent(problem)
+    others = [otherwise_held(problem), None if smooth is None else (smooth, _BENT)]
+    for other, words in filter(None, others):
+        found = search(other, 1, 0, u, steps=_STEPS, small=_ROUGHLY)
+        better = None if found.stopped else _better(before, other, found.u, [])
+        if better is not None:
+            told.append((_AS_WELL * better.share, f"with inputs {words}, {better.words(before)}"))
+    return told
 
 
 @dataclass(frozen=True)
@@ -201,17 +206,26 @@ def _moves(best: BestPoint, s: Spread, x: Suspect) -> bool:
 def _driven_otherwise(best: BestPoint, s: Spread) -> tuple[Suspect, str] | None:
     """Whether the residuals show that inputs run otherwise between their samples, and how, in words."""
     other = otherwise_held(best.problem)
-    if other is None:
-        return None
+    x = None if other is None else _instead(best, s, other[0])
+    return (x, other[1]) if x is not None and other is not None and x.sure and abs(x.off - 1) < _WHOLE else None
+
+
+def _instead(best: BestPoint, s: Spread, other: MachineProblem) -> Suspect | None:
+    """By what share of the way to other inputs the residuals would be followed better."""
     r = best.problem.residuals(best.u[None])[0]
-    off, there = np.zeros(len(r)), other[0].residuals(best.u[None])[0]
+    off, there = np.zeros(len(r)), other.residuals(best.u[None])[0]
     compared = int(best.problem.first[-1])  # priors and ties stay
     off[:compared] = there[:compared] - r[:compared]
     if not (np.isfinite(off).all() and off @ off > 0):
         return None
-    share = MachineCoordinate("inputs", 0.0, 1.0)
-    x = suspect(best.problem, r, s.J, off, share, 0.0, s.moved)
-    return (x, other[1]) if x.sure and abs(x.off - 1) < _WHOLE else None
+    return suspect(best.problem, r, s.J, off, MachineCoordinate(_INPUTS, 0.0, 1.0), 0.0, s.moved)
+
+
+def _bent(best: BestPoint, s: Spread) -> list[Suspect]:
+    """Whether inputs may bend between their samples, where they run straight."""
+    other = bent(best.problem)
+    x = None if other is None else _instead(best, s, other)
+    return [] if x is None or not x.off > 0 else [replace(x, words=f"inputs seem to be {_BENT}")]
 
 
 def _suspects(problem: MachineProblem, u: Array, J: Array, moved: Array | None) -> list[Suspect]:
