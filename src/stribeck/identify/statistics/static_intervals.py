@@ -315,7 +315,7 @@ def _unfitted(
                 found[name] = Estimate(0.0, 0.0, high, unit, True, why)
                 continue
             what = _experiment(rows, solution, name, {*open_, name})
-            found[name] = Estimate(None, None, high, unit, False, why, what)
+            found[name] = Estimate(None, None, high, unit, False, why, what, solution.values[name])
     return found
 
 
