@@ -8,6 +8,7 @@ import pytest
 import stribeck
 from stribeck.identify.features.guess import Sizes
 from stribeck.identify.features.what_to_measure import experiment_for, reachable
+from stribeck.identify.statistics.effects import Effect
 
 SIZES = Sizes(force=1.0, offset=0.0, fast=0.5, slow=1e-3, stiffness=1e5, travel=0.1, step=2e-3)
 VALUES = {"sigma_0": 1e5, "F_c": 1.0, "F_s": 8.0, "v_s": 1e-3}
@@ -33,6 +34,16 @@ def test_fast_reversals_have_samples_enough():
 def test_the_smallest_speed_does_not_follow_a_v_s_that_is_nowhere():
     assert reachable({**VALUES, "v_s": 1e-9}, SIZES, {"v_s"}).slowest == pytest.approx(1e-3 * SIZES.fast)
     assert reachable(VALUES, SIZES, {"v_s"}).slowest == pytest.approx(1e-4)
+
+
+def test_what_the_sensor_keeps_of_an_interval_is_no_gain():
+    """68 times narrower was told of a sigma_1 that hung on the filter, and carrying it out narrowed nothing."""
+    assert Effect(0.01, 480, 0.1).told(1.4, 1.2) == ""
+    assert "7.7 times narrower" in Effect(0.01, 480, 0.1).told(0.15 + 1e-9, 0.0)
+    assert "alone, with such a position" in Effect(0.01, 480, 0.1, alone=0.15).told(1.4, 1.2)
+    assert "8.3 times narrower" in Effect(0.01, 480, 0.1, alone=0.15).told(1.4, 1.2)
+    assert "known to 0.17 of its value" in Effect(0.01, 480, 0.1, alone=0.15).told(None, 1.2)
+    assert Effect(0.01, 480, 0.1).told(None, 0.0) == ""  # where nothing is known there is nothing to compare with
 
 
 # -- static fits: played, and fitted again ---------------------------------------------------------------------------

@@ -208,11 +208,12 @@ class Separable:
         known = [w for w in warm if "ripple_waves" in w or all(s.name != "ripple_waves" for s in self.shapes)]
         starts += [{s.name: w.get(s.name, self._harmless(s)) for s in self.shapes} for w in known]
         found = min((self.refined(start) for start in starts), key=self._rank)
-        return self._told(min((found, *self._narrower(found, warm)), key=self._rank))
+        narrower = [] if warm else self._narrower()  # a model that is chosen among many is chosen by data left out
+        return self._told(min((found, *narrower), key=self._rank))
 
-    def _narrower(self, found: Minimum, warm: Sequence[Mapping[str, float]]) -> list[Minimum]:
+    def _narrower(self) -> list[Minimum]:
         """The optima of the models in which a shape has its usual value, and what is refined from there: freeing it never fits
-        worse. Where narrower models were given, only from where the others are."""
+        worse."""
         others = []
         for shape in (s for s in self.shapes if s.usual is not None):
             rest, held = (
@@ -220,10 +221,9 @@ class Separable:
                 {**self.held, shape.name: float(shape.usual or 0.0)},
             )
             narrow = Separable(self.columns, held, self.wanted, self.free, rest, self.weight)
-            at = narrow.solve({}) if not rest else narrow.refined(found.values) if warm else narrow.search()
-            others.append(at)
+            others.append(narrow.search() if rest else narrow.solve({}))
             if shape.low < held[shape.name] < shape.high:
-                others.append(self.refined(at.values))
+                others.append(self.refined(others[-1].values))
         return others
 
     def _told(self, found: Minimum) -> Minimum:

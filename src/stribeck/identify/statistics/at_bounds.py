@@ -68,7 +68,7 @@ def at_bounds(
                 found[name] = Estimate(0.0, 0.0, high, unit, True, why)
                 continue
             what = experiment(rows, solution, name, {*open_, name})
-            found[name] = Estimate(None, None, high, unit, False, why, what)
+            found[name] = Estimate(None, None, high, unit, False, why, what, solution.values[name])
     return found
 
 
