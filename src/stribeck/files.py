@@ -164,13 +164,22 @@ def read_file(path: Path) -> bytes:
         return file.read()
 
 
-def json_of(path: Path) -> Any:
+def json_of(path: Path, sealed: bool = False) -> Any:
     """The data of a JSON file.
+
+    Args:
+        sealed: of one that :func:`write_sealed` wrote; None where it is not there as it was written.
 
     Raises:
         OSError: as in :func:`read_file`.
         ValueError: it is not JSON, or nested deeper than can be read.
     """
+    if sealed:
+        try:
+            found = json_of(path)
+            return found["data"] if found["sha256"] == _seal(found["data"]) else None
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
     try:
         return json.loads(read_file(path))
     except RecursionError as error:
@@ -265,16 +274,9 @@ def write_json(path: Path, data: object) -> None:
 
 
 def write_sealed(path: Path, data: object) -> None:
-    """Write data as JSON beside its digest, for :func:`read_sealed`: what a stopped command goes on from."""
-    text = json.dumps(data, sort_keys=True)
-    write_text(path, json.dumps({"sha256": sha256(text.encode()).hexdigest(), "data": data}) + "\n")
+    """Write data as JSON beside its digest, for :func:`json_of`: what a stopped command goes on from."""
+    write_text(path, json.dumps({"sha256": _seal(data), "data": data}) + "\n")
 
 
-def read_sealed(path: Path) -> Any:
-    """The data of such a file; None where there is none that is as it was written."""
-    try:
-        found = json_of(path)
-        text = json.dumps(found["data"], sort_keys=True)
-        return found["data"] if found["sha256"] == sha256(text.encode()).hexdigest() else None
-    except (OSError, ValueError, KeyError, TypeError):
-        return None
+def _seal(data: object) -> str:
+    return sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()

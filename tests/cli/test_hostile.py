@@ -288,3 +288,27 @@ def test_a_store_without_a_name(stribeck, scenario):
     """It was a traceback."""
     pytest.importorskip("pyarrow")
     refused(stribeck("sweep", scenario, "--vary", "plant.mass=1:2:2", "--out", "s3://"), "--out: ")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs a shell that closes streams")
+def test_streams_that_the_shell_has_closed(scenario):
+    """Without standard error it was asked whether that is a terminal: nothing came out, with status 1."""
+    words = f"'{sys.executable}' -m stribeck run '{scenario}' --set solve.t_end=0.1"
+    done = subprocess.run(["sh", "-c", f"{words} 2>&-"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert "done" in done.stdout
+    done = subprocess.run(["sh", "-c", f"{words} >&-"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_library_that_cannot_be_loaded(stribeck, scenario, monkeypatch):
+    """Where no memory is left for one, or its file is damaged; it was a traceback."""
+    from stribeck.cli import run
+
+    def missing(*args, **named):
+        raise ImportError("x.so: failed to map segment from shared object")
+
+    monkeypatch.setattr(run, "run", missing)
+    found = stribeck("run", scenario)
+    assert (found.status, found.out) == (1, "")
+    assert found.err == "stribeck: a library cannot be loaded: x.so: failed to map segment from shared object\n"

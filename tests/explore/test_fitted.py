@@ -76,6 +76,7 @@ def test_a_record_that_is_gone_is_one_line(stribeck, record, tmp_path):  # noqa:
     assert found.err.count("\n") == 1
     kept = json.loads((folder / "fit.json").read_text())
     kept.pop("files")
+    kept["format"] = 1  # which had none at first
     (folder / "fit.json").write_text(json.dumps(kept))
     with pytest.raises(InputError, match="must be fitted again"):
         of_folder(folder, {}, trust=False)
@@ -167,3 +168,24 @@ def test_what_was_found_of_the_first_recording_alone_is_shown_with_it(stribeck, 
     low, high = found.intervals["loads.push.gain"]
     assert low < gain < high
     assert "bodies.a.initial.v" in found.intervals
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        ("", "parameters: missing: must be a table"), ("parameters = 3", "parameters: 3: must be a table"),
+        ("[parameters]\nm = 3", "parameters.m: 3: must be a table with a value"),
+        ("[parameters]\nm = {low = 3.0}", "parameters.m: a table with low: must be a table with a value"),
+        ("[parameters]\nm = {value = 'x'}", "parameters.m.value: 'x': must be a number"),
+        ("[parameters]\nm = {value = nan}", "parameters.m.value: nan: must be a number"),
+        ("[parameters]\nm = {value = 1.0, high = true}", "parameters.m.high: true: must be a number"),
+    ],
+)  # fmt: skip
+def test_numbers_that_no_fit_wrote_are_refused_in_a_line(told, said, tmp_path):
+    """They were tracebacks."""
+    (tmp_path / "parameters.toml").write_text(f"logs = 'logs.toml'\n{told}\n")
+    (tmp_path / "machine.toml").write_text("schema = 2\n")
+    with pytest.raises(InputError) as error:
+        of_folder(tmp_path, {}, trust=False)
+    assert len(error.value.problems) == 1
+    assert str(error.value).endswith(f": {said}")

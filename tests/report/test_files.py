@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from stribeck.files import read_sealed, write_json, write_sealed, write_with
+from stribeck.files import json_of, write_json, write_sealed, write_with
 from stribeck.report.page import Chapter, FigureSvg, Table, html
 from stribeck.report.plots import in_time, thin
 
@@ -71,9 +71,9 @@ def test_a_line_over_times_breaks_where_rows_lack_and_where_a_file_begins():
 def test_what_a_stopped_command_goes_on_from_is_as_it_was_written_or_none(tmp_path):
     """A number that was changed in it, by hand or by a disk, was gone on from."""
     path, data = tmp_path / "a.json", {"values": {"m": 1.25, "best": None}, "stages": [1, 2], "cost": 3e-310}
-    assert read_sealed(path) is None
+    assert json_of(path, sealed=True) is None
     write_sealed(path, data)
-    assert read_sealed(path) == data
+    assert json_of(path, sealed=True) == data
     text = path.read_text()
     for other in (
         text.replace("1.25", "1.26"),
@@ -86,4 +86,4 @@ def test_what_a_stopped_command_goes_on_from_is_as_it_was_written_or_none(tmp_pa
         "",
     ):
         path.write_text(other)
-        assert read_sealed(path) is None
+        assert json_of(path, sealed=True) is None

@@ -36,7 +36,7 @@ _YOUNG = 100_000  # objects made between two looks for garbage: a start makes ma
 _PLAIN = "stribeck"  # how what cannot be encoded is written
 _GRACE = 5.0  # s, to clear away what has been begun
 _MOMENT = 0.05  # s, after which a signal comes again
-_LONGEST_IMPORT = 3.0  # s: so long a signal waits for its end
+_LONGEST_IMPORT = 20.0  # s on the wall, as the machine may be busy: so long a signal waits for its end
 _WORDS: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated"}
 
 
@@ -66,6 +66,9 @@ def main(arguments: list[str] | None = None) -> NoReturn:
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     gc.set_threshold(_YOUNG, 20, 100)
     codecs.register_error(_PLAIN, _plain)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # closed by the shell, and asked whether it is a terminal
+            setattr(sys, name, io.StringIO())
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_PLAIN)  # names of files need not be text
@@ -176,6 +179,11 @@ def _outcome(arguments: list[str] | None) -> int:
             extra = _EXTRA.get(command, EXTRAS[package])
             print(f"stribeck: '{command}' needs {package}: pip install 'stribeck[{extra}]'", file=sys.stderr)
         return 2
+    except ImportError as error:  # no memory is left for it, or its file is damaged
+        with suppress(ImportError):
+            return _of_a_file(error)
+        print(f"stribeck: {one_line(f'a library cannot be loaded: {error}')}", file=sys.stderr)
+        return 1
     except StribeckError as error:
         print(f"stribeck: {said(Line(error.marked()), _command(arguments))}", file=sys.stderr)
         return 1

@@ -16,6 +16,8 @@ from stribeck.laws.render import Equation, condition, equations
 from stribeck.parameter_sets import parameters
 from stribeck.scenario.trust import in_a_file
 
+_OF_FILES = ("name", "units", "words")  # what a set says of itself beside its numbers, or of its file
+
 
 def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
     """List the laws named, or all; with ``test``, test what they claim; with ``sets``, list the parameter sets."""
@@ -26,7 +28,7 @@ def laws(names: list[str], json: bool, test: bool, sets: bool = False) -> int:
         return _test(chosen, json)
     described = [_described(law, name) for law, name in zip(chosen, names or registry.builtin(), strict=True)]
     if json:
-        known = {name: {k: v for k, v in asdict(s).items() if k != "name"} for name, s in parameters().items()}
+        known = {name: {k: v for k, v in asdict(s).items() if k not in _OF_FILES} for name, s in parameters().items()}
         print_json({"laws": described, "parameter_sets": known})
         return 0
     for law in described:
@@ -44,7 +46,7 @@ def _sets(names: list[str], json: bool) -> int:
         raise InputError(f"--sets: lists every set with every law; leave out {', '.join(names)}")
     listed = {
         name: {
-            **{k: v for k, v in asdict(s).items() if k != "name"},
+            **{k: v for k, v in asdict(s).items() if k not in _OF_FILES},
             "passive": passive_with(s.values),
             "own_constants": {n: x for law in every_law(s.values) for n, x in law.p.numbers.items()
                               if n in law.own_constants()},

@@ -136,7 +136,30 @@ def _intervals(folder: Path, law: Law) -> dict[str, tuple[float, float]]:
     paths = {n: f"law.parameters.{n}" if n in PARAMETERS else f"law.{n}" for n in law.constants()}
     tables = (found.get(name) for name in ("parameters", "body"))
     told: dict[str, object] = {n: x for table in tables if isinstance(table, Mapping) for n, x in table.items()}
+    _check(folder, {n: x for n, x in told.items() if isinstance(x, Mapping)})
     return _ends({paths.get(n, "plant.mass" if n == "mass" else n): x for n, x in told.items()})
+
+
+def _check(folder: Path, parameters: object) -> None:
+    """Refuse numbers that no fit wrote.
+
+    Raises:
+        InputError: what was found is no table, or holds entries without a value, or ends that are no numbers.
+    """
+    place = f"{arg('report')}: {show(str(folder / 'parameters.toml'))}: parameters"
+    if not isinstance(parameters, Mapping):
+        found = "missing" if parameters is None else show(parameters)
+        raise InputError(f"{place}: {found}: must be a table")
+    problems = []
+    for name, each in parameters.items():
+        if not isinstance(each, Mapping) or "value" not in each:
+            problems.append(f"{place}.{name}: {show(each)}: must be a table with a value")
+            continue
+        ends = {key: each[key] for key in ("value", "low", "high") if key in each}
+        wrong = {key: x for key, x in ends.items() if isinstance(x, bool) or not isinstance(x, int | float) or x != x}
+        problems += [f"{place}.{name}.{key}: {show(x)}: must be a number" for key, x in wrong.items()]
+    if problems:
+        raise InputError(problems)
 
 
 def _ends(told: Mapping[str, object]) -> dict[str, tuple[float, float]]:
@@ -155,6 +178,7 @@ def _of_machine_fit(folder: Path, trust: bool) -> Report:
     if not isinstance(logs, str) or not (folder / "machine.toml").is_file():
         must = "must be a folder of a fit that is done (its parameters.toml names the logs; machine.toml is beside it)"
         raise InputError(f"{arg('report')}: {show(str(folder))}: {must}")
+    _check(folder, kept.get("parameters"))
     parameters = _of_first(cast("Mapping[str, Mapping[str, float]]", kept["parameters"]))
     value = {name: float(each["value"]) for name, each in parameters.items()}
     scenario = Scenario.load(folder / "machine.toml", {}, trust=trust)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from stribeck.arrays import Array
 from stribeck.constants import show
 from stribeck.errors import InputError, StribeckError, arg
-from stribeck.files import read_sealed, write_sealed
+from stribeck.files import json_of, write_sealed
 from stribeck.loops.boundary import known_path
 from stribeck.loops.judge import judge
 from stribeck.loops.loop import Loop, time_constant
@@ -58,7 +58,7 @@ class _Search:
     def begun(cls, journal: Path | None, key: str, start: Array, seed: int) -> _Search:
         """A new one, or the one that the journal has."""
         made = cls(journal, key, np.random.default_rng(seed), np.log(start), np.full(len(start), np.log(_FACTOR) / 2))
-        kept = None if journal is None else read_sealed(journal)
+        kept = None if journal is None else json_of(journal, sealed=True)
         if kept is None or kept["key"] != key:
             return made
         made.random.bit_generator.state = kept["random"]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -136,7 +136,7 @@ def _read(path: Path) -> ParameterSet:
     )
 
 
-def _wrong(name: str, told: dict[str, Any]) -> str | None:
+def _wrong(name: str, told: Mapping[str, object]) -> str | None:
     """What is wrong with the table of one number, but for the number."""
     if "value" not in told:
         return f"{name}: {show(told)}: must be a number, or a table with its value"

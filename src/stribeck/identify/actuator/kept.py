@@ -8,7 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
-from stribeck.files import read_sealed, write_sealed
+from stribeck.files import json_of, write_sealed
 from stribeck.identify.actuator.recordings import Logs
 from stribeck.scenario import Scenario
 
@@ -30,7 +30,7 @@ class Kept:
         made.update(repr((logs.sought, logs.laws)).encode())
         self.digest = made.hexdigest()
         self.stages: dict[str, Any] = {}
-        found = None if self.path is None else read_sealed(self.path)
+        found = None if self.path is None else json_of(self.path, sealed=True)
         if found is not None and found["digest"] == self.digest:
             self.stages = found["stages"]
 
