@@ -159,7 +159,7 @@ def _shape(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> Shape:
         if (
             _one_way(v) and slowest > _SLOW * sizes.fast
         ):  # no row shows the sign change: a curve that fits would be guessed
-            return Shape(name, max(0.3 / sizes.fast, 1.0 / slowest), 1e4 / sizes.fast, seen=_CHANGED / slowest)
+            return Shape(name, 0.3 / slowest, 1e4 / sizes.fast, seen=_CHANGED / slowest)
         return Shape(name, 0.3 / sizes.fast, 1e4 / sizes.fast)
     if constant.unit == "m/s":
         low, half = (min(max(1e-3 * sizes.fast, x), 0.35 * sizes.fast) for x in (_slowest(rows), 0.5 * _slowest(rows)))

@@ -219,14 +219,17 @@ class Separable:
         below = [s for s in self.shapes if s.seen and found.values[s.name] < s.seen]
         if not below:
             return self, found
-        shapes = [replace(s, low=s.seen, seen=None) if s.seen else s for s in self.shapes]
+        at_end = [s for s in below if found.values[s.name] <= _END * s.low]
+        held = at_end or [s for s in self.shapes if s.seen]
+        shapes = [replace(s, low=s.seen or s.low, seen=None) if s in held else s for s in self.shapes]
         narrow = Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight)
         near = narrow.search(warm, everywhere)
+        if at_end:
+            return narrow.as_seen(near, warm, everywhere)
         counted = self.weight > 0  # neighbouring rows err alike: they tell a thing once
         rows = np.count_nonzero(counted) / rows_together((self.force - self.force_at(found.values))[counted])
         gain = rows * np.log(near.cost / max(found.cost, 1e-300))
-        told = gain > _TOLD and all(found.values[s.name] > _END * s.low for s in below)
-        return (self, found) if told else (narrow, near)
+        return (self, found) if gain > _TOLD else (narrow, near)
 
     def _apart(self, found: Sequence[Minimum]) -> list[dict[str, float]]:
         """The best of solutions that lie apart."""
