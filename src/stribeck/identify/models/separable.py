@@ -37,7 +37,8 @@ _BEYOND = 1e100  # in a column: squares of what a law of the user's own gives mu
 class Shape:
     """A number that the force is not linear in, and where it is looked for; ``log``: on a logarithmic scale.
 
-    ``seen``, above ``low``, is how far down the record shows it: a place below counts only if it is no end of the search.
+    ``seen``, above ``low``, is how far down the record shows it: a place below counts only if it is no end of the search, and
+    leaves so many times less (``worth``) of the squares than one above.
     """
 
     name: str
@@ -45,6 +46,7 @@ class Shape:
     high: float
     log: bool = True
     seen: float | None = None
+    worth: float = 1.0
 
     def at(self, share: float) -> float:
         """The value at a share of the way from the low end to the high one."""
@@ -220,16 +222,21 @@ class Separable:
         if not below:
             return self, found
         at_end = [s for s in below if found.values[s.name] <= _END * s.low]
-        held = at_end or [s for s in self.shapes if s.seen]
-        shapes = [replace(s, low=s.seen or s.low, seen=None) if s in held else s for s in self.shapes]
-        narrow = Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight)
+        if doubtful := at_end or [s for s in below if s.worth > 1]:
+            narrow = self._as_far_as_seen(doubtful)
+            near = narrow.search(warm, everywhere)
+            if at_end or near.cost < max(s.worth for s in doubtful) * found.cost:
+                return narrow.as_seen(near, warm, everywhere)
+        narrow = self._as_far_as_seen(self.shapes)
         near = narrow.search(warm, everywhere)
-        if at_end:
-            return narrow.as_seen(near, warm, everywhere)
         counted = self.weight > 0  # neighbouring rows err alike: they tell a thing once
         rows = np.count_nonzero(counted) / rows_together((self.force - self.force_at(found.values))[counted])
         gain = rows * np.log(near.cost / max(found.cost, 1e-300))
         return (self, found) if gain > _TOLD else (narrow, near)
+
+    def _as_far_as_seen(self, which: Sequence[Shape]) -> Separable:
+        shapes = [replace(s, low=s.seen or s.low, seen=None) if s in which else s for s in self.shapes]
+        return Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight)
 
     def _apart(self, found: Sequence[Minimum]) -> list[dict[str, float]]:
         """The best of solutions that lie apart."""
