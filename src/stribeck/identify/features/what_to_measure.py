@@ -22,6 +22,7 @@ _WORDS = {
     "drag": "constant speeds in both directions, at least five, evenly up to {fast} or more",
     "thinning": "constant speeds in both directions, at least five, evenly in the logarithm up to {fast} or more",
     "ripple_waves": "slow strokes over the whole travel, in both directions",
+    "play": "slow reversals (below {slow}), each followed by a way of many times that over which friction turns round",
     "offset": "the same constant speeds in both directions",
 }
 _BOTH = 10.0  # factor between the fit's length and the record's, up to which the fit's is taken
