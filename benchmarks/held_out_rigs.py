@@ -80,11 +80,12 @@ def measured(columns: dict[str, np.ndarray]) -> tuple[np.ndarray, np.ndarray, np
     return v, a, np.column_stack([np.sin(y), np.cos(y)])
 
 
-def one(seed: int, motions: int = 1) -> dict[str, Any]:
+def one(seed: int, motions: int = 1, rigs: tuple[Any, Any, Any] = (KINDS, machine, record)) -> dict[str, Any]:
     """The errors on the second record, as shares of its force; and on further ones, of other motions."""
-    draw, kind = np.random.default_rng(seed), KINDS[seed % len(KINDS)]
-    m = machine(draw, kind)
-    made = [record(m, kind, draw) for _ in range(1 + motions)]
+    kinds, constants, measure = rigs
+    draw, kind = np.random.default_rng(seed), kinds[seed % len(kinds)]
+    m = constants(draw, kind)
+    made = [measure(m, kind, draw) for _ in range(1 + motions)]
     with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         paths = [Path(folder) / f"{i}.npz" for i in range(len(made))]

@@ -123,7 +123,7 @@ def _measured(model: predict.FittedModel, log: Log, by_force: bool, files: list[
     about = f"{name}, the first {len(log)} rows"
     if by_force:
         return Beside(about, {"y": (t, log.position), "v": (t, log.velocity)})
-    left = [n for n in model.body if n in ("delay",) or n.startswith(("F_c_by", "sigma_2_by"))]
+    left = [n for n in model.body if n in ("delay", "play") or n.startswith(("F_c_by", "sigma_2_by"))]
     if left:
         about += f"; the curve has no {', '.join(left)}, which the fit has"
     friction = log.force - predict.beside(model, log)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from stribeck.arrays import Array
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.models.terms import TERMS
 
@@ -71,7 +72,7 @@ def _hangs_on(terms: Collection[str], ranges: Mapping[str, Sequence[float]]) -> 
 
 
 def beyond(
-    ranges: Mapping[str, Sequence[float]], terms: Collection[str], log: Log, rows: NDArray[np.bool_], left: NDArray[np.float64]
+    ranges: Mapping[str, Sequence[float]], terms: Collection[str], log: Log, rows: NDArray[np.bool_], left: Array
 ) -> Beyond:  # fmt: skip
     """Which of the rows lie beyond the ranges that a fit has seen, of what its model hangs on.
 

@@ -14,7 +14,7 @@ NAMES = {"time": "t", "position": "y", "force": "F"}
 WAY, LEVEL = 0.04, 3.0
 
 
-def joint(seed: int, way: float = WAY, seconds: float = 8.0) -> dict[str, np.ndarray]:
+def joint(seed: int, way: float = WAY, seconds: float = 6.0) -> dict[str, np.ndarray]:
     """A joint whose friction turns round over a way, row by row, and an encoder of a micrometre."""
     draw = np.random.default_rng(seed)
     t = np.arange(0, seconds, 2e-3)
@@ -30,7 +30,7 @@ def joint(seed: int, way: float = WAY, seconds: float = 8.0) -> dict[str, np.nda
 
 def test_play_is_found_and_predicted(tmp_path):
     """The force had been missed by a third or more, and backlash on a short way was taken for a weight or a spring."""
-    fit = stribeck.fit(joint(1), columns=NAMES).best
+    fit = stribeck.fit(joint(1), "coulomb_viscous", select=True, columns=NAMES)
     for told, truth in ((fit.body["play"], WAY), (fit.estimates["F_c"], LEVEL), (fit.body["mass"], 0.4)):
         assert told.identifiable
         assert told.low <= truth <= told.high < 1.2 * truth
@@ -41,7 +41,7 @@ def test_play_is_found_and_predicted(tmp_path):
 
 
 def test_no_play_is_taken_where_there_is_none():
-    assert "play" not in stribeck.fit(joint(3, way=0.0), columns=NAMES).best.body
+    assert "play" not in stribeck.fit(joint(3, way=0.0), "coulomb_viscous", select=True, columns=NAMES).body
 
 
 def test_a_law_that_is_named_says_what_its_residual_looks_like():

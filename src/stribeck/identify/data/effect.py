@@ -73,6 +73,8 @@ def quiet(motion: Array, position: bool, floor: float, cutoff: float, step: floa
         floor: the power spectral density of its noise; ``cutoff``: Hz, so far; ``step``: between samples, s.
     """
     smooth = low_pass(motion[:_LONGEST_LOOK], cutoff, step)
+    edge = min(round(1 / (cutoff * step)), len(smooth) // 4)  # where the filter makes acceleration of its own
+    smooth = smooth[edge : len(smooth) - edge]
     highest = min(_RAISED * cutoff, _HIGHEST / step)
     for order, share in zip((1, 2) if position else (0, 1), (LITTLE, _LITTLE_OF_RATE), strict=True):
         largest = float(np.max(abs(np.diff(smooth, order)))) / step**order

@@ -29,6 +29,7 @@ _WORDS = {
     "ripple_waves": "slow strokes over the whole travel, in both directions",
     "gravity_sin": "slow strokes over as much of a turn as there is room for, in both directions",
     "gravity_cos": "slow strokes over as much of a turn as there is room for, in both directions",
+    "play": "slow reversals (below {middle}), each followed by a way of many times that over which friction turns round",
     "offset": "the same constant speeds in both directions",
 }
 _UNITS = {**dict.fromkeys(("small", "large", "fine"), "m"), **dict.fromkeys(("rate", "gentle"), "N/s"), "half": "N"}

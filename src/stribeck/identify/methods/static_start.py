@@ -24,6 +24,7 @@ _SHARP = 1e9  # s/m
 _SHARPEST = 1e6  # over the largest speed: for motion of micrometres per second
 _SLOW = 0.05  # of the largest speed
 _CHANGED = 30.0  # of the argument of a smooth sign at the slowest rows: it is one at a tenth of their speed too
+_SMOOTH = 1.5  # times the squares: what a sign that still bends at the slowest rows of one direction must take away
 _SHOWN, _SHOWN_SHARE = 10, 0.05  # rows that a bend of the curve needs at least; of few rows
 _DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
 
@@ -164,7 +165,7 @@ def _shape(name: str, law: type[Law], sizes: Sizes, rows: Rows) -> Shape:
         if (
             _one_way(v) and slowest > _SLOW * sizes.fast
         ):  # no row shows the sign change: a curve that fits would be guessed
-            return Shape(name, max(0.3 / sizes.fast, 1.0 / slowest), 1e4 / sizes.fast, seen=_CHANGED / slowest)
+            return Shape(name, 0.3 / slowest, 1e4 / sizes.fast, seen=_CHANGED / slowest, worth=_SMOOTH)
         return Shape(name, 0.3 / sizes.fast, 1e4 / sizes.fast, usual=_sharp(rows) if name == "k_v" else None)
     if constant.unit == "m/s":
         low, half = (min(max(1e-3 * sizes.fast, x), 0.35 * sizes.fast) for x in (_slowest(rows), 0.5 * _slowest(rows)))

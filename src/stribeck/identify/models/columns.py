@@ -108,7 +108,7 @@ class Columns:
                 self._places.pop(next(iter(self._places)))
             (delay, way), log = how, self.log
             v = self._moved(log.velocity, delay)
-            turned = self._moved(play.turned(log, way), delay) if way else None
+            turned = self._moved(play.turned(log, way), delay) if way > 0 else None
             self._places[how] = _Place(speeds, v) if turned is None else _Turned(speeds, v, turned)
         return self._places[how]
 

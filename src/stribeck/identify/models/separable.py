@@ -37,7 +37,8 @@ _BEYOND = 1e100  # in a column: squares of what a law of the user's own gives mu
 class Shape:
     """A number that the force is not linear in, and where it is looked for; ``log``: on a logarithmic scale.
 
-    ``seen``, above ``low``, is how far down the record shows it: a place below counts only if it is no end of the search.
+    ``seen``, above ``low``, is how far down the record shows it: a place below counts only if it is no end of the search, and
+    leaves so many times less (``worth``) of the squares than one above.
     ``usual``: its value in the narrower model in which it is not free, which may lie beyond the search.
     """
 
@@ -47,6 +48,7 @@ class Shape:
     log: bool = True
     seen: float | None = None
     usual: float | None = None
+    worth: float = 1.0
 
     def at(self, share: float) -> float:
         """The value at a share of the way from the low end to the high one."""
@@ -220,7 +222,7 @@ class Separable:
                 [s for s in self.shapes if s is not shape],
                 {**self.held, shape.name: float(shape.usual or 0.0)},
             )
-            narrow = Separable(self.columns, held, self.wanted, self.free, rest, self.weight)
+            narrow = Separable(self.columns, held, self.wanted, self.free, rest, self.weight, self.beside)
             others.append(narrow.search() if rest else narrow.solve({}))
             if shape.low < held[shape.name] < shape.high:
                 others.append(self.refined(others[-1].values))
@@ -242,14 +244,22 @@ class Separable:
         below = [s for s in self.shapes if s.seen and found.values[s.name] < s.seen]
         if not below:
             return self, found
-        shapes = [replace(s, low=s.seen, seen=None) if s.seen else s for s in self.shapes]
-        narrow = Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight, self.beside)
+        at_end = [s for s in below if found.values[s.name] <= _END * s.low]
+        if doubtful := at_end or [s for s in below if s.worth > 1]:
+            narrow = self._as_far_as_seen(doubtful)
+            near = narrow.search(warm, everywhere)
+            if at_end or near.cost < max(s.worth for s in doubtful) * found.cost:
+                return narrow.as_seen(near, warm, everywhere)
+        narrow = self._as_far_as_seen(self.shapes)
         near = narrow.search(warm, everywhere)
         counted = self.weight > 0  # neighbouring rows err alike: they tell a thing once
         rows = np.count_nonzero(counted) / rows_together((self.force - self.force_at(found.values))[counted])
         gain = rows * np.log(near.cost / max(found.cost, 1e-300))
-        told = gain > _TOLD and all(found.values[s.name] > _END * s.low for s in below)
-        return (self, found) if told else (narrow, near)
+        return (self, found) if gain > _TOLD else (narrow, near)
+
+    def _as_far_as_seen(self, which: Sequence[Shape]) -> Separable:
+        shapes = [replace(s, low=s.seen or s.low, seen=None) if s in which else s for s in self.shapes]
+        return Separable(self.columns, self.held, self.wanted, self.free, shapes, self.weight, self.beside)
 
     def _apart(self, found: Sequence[Minimum]) -> list[dict[str, float]]:
         """The best of solutions that lie apart."""
