@@ -39,7 +39,7 @@ _EXPONENTS = (0.5, 4.0)  # between which the literature has it
 
 @dataclass(frozen=True)
 class Lacking:
-    """What the residual asks for: its names, what share of the squared residual all would take away, and how far they would
+    """What the residual asks for: in words, what share of the squared residual it would take away, and how far they would
     move each coordinate down and up; ``sets``: the columns of terms alone, and of all; ``forms``: all that may stand for them;
     ``unsteady``: friction is not what it is at a steady speed, which no term tells as well."""
 
@@ -71,15 +71,18 @@ def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], at: Lin
     forms, sets = _forms(rows, model, at, asked, terms), [asked]
     if "F_c" in model.whole.wanted:
         every = {**terms, **_suspects(rows, model, values)}
-        found = _greedy(rows, model, values, at, every, (LOAD,)), _greedy(rows, model, values, at, every)
-        for each in (x for x in found if set(x) != set(asked)):
-            sets.append(each)
-            forms += _forms(rows, model, at, each, every)
+        for first in ((), (LOAD,)):
+            each = _greedy(rows, model, values, at, every, first)
+            if all(set(each) != set(other) for other in sets):
+                sets.append(each)
+                forms += _forms(rows, model, at, each, every)
     shifts = np.vstack([np.zeros((1, len(at.names))), *(_shift(model, values, at, added) for added in forms)])
-    left = [_alone(at, each)[0] for each in (asked, sets[-1])]
-    unsteady = any(n.startswith(UNSTEADY) for n in sets[-1]) and left[1] < (1 - _UNSTEADY) * left[0]
-    share = 1 - left[1] / whole if whole > 0 else 0.0
-    return Lacking(tuple(sets[-1]), tuple(sets), share, -shifts.min(axis=0), shifts.max(axis=0), tuple(forms), unsteady)
+    left = [_alone(at, each)[0] for each in sets]
+    best = sets[int(np.argmin(left))]
+    unsteady = any(n.startswith(UNSTEADY) for n in best) and min(left) < (1 - _UNSTEADY) * left[0]
+    share = 1 - min(left) / whole if whole > 0 else 0.0
+    names = tuple(dict.fromkeys(" and ".join(each) for each in sets if each))
+    return Lacking(names, tuple(sets), share, -shifts.min(axis=0), shifts.max(axis=0), tuple(forms), unsteady)
 
 
 def _greedy(
@@ -183,7 +186,7 @@ def unfitted(
     late, notes = np.zeros(len(names)), []
     if asked.names:
         notes.append(
-            f"{' and '.join(asked.names)} would take {asked.share:.0%} of the squared residual away: intervals reach farther to "
+            f"{', or '.join(asked.names)} would take {asked.share:.0%} of the squared residual away: intervals reach farther to "
             "the side to which that would shift"
         )
     if "delay" in names:
