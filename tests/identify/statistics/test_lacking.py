@@ -243,3 +243,83 @@ def test_drag_is_a_term() -> None:
     found = fit(_bent(0.2), "coulomb_viscous", columns={"time": "t", "velocity": "v", "force": "F"}, terms=["drag"])
     told = found.body["drag"]
     assert told.low <= 0.2 <= told.high < 0.21
+
+
+def _along(way: np.ndarray, seed: int, friction: np.ndarray, mass: float = 1.0) -> dict[str, np.ndarray]:
+    """A record every 2 ms of a motion and a friction that are given every 0.2 ms."""
+    draw, v = np.random.default_rng(seed), np.gradient(way, 2e-4)
+    force = (mass * np.gradient(v, 2e-4) + friction)[::10]
+    y = way[::10] + 1e-6 * draw.standard_normal(len(force))
+    return {"t": np.arange(len(y)) * 2e-3, "y": y, "F": force + 0.02 * draw.standard_normal(len(y))}
+
+
+def _to_and_fro() -> tuple[np.ndarray, np.ndarray]:
+    """Two sines: position and speed."""
+    t = np.arange(0, 12, 2e-4)
+    return 0.08 * np.sin(2.2 * t) + 0.03 * np.sin(5.1 * t), 0.176 * np.cos(2.2 * t) + 0.153 * np.cos(5.1 * t)
+
+
+def _holds(found: Fit, truth: dict[str, float], told: int) -> None:
+    numbers = {**found.estimates, **found.body}
+    known = [n for n in truth if numbers[n].identifiable]
+    assert len(known) >= told
+    for n in known:
+        assert numbers[n].low <= truth[n] <= numbers[n].high, n
+
+
+def test_friction_that_grows_by_the_root_of_the_speed_gives_no_wrong_level() -> None:
+    """A straight line through such a curve begins too high, and rises too fast."""
+    y, v = _to_and_fro()
+    friction = (8 + 3 * np.sqrt(abs(v))) * np.sign(v) + 6 * v
+    found = _fitted(_along(y, 0, friction), "coulomb_viscous")
+    _holds(found, {"F_c": 8.0, "sigma_2": 6.0, "mass": 1.0}, 2)
+    assert any("thinning" in note for note in found.notes)
+
+
+def test_bristles_that_bend_far_give_no_wrong_numbers() -> None:
+    """A Dahl contact that slides after some 3 mm: its lag behind reversals went into mass and level."""
+    y, v = _to_and_fro()
+    z, friction = 0.0, np.empty(len(v))
+    for i, speed in enumerate(v):
+        z = np.sign(speed) + (z - np.sign(speed)) * np.exp(-abs(speed) * 2e-4 / 1e-3)
+        friction[i] = 8 * z
+    found = _fitted(_along(y, 0, friction + 6 * v), "coulomb_viscous")
+    _holds(found, {"F_c": 8.0, "sigma_2": 6.0, "mass": 1.0}, 1)
+    assert any("builds up" in note for note in found.notes)
+
+
+def test_a_bend_that_lags_behind_the_speed_is_not_told() -> None:
+    """Frictional memory of 10 ms: the rows behind reversals are those that tell F_s and v_s."""
+    y, v = _to_and_fro()
+    before = np.concatenate([np.full(50, v[0]), v[:-50]])
+    friction = (8 + 4 * np.exp(-((before / 0.015) ** 2))) * np.sign(v) + 6 * v
+    found = _fitted(_along(y, 0, friction), "stribeck", select=False)
+    _holds(found, {"F_c": 8.0, "F_s": 12.0, "v_s": 0.015}, 1)
+    assert any("friction that" in note for note in found.notes)
+
+
+def test_a_gear_whose_friction_grows_with_its_load_gives_no_wrong_level() -> None:
+    y, v = _to_and_fro()
+    a = np.gradient(v, 2e-4)
+    friction = (8 + 0.3 * abs(4 * a)) * np.sign(v) + 6 * v
+    found = _fitted(_along(y, 0, friction, 4.0), "coulomb_viscous")
+    _holds(found, {"F_c": 8.0, "mass": 4.0}, 2)
+    assert any("grows with the load" in note for note in found.notes)
+
+
+def test_a_number_at_0_is_told_only_as_far_as_further_terms_leave_it_there() -> None:
+    """A body on a spring, whose force goes against its inertia."""
+    y, v = _to_and_fro()
+    friction = 8 * np.sign(v) + 6 * v + 40 * y
+    found = _fitted(_along(y, 0, friction, 0.5), "coulomb_viscous")
+    mass = found.body["mass"]
+    assert mass.best == 0.0 or mass.value == 0.0
+    assert mass.high is not None
+    assert mass.high >= 0.5
+
+
+def test_complete_friction_is_not_said_to_lack_anything() -> None:
+    y, v = _to_and_fro()
+    found = _fitted(_along(y, 0, 8 * np.sign(v) + 6 * v), "coulomb_viscous")
+    _holds(found, {"F_c": 8.0, "sigma_2": 6.0, "mass": 1.0, "offset": 0.0}, 4)
+    assert not any("away: intervals" in note for note in found.notes)

@@ -18,12 +18,11 @@ from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS, column
 from stribeck.identify.result import Estimate, Fit
 from stribeck.identify.statistics import clusters
 from stribeck.identify.statistics.linear import Linear
-from stribeck.identify.statistics.suspects import BEND, LAG, LOAD, LOADS, UNSTEADY, bends, builds_up, by_load
+from stribeck.identify.statistics.suspects import BEND, LAG, LOAD, LOADS, UNSTEADY, bends, builds_up, by_load, turns
 
 _SHARE = 0.005  # of the squared residual: what takes less away is left alone
 _CLEARLY = 1.5  # halves of a 95 % interval: the best of several terms is looked at
 _ONE_SIDED = 0.1  # of what tells a delay: more of it on one side
-_BOTH_WAYS = 0.1  # of the fastest speed
 _WIDEST = 2.0  # to each side: a wider interval is not determined
 _POWERS = (1.25, 3.0)  # of the speed, beside its square
 _SHORT = 0.3  # rad: on less way a weight is a constant
@@ -32,6 +31,7 @@ _STEP = 0.05  # of the exponent, for its slope
 _ALIKE = 10.0  # twice the logarithm of a likelihood: forms of a bend that differ by less are as good
 _AS_GOOD = 1.1  # of what is left: a column that leaves no more may be the first one
 _UNSTEADY = 0.05  # of what is left: so much less without memory of the friction
+_MOST = 6  # columns, where friction that no term is may be among them: more add up to anything
 _MOST_OF_CURVE = 2  # bends of the curve at low speed
 _NOTHING = 1e-12  # of a coefficient: less is nothing
 _EXPONENTS = (0.5, 4.0)  # between which the literature has it
@@ -39,7 +39,7 @@ _EXPONENTS = (0.5, 4.0)  # between which the literature has it
 
 @dataclass(frozen=True)
 class Lacking:
-    """What the residual asks for: its names, what share of the squared residual all would take away, and how far they would
+    """What the residual asks for: in words, what share of the squared residual it would take away, and how far they would
     move each coordinate down and up; ``sets``: the columns of terms alone, and of all; ``forms``: all that may stand for them;
     ``unsteady``: friction is not what it is at a steady speed, which no term tells as well."""
 
@@ -71,15 +71,18 @@ def lacking(rows: Rows, model: StaticModel, values: Mapping[str, float], at: Lin
     forms, sets = _forms(rows, model, at, asked, terms), [asked]
     if "F_c" in model.whole.wanted:
         every = {**terms, **_suspects(rows, model, values)}
-        found = _greedy(rows, model, values, at, every, (LOAD,)), _greedy(rows, model, values, at, every)
-        for each in (x for x in found if set(x) != set(asked)):
-            sets.append(each)
-            forms += _forms(rows, model, at, each, every)
+        for first in ((), (LOAD,)):
+            each = _greedy(rows, model, values, at, every, first, _MOST)
+            if all(set(each) != set(other) for other in sets):
+                sets.append(each)
+                forms += _forms(rows, model, at, each, every)
     shifts = np.vstack([np.zeros((1, len(at.names))), *(_shift(model, values, at, added) for added in forms)])
-    left = [_alone(at, each)[0] for each in (asked, sets[-1])]
-    unsteady = any(n.startswith(UNSTEADY) for n in sets[-1]) and left[1] < (1 - _UNSTEADY) * left[0]
-    share = 1 - left[1] / whole if whole > 0 else 0.0
-    return Lacking(tuple(sets[-1]), tuple(sets), share, -shifts.min(axis=0), shifts.max(axis=0), tuple(forms), unsteady)
+    left = [_alone(at, each)[0] for each in sets]
+    best = sets[int(np.argmin(left))]
+    unsteady = any(n.startswith(UNSTEADY) for n in best) and min(left) < (1 - _UNSTEADY) * left[0]
+    share = 1 - min(left) / whole if whole > 0 else 0.0
+    names = tuple(dict.fromkeys(" and ".join(each) for each in sets if each))
+    return Lacking(names, tuple(sets), share, -shifts.min(axis=0), shifts.max(axis=0), tuple(forms), unsteady)
 
 
 def _greedy(
@@ -89,15 +92,16 @@ def _greedy(
     at: Linear,
     columns: Mapping[str, Array],
     first: Sequence[str] = (),
+    most: int | None = None,
 ) -> dict[str, Array]:
     """The columns that take most of the residual away, one after the other, and beyond what parts of the record differ by;
-    ``first``: of those that are as good to begin with, the one to take."""
+    ``first``: of those that are as good to begin with, the one to take; ``most``: how many."""
     slopes, misfit = at.slopes, at.misfit
     count, parts = slopes.shape[1], clusters.parts_of(rows.log.rows(rows.kept)).number
     found: dict[str, Array] = {}
     open_, whole = dict(columns), float(misfit @ misfit)
     rest = whole
-    while open_ and count and rest > 0:
+    while open_ and count and rest > 0 and (most is None or len(found) < most):
         left = {n: _left(np.column_stack([slopes, *found.values(), x]), misfit) for n, x in open_.items()}
         best = min(left.values())
         name = next((n for n in first if not found and left.get(n, np.inf) < _AS_GOOD * best), "")
@@ -183,7 +187,7 @@ def unfitted(
     late, notes = np.zeros(len(names)), []
     if asked.names:
         notes.append(
-            f"{' and '.join(asked.names)} would take {asked.share:.0%} of the squared residual away: intervals reach farther to "
+            f"{', or '.join(asked.names)} would take {asked.share:.0%} of the squared residual away: intervals reach farther to "
             "the side to which that would shift"
         )
     if "delay" in names:
@@ -256,16 +260,15 @@ def _suspects(rows: Rows, model: StaticModel, values: Mapping[str, float]) -> di
     """What friction that no term is would add to the weighted force, per unit; of a law without a Stribeck bend also the
     root of the speed and a bend."""
     whole, there = model.whole, {**model.whole.held, **values}
-    made = builds_up(rows.log)
-    if "F_s" in whole.wanted:
+    memory, made = builds_up(rows.log), dict[str, Array]()
+    if "F_s" not in whole.wanted:
+        made |= bends(rows.log, float(np.max(abs(rows.log.velocity))))
+        made |= {"thinning": column("thinning", rows.log, {})} if "thinning" not in there else {}
+    elif "v_s" in there:
         made |= bends(rows.log, there["v_s"])
-    else:
-        fastest = float(np.max(abs(rows.log.velocity)))
-        made |= bends(rows.log, fastest) | (
-            {} if "thinning" in there else {"thinning": column("thinning", rows.log, {})}
-        )
-    found = {n: whole.weight * whole.columns.reduce(x) for n, x in made.items()}
-    found |= {LAG: _late_friction(rows, model, there)}
+    found = {n: whole.weight * whole.columns.reduce(x) for n, x in {**memory, **made}.items()}
+    if memory:  # in one direction the filter rounds off starts and stops as a lag would
+        found |= {LAG: _late_friction(rows, model, there)}
     return {n: x for n, x in {**found, **_by_load(rows, model, there)}.items() if np.any(x)}
 
 
@@ -302,17 +305,11 @@ def one_sided(rows: Rows, slopes: Array) -> str:
     rounds off a stop makes the speed late there, and early at a start. Runs that go both ways have starts and stops alike."""
     way, own, run = _way(rows), slopes**2, rows.log.run[rows.kept]
     v = rows.log.velocity[rows.kept]
-    one_way = [number for number in np.unique(run) if not _turns(v[run == number])]
+    one_way = [number for number in np.unique(run) if not turns(v[run == number])]
     own_way = np.isin(run, one_way)
     rising, falling = (float(np.sum(own[own_way & (way == side)])) for side in (1, -1))
     more = (rising - falling) / max(float(np.sum(own)), 1e-300)
     return "rises" if more > _ONE_SIDED else "falls" if more < -_ONE_SIDED else ""
-
-
-def _turns(v: Array) -> bool:
-    """Whether a body goes both ways, and not by noise alone."""
-    fastest = float(np.max(abs(v)))
-    return bool(v.min() < -_BOTH_WAYS * fastest and v.max() > _BOTH_WAYS * fastest)
 
 
 def lateness(rows: Rows, delay: int, slopes: Array, misfit: Array) -> Array:

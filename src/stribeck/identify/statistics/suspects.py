@@ -17,6 +17,7 @@ from stribeck.identify.log import Log
 from stribeck.identify.models.terms import TERMS, column
 
 _WIDTHS = (0.01, 0.03, 0.08, 0.2)  # of a speed
+_BOTH_WAYS = 0.1  # of the fastest speed
 _WAYS = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)  # of the way between reversals
 BEND = "a bend of the curve"
 LOADS = ("stiffness", "gravity_sin", "gravity_cos", "area")  # with which it is known better what is transmitted
@@ -63,11 +64,19 @@ def _since_reversals(log: Log) -> tuple[Array, float]:
     gone, between = np.full(len(log), np.inf), [0.0]
     for rows in log.runs():
         y, sign = log.position[rows], np.sign(log.velocity[rows])
-        moving = np.flatnonzero(sign)
-        turns = moving[1:][sign[moving[1:]] != sign[moving[:-1]]]
-        if not len(turns):
+        if not turns(log.velocity[rows]):
             continue
-        last = turns[np.searchsorted(turns, np.arange(turns[0], len(y)), side="right") - 1]
-        gone[rows.start + turns[0] : rows.stop] = abs(y[turns[0] :] - y[last])
-        between += abs(np.diff(y[turns])).tolist()
+        moving = np.flatnonzero(sign)
+        at = moving[1:][sign[moving[1:]] != sign[moving[:-1]]]
+        if not len(at):
+            continue
+        last = at[np.searchsorted(at, np.arange(at[0], len(y)), side="right") - 1]
+        gone[rows.start + at[0] : rows.stop] = abs(y[at[0] :] - y[last])
+        between += abs(np.diff(y[at])).tolist()
     return gone, float(np.median(between[1:])) if len(between) > 1 else 0.0
+
+
+def turns(v: Array) -> bool:
+    """Whether a body goes both ways, and not by noise alone."""
+    fastest = float(np.max(abs(v)))
+    return bool(v.min() < -_BOTH_WAYS * fastest and v.max() > _BOTH_WAYS * fastest)
