@@ -22,7 +22,7 @@ from stribeck.identify.statistics.linear import Linear
 _LOOSE = 0.1  # of the force: what a number that comes out as 0 may make up at the end of its interval
 
 
-def experiment(rows: Rows, solution: Minimum, name: str, open_: Collection[str]) -> str:
+def to_measure(rows: Rows, solution: Minimum, name: str, open_: Collection[str]) -> str:
     """What to measure for a number that the data leave open."""
     return experiment_for(name, solution.values, sizes_of(thinned(rows.log)), open_)
 
@@ -44,7 +44,7 @@ def at_bounds(
         unseen |= {n: why for n in ("F_s", "v_s", "delta") if n in model.free}
     open_ = {*verdicts, *unseen}
     for name, why in unseen.items():
-        what = experiment(rows, solution, name, open_)
+        what = to_measure(rows, solution, name, open_)
         found[name] = Estimate(None, None, None, unit_of(model.law, name), False, why, what)
     for name in (*model.whole.wanted, *model.whole.free):
         if name not in at.names and name not in found:
@@ -55,7 +55,7 @@ def at_bounds(
             if name in ("F_c", "F_s"):
                 why = "friction at the lowest speeds comes out as 0"
             elif bound.other:
-                what = experiment(rows, solution, name, {*open_, name})
+                what = to_measure(rows, solution, name, {*open_, name})
                 why = f"it comes out as 0, and with terms that were not fitted as {bound.other:.3g}"
                 found[name] = Estimate(None, 0.0, high, unit, False, why, what, 0.0)
                 continue
@@ -67,7 +67,7 @@ def at_bounds(
             else:
                 found[name] = Estimate(0.0, 0.0, high, unit, True, why)
                 continue
-            what = experiment(rows, solution, name, {*open_, name})
+            what = to_measure(rows, solution, name, {*open_, name})
             found[name] = Estimate(None, None, high, unit, False, why, what, solution.values[name])
     return found
 

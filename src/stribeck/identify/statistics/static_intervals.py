@@ -22,7 +22,7 @@ from stribeck.identify.models.static_problem import Rows, thinning
 from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
-from stribeck.identify.statistics.at_bounds import at_bounds, experiment
+from stribeck.identify.statistics.at_bounds import at_bounds, to_measure
 from stribeck.identify.statistics.effects import at_held_speeds
 from stribeck.identify.statistics.lacking import Lacking, one_sided, unfitted
 from stribeck.identify.statistics.linear import Linear, linearised
@@ -100,7 +100,7 @@ def static_intervals(
         ).tolist()
         first, last = (end if np.isfinite(end) and 1e-12 < abs(end / x) < 1e12 else None for end in ends) if x else ends
         if why := verdicts.get(name):
-            what = experiment(rows, solution, name, verdicts)
+            what = to_measure(rows, solution, name, verdicts)
             if not ("offset" in model.unseen and name in ("F_c", "F_s")):  # no interval knows of the offset
                 what += _effect(rows, model, solution, at, relation * np.outer(noisy, noisy), stays, k, verdicts)
             estimates[name] = Estimate(None, first, last, unit, False, why, what, float(x))
