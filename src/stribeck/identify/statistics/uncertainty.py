@@ -99,7 +99,8 @@ def judge(
 
 def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
     """How far each inner coordinate may be off by what no residual shows: the motion's filter, what happens between its
-    samples, its noise, and the lower filter of the acceleration. They have nothing to do with each other."""
+    samples, its noise, and the lower filter of the acceleration. Noise has nothing to do with the others; of a fit of the
+    force these all round off the same reversals, and add up."""
     if isinstance(problem, MotionProblem):
         again = _WHOLE * again_with_force_noise(problem, u)
         filtered = filter_bias(problem, u, slopes)
@@ -107,7 +108,7 @@ def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
     shift, spread = again_with_noise(problem, u)
     noise = _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread
     filtered = np.maximum(filter_bias(problem, u, slopes), _WHOLE * acceleration_of_full_band(problem, u, slopes))
-    return np.asarray(np.sqrt(noise**2 + filtered**2 + sampling(problem, u, slopes) ** 2))
+    return np.asarray(np.sqrt(noise**2 + (filtered + sampling(problem, u, slopes)) ** 2))
 
 
 def without(problem: Problem, u: Array, why: str) -> ConfidenceIntervals:
