@@ -162,3 +162,19 @@ def test_advice_does_not_count_on_a_force_without_noise(monkeypatch):
     numbers = reachable(values, sizes)
     verdicts.effect(problem, 0, values, inner, [0, 1], sizes, Noise(1e-9, 1e-9), numbers, 0.0, True)
     assert asked == [pytest.approx(1e-3 * sizes.force)]
+
+
+@pytest.mark.parametrize(
+    ("cell", "seed"),
+    [("force, 0.1 um, 2 kHz", 28), pytest.param("position, 100 Hz", 11, marks=pytest.mark.thorough)],
+)
+def test_a_curve_that_no_speed_shows_has_no_f_s(monkeypatch, cell, seed):
+    """The search ended without a Stribeck curve, and told F_s as F_c: 0.790 [0.789, 0.791] N where 1.25 is true."""
+    monkeypatch.syspath_prepend(str(BENCHMARKS))
+    import coverage_cells
+
+    found = coverage_cells.one(cell, seed)["parameters"]
+    assert not found["F_s"]["known"]
+    assert found["F_s"]["covers"]  # no end is told
+    assert [name for name, e in found.items() if e["known"] and not e["covers"]] == []
+    assert all(found[name]["known"] for name in ("F_c", "sigma_2", "offset"))

@@ -47,6 +47,7 @@ from stribeck.identify.statistics.verdicts import (
 from stribeck.identify.work import Work
 
 _WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
+_NO_CURVE = "F_s comes out at F_c and v_s is open: friction that rises towards lower speeds would look alike"
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
     0.1  # the same where the residual is white noise of the measurement's size: no error of the model is seen
@@ -223,6 +224,8 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
         if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith(("v_s comes", "v_s is not")):
             low = high = None  # the numbers of a curve that nobody has seen
         intervals[k] = low, high
+    for k in _of_no_curve(at, intervals, doubts):
+        doubts[k], intervals[k] = _NO_CURVE, (None, None)
     open_ = {problem.coordinates[k].name for k in at.own if doubts[k]}
     numbers = reachable(values, sizes, open_)
     estimates = {}
@@ -241,6 +244,21 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     seen: SeenNoise = {"standard_deviation": at.deviation, "memory": len(at.memory)}
     curves = {problem.coordinates[k].name: ends[k][2] for k in at.own if k in ends}
     return ConfidenceIntervals(u, estimates, names, outer, curves, tuple(notes), seen)
+
+
+def _of_no_curve(
+    at: _Optimum, intervals: dict[int, tuple[float | None, float | None]], doubts: dict[int, str]
+) -> list[int]:
+    """The coordinates that hang on a Stribeck curve where the optimum has none: F_s reaches down to F_c, so that any v_s fits
+    and no profile crosses to where the curve may be; bristles too where more is missed than noise."""
+    named = {at.problem.coordinates[k].name: k for k in at.own}
+    if not {"F_s", "v_s"} <= named.keys() or doubts[named["F_s"]] or not doubts[named["v_s"]]:
+        return []
+    low, values = intervals[named["F_s"]][0], at.problem.values(at.u)
+    high = intervals[named["F_c"]][1] if "F_c" in named else values.get("F_c", 0.0)
+    if low is not None and high is not None and low > high:
+        return []
+    return [named["F_s"], *(named[n] for n in _BRISTLES if n in named and at.beyond and not doubts[named[n]])]
 
 
 def _at_optimum(
