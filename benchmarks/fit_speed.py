@@ -10,7 +10,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from coverage import loop, stroke
+from interval_coverage import loop, stroke
 from measure import RESULTS, machine, write
 
 from stribeck.identify.log import Log

@@ -1,5 +1,6 @@
 """The benchmarks' peers solve the same equations, and what is kept of the results is complete."""
 
+import ast
 import importlib.util
 import json
 import math
@@ -64,3 +65,18 @@ def test_the_page_on_machines_states_what_was_measured():
     for row in rows:
         name = names.get(row["solver"], row["solver"])
         assert f"| {name} | {1e3 * row['seconds']['median']:.3g} | {row['against_stribeck']:.3g} |" in page
+
+
+def test_a_benchmark_s_own_imports_exist():
+    """One imported a neighbour by a name that it no longer had."""
+    here = {path.stem for path in FOLDER.glob("*.py")}
+    bare = {
+        (path.name, n.module)
+        for path in FOLDER.glob("*.py")
+        for n in ast.parse(path.read_text()).body
+        if isinstance(n, ast.ImportFrom) and n.module and "." not in n.module
+    }
+    known = here | sys.stdlib_module_names | {"stribeck"}
+    assert {
+        (file, name) for file, name in bare if name not in known and importlib.util.find_spec(name) is None
+    } == set()
