@@ -176,6 +176,10 @@ def main() -> None:
             given.out.write_text(json.dumps(result) + "\n", encoding="utf-8")
             share = f"{100 * told['hold'] / told['known']:.1f} %" if told["known"] else "-"
             print(f"{name}: {share} of {told['known']} intervals hold; {told}", file=sys.stderr, flush=True)
+    cells = result["cells"].values()
+    known, hold, experiments = (sum(c["summary"][n] for c in cells) for n in ("known", "hold", "experiments"))
+    hours = sum(case.get("seconds", 0.0) for c in cells for case in c["cases"].values()) / 3600
+    print(f"{hold} of {known} intervals hold, {experiments} experiments, {hours:.1f} hours of processor time")
 
 
 if __name__ == "__main__":
