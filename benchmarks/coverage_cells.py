@@ -8,7 +8,8 @@ motion. Files are written and read back, so that the whole chain of a user's fit
     python benchmarks/coverage_cells.py [--cells NAME ...] [--intervals 200] [--experiments 200] [--workers 2] [--list]
 
 Every experiment has a seed of its own; what benchmarks/results/coverage_cells.json has already is not run again. A cell
-ends with the first experiment by which so many intervals are called known, held or not, or when its experiments are used up.
+ends once so many intervals are called known, held or not, or when its experiments are used up; as many run at a time as there
+are workers.
 """
 
 from __future__ import annotations
