@@ -19,7 +19,6 @@ from stribeck.identify.models.terms import TERMS, column
 _WIDTHS = (0.01, 0.03, 0.08, 0.2)  # of a speed
 _BOTH_WAYS = 0.1  # of the fastest speed
 _WAYS = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)  # of the way between reversals
-_JITTER = 1e-6  # of the whole way: most reversals are the noise of a body at rest, and tell no way to build up over
 BEND = "a bend of the curve"
 LOADS = ("stiffness", "gravity_sin", "gravity_cos", "area")  # with which it is known better what is transmitted
 BUILDS = "friction that builds up"
@@ -39,7 +38,7 @@ def bends(log: Log, speed: float) -> dict[str, Array]:
 def builds_up(log: Log) -> dict[str, Array]:
     """Columns of friction that is not yet built up behind a reversal, and fades exponentially over a way."""
     gone, between = _since_reversals(log)
-    if between <= _JITTER * float(np.ptp(log.position)):
+    if between <= 0:
         return {}
     way = np.sign(log.velocity)
     made = {share * between: way * np.exp(-gone / (share * between)) for share in _WAYS}
