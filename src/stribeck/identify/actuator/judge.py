@@ -11,10 +11,11 @@ from stribeck.identify.actuator import advise, driven, gaps, intervals, lacking,
 from stribeck.identify.actuator.coordinates import MachineCoordinate
 from stribeck.identify.actuator.estimate import BestPoint
 from stribeck.identify.actuator.intervals import WHITE, Ends, Spread, groups, profiles
-from stribeck.identify.actuator.problem import MachineProblem
+from stribeck.identify.actuator.problem import MachineProblem, number_at
 from stribeck.identify.actuator.result import Group, Parameter
 from stribeck.identify.actuator.shooting import unset
 from stribeck.identify.actuator.solve import search
+from stribeck.identify.statistics.curves import NO_CURVE, no_curve_seen
 from stribeck.scenario import Scenario
 from stribeck.simulation.places import machine_places
 
@@ -68,6 +69,7 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
         return _blank(best, scenario, "no interval: the search did not come to rest: a better point lies nearby", [])
     ends = {k: unsaid.wider(k, ends[k], problem.low[k], problem.high[k]) for k in asked}
     found = {problem.sought[k].name: _parameter(best, scenario, s, k, ends[k]) for k in asked}
+    _without_curve(best, found)
     names = [c.name for c in problem.sought]
     told = groups(s, names, asked)
     open_ = [k for k in asked if found[names[k]].verdict != "found"]
@@ -106,6 +108,18 @@ def _parameter(best: BestPoint, scenario: Scenario, s: Spread, k: int, ends: End
     if verdict not in ("found", "not judged") and (others := partners(best, s, k)):
         why += f"; {others} can make up for it"
     return Parameter(value, low, high, unit(scenario, c), verdict, why, "", curve)
+
+
+def _without_curve(best: BestPoint, found: dict[str, Parameter]) -> None:
+    """Each F_s beside a v_s that is not told is not told either where no Stribeck curve was seen."""
+    for name, F_s in found.items():
+        law = name.removesuffix("F_s")
+        v_s, F_c = found.get(f"{law}v_s"), found.get(f"{law}F_c")
+        if not name.endswith(".law.parameters.F_s") or v_s is None or v_s.verdict == "found":
+            continue
+        highest = F_c.high if F_c is not None else number_at(best.problem.runs[0], f"{law}F_c")
+        if no_curve_seen(F_s.low, highest):
+            F_s.low, F_s.high, F_s.verdict, F_s.why = None, None, "not told", NO_CURVE
 
 
 def partners(best: BestPoint, s: Spread, k: int) -> str:

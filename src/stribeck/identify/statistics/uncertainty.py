@@ -23,6 +23,7 @@ from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
+from stribeck.identify.statistics.curves import NO_CURVE, no_curve_seen
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
 from stribeck.identify.statistics.sensor_noise import (
     acceleration_of_full_band,
@@ -47,7 +48,6 @@ from stribeck.identify.statistics.verdicts import (
 from stribeck.identify.work import Work
 
 _WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
-_NO_CURVE = "F_s comes out at F_c and v_s is open: friction that rises towards lower speeds would look alike"
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
     0.1  # the same where the residual is white noise of the measurement's size: no error of the model is seen
@@ -225,7 +225,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             low = high = None  # the numbers of a curve that nobody has seen
         intervals[k] = low, high
     for k in _of_no_curve(at, intervals, doubts):
-        doubts[k], intervals[k] = _NO_CURVE, (None, None)
+        doubts[k], intervals[k] = NO_CURVE, (None, None)
     open_ = {problem.coordinates[k].name for k in at.own if doubts[k]}
     numbers = reachable(values, sizes, open_)
     estimates = {}
@@ -256,7 +256,7 @@ def _of_no_curve(
         return []
     low, values = intervals[named["F_s"]][0], at.problem.values(at.u)
     high = intervals[named["F_c"]][1] if "F_c" in named else values.get("F_c", 0.0)
-    if low is not None and high is not None and low > high:
+    if not no_curve_seen(low, high):
         return []
     return [named["F_s"], *(named[n] for n in _BRISTLES if n in named and at.beyond and not doubts[named[n]])]
 
