@@ -50,9 +50,11 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
             return _blank(
                 best, scenario, "no interval: stretches begin in states that nobody knows (see the notes)", begun
             )
-        numbers = suspects.numbers(best, s)
+        ways = suspects.between(best, s)
+        numbers = suspects.numbers(best, s, ways)
         unsaid = lacking.unsaid(best, s, numbers)
-        told_of, moves = suspects.seen(best, s, numbers, unsaid.terms)
+        unsaid.alike.extend(suspects.unresolved(ways))
+        told_of, moves = suspects.seen(best, s, numbers, unsaid.terms, ways)
         if moves:
             return _blank(
                 best,

@@ -21,6 +21,7 @@ from stribeck.laws.terms import stribeck_level
 _SPEEDS = (0.02, 0.05, 0.12, 0.3, 0.6)  # of the fastest: where a Stribeck curve may bend
 _ON = "lacks"  # how the loads are called through which terms play
 _STEP = 1e-3  # of the contact's friction: the size of a term that is tried
+_GROWS, _FORCES = "level by ", (".f", ".torque")  # the columns of forces
 _TURNED = 0.3  # rad: on less way a weight is a constant
 
 
@@ -32,6 +33,12 @@ class Probe:
     contact: str
     term: str
     slopes: Array
+
+    @property
+    def force(self) -> str:
+        """The element with whose force the level grows in this term, if it does."""
+        name = self.term.removeprefix(_GROWS)
+        return name.rpartition(".")[0] if name != self.term and name.endswith(_FORCES) else ""
 
 
 def probes(problem: MachineProblem, u: Array) -> list[Probe]:
@@ -80,9 +87,7 @@ def _ends(run: RecordedRun, contact: str) -> dict[str, tuple[str, float]]:
 def _motion(problem: MachineProblem, run: RecordedRun, k: int, u: Array) -> dict[str, Array]:
     """The columns of a run that terms are made of, on its grid, and the times."""
     grid: Array = np.arange(run.scenario.rows, dtype=float) * run.scenario.output.step
-    columns = [
-        c.name for c in run.scenario.rig.machine.columns if c.name.endswith((".y", ".v", ".w", ".F", ".f", ".torque"))
-    ]
+    columns = [c.name for c in run.scenario.rig.machine.columns if c.name.endswith((".y", ".v", ".w", ".F", *_FORCES))]
     wanted = replace(run, targets=[Compared(name, grid, grid) for name in columns])
     found = {name: x[0] for name, x in zip(columns, problem.predicted(wanted, k, u[None]), strict=True)}
     return {**found, "t": grid + float(run.piece or 0.0), "grid": grid}
@@ -137,5 +142,5 @@ def _terms(
             yield f"level by {name}", [x * wave(y) for x, y in zip(level, d, strict=True)]
     yield "level by time", [x * y["t"] for x, y in zip(level, ways, strict=True)]
     for name in ways[0]:
-        if name.endswith((".f", ".torque")) and np.ptp(abs(ways[0][name])) > 0:
-            yield f"level by {name}", [x * abs(y[name]) for x, y in zip(level, ways, strict=True)]
+        if name.endswith(_FORCES) and np.ptp(abs(ways[0][name])) > 0:
+            yield f"{_GROWS}{name}", [x * abs(y[name]) for x, y in zip(level, ways, strict=True)]

@@ -24,6 +24,7 @@ _AS_WELL = 0.9  # of what the first explains: others that explain as much are na
 _SHADOW = 0.8  # of what a term of friction explains: numbers that explain less are its shadows
 _TWO_SIDED = 1.96  # deviations in half of an interval
 _UNSURE = 0.2  # of a fixed number: one that must be off by more to matter is not named
+_PLAUSIBLE = 2.5  # deviations: a way between samples that is not farther off is followed as well
 _WHOLE = 0.5  # how far from 1 the share of the way to inputs held otherwise may be
 _NAMED = 3
 _BENT = "smooth between their samples, which are too far apart for straight lines (record them faster)"
@@ -57,15 +58,44 @@ class Suspect:
         return abs(self.off) > _SURE * self.wide and self.share > _MATTERS
 
 
-def numbers(best: BestPoint, s: Spread) -> list[Suspect]:
+@dataclass(frozen=True)
+class Between:
+    """Another way in which inputs may run between their samples: by what share of it residuals would be followed better, how
+    far each coordinate would move with it, and what it is, in words."""
+
+    share: Suspect
+    reach: Array
+    words: str
+
+    @property
+    def as_well(self) -> bool:
+        """Whether the recordings are followed as well in that way."""
+        return not self.share.sure and abs(self.share.off - 1) < _PLAUSIBLE * self.share.wide
+
+
+def between(best: BestPoint, s: Spread) -> list[Between]:
+    """The other ways in which inputs may run between their samples: first held (or straight, where they are held), then
+    smooth."""
+    smooth = bent(best.problem)
+    ways = [otherwise_held(best.problem), None if smooth is None else (smooth, _BENT)]
+    return [x for other, words in filter(None, ways) if (x := _instead(best, s, other, words)) is not None]
+
+
+def unresolved(ways: Sequence[Between]) -> list[tuple[str, Array]]:
+    """The ways that the recordings cannot tell from the one that was taken, in words, with how far they move numbers."""
+    return [(f"inputs may as well be {x.words}", x.reach) for x in ways if x.as_well]
+
+
+def numbers(best: BestPoint, s: Spread, ways: Sequence[Between]) -> list[Suspect]:
     """What each number that is not sought would be, and by what share inputs would bend between their samples."""
     problem = best.problem
     own = [replace(x, words=_words(problem, x)) for x in _suspects(problem, best.u, s.J, s.moved)]
-    return [*own, *_bent(best, s)]
+    bends = [x.share for x in ways if x.words == _BENT and x.share.off > 0]
+    return [*own, *(replace(x, words=f"inputs seem to be {_BENT}") for x in bends)]
 
 
 def seen(
-    best: BestPoint, s: Spread, suspected: Sequence[Suspect], terms: Sequence[Suspect] = ()
+    best: BestPoint, s: Spread, suspected: Sequence[Suspect], terms: Sequence[Suspect], ways: Sequence[Between]
 ) -> tuple[list[str], bool]:
     """What is not sought but the residuals show, in words, with ``terms`` of friction that they show; and whether a number of
     it would move what is sought, so that no interval can be given without it."""
@@ -75,10 +105,12 @@ def seen(
         found = []
     found = [x for x in found if x.fall > _AS_WELL * found[0].fall][:_NAMED]  # the rest may be their shadows
     terms = [x for x in terms if not found or x.fall > _AS_WELL * found[0].fall][:1]
-    other = _driven_otherwise(best, s)
-    if other and all(other[0].fall > _AS_WELL * x.fall for x in [*found[:1], *terms]):
-        text = f"inputs {other[1]} would be followed better: what is left would fall by {100 * other[0].share:.2g} %"
-        return [text], _moves(best, s, other[0])
+    for way in (x for x in ways if x.words != _BENT and x.share.sure and abs(x.share.off - 1) < _WHOLE):
+        if all(way.share.fall > _AS_WELL * x.fall for x in [*found[:1], *terms]):
+            text = (
+                f"inputs {way.words} would be followed better: what is left would fall by {100 * way.share.share:.2g} %"
+            )
+            return [text], _moves(best, s, way.share)
     if not (found or terms):
         return [], False
     words = "; or ".join(x.words for x in [*found, *terms])
@@ -203,14 +235,7 @@ def _moves(best: BestPoint, s: Spread, x: Suspect) -> bool:
     return bool((abs(x.moves[asked]) > _MOVES * s.deviations[asked]).any())
 
 
-def _driven_otherwise(best: BestPoint, s: Spread) -> tuple[Suspect, str] | None:
-    """Whether the residuals show that inputs run otherwise between their samples, and how, in words."""
-    other = otherwise_held(best.problem)
-    x = None if other is None else _instead(best, s, other[0])
-    return (x, other[1]) if x is not None and other is not None and x.sure and abs(x.off - 1) < _WHOLE else None
-
-
-def _instead(best: BestPoint, s: Spread, other: MachineProblem) -> Suspect | None:
+def _instead(best: BestPoint, s: Spread, other: MachineProblem, words: str) -> Between | None:
     """By what share of the way to other inputs the residuals would be followed better."""
     r = best.problem.residuals(best.u[None])[0]
     off, there = np.zeros(len(r)), other.residuals(best.u[None])[0]
@@ -218,14 +243,8 @@ def _instead(best: BestPoint, s: Spread, other: MachineProblem) -> Suspect | Non
     off[:compared] = there[:compared] - r[:compared]
     if not (np.isfinite(off).all() and off @ off > 0):
         return None
-    return suspect(best.problem, r, s.J, off, MachineCoordinate(_INPUTS, 0.0, 1.0), 0.0, s.moved)
-
-
-def _bent(best: BestPoint, s: Spread) -> list[Suspect]:
-    """Whether inputs may bend between their samples, where they run straight."""
-    other = bent(best.problem)
-    x = None if other is None else _instead(best, s, other)
-    return [] if x is None or not x.off > 0 else [replace(x, words=f"inputs seem to be {_BENT}")]
+    share = suspect(best.problem, r, s.J, off, MachineCoordinate(_INPUTS, 0.0, 1.0), 0.0, s.moved)
+    return Between(share, -s.covariance @ (s.J.T @ off), words)
 
 
 def _suspects(problem: MachineProblem, u: Array, J: Array, moved: Array | None) -> list[Suspect]:
