@@ -18,6 +18,8 @@ _ANOTHER = 1.5  # between steps: more is another rate
 _WINDOW = 25  # rows that tell the rate
 _REGULAR = 0.8  # of the changes of a held column stand at one distance
 _LATE, _DRIFTS = 1.2, 0.3  # rows: what samples of a clock may be late by, more or less; from when on it is not locked
+_KNOWN = 0.8  # rows: samples that come late by so much more or less are known to a tenth of one
+_ENOUGH = 4  # times the fewest rows: samples that are a log of their own
 _HELD = ("position", "velocity", "force")
 
 
@@ -47,8 +49,14 @@ def steady_stretches(columns: dict[str, Array], name: str, notes: list[str]) -> 
     return [{role: x[p].copy() for role, x in columns.items()} for p in parts]
 
 
-def released(columns: dict[str, Array], name: str, notes: list[str]) -> None:
-    """Columns that a slower clock holds, replaced by straight lines between their own samples."""
+def released(columns: dict[str, Array], name: str, notes: list[str], whole: bool = True) -> dict[str, Array]:
+    """The columns with those that a slower clock holds as straight lines between their own samples.
+
+    Not the ``whole``: at the samples of the force, if it is among them and their times are known. A line between them crosses
+    the jump of friction where the motion turns round.
+    """
+    columns, of_force = dict(columns), None
+    one_run = "run" not in columns and bool(np.all(np.diff(columns["time"]) > 0))
     for role in _HELD:
         if role not in columns or len(columns[role]) < 10 * _WINDOW:
             continue
@@ -57,20 +65,28 @@ def released(columns: dict[str, Array], name: str, notes: list[str]) -> None:
         if len(changes) < _WINDOW:
             continue
         time = columns["time"]
-        told = _own_clock(changes)
-        if told is None:
+        clock = _own_clock(changes)
+        if clock is None:
             continue
-        rows, every = told
+        rows, every, known = clock
         at = np.concatenate([[0], changes]) if changes[0] > 0 else changes
         own = np.interp(np.concatenate([[0.0], rows]) if changes[0] > 0 else rows, np.arange(len(time)), time)
         columns[role] = np.interp(time, own, x[at])
-        notes.append(
-            f"{name}: two clocks: {role} changes once in {every} rows only; straight lines between its own samples were taken"
-        )
+        told = "straight lines between its own samples were taken"
+        if role == "force" and one_run and known and not whole and len(own) > _ENOUGH * FEWEST:
+            first = int(changes[0] > 0)  # what is held at first was sampled nobody knows when
+            of_force, told = (own[first:], x[at][first:]), "the log was taken at its own samples"
+        notes.append(f"{name}: two clocks: {role} changes once in {every} rows only; {told}")
+    if of_force is None:
+        return columns
+    own, force = of_force
+    there = {role: np.interp(own, columns["time"], x) for role, x in columns.items()}
+    return there | {"time": own, "force": force}
 
 
-def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str] | None:
-    """When a column that is held between its samples was sampled, in rows, and its period; None where there is no clock.
+def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str, bool] | None:
+    """When a column that is held between its samples was sampled, in rows, its period, and whether the times are known to a
+    part of a row; None where there is no clock.
 
     A clock that is not locked to the rows shows its samples late, by up to a row and now more, now less: a line through
     all of them, which no sample can be ahead of, tells when they were taken.
@@ -86,10 +102,10 @@ def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str] | None:
     late = changes - (first + period * number)
     if np.ptp(late) <= _LATE and np.ptp(late) > _DRIFTS:
         taken = first + period * number + (float(late.min()) + float(late.max()) - 1.0) / 2
-        return np.maximum(taken, 0.0), f"{period:.5g}"
+        return np.maximum(taken, 0.0), f"{period:.5g}", bool(np.ptp(late) > _KNOWN)
     if float(np.mean(gaps % usual == 0)) < _REGULAR or float(np.mean(gaps == usual)) < _REGULAR:
         return None
-    return changes.astype(float), f"{usual}"
+    return changes.astype(float), f"{usual}", False
 
 
 def on_one_clock(parts: Sequence[Clean]) -> list[Clean]:

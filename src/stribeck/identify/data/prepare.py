@@ -48,6 +48,7 @@ class Preparation:
             cut-off chosen from the data is raised.
         published: for plain least squares as published, which keeps the last rows of a run.
         predicted: for a prediction, whose error is not to be the filter's: runs that end in motion lose their last rows.
+        spline: slopes by splines where noise would let central differences do: of a motion that is sampled coarsely.
     """
 
     cutoff: float | None = None
@@ -55,6 +56,7 @@ class Preparation:
     simulated: bool = False
     published: bool = False
     predicted: bool = False
+    spline: bool = False
 
 
 def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | None = None) -> Log:
@@ -64,17 +66,21 @@ def load_log(sources: Sequence[Any], columns: ColumnNames, how: Preparation | No
         InputError: a file cannot be read or used; a line for each problem.
     """
     names = [f"table {i}" if is_table(each) else Path(each).name for i, each in enumerate(sources, start=1)]
-    cleaned, owners = [], []
+    cleaned, owners, how = [], [], how or Preparation()
     for each, name in zip(sources, names, strict=True):
         notes: list[str] = []
         for part in steady_stretches(read(each, columns), name, notes):
-            released(part, name, notes)
-            found = clean(part, name)
+            own = released(part, name, notes, how.simulated)
+            if len(own["time"]) < len(
+                part["time"]
+            ):  # no published log: the motion has far fewer rows than were recorded
+                how = replace(how, published=False, spline=True)
+            found = clean(own, name)
             cleaned.append(replace(found, notes=[*notes, *found.notes]))
             owners.append(name)
             notes = []
     hashes = tuple(sha256_of(Path(each)) for each in sources if not is_table(each))
-    log = prepare(on_one_clock(cleaned), how or Preparation(), owners)
+    log = prepare(on_one_clock(cleaned), how, owners)
     return log.with_columns(hashes=hashes if len(hashes) == len(sources) else ())
 
 
@@ -85,7 +91,7 @@ def prepare(parts: Sequence[Clean], how: Preparation, names: Sequence[str] = ())
     notes = [note for part in parts for note in part.notes]
     measured = "position" if "position" in roles else "velocity"
     seen = _measured_spectrum(parts, measured, step)
-    cutoff, chosen, spline = how.cutoff, 0.0, how.simulated
+    cutoff, chosen, spline = how.cutoff, 0.0, how.simulated or how.spline
     if cutoff is None:
         cutoff, why = choose_cutoff(measured, *seen, step)
         notes.append(why)
