@@ -1,8 +1,9 @@
-"""Recordings of three machines with faults in all of them: do 95 % intervals hold the truth, and is the fault named?
+"""Recordings of four machines with faults in all of them: do 95 % intervals hold the truth, and is the fault named?
 
 Each record is made by SciPy, on equations written here: an arm that hangs (torque and encoder), a slide with LuGre friction
-(force and position), an arm held upright by a motor with inductance (voltage and encoder, fitted in windows of 0.5 s). Each
-experiment draws the numbers that are sought, what drives the machine, and the noise.
+(force and position), an arm held upright by a motor with inductance (voltage and encoder, fitted in windows of 0.5 s), and a
+slide that is fast wherever its Stribeck curve is not (force and position). Each experiment draws the numbers that are sought,
+what drives the machine, and the noise.
 
     python benchmarks/actuator_records.py arm --fault gaps --experiments 30
     python benchmarks/actuator_records.py upright --experiments 50
@@ -75,6 +76,20 @@ def sliding(rng: np.random.Generator, truth: dict[str, float], size: float) -> S
     return t, solve_ivp(rates, (0, t[-1]), [0, 0, 0], "LSODA", t, rtol=1e-9, atol=1e-12, max_step=0.005).y[0], u
 
 
+def fast(rng: np.random.Generator, truth: dict[str, float], size: float) -> Sampled:
+    """A slide that passes through its Stribeck curve in some milliseconds."""
+    t = 0.005 * np.arange(401)
+    mass, F_c, sigma_2, F_s, v_s = truth.values()
+    u = 3.0 * size * waves(rng, t, 0.5, 2.5)
+
+    def rates(s: float, x: np.ndarray) -> list[float]:
+        v = x[1]
+        level = F_c + (F_s - F_c) * np.exp(-min((v / v_s) ** 2, 700.0))
+        return [v, (np.interp(s, t, u) - level * 2 / np.pi * np.arctan(1e3 * v) - sigma_2 * v) / mass]
+
+    return t, solve_ivp(rates, (0, t[-1]), [0, 0], "LSODA", t, rtol=1e-9, atol=1e-11, max_step=0.001).y[0], u
+
+
 def upright(rng: np.random.Generator, truth: dict[str, float], size: float) -> Sampled:
     """The arm on its head: a controller sets the voltage, a sample late and straight from sample to sample."""
     step, rows = 0.004, [np.array([0.05, 0.0, 0.0])]
@@ -120,6 +135,12 @@ CASES = {
         {"bodies.arm.mass": 1.0, f"{LAW}F_c": 1.0, f"{LAW}sigma_2": 4.0, **CURVE},
         sliding, "loads.push.signal", 2e-5,
     ),
+    "fast": Case(
+        machine({"name": "stribeck", "k_v": 1e3, "parameters": {"sigma_2": 3.5, "F_c": 0.9, "F_s": 1.4, "v_s": 0.02}},
+                {"mass": 1.2}, 2.0, loads={"push": PUSH}),
+        {"bodies.arm.mass": 1.0, f"{LAW}F_c": 1.0, f"{LAW}sigma_2": 4.0, f"{LAW}F_s": 1.6, f"{LAW}v_s": 0.008},
+        fast, "loads.push.signal", 3e-4,
+    ),
     "upright": Case(
         machine({"name": "coulomb_viscous", "k_v": 200.0, "parameters": {"F_c": 0.3, "sigma_2": 0.1}}, {"inertia": 0.1}, 4.0,
                 loads={"gravity": {"on": "arm", "kind": "pendulum", "amplitude": 1.0, "phase": np.pi}},
@@ -146,6 +167,7 @@ FAULTS: dict[str, Callable[[np.ndarray, np.ndarray, np.ndarray, np.random.Genera
     "clock": lambda t, y, u, rng: (t, np.interp(t * (1 - 1e-3), t, y), u),
     "short": lambda t, y, u, rng: (t[: len(t) // 2], y[: len(t) // 2], u[: len(t) // 2]),
     "gaps": without,
+    "coarse": lambda t, y, u, rng: (t, y, u),  # of what drives the machine every second sample only
 }
 
 
@@ -161,7 +183,8 @@ def experiment(case: Case, fault: str, seed: int) -> tuple[MachineFit, dict[str,
         t, y, u = FAULTS[fault](*case.record(rng, truth, 0.7 + 0.6 * i if case.recordings > 1 else 1.0), rng)
         size = case.noise * {"degrees": 180 / np.pi, "millimetres": 1e3}.get(fault, 1.0)
         y = y + size * rng.standard_normal(len(y))
-        channels = {"arm.y": Channel("y", t, y)}, {case.drive: Channel("u", t, u)}
+        every = 2 if fault == "coarse" else 1
+        channels = {"arm.y": Channel("y", t, y)}, {case.drive: Channel("u", t[::every], u[::every])}
         recordings.append(replace(Recording(f"run{i}", t, *channels, {}), window=case.window))
     sought = tuple(Sought(n, x / 8, 8 * x) for n, x in case.usual.items())
     found = fit_machine(case.machine, Logs(tuple(recordings), sought), starts=3, seed=seed, baselines=False)

