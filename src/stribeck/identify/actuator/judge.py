@@ -80,7 +80,12 @@ def judged(best: BestPoint, scenario: Scenario, trusted: bool) -> JudgedParamete
     size = np.sqrt(np.maximum(np.diag(s.covariance), 1e-300))
     relation = (s.covariance / np.outer(size, size))[np.ix_(asked, asked)]
     result = JudgedParameters(best, found, told, ([names[k] for k in asked], relation), _widened(s, problem, asked))
-    result.notes += [*told_of, *unsaid.notes(s, asked), *suspects.taken_as_exact(best, s), *unsaid.exact]
+    result.notes += [
+        *told_of,
+        *unsaid.notes(s, asked),
+        *suspects.taken_as_exact(best, s, unsaid.farther),
+        *unsaid.exact,
+    ]
     return result
 
 

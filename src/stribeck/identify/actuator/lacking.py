@@ -46,6 +46,12 @@ class Unsaid:
     alike: list[tuple[str, Array]] = field(default_factory=list)
     exact: list[str] = field(default_factory=list)
 
+    @property
+    def farther(self) -> Array:
+        """How far intervals reach beyond what they are, at most, by coordinate."""
+        every = np.vstack([self.reach, *(x for _, x in self.alike)])
+        return np.asarray(abs(every).max(axis=0, initial=0.0))
+
     def wider(self, k: int, ends: Ends, low: float, high: float) -> Ends:
         """The ends of an interval as far out as that would move the number; open where it is beyond its bounds."""
         reach = np.array([*self.reach[:, k], *(x[k] for _, x in self.alike)])

@@ -119,15 +119,15 @@ def seen(
     return [f"{words}{seek}"], any(_moves(best, s, x) for x in found)
 
 
-def taken_as_exact(best: BestPoint, s: Spread) -> list[str]:
+def taken_as_exact(best: BestPoint, s: Spread, farther: Array) -> list[str]:
     """The fixed numbers of the machine by which the intervals stand or fall, in words: no residual shows what the numbers
-    sought can make up for."""
+    sought can make up for. ``farther``: how far the interval of each coordinate reaches beyond its deviations."""
     problem, found = best.problem, list[tuple[float, str]]()
     asked = [i for i, c in enumerate(problem.sought) if not c.nuisance]
     for c, now, slopes in fixed.candidates(problem, best.u):
         moves = abs(s.covariance @ (s.J.T @ slopes))[asked] * abs(now)
         with np.errstate(all="ignore"):
-            off = _TWO_SIDED * s.deviations[asked] / moves
+            off = (_TWO_SIDED * s.deviations + farther)[asked] / moves
         moved = [problem.sought[asked[i]].name for i in np.argsort(off) if off[i] < _UNSURE]
         if moved:
             found.append(
