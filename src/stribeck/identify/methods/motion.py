@@ -17,7 +17,7 @@ from stribeck.identify.methods.horizons import first_values, follow
 from stribeck.identify.methods.optimise import Optimum, multistart, starting_points
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, first_deflection, velocity_problem
 from stribeck.identify.models.motion_problem import MotionProblem, output_noise, raw, white_noise
-from stribeck.identify.models.problem import Problem, Tie
+from stribeck.identify.models.problem import Coordinate, Problem, Tie
 from stribeck.identify.models.terms import column
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.verdicts import Noise
@@ -32,7 +32,7 @@ _MISSED = 0.02  # of the output's changes: a fit that leaves more, and more than
 _OUTPUTS = {"position": "y", "velocity": "v"}
 
 
-_BESIDE = {"offset", "gravity_sin", "gravity_cos", "stiffness", "area", "sigma_2_by_direction", "drag"}
+_BESIDE = {"delay", "offset", "gravity_sin", "gravity_cos", "stiffness", "area", "sigma_2_by_direction", "drag"}
 
 
 class RigProblem(Problem):
@@ -49,15 +49,21 @@ class RigProblem(Problem):
 
     def __init__(self, inverse: VelocityProblem, drive: Mapping[str, object], output: str) -> None:
         self.inverse, self.log, self.kind, self.column = inverse, inverse.log, drive["kind"], _OUTPUTS[output]
-        measured = self.log.position if output == "position" else self.log.velocity
+        self.runs, whole = inverse.within, self.log.position if output == "position" else self.log.velocity
+        self.rows = np.concatenate([np.arange(len(self.log))[run] for run in self.runs])
+        measured = whole[self.rows]
         scale = float(np.sqrt(np.mean((measured - measured.mean()) ** 2)))
-        super().__init__(inverse.law, inverse.coordinates, inverse.fixed, inverse.tied, measured, scale)
-        self.home, self.runs = inverse.home, list(self.log.runs())
+        super().__init__(inverse.law, self._own_coordinates(), inverse.fixed, inverse.tied, measured, scale)
+        self.home = inverse.home
         assert self.home is not None
         signal = self.log.force if self.kind == "force" else self.log.command
         assert signal is not None
         self.signal = signal
-        self.scenarios = [self._scenario(rows, drive, self.values(self.home)) for rows in self.runs]
+        self.scenarios = {
+            i: self._scenario(rows, drive, self.values(self.home))
+            for i, rows in enumerate(self.runs)
+            if rows.stop > rows.start
+        }
 
     def _scenario(self, rows: slice, drive: Mapping[str, object], values: Given) -> Scenario:
         log, known = self.log, self.law.constants()
@@ -71,17 +77,24 @@ class RigProblem(Problem):
             output={"step": log.step},
         )  # fmt: skip
 
+    def _own_coordinates(self) -> list[Coordinate]:
+        """Those of the problem the other way round, each run's own at the rows that count."""
+        start = np.cumsum([0, *(run.stop - run.start for run in self.runs)]).tolist()
+        parts = {first_deflection(i): slice(start[i], start[i + 1]) for i in range(len(self.runs))}
+        return [replace(c, rows=parts.get(c.name)) for c in self.inverse.coordinates]
+
     def outputs(self, points: Array) -> Array | None:
-        """The motion at every row."""
+        """The motion at the rows that count."""
         out = np.empty((len(points), len(self.log)))
         for lane, u in enumerate(points):
             values = self.values(u)
-            for number, rows in enumerate(self.runs):
+            for number in self.scenarios:
+                rows = self.runs[number]
                 part = self._simulated(number, rows, values)
                 if part is None:
                     return None
                 out[lane, rows] = part
-        return out
+        return out[:, self.rows]
 
     def _beside(self, rows: slice, values: Given) -> Array:
         """What of the measured force neither moves the body nor is the law's: at the measured position and speed."""
@@ -98,7 +111,8 @@ class RigProblem(Problem):
         z = values.get(first_deflection(number), 0.0) * self.length(values)
         initial = {**self.scenarios[number].initial, **({"z": z} if self.law.has_z else {})}
         time = self.log.time[rows] - self.log.time[rows][0]
-        signal = PointsSignal(time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0))
+        driving = self.inverse.driving(self.signal, values)[rows]
+        signal = PointsSignal(time, driving - (self._beside(rows, values) if self.kind == "force" else 0.0))
         solution = simulate(
             self.scenarios[number].with_values(law=law, mass=values["mass"], initial=initial, signal=signal)
         )
@@ -157,7 +171,7 @@ def _check(log: Log, drive: Mapping[str, object], output: str, body: Sequence[st
         problems.append(f"drive.kind: {drive['kind']!r}: the log has no column 'command'")
     if output not in _OUTPUTS:
         problems.append(f"{arg('output')}: {output!r}: must be 'position' or 'velocity'")
-    allowed = _BESIDE if drive.get("kind") == "force" else set()
+    allowed = _BESIDE if drive.get("kind") == "force" else {"delay"}
     problems += [
         f"{arg('terms')}: {name!r}: has no place in a fit of the motion" for name in body if name not in allowed
     ]
@@ -256,13 +270,9 @@ def _trace(problem: MotionProblem | RigProblem, u: Array, output: str) -> dict[s
     """The measured and the simulated output, row by row."""
     log = problem.log
     measured = raw(log, output)
-    if isinstance(problem, RigProblem):
-        fitted = problem.outputs(u[None, :])
-        rows = np.arange(len(log))
-    else:
-        fitted, rows = problem.outputs(u[None, :]), problem.rows
-        if fitted is not None and output == "position":
-            for part in problem.parts:
-                fitted[0, part] += measured[rows[part]].mean()
+    fitted, rows = problem.outputs(u[None, :]), problem.rows
+    if fitted is not None and output == "position" and isinstance(problem, MotionProblem):
+        for part in problem.parts:
+            fitted[0, part] += measured[rows[part]].mean()
     assert fitted is not None
     return {"time": log.time[rows], "velocity": log.velocity[rows], "measured": measured[rows], "fitted": fitted[0]}

@@ -23,6 +23,7 @@ from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
+from stribeck.identify.statistics.late import asked
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
 from stribeck.identify.statistics.sensor_noise import (
     acceleration_of_full_band,
@@ -198,12 +199,15 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     slopes, misfit = problem.sensitivities(u), problem.misfit(u)
     if slopes is None or misfit is None:
         return without(problem, u, "the simulation fails beside the best values")
+    late = asked(problem, u)
     if why := misses(problem, misfit, expected):
-        return without(problem, u, why)
+        return without(problem, u, f"{why}; {late.told}" if late else why)
     at, notes = _at_optimum(problem, u, slopes, misfit, expected)
     sizes, values = sizes_of(log), problem.values(u)
     unseen = presliding_unseen(problem, values, log)
     bias = systematic(problem, u, slopes)
+    if late:
+        notes.append(late.told)
     lost = misled(problem, bias)
     doubts = _doubts(at, bias, values, sizes, unseen)
     ends = _profiled(at, [k for k in at.own if not doubts[k]], work) if profiles else {}
@@ -217,9 +221,9 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             low, high, _ = ends[k]
         else:
             low, high = (x if c.inner(c.low) < x < c.inner(c.high) else None for x in (u[k] - half, u[k] + half))
-        stays[k] = farther(c, bias[k], c.name in _BRISTLES and lost)
+        stays[k] = farther(c, bias[k], c.name in _BRISTLES and lost) + (late.bias[k] if late else 0.0)
         low, high = (None if x is None else x + side * stays[k] for x, side in ((low, -1), (high, 1)))
-        doubts[k] = doubts[k] or left_open(low, high, c.log)
+        doubts[k] = doubts[k] or (late.doubt(k, c.log) if late else "") or left_open(low, high, c.log)
         low, high = (None if x is None else c.outer(x) for x in (low, high))
         if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith(("v_s comes", "v_s is not")):
             low = high = None  # the numbers of a curve that nobody has seen
