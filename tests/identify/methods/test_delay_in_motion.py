@@ -88,7 +88,7 @@ def test_a_static_law_s_motion_is_simulated_as_late_as_it_is(late):
     inverse, *_ = velocity_problem(log, "coulomb_viscous", fixed={"k_v": 200.0}, body=("offset", "delay"))
     problem = RigProblem(inverse, {"kind": "force"}, "position")
     assert len(problem.measured) < len(log)  # where the record has no force for the motion
-    values = {**inverse.values(inverse.home), **STATIC}
+    values = {**problem.values(problem.home), **STATIC}
     size = np.ptp(problem.measured)
 
     def missed(delay):

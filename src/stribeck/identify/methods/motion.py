@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -49,16 +50,16 @@ class RigProblem(Problem):
 
     def __init__(self, inverse: VelocityProblem, drive: Mapping[str, object], output: str) -> None:
         self.inverse, self.log, self.kind, self.column = inverse, inverse.log, drive["kind"], _OUTPUTS[output]
-        self.runs, whole = inverse.within, self.log.position if output == "position" else self.log.velocity
+        self.runs, whole = inverse.within, raw(self.log, output)
         self.rows = np.concatenate([np.arange(len(self.log))[run] for run in self.runs])
         measured = whole[self.rows]
         scale = float(np.sqrt(np.mean((measured - measured.mean()) ** 2)))
         super().__init__(inverse.law, self._own_coordinates(), inverse.fixed, inverse.tied, measured, scale)
-        self.home = inverse.home
-        assert self.home is not None
+        assert inverse.home is not None
+        self.home = self.begun(inverse.home)
         signal = self.log.force if self.kind == "force" else self.log.command
         assert signal is not None
-        self.signal = signal
+        self.signal, self.coarse = signal, False
         self.scenarios = {
             i: self._scenario(rows, drive, self.values(self.home))
             for i, rows in enumerate(self.runs)
@@ -81,7 +82,20 @@ class RigProblem(Problem):
         """Those of the problem the other way round, each run's own at the rows that count."""
         start = np.cumsum([0, *(run.stop - run.start for run in self.runs)]).tolist()
         parts = {first_deflection(i): slice(start[i], start[i + 1]) for i in range(len(self.runs))}
-        return [replace(c, rows=parts.get(c.name)) for c in self.inverse.coordinates]
+        own = [replace(c, rows=parts.get(c.name)) for c in self.inverse.coordinates]
+        for number, run in enumerate(self.runs):
+            part = parts[first_deflection(number)]
+            for name in _OUTPUTS if run.stop > run.start else ():  # the measured ones have their noise
+                x = getattr(self.log, name)
+                size, first = max(float(np.ptp(x)), 1e-300), float(x[run.start])
+                ends = first - size, first + size
+                own.append(Coordinate(f"{name}_{number}", "", *ends, log=False, scale=size, nuisance=True, rows=part))
+        return own
+
+    def begun(self, u: Array) -> Array:
+        """The point of the problem the other way round with each run's start as it was measured."""
+        starts = [(c.low + c.high) / 2 / c.scale for c in self.coordinates[len(u) :]]
+        return np.concatenate([u, starts])
 
     def outputs(self, points: Array) -> Array | None:
         """The motion at the rows that count."""
@@ -96,6 +110,16 @@ class RigProblem(Problem):
                 out[lane, rows] = part
         return out[:, self.rows]
 
+    def between_samples(self, u: Array) -> Array:
+        """How the output may be off as the signal goes straight from sample to sample: a third of what every second one alone
+        does to it, as that error is of the second order."""
+        other = copy(self)
+        other.coarse = True
+        usual, coarse = self.outputs(u[None, :]), other.outputs(u[None, :])
+        if usual is None or coarse is None:
+            return np.zeros(len(self.measured))
+        return np.asarray((coarse[0] - usual[0]) / 3)
+
     def _beside(self, rows: slice, values: Given) -> Array:
         """What of the measured force neither moves the body nor is the law's: at the measured position and speed."""
         part = self.log.rows(rows)
@@ -109,10 +133,13 @@ class RigProblem(Problem):
         except InputError:
             return None
         z = values.get(first_deflection(number), 0.0) * self.length(values)
-        initial = {**self.scenarios[number].initial, **({"z": z} if self.law.has_z else {})}
+        state = {"y": values[f"position_{number}"], "v": values[f"velocity_{number}"]}
+        initial = {**self.scenarios[number].initial, **state, **({"z": z} if self.law.has_z else {})}
         time = self.log.time[rows] - self.log.time[rows][0]
         driving = self.inverse.driving(self.signal, values)[rows]
-        signal = PointsSignal(time, driving - (self._beside(rows, values) if self.kind == "force" else 0.0))
+        push = driving - (self._beside(rows, values) if self.kind == "force" else 0.0)
+        some = np.append(np.arange(0, len(time) - 1, 2), len(time) - 1) if self.coarse else slice(None)
+        signal = PointsSignal(time[some], push[some])
         solution = simulate(
             self.scenarios[number].with_values(law=law, mass=values["mass"], initial=initial, signal=signal)
         )
@@ -237,8 +264,9 @@ class _Search:
         there = self.the_other_way()
         self.work.section(0.7)
         problem = RigProblem(self.inverse, drive, self.output)
-        starts = starting_points(problem, there, self.low, self.high, self.starts, self.seed)
-        return _Met(problem, multistart(problem, starts, self.work), self.noise)
+        starts = starting_points(self.inverse, there, self.low, self.high, self.starts, self.seed)
+        points = [problem.begun(each) for each in starts]
+        return _Met(problem, multistart(problem, points, self.work), self.noise)
 
     def fit(self, met: _Met, profiles: bool) -> Fit:
         """The fit with intervals, and what of the output it misses."""

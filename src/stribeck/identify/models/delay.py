@@ -30,7 +30,7 @@ def longest(step: float) -> float:
 def longest_of(log: Log) -> float:
     """The same for a fit by simulation, whose rows are a record's: s."""
     rows = max(run.stop - run.start for run in log.runs())
-    return min(longest(log.step), _SHARE * rows * log.step)
+    return float(min(longest(log.step), _SHARE * rows * log.step))
 
 
 def force_of_motion(log: Log, force: Array, delay: float) -> Array:

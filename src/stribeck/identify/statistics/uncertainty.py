@@ -33,6 +33,7 @@ from stribeck.identify.statistics.sensor_noise import (
 from stribeck.identify.statistics.stretches import at_least_by_blocks, at_least_by_speed, by_windows
 from stribeck.identify.statistics.verdicts import (
     Noise,
+    SampledSignal,
     between_samples,
     effect,
     farther,
@@ -49,6 +50,7 @@ from stribeck.identify.work import Work
 
 _WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
 _NO_CURVE = "F_s comes out at F_c and v_s is open: friction that rises towards lower speeds would look alike"
+_FLAT = 1.02  # F_s over F_c: motion that hardly sticks has a minimum there, beside that with a curve
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
     0.1  # the same where the residual is white noise of the measurement's size: no error of the model is seen
@@ -107,6 +109,8 @@ def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
         again = _WHOLE * again_with_force_noise(problem, u)
         filtered = filter_bias(problem, u, slopes)
         return np.asarray(np.sqrt(between_samples(problem, u, slopes) ** 2 + again**2 + filtered**2))
+    if isinstance(problem, SampledSignal):
+        return between_samples(problem, u, slopes)
     shift, spread = again_with_noise(problem, u)
     noise = _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread
     filtered = np.maximum(filter_bias(problem, u, slopes), _WHOLE * acceleration_of_full_band(problem, u, slopes))
@@ -260,9 +264,11 @@ def _of_no_curve(
         return []
     low, values = intervals[named["F_s"]][0], at.problem.values(at.u)
     high = intervals[named["F_c"]][1] if "F_c" in named else values.get("F_c", 0.0)
-    if low is not None and high is not None and low > high:
+    flat = isinstance(at.problem, MotionProblem) and values["F_s"] < _FLAT * values.get("F_c", 0.0)
+    if low is not None and high is not None and low > high and not flat:
         return []
-    return [named["F_s"], *(named[n] for n in _BRISTLES if n in named and at.beyond and not doubts[named[n]])]
+    beside = at.beyond or flat  # a curve that ends early, and other bristles with it, may leave as little
+    return [named["F_s"], *(named[n] for n in _BRISTLES if n in named and beside and not doubts[named[n]])]
 
 
 def _at_optimum(
