@@ -65,7 +65,7 @@ def record(seed: int, law: str = "lugre", seconds: float = 10.0) -> tuple[dict[s
     t = np.arange(0, seconds, 1 / rate)
     at = t + margin - delay
     found = solve_ivp(
-        rates, (0, at[-1]), [0.0, 0.0, 0.0], "LSODA", t_eval=at, rtol=1e-9, atol=[1e-12, 1e-11, 1e-8], max_step=5e-3
+        rates, (0, at[-1]), [0.0, 0.0, 0.0], "LSODA", t_eval=at, rtol=1e-12, atol=[1e-14, 1e-13, 1e-10], max_step=2e-3
     )  # fmt: skip
     assert found.success
     y = found.y[0] + noise * draw.standard_normal(len(t))

@@ -49,8 +49,8 @@ from stribeck.identify.statistics.verdicts import (
 from stribeck.identify.work import Work
 
 _WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
-_NO_CURVE = "F_s comes out at F_c and v_s is open: friction that rises towards lower speeds would look alike"
-_FLAT = 1.02  # F_s over F_c: motion that hardly sticks has a minimum there, beside that with a curve
+_NO_CURVE = "F_s comes out near F_c and v_s is open: friction that rises towards lower speeds would look alike"
+_FLAT = 1.1  # F_s over F_c: motion that hardly sticks has a minimum there, beside that with a curve
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
     0.1  # the same where the residual is white noise of the measurement's size: no error of the model is seen
@@ -260,15 +260,16 @@ def _of_no_curve(
     """The coordinates that hang on a Stribeck curve where the optimum has none: F_s reaches down to F_c, so that any v_s fits
     and no profile crosses to where the curve may be; bristles too where more is missed than noise."""
     named = {at.problem.coordinates[k].name: k for k in at.own}
-    if not {"F_s", "v_s"} <= named.keys() or doubts[named["F_s"]] or not doubts[named["v_s"]]:
+    if not {"F_s", "v_s"} <= named.keys() or not doubts[named["v_s"]]:
         return []
     low, values = intervals[named["F_s"]][0], at.problem.values(at.u)
     high = intervals[named["F_c"]][1] if "F_c" in named else values.get("F_c", 0.0)
     flat = isinstance(at.problem, MotionProblem) and values["F_s"] < _FLAT * values.get("F_c", 0.0)
-    if low is not None and high is not None and low > high and not flat:
+    if not flat and (doubts[named["F_s"]] or (low is not None and high is not None and low > high)):
         return []
-    beside = at.beyond or flat  # a curve that ends early, and other bristles with it, may leave as little
-    return [named["F_s"], *(named[n] for n in _BRISTLES if n in named and beside and not doubts[named[n]])]
+    # a curve that ends early, and other bristles with it, may leave as little
+    beside = _BRISTLES if at.beyond or flat else ()
+    return [named[n] for n in ("F_s", *beside) if n in named and not doubts[named[n]]]
 
 
 def _at_optimum(
