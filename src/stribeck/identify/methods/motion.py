@@ -17,7 +17,7 @@ from stribeck.identify.methods.dynamic import fit_of, judged_of
 from stribeck.identify.methods.horizons import first_values, follow
 from stribeck.identify.methods.optimise import Optimum, multistart, starting_points
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, first_deflection, velocity_problem
-from stribeck.identify.models.motion_problem import MotionProblem, output_noise, raw, white_noise
+from stribeck.identify.models.motion_problem import SLIDES, MotionProblem, output_noise, raw, white_noise
 from stribeck.identify.models.problem import Coordinate, Problem, Tie
 from stribeck.identify.models.terms import column
 from stribeck.identify.result import Fit
@@ -198,7 +198,7 @@ def _check(log: Log, drive: Mapping[str, object], output: str, body: Sequence[st
         problems.append(f"drive.kind: {drive['kind']!r}: the log has no column 'command'")
     if output not in _OUTPUTS:
         problems.append(f"{arg('output')}: {output!r}: must be 'position' or 'velocity'")
-    allowed = _BESIDE if drive.get("kind") == "force" else {"delay"}
+    allowed = _BESIDE if drive.get("kind") == "force" else set()
     problems += [
         f"{arg('terms')}: {name!r}: has no place in a fit of the motion" for name in body if name not in allowed
     ]
@@ -278,6 +278,8 @@ class _Search:
         noise = Noise(self.noise, met.expected, _MISSED, alone, met.farther)
         judged = judged_of(problem, optimum, log, profiles, noise, self.work)
         values = {**inverse.values(self.first), **problem.values(judged.point)}
+        if isinstance(problem, MotionProblem):
+            values |= _begun_in_motion(inverse, values)
         found = fit_of(inverse, inverse.point(values), judged, optimum, log, self.work)
         self.work.done(1.0)
         misfit = problem.misfit(judged.point)
@@ -292,6 +294,19 @@ class _Search:
         }
         note = f"{missed}, its noise is {self.noise:.3g} {unit}{met.windows}"
         return replace(found, details=details, notes=(note, *found.notes))
+
+
+def _begun_in_motion(inverse: VelocityProblem, values: Given) -> dict[str, float]:
+    """The deflections, in natural lengths, at the start of the runs that begin in motion, for the force along the measured
+    motion: with none its first row would be all damping."""
+    v = inverse.log.velocity
+    firsts = {first_deflection(i): v[run.start] for i, run in enumerate(inverse.runs)}
+    fast = {n: x for n, x in firsts.items() if n in values and abs(x) > SLIDES * float(np.max(abs(v)))}
+    if not fast:
+        return {}
+    law = inverse.law({n: values[n] for n in inverse.law.constants() if n in values})
+    bent = law.steady_deflection(np.array(list(fast.values()))) / inverse.length(values)
+    return dict(zip(fast, np.clip(bent, -1.0, 1.0).tolist(), strict=True))
 
 
 def _trace(problem: MotionProblem | RigProblem, u: Array, output: str) -> dict[str, Array]:

@@ -18,7 +18,7 @@ from stribeck.identify.log import Log
 STEPS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)  # delays that are tried
 _LONGEST_STEPS, _LONGEST = 50, 0.1  # s
 _SHARE = 0.1  # of the longest run: so much of it may lack its force at either end
-_MOVES = 0.05  # of the largest speed: slower rows show presliding rather than friction
+_MOVES = 0.3  # of the largest speed: slower rows show presliding and the Stribeck bend rather than plain friction
 _BETTER = 0.99  # of the squares: a delay that takes less away is none
 
 
