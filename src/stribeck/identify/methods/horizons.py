@@ -90,7 +90,9 @@ def follow(
     if work.stopped:
         return found
     values = found.problem.values(found.optimum.point)
-    last = _best(inverse, output, [values], noise, force_noise, windows(inverse, used, _MOST), work, FINE)
+    some = windows(inverse, used, _MOST)
+    begun = found.optimum.point if some == found.problem.windows else None  # how a window begins has minima of its own
+    last = _best(inverse, output, [values], noise, force_noise, some, work, FINE, begun=begun)
     if work.stopped:
         return last
     last = replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing), farther=farther)
@@ -158,10 +160,12 @@ def _lower(one: Followed, other: Followed) -> Followed:
 def _best(
     inverse: VelocityProblem, output: str, starts: Sequence[dict[str, float]], noise: float, force_noise: float,
     some: Sequence[slice], work: Work, share: float = ROUGH, evaluations: int = _MANY_EVALUATIONS,
+    begun: Array | None = None,
 ) -> Followed:  # fmt: skip
+    """The best fit of some windows; from the values, or from a point of these very windows, ``begun``."""
     problem = MotionProblem(inverse, output, some, noise, share)
     free = len(problem.measured) - len(problem.coordinates) - problem.hidden
-    points = [problem.from_values(each) for each in starts]
+    points = [problem.from_values(each) for each in starts] if begun is None else [begun]
     level = float(np.hypot(noise, problem.input_noise(points[0], force_noise)))
     enough = 0.5 * free * (_FOLLOWS * level / problem.scale) ** 2
     optimum = multistart(problem, points, work, enough, evaluations)
