@@ -7,8 +7,8 @@ import pytest
 
 from stribeck.identify.methods.horizons import moving, windows
 from stribeck.identify.statistics.clusters import half_widths, without_each
+from stribeck.identify.statistics.correlated import covariance, noise_memory
 from stribeck.identify.statistics.stretches import at_least_by_speed, drifts
-from stribeck.identify.statistics.uncertainty import covariance, noise_memory
 from tests.identify import rig
 
 

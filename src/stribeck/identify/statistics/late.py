@@ -15,8 +15,10 @@ from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
+from stribeck.identify.statistics.correlated import covariance, noise_memory
 
-_SHARE = 0.02  # of the squared residual: a delay that takes less away is none
+_SURE = 3.0  # deviations: a delay that is told worse is none
+_SHARE = 0.005  # of the squared residual: a delay that takes less away is not spoken of
 _TOLERANCE, _EVALUATIONS = 1e-5, 40
 _REACH = 1.5  # of the shift: intervals reach beyond where a fit with the delay puts the numbers
 _MOST = 0.2  # of the logarithm: what the delay moves farther is not told
@@ -38,7 +40,9 @@ class Late:
 
     @property
     def told(self) -> str:
-        """In words, for a note."""
+        """In words, for a note; nothing where it takes hardly any of the residual away."""
+        if self.share <= _SHARE:
+            return ""
         return (
             f"a delay of {1e3 * self.delay:.3g} ms of the motion would take {self.share:.0%} of the squared residual away, "
             "and move the others: fit it as a term"
@@ -73,11 +77,21 @@ def asked(problem: Problem, u: Array) -> Late | None:
         there[k] = wider.coordinates[k].inner(delay)
         some = solve_blocks(wider, there, _TOLERANCE, _EVALUATIONS)
         found = some if some.cost < found.cost else found
-    share = 1 - found.cost / max(none.cost, 1e-300)
-    if not share > _SHARE:
+    share, delay = 1 - found.cost / max(none.cost, 1e-300), wider.coordinates[k].outer(float(found.point[k]))
+    if share <= 0 or abs(delay) < _SURE * _deviation(wider, found.point, k):
         return None
     there_by_name = {c.name: found.point[i] for i, c in enumerate(wider.coordinates)}
     own = [
         0.0 if c.nuisance else there_by_name[c.name] - x for c, x in zip(problem.coordinates, u.tolist(), strict=True)
     ]
-    return Late(wider.coordinates[k].outer(float(found.point[k])), share, np.array(own))
+    return Late(delay, share, np.array(own))
+
+
+def _deviation(problem: Problem, u: Array, k: int) -> float:
+    """The standard deviation of a coordinate's value, by the residual and what it remembers; infinite where it fails."""
+    slopes, misfit = problem.sensitivities(u), problem.misfit(u)
+    if slopes is None or misfit is None:
+        return float("inf")
+    variance = float(misfit @ misfit) / max(len(misfit) - len(u), 1)
+    inner = covariance(slopes, variance, noise_memory(misfit))[k, k]
+    return float(np.sqrt(inner)) * problem.coordinates[k].scale if inner > 0 else float("inf")
