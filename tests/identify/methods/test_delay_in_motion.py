@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 
 import stribeck
 from stribeck.errors import InputError
+from stribeck.identify.actuator.runs import Compared, at_times
 from stribeck.identify.api import read_log
 from stribeck.identify.log import Log
 from stribeck.identify.methods.motion import RigProblem, fit_motion
@@ -126,6 +127,13 @@ def test_the_sign_is_that_of_the_static_fit():
     log = static_log(4e-3)
     options = {"method": "static", "terms": ("delay",), "constants": {"k_v": 200.0}}
     assert stribeck.fit(log, "coulomb_viscous", **options).used["delay"] == pytest.approx(4e-3, abs=2e-4)
+
+
+def test_the_sign_is_that_of_a_machine_s_sensor():
+    grid, times = np.arange(0, 1, 1e-3), np.array([0.3, 0.5])
+    target = Compared("arm.y", times, np.zeros(2))
+    found = at_times(grid, np.sin(7 * grid)[None, :], target, (np.array([4e-3]), None))
+    assert found[0] == pytest.approx(np.sin(7 * (times - 4e-3)), abs=1e-8)
 
 
 def test_rows_without_a_force_are_left_out():

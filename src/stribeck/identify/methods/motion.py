@@ -171,7 +171,8 @@ def fit_motion(
             takes the log's force; ``{"kind": "pid", "K_p": ..., ...}`` and ``{"kind": "spring", ...}`` its command.
         output: the motion that is met, "velocity" or "position".
         body: beside mass, for measured forces: "offset", "gravity_sin", "gravity_cos", "stiffness", "area",
-            "sigma_2_by_direction", all taken at the measured position and speed.
+            "sigma_2_by_direction", "drag", all taken at the measured position and speed; and "delay", by which that motion lags
+            the force.
 
     The other arguments, what is returned and raised: as in :func:`stribeck.identify.methods.dynamic.fit_dynamic`;
     ``details["output_error"]`` is norm(residual)/norm(output).
