@@ -33,19 +33,19 @@ def longest_of(log: Log) -> float:
     return float(min(longest(log.step), _SHARE * rows * log.step))
 
 
-def force_of_motion(log: Log, force: Array, delay: float) -> Array:
-    """The force that belongs to the motion at each row, N; at the ends of runs the record's first or last.
-
-    Args:
-        force: at each row of the record, N.
-        delay: by which the motion lags it, s.
-    """
-    if not delay:
-        return force
+def later(log: Log, x: Array, by: float) -> Array:
+    """A column of the record at times later by so many seconds; the ends of runs are held."""
+    if not by:
+        return x
     found = np.empty(len(log))
     for rows in log.runs():
-        found[rows] = shifted(force[rows], -delay / log.step)
+        found[rows] = shifted(x[rows], by / log.step)
     return found
+
+
+def force_of_motion(log: Log, force: Array, delay: float) -> Array:
+    """The force, given at each row, that belongs to the motion there: that of ``delay`` before."""
+    return later(log, force, -delay)
 
 
 def within(log: Log, delay: float) -> list[slice]:

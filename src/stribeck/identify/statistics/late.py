@@ -80,10 +80,8 @@ def asked(problem: Problem, u: Array) -> Late | None:
     share, delay = 1 - found.cost / max(none.cost, 1e-300), wider.coordinates[k].outer(float(found.point[k]))
     if share <= 0 or abs(delay) < _SURE * _deviation(wider, found.point, k):
         return None
-    there_by_name = {c.name: found.point[i] for i, c in enumerate(wider.coordinates)}
-    own = [
-        0.0 if c.nuisance else there_by_name[c.name] - x for c, x in zip(problem.coordinates, u.tolist(), strict=True)
-    ]
+    moved = {c.name: float(x) for c, x in zip(wider.coordinates, found.point - none.point, strict=True)}
+    own = [0.0 if c.nuisance else moved[c.name] for c in problem.coordinates]
     return Late(delay, share, np.array(own))
 
 
