@@ -91,8 +91,10 @@ def follow(
         return found
     values = found.problem.values(found.optimum.point)
     some = windows(inverse, used, _MOST)
-    begun = found.optimum.point if some == found.problem.windows else None  # how a window begins has minima of its own
-    last = _best(inverse, output, [values], noise, force_noise, some, work, FINE, begun=begun)
+    last = _best(inverse, output, [values], noise, force_noise, some, work, FINE)
+    if some == found.problem.windows and _leaves_more(last, found) and not work.stopped:
+        begun = found.optimum.point  # how a window begins has minima of its own
+        last = _lower(last, _best(inverse, output, [values], noise, force_noise, some, work, FINE, begun=begun))
     if work.stopped:
         return last
     last = replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing), farther=farther)
