@@ -18,7 +18,6 @@ from stribeck.constants import Constant, show
 from stribeck.errors import InputError, StribeckError, arg, nearest
 from stribeck.files import finite, json_of
 from stribeck.identify.beyond import Beyond, beyond
-from stribeck.identify.data.filters import shifted
 from stribeck.identify.data.quality import LARGEST
 from stribeck.identify.features.rest import at_rest
 from stribeck.identify.features.sliding import Sliding
@@ -387,11 +386,8 @@ def _simulated(model: FittedModel, log: Log) -> Array:
         "mass": 0.0,
         **{n: v for n, v in model.values.items() if n in law.constants() or (n in TERMS and n not in OF_RECORD)},
     }
-    delay = float(values.pop("delay", 0.0))
     body = tuple(n for n in values if n in TERMS)
     force = VelocityProblem(log, law, [], values, {}, body).force(np.zeros((1, 0)))
     if force is None:
         raise StribeckError(f"law '{model.law}': its simulation along this record fails")
-    if delay:
-        return np.concatenate([shifted(force[0][rows], delay / log.step) for rows in log.runs()])
     return np.asarray(force[0])

@@ -54,4 +54,4 @@ def test_a_curve_that_nobody_has_seen_tells_no_F_s(noise, seen):
     else:
         assert v_s.verdict == "not told"
         assert (F_s.low, F_s.high, F_s.verdict) == (None, None, "not told")
-        assert F_s.why.startswith("F_s comes out at F_c and v_s is open")
+        assert F_s.why.startswith("F_s comes out near F_c and v_s is open")

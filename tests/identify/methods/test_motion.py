@@ -68,7 +68,7 @@ def test_the_position_in_a_closed_loop():
         ({"kind": "velocity"}, {}, "drive.kind: 'velocity': must be"),
         (LOOP, {}, "no column 'command'"),
         ({"kind": "force"}, {"output": "force"}, "output: 'force': must be"),
-        ({"kind": "force"}, {"body": ("delay",)}, "delay.*has no place"),
+        ({"kind": "force"}, {"body": ("F_c_by_position",)}, "F_c_by_position.*has no place"),
     ],
 )
 def test_what_makes_no_sense_is_refused(drive, options, message):

@@ -37,6 +37,18 @@ def test_a_delay_is_fitted_by_simulation_and_predicted_with(late):
     assert predict(model, late).force_error == pytest.approx(fit.relative_force_error, rel=0.2)
 
 
+def test_a_delay_is_not_drawn_to_where_it_averages_the_force_s_noise():
+    """By force 0.49 ms were told at 1 kHz where there is no delay: the measured force was moved, and half a sample between two
+    takes a quarter of its noise away."""
+    log = rig.measured([*rig.LOOPS, *rig.STROKES[:3]], seed=4)
+    fit = fit_dynamic(log, "lugre", mass=0.0, body=("offset", "delay"), starts=1, start=rig.TRUTH, profiles=False)
+    assert fit.body["delay"].low <= 0 <= fit.body["delay"].high
+    assert fit.body["delay"].high < 3e-4
+    assert fit.estimates["sigma_1"].low <= rig.TRUTH["sigma_1"] <= fit.estimates["sigma_1"].high
+    without = fit_dynamic(log, "lugre", mass=0.0, starts=1, start=rig.TRUTH, profiles=False)
+    assert not any("delay" in note for note in without.notes)
+
+
 def test_gravity_acts_in_a_fit_of_the_motion():
     """An arm under a force: simulated apart, with SciPy."""
     from scipy.integrate import solve_ivp
@@ -57,8 +69,8 @@ def test_gravity_acts_in_a_fit_of_the_motion():
         log, "coulomb_viscous", fixed={"k_v": 200.0}, body=("offset", "gravity_sin", "gravity_cos")
     )
     problem = RigProblem(inverse, {"kind": "force"}, "position")
-    u = problem.point({**inverse.values(inverse.home), **truth})
+    u = problem.point({**problem.values(problem.home), **truth})
     misfit = problem.misfit(u)
     assert np.sqrt(np.mean(misfit**2)) < 2e-3 * np.ptp(y)
-    off = problem.misfit(problem.point({**inverse.values(inverse.home), **truth, "gravity_sin": 1.0}))
+    off = problem.misfit(problem.point({**problem.values(problem.home), **truth, "gravity_sin": 1.0}))
     assert np.sqrt(np.mean(off**2)) > 5e-3 * np.ptp(y)

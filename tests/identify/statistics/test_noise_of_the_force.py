@@ -18,13 +18,13 @@ def problem():
 
 
 def test_a_force_without_noise_moves_nothing(problem):
-    quiet = problem.driven(problem.driving)
+    quiet = problem.driven(problem.force)
     quiet.log = problem.log.with_columns(force=np.zeros(len(problem.log)))
     assert not again_with_force_noise(quiet, problem.home).any()
 
 
 def test_the_other_force_leaves_the_problem_as_it_is(problem):
     before = problem.residual(problem.home)
-    other = problem.driven(problem.driving + 1.0)
+    other = problem.driven(problem.force + 1.0)
     assert not np.allclose(other.residual(problem.home), before)
     assert np.array_equal(problem.residual(problem.home), before)

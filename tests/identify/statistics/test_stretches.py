@@ -7,8 +7,8 @@ import pytest
 
 from stribeck.identify.methods.horizons import moving, windows
 from stribeck.identify.statistics.clusters import half_widths, without_each
+from stribeck.identify.statistics.correlated import covariance, noise_memory
 from stribeck.identify.statistics.stretches import at_least_by_speed, drifts
-from stribeck.identify.statistics.uncertainty import covariance, noise_memory
 from tests.identify import rig
 
 
@@ -68,7 +68,7 @@ def test_what_one_part_alone_tells_is_not_known_by_what_it_leaves_there():
 
 def test_the_search_begins_in_windows_that_move():
     log = rig.measured(rig.LOOPS[:1] + rig.STROKES)
-    every = windows(log, len(log) // 12, 24)
+    every = windows(SimpleNamespace(log=log, within=list(log.runs())), len(log) // 12, 24)
     some = moving(log, every)
     assert 6 <= len(some) < len(every)
     assert abs(log.velocity[[w.start for w in some]]).min() > 0.05 * abs(log.velocity).max()

@@ -14,7 +14,7 @@ from stribeck.identify.features.what_to_measure import reachable
 from stribeck.identify.methods.blockwise import solve_blocks
 from stribeck.identify.methods.dynamic import fit_dynamic
 from stribeck.identify.models.dynamic_problem import velocity_problem
-from stribeck.identify.statistics import uncertainty, verdicts
+from stribeck.identify.statistics import correlated, uncertainty, verdicts
 from stribeck.identify.statistics.verdicts import Noise
 from stribeck.rig.synthetic import LABEL
 from tests.identify import rig
@@ -30,12 +30,12 @@ def remembering(keep, count, draw):
 
 def test_white_noise_has_no_memory():
     draw = np.random.default_rng(0)
-    assert sum(len(uncertainty.noise_memory(draw.standard_normal(N))) for _ in range(20)) <= 1
+    assert sum(len(correlated.noise_memory(draw.standard_normal(N))) for _ in range(20)) <= 1
 
 
 @pytest.mark.parametrize("keep", [0.5, 0.95])
 def test_the_memory_of_noise_is_found(keep):
-    memory = uncertainty.noise_memory(remembering(keep, 20 * N, np.random.default_rng(0)))
+    memory = correlated.noise_memory(remembering(keep, 20 * N, np.random.default_rng(0)))
     assert len(memory) == 1
     assert memory[0] == pytest.approx(keep, abs=0.02)
 
@@ -47,7 +47,7 @@ def test_the_covariance_is_that_of_repeated_fits(keep):
     solve = np.linalg.pinv(slopes)
     fits = np.array([solve @ remembering(keep, N, draw) for _ in range(2000)])
     memory = np.array([keep]) if keep else np.zeros(0)
-    found = uncertainty.covariance(slopes, 1.0, memory)
+    found = correlated.covariance(slopes, 1.0, memory)
     assert np.sqrt(np.diag(found)) == pytest.approx(np.std(fits, axis=0), rel=0.07)
     assert found[0, 1] == pytest.approx(np.cov(fits.T)[0, 1], rel=0.15)
 
@@ -55,7 +55,7 @@ def test_the_covariance_is_that_of_repeated_fits(keep):
 def test_an_estimate_on_few_samples_is_told_from_one_on_many():
     few, many = np.zeros(N), np.ones(N)
     few[:3] = 1.0
-    support = uncertainty.supporting_samples(np.column_stack([few, many]))
+    support = correlated.supporting_samples(np.column_stack([few, many]))
     assert support[0] == pytest.approx(3, rel=0.01)
     assert support[1] == pytest.approx(N, rel=0.01)
 

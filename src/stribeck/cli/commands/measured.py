@@ -46,7 +46,7 @@ Given = Annotated[
 Free = Annotated[list[str] | None, typer.Option("--free", metavar="KEY", help="Fit a constant of the law's own too.")]
 Terms = Annotated[
     list[str] | None,
-    typer.Option("--term", metavar="TERM", help="What the force holds beside mass and offset (docs/fit.md)."),
+    typer.Option("--term", metavar="TERM", help="What the force holds beside mass and offset, or delay (docs/fit.md)."),
 ]
 Select = Annotated[
     bool | None,

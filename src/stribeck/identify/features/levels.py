@@ -15,7 +15,7 @@ from stribeck.identify.models.separable import Minimum, Separable
 from stribeck.identify.models.static_problem import Rows
 from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.statistics.clusters import BLOCKS
-from stribeck.identify.statistics.uncertainty import covariance, noise_memory
+from stribeck.identify.statistics.correlated import covariance, noise_memory
 
 _NORMAL = 1.96
 _FEWEST_ROWS = 30

@@ -13,7 +13,7 @@ from stribeck.arrays import Array
 from stribeck.identify.log import Log
 from stribeck.identify.methods.optimise import Optimum, multistart
 from stribeck.identify.models.dynamic_problem import VelocityProblem
-from stribeck.identify.models.motion_problem import FINE, ROUGH, SLIDES, MotionProblem
+from stribeck.identify.models.motion_problem import FEWEST, FINE, ROUGH, SLIDES, MotionProblem
 from stribeck.identify.models.problem import Coordinate
 from stribeck.identify.statistics.profiles import THRESHOLD
 from stribeck.identify.statistics.stretches import drifts
@@ -58,10 +58,10 @@ def follow(
     """Fit short windows from the first start; from ``other`` and every start where that leaves more than noise; then
     longer windows from what was found, as long as the model follows."""
     log = inverse.log
-    rows = max(run.stop - run.start for run in log.runs())
+    rows = max(run.stop - run.start for run in inverse.within)
     length = min(max(between_reversals(log) // _GROWS, _SHORTEST), rows)
     work.section(0.1)
-    first = moving(log, windows(log, length, _MANY))
+    first = moving(log, windows(inverse, length, _MANY))
     found = _best(inverse, output, starts[:1], noise, force_noise, first, work)
     if not found.optimum.exhausted and not work.stopped:
         work.section(0.2)
@@ -76,7 +76,7 @@ def follow(
     while length < rows and not work.stopped:
         length = min(_GROWS * length, rows) if _GROWS * length < 0.7 * rows else rows
         values = found.problem.values(found.optimum.point)
-        some = windows(log, length, _MOST)
+        some = windows(inverse, length, _MOST)
         longer = _best(inverse, output, [values], noise, force_noise, some, work, evaluations=_FEW_EVALUATIONS)
         if (_leaves_more(longer, found) or _begins_to_drift(longer, found)) and longer.ratio > _GROWN * longer.expected:
             again = other_curves(longer.problem, longer.optimum.point)
@@ -90,7 +90,11 @@ def follow(
     if work.stopped:
         return found
     values = found.problem.values(found.optimum.point)
-    last = _best(inverse, output, [values], noise, force_noise, windows(log, used, _MOST), work, FINE)
+    some = windows(inverse, used, _MOST)
+    last = _best(inverse, output, [values], noise, force_noise, some, work, FINE)
+    if some == found.problem.windows and _leaves_more(last, found) and not work.stopped:
+        begun = found.optimum.point  # how a window begins has minima of its own
+        last = _lower(last, _best(inverse, output, [values], noise, force_noise, some, work, FINE, begun=begun))
     if work.stopped:
         return last
     last = replace(last, optimum=replace(last.optimum, agreeing=found.optimum.agreeing), farther=farther)
@@ -158,10 +162,12 @@ def _lower(one: Followed, other: Followed) -> Followed:
 def _best(
     inverse: VelocityProblem, output: str, starts: Sequence[dict[str, float]], noise: float, force_noise: float,
     some: Sequence[slice], work: Work, share: float = ROUGH, evaluations: int = _MANY_EVALUATIONS,
+    begun: Array | None = None,
 ) -> Followed:  # fmt: skip
+    """The best fit of some windows; from the values, or from a point of these very windows, ``begun``."""
     problem = MotionProblem(inverse, output, some, noise, share)
     free = len(problem.measured) - len(problem.coordinates) - problem.hidden
-    points = [problem.from_values(each) for each in starts]
+    points = [problem.from_values(each) for each in starts] if begun is None else [begun]
     level = float(np.hypot(noise, problem.input_noise(points[0], force_noise)))
     enough = 0.5 * free * (_FOLLOWS * level / problem.scale) ** 2
     optimum = multistart(problem, points, work, enough, evaluations)
@@ -215,18 +221,18 @@ def between_reversals(log: Log) -> int:
     return max(int(np.median(found)) if found else _SHORTEST, _SHORTEST)
 
 
-def windows(log: Log, length: int, most: int) -> list[slice]:
-    """Windows of about ``length`` rows that tile each run and begin where it is fast; evenly chosen where there are more
-    than ``most``."""
-    found = []
-    for rows in log.runs():
+def windows(inverse: VelocityProblem, length: int, most: int) -> list[slice]:
+    """Windows of about ``length`` rows that tile each run, as far as its force is known, and begin where it is fast; evenly
+    chosen where there are more than ``most``."""
+    log, found = inverse.log, list[slice]()
+    for rows in inverse.within:
         count = max(round((rows.stop - rows.start) / length), 1)
         edges = np.linspace(rows.start, rows.stop, count + 1).astype(int)
         aside = (rows.stop - rows.start) // (2 * count)
         for i in range(1, count):
             near = slice(edges[i] - aside, edges[i] + aside)
             edges[i] = near.start + int(np.argmax(abs(log.velocity[near])))
-        found += [slice(a, b) for a, b in pairwise(edges.tolist()) if b - a >= 8]
+        found += [slice(a, b) for a, b in pairwise(edges.tolist()) if b - a >= FEWEST]
     if len(found) <= most:
         return found
     return [found[i] for i in np.unique(np.linspace(0, len(found) - 1, most).round().astype(int))]

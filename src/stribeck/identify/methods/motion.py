@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,8 +17,8 @@ from stribeck.identify.methods.dynamic import fit_of, judged_of
 from stribeck.identify.methods.horizons import first_values, follow
 from stribeck.identify.methods.optimise import Optimum, multistart, starting_points
 from stribeck.identify.models.dynamic_problem import Given, VelocityProblem, first_deflection, velocity_problem
-from stribeck.identify.models.motion_problem import MotionProblem, output_noise, raw, white_noise
-from stribeck.identify.models.problem import Problem, Tie
+from stribeck.identify.models.motion_problem import SLIDES, MotionProblem, output_noise, raw, white_noise
+from stribeck.identify.models.problem import Coordinate, Problem, Tie
 from stribeck.identify.models.terms import column
 from stribeck.identify.result import Fit
 from stribeck.identify.statistics.verdicts import Noise
@@ -32,7 +33,7 @@ _MISSED = 0.02  # of the output's changes: a fit that leaves more, and more than
 _OUTPUTS = {"position": "y", "velocity": "v"}
 
 
-_BESIDE = {"offset", "gravity_sin", "gravity_cos", "stiffness", "area", "sigma_2_by_direction", "drag"}
+_BESIDE = {"delay", "offset", "gravity_sin", "gravity_cos", "stiffness", "area", "sigma_2_by_direction", "drag"}
 
 
 class RigProblem(Problem):
@@ -49,15 +50,21 @@ class RigProblem(Problem):
 
     def __init__(self, inverse: VelocityProblem, drive: Mapping[str, object], output: str) -> None:
         self.inverse, self.log, self.kind, self.column = inverse, inverse.log, drive["kind"], _OUTPUTS[output]
-        measured = self.log.position if output == "position" else self.log.velocity
+        self.runs, whole = inverse.within, raw(self.log, output)
+        self.rows = np.concatenate([np.arange(len(self.log))[run] for run in self.runs])
+        measured = whole[self.rows]
         scale = float(np.sqrt(np.mean((measured - measured.mean()) ** 2)))
-        super().__init__(inverse.law, inverse.coordinates, inverse.fixed, inverse.tied, measured, scale)
-        self.home, self.runs = inverse.home, list(self.log.runs())
-        assert self.home is not None
+        super().__init__(inverse.law, self._own_coordinates(), inverse.fixed, inverse.tied, measured, scale)
+        assert inverse.home is not None
+        self.home = self.begun(inverse.home)
         signal = self.log.force if self.kind == "force" else self.log.command
         assert signal is not None
-        self.signal = signal
-        self.scenarios = [self._scenario(rows, drive, self.values(self.home)) for rows in self.runs]
+        self.signal, self.coarse = signal, False
+        self.scenarios = {
+            i: self._scenario(rows, drive, self.values(self.home))
+            for i, rows in enumerate(self.runs)
+            if rows.stop > rows.start
+        }
 
     def _scenario(self, rows: slice, drive: Mapping[str, object], values: Given) -> Scenario:
         log, known = self.log, self.law.constants()
@@ -71,17 +78,47 @@ class RigProblem(Problem):
             output={"step": log.step},
         )  # fmt: skip
 
+    def _own_coordinates(self) -> list[Coordinate]:
+        """Those of the problem the other way round, each run's own at the rows that count."""
+        start = np.cumsum([0, *(run.stop - run.start for run in self.runs)]).tolist()
+        parts = {first_deflection(i): slice(start[i], start[i + 1]) for i in range(len(self.runs))}
+        own = [replace(c, rows=parts.get(c.name)) for c in self.inverse.coordinates]
+        for number, run in enumerate(self.runs):
+            part = parts[first_deflection(number)]
+            for name in _OUTPUTS if run.stop > run.start else ():  # the measured ones have their noise
+                x = getattr(self.log, name)
+                size, first = max(float(np.ptp(x)), 1e-300), float(x[run.start])
+                ends = first - size, first + size
+                own.append(Coordinate(f"{name}_{number}", "", *ends, log=False, scale=size, nuisance=True, rows=part))
+        return own
+
+    def begun(self, u: Array) -> Array:
+        """The point of the problem the other way round with each run's start as it was measured."""
+        starts = [(c.low + c.high) / 2 / c.scale for c in self.coordinates[len(u) :]]
+        return np.concatenate([u, starts])
+
     def outputs(self, points: Array) -> Array | None:
-        """The motion at every row."""
+        """The motion at the rows that count."""
         out = np.empty((len(points), len(self.log)))
         for lane, u in enumerate(points):
             values = self.values(u)
-            for number, rows in enumerate(self.runs):
+            for number in self.scenarios:
+                rows = self.runs[number]
                 part = self._simulated(number, rows, values)
                 if part is None:
                     return None
                 out[lane, rows] = part
-        return out
+        return out[:, self.rows]
+
+    def between_samples(self, u: Array) -> Array:
+        """How the output may be off as the signal goes straight from sample to sample: a third of what every second one alone
+        does to it, as that error is of the second order."""
+        other = copy(self)
+        other.coarse = True
+        usual, coarse = self.outputs(u[None, :]), other.outputs(u[None, :])
+        if usual is None or coarse is None:
+            return np.zeros(len(self.measured))
+        return np.asarray((coarse[0] - usual[0]) / 3)
 
     def _beside(self, rows: slice, values: Given) -> Array:
         """What of the measured force neither moves the body nor is the law's: at the measured position and speed."""
@@ -96,9 +133,13 @@ class RigProblem(Problem):
         except InputError:
             return None
         z = values.get(first_deflection(number), 0.0) * self.length(values)
-        initial = {**self.scenarios[number].initial, **({"z": z} if self.law.has_z else {})}
+        state = {"y": values[f"position_{number}"], "v": values[f"velocity_{number}"]}
+        initial = {**self.scenarios[number].initial, **state, **({"z": z} if self.law.has_z else {})}
         time = self.log.time[rows] - self.log.time[rows][0]
-        signal = PointsSignal(time, self.signal[rows] - (self._beside(rows, values) if self.kind == "force" else 0.0))
+        driving = self.inverse.driving(self.signal, values)[rows]
+        push = driving - (self._beside(rows, values) if self.kind == "force" else 0.0)
+        some = np.append(np.arange(0, len(time) - 1, 2), len(time) - 1) if self.coarse else slice(None)
+        signal = PointsSignal(time[some], push[some])
         solution = simulate(
             self.scenarios[number].with_values(law=law, mass=values["mass"], initial=initial, signal=signal)
         )
@@ -130,7 +171,8 @@ def fit_motion(
             takes the log's force; ``{"kind": "pid", "K_p": ..., ...}`` and ``{"kind": "spring", ...}`` its command.
         output: the motion that is met, "velocity" or "position".
         body: beside mass, for measured forces: "offset", "gravity_sin", "gravity_cos", "stiffness", "area",
-            "sigma_2_by_direction", all taken at the measured position and speed.
+            "sigma_2_by_direction", "drag", all taken at the measured position and speed; and "delay", by which that motion lags
+            the force.
 
     The other arguments, what is returned and raised: as in :func:`stribeck.identify.methods.dynamic.fit_dynamic`;
     ``details["output_error"]`` is norm(residual)/norm(output).
@@ -223,8 +265,9 @@ class _Search:
         there = self.the_other_way()
         self.work.section(0.7)
         problem = RigProblem(self.inverse, drive, self.output)
-        starts = starting_points(problem, there, self.low, self.high, self.starts, self.seed)
-        return _Met(problem, multistart(problem, starts, self.work), self.noise)
+        starts = starting_points(self.inverse, there, self.low, self.high, self.starts, self.seed)
+        points = [problem.begun(each) for each in starts]
+        return _Met(problem, multistart(problem, points, self.work), self.noise)
 
     def fit(self, met: _Met, profiles: bool) -> Fit:
         """The fit with intervals, and what of the output it misses."""
@@ -236,6 +279,8 @@ class _Search:
         noise = Noise(self.noise, met.expected, _MISSED, alone, met.farther)
         judged = judged_of(problem, optimum, log, profiles, noise, self.work)
         values = {**inverse.values(self.first), **problem.values(judged.point)}
+        if isinstance(problem, MotionProblem):
+            values |= _begun_in_motion(inverse, values)
         found = fit_of(inverse, inverse.point(values), judged, optimum, log, self.work)
         self.work.done(1.0)
         misfit = problem.misfit(judged.point)
@@ -252,17 +297,26 @@ class _Search:
         return replace(found, details=details, notes=(note, *found.notes))
 
 
+def _begun_in_motion(inverse: VelocityProblem, values: Given) -> dict[str, float]:
+    """The deflections, in natural lengths, at the start of the runs that begin in motion, for the force along the measured
+    motion: with none its first row would be all damping."""
+    v = inverse.log.velocity
+    firsts = {first_deflection(i): v[run.start] for i, run in enumerate(inverse.runs)}
+    fast = {n: x for n, x in firsts.items() if n in values and abs(x) > SLIDES * float(np.max(abs(v)))}
+    if not fast:
+        return {}
+    law = inverse.law({n: values[n] for n in inverse.law.constants() if n in values})
+    bent = law.steady_deflection(np.array(list(fast.values()))) / inverse.length(values)
+    return dict(zip(fast, np.clip(bent, -1.0, 1.0).tolist(), strict=True))
+
+
 def _trace(problem: MotionProblem | RigProblem, u: Array, output: str) -> dict[str, Array]:
     """The measured and the simulated output, row by row."""
     log = problem.log
     measured = raw(log, output)
-    if isinstance(problem, RigProblem):
-        fitted = problem.outputs(u[None, :])
-        rows = np.arange(len(log))
-    else:
-        fitted, rows = problem.outputs(u[None, :]), problem.rows
-        if fitted is not None and output == "position":
-            for part in problem.parts:
-                fitted[0, part] += measured[rows[part]].mean()
+    fitted, rows = problem.outputs(u[None, :]), problem.rows
+    if fitted is not None and output == "position" and isinstance(problem, MotionProblem):
+        for part in problem.parts:
+            fitted[0, part] += measured[rows[part]].mean()
     assert fitted is not None
     return {"time": log.time[rows], "velocity": log.velocity[rows], "measured": measured[rows], "fitted": fitted[0]}

@@ -12,7 +12,7 @@ from stribeck.errors import InputError, arg
 from stribeck.identify.features.guess import Sizes, ranges, sizes_of
 from stribeck.identify.features.sliding import Sliding
 from stribeck.identify.log import thinned
-from stribeck.identify.models import play, ripple
+from stribeck.identify.models import delay, play, ripple
 from stribeck.identify.models.dynamic_problem import free_constants
 from stribeck.identify.models.separable import Separable, Shape
 from stribeck.identify.models.static_problem import Rows
@@ -26,7 +26,6 @@ _SLOW = 0.05  # of the largest speed
 _CHANGED = 30.0  # of the argument of a smooth sign at the slowest rows: it is one at a tenth of their speed too
 _SMOOTH = 1.5  # times the squares: what a sign that still bends at the slowest rows of one direction must take away
 _SHOWN, _SHOWN_SHARE = 10, 0.05  # rows that a bend of the curve needs at least; of few rows
-_DELAY_STEPS, _LONGEST_DELAY = 50, 0.1  # s
 
 
 @dataclass(frozen=True)
@@ -90,8 +89,7 @@ def model(
     linear = [n for n in wanted if n in sliding.linear and n not in unseen]
     shapes = [_shape(n, law, sizes, rows) for n in wanted if n not in sliding.linear and n not in unseen]
     if "delay" in terms:
-        step = rows.log.step
-        longest = min(_DELAY_STEPS * step, max(_LONGEST_DELAY, 2 * step))
+        longest = delay.longest(rows.log.step)
         shapes.append(Shape("delay", -longest, longest, log=False))
     if "ripple_waves" in terms:
         shapes.append(_ripple(rows))

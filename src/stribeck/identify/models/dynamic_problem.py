@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 from stribeck import laws
 from stribeck.arrays import Array
 from stribeck.errors import InputError, arg, nearest
-from stribeck.identify.data.filters import shifted
 from stribeck.identify.features.guess import Guess, ranges, sizes_of
 from stribeck.identify.log import Log
-from stribeck.identify.models import terms
+from stribeck.identify.models import delay, terms
 from stribeck.identify.models.problem import Coordinate, Problem, Tie
 from stribeck.identify.models.terms import TERMS
 from stribeck.laws.base import Law
@@ -63,6 +62,8 @@ class VelocityProblem(Problem):
         self.levels = [name for name in body if TERMS[name].level]
         self.body = [name for name in body if not TERMS[name].level and TERMS[name].column is not None]
         self.late = "delay" in body
+        longest = abs(fixed["delay"]) if "delay" in fixed else delay.longest_of(log) if self.late else 0.0
+        self.within = delay.within(log, longest)  # of each run, what the motion has its force for
         self.frictional = [i for i, c in enumerate(self.coordinates) if c.name not in (*self.body, "delay")]
         self.level_columns = _columns(log, self.levels, fixed)
         self.body_columns = _columns(log, self.body, fixed)
@@ -80,11 +81,26 @@ class VelocityProblem(Problem):
         """The same problem for another velocity."""
         return self._with(self.log.with_columns(velocity=velocity), self.coordinates, self.rows)
 
-    def _with(self, log: Log, coordinates: Sequence[Coordinate], rows: NDArray[np.bool_]) -> VelocityProblem:
-        body = (*self.body, *self.levels, *(["delay"] if self.late else []))
+    def _with(
+        self, log: Log, coordinates: Sequence[Coordinate], rows: NDArray[np.bool_], late: bool = False
+    ) -> VelocityProblem:
+        body = (*self.body, *self.levels, *(["delay"] if self.late or late else []))
         other = VelocityProblem(log, self.law, coordinates, self.fixed, self.tied, body, rows)
-        other.home = self.home
+        other.home = self.home if self.home is None or not late else np.append(self.home, 0.0)
         return other
+
+    def with_delay(self) -> tuple[VelocityProblem, float] | None:
+        """The same problem, at the rows whose force is known, with a delay that is free, and a likely one, s; None where too
+        few rows are left."""
+        held = {n: self.fixed[n] for n in self.fixed if n in TERMS}
+        first = _first_delay(self.log, (*self.body, "delay"), held)
+        coordinate, *_ = _body_coordinate("delay", self.log, 1.0, 0.0, held, first)
+        other = self._with(self.log, [*self.coordinates, coordinate], self.rows, late=True)
+        known = np.zeros(len(self.log), bool)
+        for run in other.within:
+            known[run] = True
+        some = self.rows & known
+        return (other.with_rows(some), first) if np.sum(some) > 0.5 * np.sum(self.rows) else None
 
     def _runs_of_coordinates(self) -> list[slice]:
         numbers = {first_deflection(i): run for i, run in enumerate(self.runs)}
@@ -108,16 +124,16 @@ class VelocityProblem(Problem):
         if friction is None:
             return None
         total = friction[place] + self.of_body(sets)
-        return total + self._lag(sets) if self.late else total
+        return self._at_the_force(total, sets) if self.late else total
 
-    def _lag(self, sets: Sequence[Given]) -> Array:
-        """What a delay of the motion takes off the difference to the measured force: as if that came later by as much."""
-        found = np.empty((len(sets), len(self.log)))
-        for lane, each in enumerate(sets):
-            for rows in self.runs:
-                x = self.log.force[rows]
-                found[lane, rows] = x - shifted(x, -each["delay"] / self.log.step)
-        return found
+    def _at_the_force(self, total: Array, sets: Sequence[Given]) -> Array:
+        """The force along the motion, at the rows of the force that it belongs to: the motion there is measured later. The
+        measured force is not moved, as half a sample between two would take a quarter of its noise away."""
+        return np.array([delay.later(self.log, x, each["delay"]) for x, each in zip(total, sets, strict=True)])
+
+    def driving(self, force: Array, values: Given) -> Array:
+        """The force, given at each row, that belongs to the motion there: that of a delay before."""
+        return delay.force_of_motion(self.log, force, values["delay"]) if self.late else force
 
     def of_body(self, sets: Sequence[Given]) -> Array:
         """The force beside friction at every row, for each set of values."""
@@ -209,10 +225,14 @@ def velocity_problem(
         raise InputError([f"{arg('terms')}: {n}: a static fit looks for it; must be given here" for n in unknown])
     if mass is not None:
         held["mass"] = mass
+    if (most := delay.longest_of(log)) < abs(held.get("delay", 0.0)):
+        raise InputError(f"{arg('constants.delay')}: {held['delay']:g}: must be from {-most:.3g} to {most:.3g} s here")
     if any(TERMS[name].level for name in body) and "F_c" not in law.constants():
         raise InputError(f"{arg('terms')}: law '{law.name}' has no friction level F_c that could vary")
-    beside = _first_of_beside(log, body, held)
-    sizes = sizes_of(_less(log, {**beside, **{n: held[n] for n in body if n in held and n != "mass"}}), mass or 0.0)
+    late = _first_delay(log, body, held)
+    moved = log.with_columns(force=delay.force_of_motion(log, log.force, late))
+    beside = _first_of_beside(moved, body, held)
+    sizes = sizes_of(_less(moved, {**beside, **{n: held[n] for n in body if n in held and n != "mass"}}), mass or 0.0)
     found: list[tuple[Coordinate, float, float, float]] = []
     for name in free:
         here = ranges(law, sizes)[name]
@@ -223,7 +243,7 @@ def velocity_problem(
         found.append((Coordinate(name, unit, *here.bounds), here.value, here.low, here.high))
     for name in body:
         if name not in held:
-            coordinate, value, lowest, highest = _body_coordinate(name, log, sizes.force, sizes.offset, held)
+            coordinate, value, lowest, highest = _body_coordinate(name, log, sizes.force, sizes.offset, held, late)
             value = beside.get(name, value)
             found.append((coordinate, value, min(lowest, value), max(highest, value)))
     for number, rows in enumerate(_with_own_start(log, law)):
@@ -259,13 +279,14 @@ def free_constants(law: type[Law], fixed: Given, tied: Mapping[str, Tie], free: 
 
 
 def _body_coordinate(
-    name: str, log: Log, force: float, offset: float, held: Given
+    name: str, log: Log, force: float, offset: float, held: Given, late: float
 ) -> tuple[Coordinate, float, float, float]:
     """A term of the body with a first value and the range of the starts: what makes a tenth of the friction level."""
     term = TERMS[name]
     if name == "delay":
-        step = log.step
-        return Coordinate(name, term.unit, -50 * step, 50 * step, log=False, scale=step), 0.0, -3 * step, 3 * step
+        step, most = log.step, delay.longest_of(log)
+        low, high = max(late - 3 * step, -most), min(late + 3 * step, most)
+        return Coordinate(name, term.unit, -most, most, log=False, scale=step), late, low, high
     if name == "offset":
         return Coordinate(name, term.unit, -1e3 * force, 1e3 * force, log=False, scale=force), offset, -force, force
     column = _columns(log, [name], held)[0]
@@ -282,14 +303,25 @@ def _first_of_beside(log: Log, body: Sequence[str], held: Given) -> dict[str, fl
     wanted = [n for n in body if n not in (*held, "mass", "offset", "delay") and not TERMS[n].level]
     if not wanted:
         return {}
-    names = [*wanted, *(n for n in ("mass", "offset") if n not in held)]
-    slow = _SIGN * float(np.max(abs(log.velocity)))
-    columns = [*_columns(log, names, held), np.tanh(log.velocity / max(slow, 1e-300)), log.velocity]
-    matrix = np.array(columns).T
+    matrix = np.array(_plain(log, [*wanted, *(n for n in ("mass", "offset") if n not in held)], held)).T
     size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-300)
     rest = _less(log, {n: x for n, x in held.items() if TERMS[n].column is not None and not TERMS[n].level}).force
     values = (np.linalg.lstsq(matrix / size, rest, rcond=1e-9)[0] / size).tolist()
     return {n: x for n, x in zip(wanted, values, strict=False) if x > 0 or not TERMS[n].positive}
+
+
+def _first_delay(log: Log, body: Sequence[str], held: Given) -> float:
+    """The delay that is given, or else likely beside plain friction, s; 0 where it is no term."""
+    if "delay" not in body or "delay" in held:
+        return float(held.get("delay", 0.0))
+    beside = [n for n in body if TERMS[n].column is not None and not TERMS[n].level]
+    return delay.likely(log, _plain(log, beside, held), delay.longest_of(log))
+
+
+def _plain(log: Log, names: Sequence[str], held: Given) -> list[Array]:
+    """Columns of plain friction behind those of the terms."""
+    slow = _SIGN * float(np.max(abs(log.velocity)))
+    return [*_columns(log, names, held), np.tanh(log.velocity / max(slow, 1e-300)), log.velocity]
 
 
 def _less(log: Log, values: Given) -> Log:

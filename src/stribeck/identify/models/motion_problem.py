@@ -25,6 +25,7 @@ from stribeck.simulation.response import ForcedBody
 
 OUTPUTS = {"position": "position", "velocity": "velocity"}
 ROUGH, FINE = 1e-2, 1e-4  # error of a step as a share of the output's noise; an estimate averages over many samples
+FEWEST = 8  # rows of a window
 SLIDES = 0.05  # of the largest speed: a window that starts faster needs no deflection of its own
 _DRAWN = 1 << 14  # samples of noise that tell what a filter leaves of it
 
@@ -43,13 +44,13 @@ class MotionProblem(Problem):
     def __init__(
         self, inverse: VelocityProblem, output: str, windows: Sequence[slice], noise: float, share: float
     ) -> None:
-        self.inverse, self.output, self.noise = inverse, output, noise
+        self.inverse, self.output, self.noise, self.share = inverse, output, noise, share
         self.log, self.windows = inverse.log, list(windows)
         log = self.log
         self.rows = np.concatenate([np.arange(w.start, w.stop) for w in windows])
         self.first = np.cumsum([0, *(w.stop - w.start for w in windows[:-1])]).astype(np.int64)
         self.parts = [slice(a, a + w.stop - w.start) for a, w in zip(self.first.tolist(), windows, strict=True)]
-        self.time, self.driving = log.time[self.rows], log.force[self.rows]
+        self.time, self.force = log.time[self.rows], log.force
         self.beside = [name for name in inverse.body if name != "mass"]
         self.columns = self._columns(log)
         fast = float(np.max(abs(log.velocity)))
@@ -93,10 +94,11 @@ class MotionProblem(Problem):
         """The point of given constants, the windows starting as they were measured."""
         level = max(abs(values.get("F_s", values.get("F_c", 1.0))), 1e-300)
         found = [c.inner(values[c.name]) for c in self.coordinates[: self.shared]]
+        driving = self.inverse.driving(self.force, values)
         for k, state in self.places:
             row = self.windows[k].start
             beside = self._of_beside(values)[self.first[k]]
-            held = self.log.force[row] - beside - values["mass"] * self.log.acceleration[row]
+            held = driving[row] - beside - values["mass"] * self.log.acceleration[row]
             found.append(
                 self.begin[k, 1] / self.coordinates[len(found)].scale if state == 1 else np.clip(held / level, -1, 1)
             )
@@ -104,9 +106,9 @@ class MotionProblem(Problem):
         return np.asarray(np.clip(found, low, high))
 
     def driven(self, force: Array) -> MotionProblem:
-        """The same problem under another force at its rows."""
+        """The same problem under another force, given at each row of the record."""
         other = copy(self)
-        other.driving = force
+        other.force = force
         return other
 
     def along(self, log: Log) -> MotionProblem:
@@ -114,6 +116,18 @@ class MotionProblem(Problem):
         other = copy(self)
         other.columns = self._columns(log)
         return other
+
+    def with_inverse(self, inverse: VelocityProblem) -> MotionProblem:
+        """The same problem of other coordinates, in what is left of its windows where fewer rows have a force."""
+        known = [
+            slice(max(w.start, run.start), min(w.stop, run.stop))
+            for run, whole in zip(inverse.within, inverse.runs, strict=True)
+            for w in self.windows
+            if whole.start <= w.start < whole.stop
+        ]
+        return MotionProblem(
+            inverse, self.output, [w for w in known if w.stop - w.start >= FEWEST], self.noise, self.share
+        )
 
     @property
     def follows(self) -> bool:
@@ -154,7 +168,10 @@ class MotionProblem(Problem):
             return None
         way, speed = self.tolerance
         limits = (min(way, length[0]), speed, min(way, 1e-3 * length[0]))
-        driving = (self.driving if force is None else force) - np.array([self._of_beside(each) for each in sets])
+        given = self.force if force is None else force
+        late = {each.get("delay", 0.0): each for each in sets}  # most lanes differ in other numbers
+        pushes = {delay: self.inverse.driving(given, each)[self.rows] for delay, each in late.items()}
+        driving = np.array([pushes[each.get("delay", 0.0)] - self._of_beside(each) for each in sets])
         found = self.model.of(self.time, driving, sets, self.first, states, limits, straight)
         return None if found is None else found[0 if self.output == "position" else 1]
 
@@ -178,8 +195,8 @@ class MotionProblem(Problem):
     def input_noise(self, u: Array, deviation: float) -> float:
         """What the input's errors do to the output, as a standard deviation at its rows, less what the windows' own states
         take up: white noise of the measured force, and its course between samples, which nobody measured."""
-        noise = deviation * np.random.default_rng(0).standard_normal(len(self.driving))
-        shifts = [self._shift(u, self.driving + noise, False), self.between_samples(u)]
+        noisy = self.with_force_noise(deviation, np.random.default_rng(0))
+        shifts = [self._shift(u, noisy, False), self.between_samples(u)]
         squares = 0.0
         for shift in shifts:
             for part in self.parts:  # a straight line: position and velocity at the start
@@ -190,7 +207,13 @@ class MotionProblem(Problem):
 
     def between_samples(self, u: Array) -> Array:
         """How the output changes where the force goes straight from sample to sample, not along cubics."""
-        return self._shift(u, self.driving, True)
+        return self._shift(u, self.force, True)
+
+    def with_force_noise(self, deviation: float, draw: np.random.Generator) -> Array:
+        """The force at each row of the record, in the windows with more white noise."""
+        noisy = self.force.copy()
+        noisy[self.rows] += deviation * draw.standard_normal(len(self.rows))
+        return noisy
 
     def _shift(self, u: Array, force: Array, straight: bool) -> Array:
         sets, points = [self.values(u)], u[None, :]

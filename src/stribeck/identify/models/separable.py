@@ -17,13 +17,12 @@ from scipy.stats import qmc
 
 from stribeck.arrays import Array
 from stribeck.errors import InputError
-from stribeck.identify.models import play, ripple
+from stribeck.identify.models import delay, play, ripple
 from stribeck.identify.models.columns import Columns
 from stribeck.identify.models.memory import rows_together
 from stribeck.identify.models.terms import TERMS
 
 _GRID, _DRAWS = 25, 6  # points of one shape; 2**draws of several
-_DELAYS = (0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0, 48.0)  # steps
 _REFINED, _APART = 4, 0.15  # starts, which differ so much in the share of one shape: neighbours lead to one minimum
 _HIGHEST = 3.0  # of the largest force: what the curve rises above F_c at most, as more was nowhere measured
 _END = 1.1  # times the lower end of a search: what lies below is the end itself
@@ -295,7 +294,7 @@ class Separable:
         found.sort(key=self._rank)
         for shape in late:
             step = self.columns.log.step
-            delays = [sign * x * step for x in _DELAYS for sign in (1, -1)]
+            delays = [sign * x * step for x in delay.STEPS for sign in (1, -1)]
             delays = [d for d in delays if shape.low <= d <= shape.high]
             more = [self.solve({**self._shape_of(s.values), "delay": d}) for s in found[:2] for d in delays]
             found = sorted([*found, *more], key=self._rank)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-NO_CURVE = "F_s comes out at F_c and v_s is open: friction that rises towards lower speeds would look alike"
+NO_CURVE = "F_s comes out near F_c and v_s is open: friction that rises towards lower speeds would look alike"
 
 
 def no_curve_seen(lowest_F_s: float | None, highest_F_c: float | None) -> bool:

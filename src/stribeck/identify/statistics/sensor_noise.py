@@ -51,7 +51,7 @@ def again_with_force_noise(problem: MotionProblem, u: Array) -> Array:
     draw = np.random.default_rng(0)
     shifts = []
     for _ in range(_DOSES if deviation > 0 or problem.follows else 0):
-        noisy = problem.driven(problem.driving + deviation * draw.standard_normal(len(problem.driving)))
+        noisy = problem.driven(problem.with_force_noise(deviation, draw))
         if problem.follows:
             noisy = noisy.along(_with_noise(problem.log, draw))
         slopes, misfit = noisy.sensitivities(u), noisy.misfit(u)

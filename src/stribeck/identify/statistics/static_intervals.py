@@ -23,10 +23,10 @@ from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics import clusters
 from stribeck.identify.statistics.at_bounds import at_bounds, to_measure
+from stribeck.identify.statistics.correlated import covariance, noise_memory, supporting_samples
 from stribeck.identify.statistics.effects import at_held_speeds
 from stribeck.identify.statistics.lacking import Lacking, one_sided, unfitted
 from stribeck.identify.statistics.linear import Linear, linearised
-from stribeck.identify.statistics.uncertainty import covariance, noise_memory, supporting_samples
 
 _HUGE = 1e100
 _NORMAL, _THRESHOLD = 1.959964, 3.841459

@@ -10,7 +10,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import solve_toeplitz
 
 from stribeck.arrays import Array
 from stribeck.identify.details import SeenNoise
@@ -23,7 +22,9 @@ from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
+from stribeck.identify.statistics.correlated import covariance, noise_memory, supporting_samples
 from stribeck.identify.statistics.curves import NO_CURVE, no_curve_seen
+from stribeck.identify.statistics.late import asked
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
 from stribeck.identify.statistics.sensor_noise import (
     acceleration_of_full_band,
@@ -33,6 +34,7 @@ from stribeck.identify.statistics.sensor_noise import (
 from stribeck.identify.statistics.stretches import at_least_by_blocks, at_least_by_speed, by_windows
 from stribeck.identify.statistics.verdicts import (
     Noise,
+    SampledSignal,
     between_samples,
     effect,
     farther,
@@ -48,6 +50,7 @@ from stribeck.identify.statistics.verdicts import (
 from stribeck.identify.work import Work
 
 _WHOLE = 1.5  # of the shift by as much noise again: the noise that is there
+_FLAT = 1.1  # F_s over F_c: motion that hardly sticks has a minimum there, beside that with a curve
 _CLOSE = 0.005  # half a 95 % interval, of the value: known so well, it is told from the others
 _CLOSE_IF_CLEAN = (
     0.1  # the same where the residual is white noise of the measurement's size: no error of the model is seen
@@ -56,7 +59,6 @@ _MORE = 1.15  # times the measurement's noise: the residual of a model that foll
 _MODEL = 1.5  # times the force's noise: the model's own error is seen
 _BEYOND = 3.0  # times what noise explains: a residual that is the model's
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
-_LONGEST_MEMORY = 50  # samples, of the noise model
 _FRESH_STARTS = 4
 
 
@@ -106,6 +108,8 @@ def systematic(problem: Problem, u: Array, slopes: Array) -> Array:
         again = _WHOLE * again_with_force_noise(problem, u)
         filtered = filter_bias(problem, u, slopes)
         return np.asarray(np.sqrt(between_samples(problem, u, slopes) ** 2 + again**2 + filtered**2))
+    if isinstance(problem, SampledSignal):
+        return between_samples(problem, u, slopes)
     shift, spread = again_with_noise(problem, u)
     noise = _WHOLE * abs(shift) + np.sqrt(THRESHOLD) * spread
     filtered = np.maximum(filter_bias(problem, u, slopes), _WHOLE * acceleration_of_full_band(problem, u, slopes))
@@ -198,12 +202,14 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     slopes, misfit = problem.sensitivities(u), problem.misfit(u)
     if slopes is None or misfit is None:
         return without(problem, u, "the simulation fails beside the best values")
+    late = asked(problem, u)
     if why := misses(problem, misfit, expected):
-        return without(problem, u, why)
+        return without(problem, u, f"{why}; {late.told}" if late and late.told else why)
     at, notes = _at_optimum(problem, u, slopes, misfit, expected)
     sizes, values = sizes_of(log), problem.values(u)
     unseen = presliding_unseen(problem, values, log)
     bias = systematic(problem, u, slopes)
+    notes += [late.told] if late and late.told else []
     lost = misled(problem, bias)
     doubts = _doubts(at, bias, values, sizes, unseen)
     ends = _profiled(at, [k for k in at.own if not doubts[k]], work) if profiles else {}
@@ -217,9 +223,9 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
             low, high, _ = ends[k]
         else:
             low, high = (x if c.inner(c.low) < x < c.inner(c.high) else None for x in (u[k] - half, u[k] + half))
-        stays[k] = farther(c, bias[k], c.name in _BRISTLES and lost)
+        stays[k] = farther(c, bias[k], c.name in _BRISTLES and lost) + (late.bias[k] if late else 0.0)
         low, high = (None if x is None else x + side * stays[k] for x, side in ((low, -1), (high, 1)))
-        doubts[k] = doubts[k] or left_open(low, high, c.log)
+        doubts[k] = doubts[k] or (late.doubt(k, c.log) if late else "") or left_open(low, high, c.log)
         low, high = (None if x is None else c.outer(x) for x in (low, high))
         if (unseen and doubts[k].endswith(unseen)) or doubts[k].startswith(("v_s comes", "v_s is not")):
             low = high = None  # the numbers of a curve that nobody has seen
@@ -252,13 +258,16 @@ def _of_no_curve(
     """The coordinates that hang on a Stribeck curve where the optimum has none: F_s reaches down to F_c, so that any v_s fits
     and no profile crosses to where the curve may be; bristles too where more is missed than noise."""
     named = {at.problem.coordinates[k].name: k for k in at.own}
-    if not {"F_s", "v_s"} <= named.keys() or doubts[named["F_s"]] or not doubts[named["v_s"]]:
+    if not {"F_s", "v_s"} <= named.keys() or not doubts[named["v_s"]]:
         return []
     low, values = intervals[named["F_s"]][0], at.problem.values(at.u)
     high = intervals[named["F_c"]][1] if "F_c" in named else values.get("F_c", 0.0)
-    if not no_curve_seen(low, high):
+    flat = isinstance(at.problem, MotionProblem) and values["F_s"] < _FLAT * values.get("F_c", 0.0)
+    if not flat and (doubts[named["F_s"]] or not no_curve_seen(low, high)):
         return []
-    return [named["F_s"], *(named[n] for n in _BRISTLES if n in named and at.beyond and not doubts[named[n]])]
+    # a curve that ends early, and other bristles with it, may leave as little
+    beside = _BRISTLES if at.beyond or flat else ()
+    return [named[n] for n in ("F_s", *beside) if n in named and not doubts[named[n]]]
 
 
 def _at_optimum(
@@ -325,59 +334,3 @@ def _profiled(at: _Optimum, wanted: list[int], work: Work) -> dict[int, tuple[fl
         return found
 
     return ends | {k: curve for k, curve in zip(bent, work.each(followed, bent), strict=True) if curve is not None}
-
-
-# -- noise -----------------------------------------------------------------------------------------------------------
-
-
-def noise_memory(misfit: Array) -> Array:
-    """The coefficients a_1, a_2, ... of r_t = a_1 r_(t-1) + a_2 r_(t-2) + ... + white noise; none for white noise."""
-    n = len(misfit)
-    longest = min(_LONGEST_MEMORY, n // 20)
-    if longest < 1 or not misfit.any():
-        return np.zeros(0)
-    centred = misfit - misfit.mean()
-    spectrum = abs(np.fft.rfft(centred, 2 * n)) ** 2
-    correlation = np.fft.irfft(spectrum)[: longest + 1] / n
-    best, chosen = n * np.log(correlation[0]), np.zeros(0)
-    for order in range(1, longest + 1):
-        a = solve_toeplitz(correlation[:order], correlation[1 : order + 1])
-        left = correlation[0] - a @ correlation[1 : order + 1]
-        score = n * np.log(max(left, 1e-300)) + order * np.log(n)
-        if score < best:
-            best, chosen = score, a
-    return np.asarray(chosen)
-
-
-def covariance(slopes: Array, variance: float, memory: Array) -> Array:
-    """The covariance of a least squares estimate whose residuals have that variance and that memory."""
-    size = np.sqrt(np.mean(slopes**2, axis=0))
-    size = np.where(size > 0, size, 1.0)
-    scaled = slopes / size
-    # a direction that nothing determines gets a variance that is huge, and finite
-    normal = scaled.T @ scaled
-    inverse = np.linalg.inv(normal + 1e-14 * np.trace(normal) * np.eye(len(normal)))
-    if not len(memory):
-        return np.asarray(variance * inverse / np.outer(size, size))
-    n = len(scaled)
-    waves = np.fft.rfft(scaled, 2 * n, axis=0)
-    frequency = np.exp(-1j * np.pi * np.arange(n + 1) / n)
-    gain = abs(1 - np.polyval(np.append(memory[::-1], 0.0), frequency)) ** -2.0
-    both = np.ones(n + 1)
-    both[1:-1] = 2.0  # the negative frequencies too
-    gain *= 2 * n / float(both @ gain)  # the residuals' variance is the one given
-    middle = np.real(waves.conj().T @ (waves * (both * gain)[:, None])) / (2 * n)
-    return np.asarray(variance * inverse @ middle @ inverse / np.outer(size, size))
-
-
-def supporting_samples(slopes: Array) -> Array:
-    """How many samples each coordinate rests on: of its slopes, less what the others can imitate, (sum s^2)^2/sum s^4."""
-    found = np.zeros(slopes.shape[1])
-    for k in range(slopes.shape[1]):
-        others = np.delete(slopes, k, axis=1)
-        own = slopes[:, k]
-        if others.shape[1]:
-            own = own - others @ np.linalg.lstsq(others, own, rcond=1e-12)[0]
-        fourth = float(np.sum(own**4))
-        found[k] = float(np.sum(own**2)) ** 2 / fourth if fourth > 0 else 0.0
-    return found

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -155,7 +156,15 @@ def farther(c: Coordinate, bias: float, along: bool = False) -> float:
     return 2 * bias if c.log and (bias > _FARTHEST or along) else bias
 
 
-def between_samples(problem: MotionProblem, u: Array, slopes: Array) -> Array:
+@runtime_checkable
+class SampledSignal(Protocol):
+    """A problem whose input nobody measured between its samples."""
+
+    def between_samples(self, u: Array) -> Array:
+        """How the output may be off by that."""
+
+
+def between_samples(problem: SampledSignal, u: Array, slopes: Array) -> Array:
     """How far each inner coordinate may be off because nobody measured the force between its samples: the shift of the
     optimum, by a step of Gauss and Newton, if it went straight."""
     return abs(np.asarray(linear_step(slopes, problem.between_samples(u))))
