@@ -1,6 +1,7 @@
 """What a user does wrong by hand: each ends in one clear line with status 2, or in a right result."""
 
 import numpy as np
+import pytest
 
 COLUMNS = ("--time", "t", "--position", "y", "--force", "F")
 
@@ -38,3 +39,58 @@ def test_reasons_of_several_laws_name_options(stribeck, tmp_path):
     assert found.status == 2, found.out
     assert "force_gain" not in found.err
     assert "--force-gain" in found.err
+
+
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (("--tune", "K_p,K_p"), "--tune controllers.axis.K_p: given 2 times; must be given once"),
+        (("--tune", "K_p,controllers.axis.K_p"), "--tune controllers.axis.K_p: given 2 times; must be given once"),
+        (("--tune", "Kp"), "--tune: controllers.axis.Kp: no number of the machine (did you mean 'controllers.axis.K_p'?)"),
+        (("--tune", "K_p,"), "--tune: '': must be the name of a number, such as K_p"),
+        (
+            ("--map", "controllers.axis.Kp=1:2", "--map", "bodies.load.mass=1:2"),
+            "--map: controllers.axis.Kp: no number of the machine (did you mean 'controllers.axis.K_p'?)",
+        ),
+        (("--seed", "-1"), "--seed: -1: must be a whole number >= 0"),
+    ],
+)  # fmt: skip
+def test_designs(words, line, stribeck, tmp_path):
+    """A gain named twice ended in a traceback after 5 s, a negative seed at once; unknown gains were said to be --vary's."""
+    stribeck("new", "machine", "--out", tmp_path / "machine.toml")
+    found = stribeck("design", tmp_path / "machine.toml", "--no-compensations", *words)
+    assert (found.status, found.out, found.err) == (2, "", line + "\n")
+
+
+@pytest.mark.parametrize("words", [("--part", "machine"), ("--part", "law", "--contact", "guide"), ()])
+def test_a_controller_that_nothing_asks_for(words, stribeck, tmp_path):
+    """It was left aside, misspelt ones too."""
+    stribeck("new", "machine", "--out", tmp_path / "machine.toml")
+    out = tmp_path / "out"
+    found = stribeck("export", tmp_path / "machine.toml", "--target", "c", "--out", out, "--controller", "x", *words)
+    part = words[1] if words else "machine"
+    assert (found.status, found.out) == (2, "")
+    assert found.err == f"--controller: 'x': must be left out: part '{part}' has no choice of controllers\n"
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("words", [("--law", "dahl"), ("--seed", "3"), ("--law", "lugr")])
+def test_options_of_a_synthetic_rig_that_is_not_asked_for(words, stribeck):
+    found = stribeck("rig", "--stroke", 0.05, "--speed", 0.1, "--force", 50, *words)
+    assert (found.status, found.out) == (2, "")
+    assert found.err == f"{words[0]}: {words[1]}: goes with --simulate, which is not given\n"
+
+
+def test_recordings_whose_time_stands_still(stribeck, scenario, tmp_path):
+    """A run took the last of their values throughout; validate spoke of solve.t_end."""
+    y = 0.1 * np.sin(0.01 * np.arange(600))
+    still = written(tmp_path / "still.csv", np.full(600, 3.0), y, y)
+    text = scenario.read_text()
+    head, _, tail = text.partition('kind = "ramp"\nrate = 0.1\n')
+    scenario.write_text(head + 'kind = "file"\npath = "still.csv"\ntime = "t"\nvalue = "y"\n' + tail)
+    found = stribeck("run", scenario)
+    assert (found.status, found.out) == (2, "")
+    assert found.err == f"drive.signal.path: {still}: column 't': 3.0 s in every row: must rise\n"
+    scenario.write_text(text)
+    found = stribeck("validate", scenario, "--log", still, "--time", "t", "--position", "y")
+    assert (found.status, found.out, found.err) == (2, "", "--time: must rise, over two rows or more\n")

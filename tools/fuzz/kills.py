@@ -121,7 +121,7 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
     if what not in _FIRST_ONLY or what not in took:
         began = time.monotonic()
         done = subprocess.run(command, env=environment, cwd=place, check=False, capture_output=True)
-        took.setdefault(what, time.monotonic() - began)
+        took[what] = min(took.get(what, math.inf), time.monotonic() - began)  # the first compiles
         if done.returncode:
             return f"{what}: {done.stderr.decode()[:200]}"
     if what in _FIRST_ONLY:
@@ -131,9 +131,11 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
         [*command, *added], env=environment, cwd=place, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background job ignores it
     )  # fmt: skip
-    time.sleep(rng.uniform(0.05, _LAST * took[what]))
-    number = rng.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT))
-    process.send_signal(number)
+    moment, number = rng.uniform(0.05, _LAST * took[what]), rng.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT))
+    try:
+        process.wait(moment)
+    except subprocess.TimeoutExpired:
+        process.send_signal(number)
     try:
         _, error = process.communicate(timeout=60)
     except subprocess.TimeoutExpired:

@@ -94,6 +94,9 @@ def export(
     if part is None:
         part = "machine" if law is None and scenario is not None and not scenario.rig.single else "law"
     problems = _problems(target, part, self_test, step, fmi)
+    if controller is not None and part in PARTS and part not in ("cascade", *SAMPLED):
+        why = f"must be left out: part '{part}' has no choice of controllers"
+        problems.append(f"{arg('controller')}: {show(controller)}: {why}")
     if problems:
         raise InputError(problems)
     chosen = TARGETS[target]

@@ -237,7 +237,9 @@ class Sweep:
         parts = {name for name in names if fnmatch(name, "part-*.*")}
         if _MANIFEST in names:
             if not (found := read_json(self.place, _MANIFEST)):
-                raise InputError(f"{here}: {_MANIFEST} in it is damaged: must be another folder, or emptied")
+                raise InputError(
+                    f"{here}: {_MANIFEST} in it is damaged or cannot be read: must be another folder, or emptied"
+                )
             if {key: x for key, x in found.items() if key != "sha256"} != self.manifest:
                 text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
                 raise InputError(f"{here}: {text}")
