@@ -1,5 +1,7 @@
 """What a user does wrong by hand: each ends in one clear line with status 2, or in a right result."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -94,3 +96,13 @@ def test_recordings_whose_time_stands_still(stribeck, scenario, tmp_path):
     scenario.write_text(text)
     found = stribeck("validate", scenario, "--log", still, "--time", "t", "--position", "y")
     assert (found.status, found.out, found.err) == (2, "", "--time: must rise, over two rows or more\n")
+
+
+def test_a_name_that_opens_a_script_within_the_pages_data(stribeck, scenario, tmp_path):
+    """After <!--<script> a browser takes the end of the data for that of the inner script: the page stayed empty."""
+    name, page = "<!--<script>", tmp_path / "page.html"
+    scenario.write_text(scenario.read_text().replace('name = "rig"', f'name = "{name}"'))
+    assert stribeck("explore", scenario, "--law", "dahl", "--out", page).status == 0
+    data = page.read_text().partition('<script type="application/json" id="data">')[2].partition("</script>")[0]
+    assert "<" not in data
+    assert json.loads(data)["name"] == name

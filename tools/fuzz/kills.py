@@ -45,6 +45,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "fit logs": (("axis.toml", "--logs", "logs.toml", "--starts", "1"), ("--seed", "3"), "parameters.toml"),
     "check level": (("lugre", "--parameters", "canudas1995", "--level", "0.8:1.2"), ("--set", "sigma_1=100"), "report.html"),
     "explore report": (("--report", "ran"), (), None),
+    "design tune": (("machine.toml", "--no-compensations", "--tune", "K_p"), ("--seed", "3"), _SUMMARY),
 }  # fmt: skip
 _FILES = {  # in out
     "export": "law.fmu",
@@ -55,6 +56,7 @@ _FILES = {  # in out
     "import": "servo.toml",
 }
 _FIRST_ONLY = ("new",)  # refuses what is there
+_SIGNALS = [getattr(signal, name) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)]
 _LAST = 1.2  # of the time that the command takes; some kills come after its end
 
 
@@ -129,9 +131,10 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
     old = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     process = subprocess.Popen(
         [*command, *added], env=environment, cwd=place, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        start_new_session=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background job ignores it
     )  # fmt: skip
-    moment, number = rng.uniform(0.05, _LAST * took[what]), rng.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT))
+    moment, number = rng.uniform(0.05, _LAST * took[what]), rng.choice(_SIGNALS)
     try:
         process.wait(moment)
     except subprocess.TimeoutExpired:
@@ -142,6 +145,8 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
         process.kill()
         return f"{what} does not end on {number.name}"
     ended[f"{what} {number.name} exit {process.returncode}"] += 1
+    if number != signal.SIGKILL and _others(process.pid):
+        return f"{what} {number.name}: left a process"
     if b"Traceback" in error:
         return f"{what} {number.name}: a traceback"
     if fault := _left(out, old, None if last is None else out / last, number):
@@ -150,6 +155,17 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
         target.unlink(missing_ok=True)
     again = subprocess.run([*command, *added], env=environment, cwd=place, check=False, capture_output=True)
     return None if again.returncode == 0 else f"{what} after {number.name}: {again.stderr.decode()[:200]}"
+
+
+def _others(group: int) -> bool:
+    """Whether processes of the group are there a second after its first one ended."""
+    for _ in range(20):
+        try:
+            os.killpg(group, 0)
+        except OSError:
+            return False
+        time.sleep(0.05)
+    return True
 
 
 def _left(out: Path, old: dict[Path, int], last: Path | None, number: signal.Signals) -> str | None:
