@@ -55,6 +55,7 @@ _FILES = {  # in out
     "parameters": "machine_set.toml",
     "import": "servo.toml",
 }
+_JOURNALS = ("fit.partial.json", "tune_so_far.json")  # from which a search goes on; of no result
 _FIRST_ONLY = ("new",)  # refuses what is there
 _SIGNALS = [getattr(signal, name) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)]
 _LAST = 1.2  # of the time that the command takes; some kills come after its end
@@ -131,8 +132,7 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
     old = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     process = subprocess.Popen(
         [*command, *added], env=environment, cwd=place, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        start_new_session=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background job ignores it
+        start_new_session=True, preexec_fn=_heard,
     )  # fmt: skip
     moment, number = rng.uniform(0.05, _LAST * took[what]), rng.choice(_SIGNALS)
     try:
@@ -157,6 +157,13 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
     return None if again.returncode == 0 else f"{what} after {number.name}: {again.stderr.decode()[:200]}"
 
 
+def _heard() -> None:
+    """Have signals heard: a job in a shell's background ignores Ctrl-C, one under nohup SIGHUP."""
+    for number in _SIGNALS:
+        if number != signal.SIGKILL:
+            signal.signal(number, signal.SIG_DFL)
+
+
 def _others(group: int) -> bool:
     """Whether processes of the group are there a second after its first one ended."""
     for _ in range(20):
@@ -174,7 +181,7 @@ def _left(out: Path, old: dict[Path, int], last: Path | None, number: signal.Sig
     hidden = [path for path in there if any(part.startswith(".") for part in path.relative_to(out).parts)]
     if hidden and number != signal.SIGKILL:
         return f"left {sorted({path.name for path in hidden})}"
-    whole = {path: path.stat().st_mtime_ns for path in there if path not in hidden}
+    whole = {path: path.stat().st_mtime_ns for path in there if path not in hidden and path.name not in _JOURNALS}
     if last is not None and last.exists() and whole != old:
         mixed = [path.name for path, time_ in whole.items() if old.get(path) == time_]
         return f"left {mixed} of the older result beside the newer one's {last.name}" if mixed else None
