@@ -241,11 +241,9 @@ def check_motion(log: Log) -> None:
     if not np.ptp(log.force) > 0:
         raise InputError(f"{arg('force')}: {log.force[0]:.6g} N throughout: there is no friction to fit")
     every = max(len(log) // _SIGN_FROM, 1)
-    thin = v[::every]
-    y = log.position[::every]
-    rough = np.column_stack(
-        [log.acceleration[::every], thin, np.sign(thin), np.ones(len(thin)), y, np.sin(y), np.cos(y)]
-    )
+    thin, y = v[::every], log.position[::every]
+    beside = [np.ones(len(thin)), y, np.sin(y), np.cos(y)]
+    rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), *beside])
     coefficients = np.linalg.lstsq(rough / np.maximum(np.abs(rough).max(0), 1e-300), log.force[::every], rcond=1e-10)[0]
     both = v.min() < -0.1 * fastest and v.max() > 0.1 * fastest
     against = float(np.sum((coefficients[1] * thin / fastest + coefficients[2] * np.sign(thin)) * thin))
