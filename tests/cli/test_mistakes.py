@@ -1,6 +1,8 @@
 """What a user does wrong by hand: each ends in one clear line with status 2, or in a right result."""
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -106,3 +108,14 @@ def test_a_name_that_opens_a_script_within_the_pages_data(stribeck, scenario, tm
     data = page.read_text().partition('<script type="application/json" id="data">')[2].partition("</script>")[0]
     assert "<" not in data
     assert json.loads(data)["name"] == name
+
+
+@pytest.mark.parametrize("name", ["_see_to_the_end", "_command"])
+def test_a_signal_while_the_command_is_made_ready(name):
+    """It ended in a traceback and status 1 (3 of 187 that came in the first second)."""
+    code = (
+        f"import os, signal, stribeck.cli as c; c.{name} = lambda *_: os.kill(os.getpid(), signal.SIGTERM); "
+        "signal.signal(signal.SIGTERM, signal.SIG_DFL); c.main(['laws'])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (143, "", "")
