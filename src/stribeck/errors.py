@@ -64,7 +64,7 @@ class Line(str):
 
     def __new__(cls, text: str) -> Line:
         """From text that may hold marks, or from a line, whose marks stay."""
-        marked = text.marked if isinstance(text, Line) else text
+        marked = with_marks(text)
         line = super().__new__(cls, one_line(_ARGUMENT.sub(r"\1", marked)))
         line.marked = marked
         return line
@@ -80,6 +80,17 @@ class Line(str):
 def arg(name: str) -> str:
     """An argument's name within a message: Python shows it as it is, the command the option that gives it."""
     return f"\x02{name}\x03"
+
+
+def with_marks(text: str) -> str:
+    """The text for a message of which it becomes a part: of a :class:`Line` with its marks."""
+    return text.marked if isinstance(text, Line) else text
+
+
+def first_line(error: StribeckError) -> Line:
+    """The first line of an error's message, which still knows where it names arguments (:func:`arg`)."""
+    line = error.problems[0] if isinstance(error, InputError) else error.marked()
+    return Line(with_marks(line).splitlines()[0])
 
 
 def one_line(text: str) -> str:

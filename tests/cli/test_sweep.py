@@ -294,3 +294,64 @@ def test_damage_that_is_no_file(stribeck, scenario, tmp_path):
     manifest.unlink()
     os.mkfifo(manifest)
     assert stribeck(*words).status == 2
+
+
+@needs_compiler
+def test_what_somebody_else_put_into_the_folder(stribeck, scenario, tmp_path, small_parts):
+    """Digests that are none ended in a traceback; a part too many was read with the others; a link's target was written."""
+    out, mine = tmp_path / "out", tmp_path / "mine"
+    words = ("sweep", scenario, *GRID, "--summary", "--out", out)
+    stribeck(*words)
+    whole = files(out)
+    manifest = json.loads(whole["_manifest.json"])
+    manifest["sha256"] |= {
+        "part-000001.parquet": [1],
+        "part-000002.parquet": {},
+        "../x": "0",
+        "part-000007.parquet": "0",
+    }
+    (out / "_manifest.json").write_text(json.dumps(manifest))
+    assert stribeck(*words).status == 0
+    assert files(out) == whole
+    mine.write_bytes(b"mine")
+    (out / "part-000001.parquet").unlink()
+    (out / "part-000001.parquet").symlink_to(mine)
+    assert stribeck(*words).status == 0
+    assert files(out) == whole
+    assert mine.read_bytes() == b"mine"
+    for name in ("part-000003.parquet", "part-000001.csv"):
+        (out / name).write_bytes(b"")
+        found = stribeck(*words)
+        assert (found.status, found.err.count("\n")) == (2, 1)
+        assert f"holds {name}, which is no part of this sweep" in found.err
+        (out / name).unlink()
+    for text in ("", "{", "[]"):
+        (out / "_manifest.json").write_text(text)
+        found = stribeck(*words)
+        assert (found.status, found.err.count("\n")) == (2, 1)
+        assert "_manifest.json in it is damaged" in found.err
+
+
+@needs_compiler
+@pytest.mark.parametrize("damage", [b"PAR1", b"", None])
+def test_a_part_that_changes_while_the_sweep_goes_on(damage, stribeck, scenario, tmp_path, small_parts, monkeypatch):
+    """It ended in a traceback, or as done with a damaged part."""
+    out, written = tmp_path / "out", module.Sweep.written
+    words = ("sweep", scenario, *GRID, "--summary", "--out", out)
+
+    def damaged(self, part, known):
+        written(self, part, known)
+        first = out / "part-000000.parquet"
+        if part == 1 and damage is None:
+            first.unlink()
+        elif part == 1:
+            first.write_bytes(damage)
+
+    with monkeypatch.context() as meanwhile:
+        meanwhile.setattr(module.Sweep, "written", damaged)
+        found = stribeck(*words)
+    line = (
+        f"stribeck: --out: {str(out)!r}: part-000000.parquet was changed meanwhile; the same command makes it again\n"
+    )
+    assert (found.status, found.out, found.err) == (1, "", line)
+    assert stribeck(*words).status == 0

@@ -91,6 +91,50 @@ def test_c(cc, scenario, exact, tmp_path):
     assert_balanced(table(out))
 
 
+_ODD = """
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include "machine.h"
+int main(void)
+{
+    const double odd[] = {NAN, INFINITY, -INFINITY};
+    machine *m = malloc(machine_size());
+    for (int place = -1; place < MACHINE_STATES; place++)
+        for (int i = 0; i < 3; i++)
+            for (int later = 0; later < 2; later++) {
+                const double t = place < 0 ? NAN : later ? 0.01 : 0;
+                machine_start(m);
+                if (place >= 0) machine_states(m)[place] = odd[i];
+                if (machine_advance(m, t) != MACHINE_NOT_FINITE) printf("%d %d %g\\n", place, i, t);
+            }
+    machine_start(m);
+    printf("%d\\n", machine_advance(m, 0.01));
+    free(m);
+    return 0;
+}
+"""
+
+
+def test_times_and_states_that_are_no_numbers(tmp_path):
+    """A time that is nan was done, and so was every state that is none where no step was made, an energy in any case."""
+    need("gcc")
+    one = machine({"a": {"mass": 1.0}}, t_end=0.1, contacts={"s": {"from": "a", "law": law("lugre")}})
+    stribeck.export(Scenario(one), "c", tmp_path)
+    (tmp_path / "odd.c").write_text(_ODD)
+    words = [
+        "gcc",
+        *STRICT,
+        "-O0",
+        *(str(tmp_path / f) for f in ("machine.c", "odd.c")),
+        "-o",
+        str(tmp_path / "odd"),
+        "-lm",
+    ]
+    subprocess.run(words, check=True)
+    assert subprocess.run([str(tmp_path / "odd")], capture_output=True, text=True, check=True).stdout == "0\n"
+
+
 def table(text):
     """Columns of a CSV by name."""
     head, *rows = text.strip().split("\n")

@@ -45,6 +45,7 @@ COMMANDS: dict[str, tuple[tuple[str, ...], tuple[str, ...], str | None]] = {
     "fit logs": (("axis.toml", "--logs", "logs.toml", "--starts", "1"), ("--seed", "3"), "parameters.toml"),
     "check level": (("lugre", "--parameters", "canudas1995", "--level", "0.8:1.2"), ("--set", "sigma_1=100"), "report.html"),
     "explore report": (("--report", "ran"), (), None),
+    "design tune": (("machine.toml", "--no-compensations", "--tune", "K_p"), ("--seed", "3"), _SUMMARY),
 }  # fmt: skip
 _FILES = {  # in out
     "export": "law.fmu",
@@ -54,7 +55,9 @@ _FILES = {  # in out
     "parameters": "machine_set.toml",
     "import": "servo.toml",
 }
+_JOURNALS = ("fit.partial.json", "tune_so_far.json")  # from which a search goes on; of no result
 _FIRST_ONLY = ("new",)  # refuses what is there
+_SIGNALS = [getattr(signal, name) for name in ("SIGKILL", "SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)]
 _LAST = 1.2  # of the time that the command takes; some kills come after its end
 
 
@@ -121,7 +124,7 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
     if what not in _FIRST_ONLY or what not in took:
         began = time.monotonic()
         done = subprocess.run(command, env=environment, cwd=place, check=False, capture_output=True)
-        took.setdefault(what, time.monotonic() - began)
+        took[what] = min(took.get(what, math.inf), time.monotonic() - began)  # the first compiles
         if done.returncode:
             return f"{what}: {done.stderr.decode()[:200]}"
     if what in _FIRST_ONLY:
@@ -129,17 +132,21 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
     old = {path: path.stat().st_mtime_ns for path in out.rglob("*") if path.is_file()}
     process = subprocess.Popen(
         [*command, *added], env=environment, cwd=place, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # a shell's background job ignores it
+        start_new_session=True, preexec_fn=_heard,
     )  # fmt: skip
-    time.sleep(rng.uniform(0.05, _LAST * took[what]))
-    number = rng.choice((signal.SIGKILL, signal.SIGTERM, signal.SIGINT))
-    process.send_signal(number)
+    moment, number = rng.uniform(0.05, _LAST * took[what]), rng.choice(_SIGNALS)
+    try:
+        process.wait(moment)
+    except subprocess.TimeoutExpired:
+        process.send_signal(number)
     try:
         _, error = process.communicate(timeout=60)
     except subprocess.TimeoutExpired:
         process.kill()
         return f"{what} does not end on {number.name}"
     ended[f"{what} {number.name} exit {process.returncode}"] += 1
+    if number != signal.SIGKILL and _others(process.pid):
+        return f"{what} {number.name}: left a process"
     if b"Traceback" in error:
         return f"{what} {number.name}: a traceback"
     if fault := _left(out, old, None if last is None else out / last, number):
@@ -150,13 +157,31 @@ def _one(place: Path, what: str, rng: random.Random, ended: Counter[str], took: 
     return None if again.returncode == 0 else f"{what} after {number.name}: {again.stderr.decode()[:200]}"
 
 
+def _heard() -> None:
+    """Have signals heard: a job in a shell's background ignores Ctrl-C, one under nohup SIGHUP."""
+    for number in _SIGNALS:
+        if number != signal.SIGKILL:
+            signal.signal(number, signal.SIG_DFL)
+
+
+def _others(group: int) -> bool:
+    """Whether processes of the group are there a second after its first one ended."""
+    for _ in range(20):
+        try:
+            os.killpg(group, 0)
+        except OSError:
+            return False
+        time.sleep(0.05)
+    return True
+
+
 def _left(out: Path, old: dict[Path, int], last: Path | None, number: signal.Signals) -> str | None:
     """What is wrong with what is left: hidden files; files of two results beside the one that says all is whole."""
     there = [path for path in out.rglob("*") if path.is_file()]
     hidden = [path for path in there if any(part.startswith(".") for part in path.relative_to(out).parts)]
     if hidden and number != signal.SIGKILL:
         return f"left {sorted({path.name for path in hidden})}"
-    whole = {path: path.stat().st_mtime_ns for path in there if path not in hidden}
+    whole = {path: path.stat().st_mtime_ns for path in there if path not in hidden and path.name not in _JOURNALS}
     if last is not None and last.exists() and whole != old:
         mixed = [path.name for path, time_ in whole.items() if old.get(path) == time_]
         return f"left {mixed} of the older result beside the newer one's {last.name}" if mixed else None

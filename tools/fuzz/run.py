@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import resource
+import signal
 import sys
 import tempfile
 from collections import Counter
@@ -33,6 +34,8 @@ def main() -> None:
     options = parser.parse_args()
     os.environ.setdefault("STRIBECK_CACHE", tempfile.mkdtemp(prefix="stribeck-fuzz-"))
     wrong: list[str] = []
+    for number in (signal.SIGINT, signal.SIGTERM):  # a shell's background job ignores Ctrl-C
+        signal.signal(number, signal.default_int_handler)
     try:
         for name in options.only or campaigns:
             part(name, campaigns[name][0], options.seed, getattr(options, name), wrong)

@@ -50,7 +50,22 @@ class _Stop(KeyboardInterrupt):
 
 def main(arguments: list[str] | None = None) -> NoReturn:
     """Run the command and exit: 0 done, 1 the computation failed, 2 bad usage or bad input, 130 or 143 interrupted."""
-    watched = []
+    watched: list[int] = []
+    try:
+        _listen(watched)
+        _make_ready(arguments)
+        status = _status(arguments)
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done and said: Python's own end takes no more stops
+        for number in watched:  # with a handler of its own, as a process that never ends must go
+            signal.signal(number, lambda *_: None)
+    except KeyboardInterrupt:  # before the command begins, or between its end and here
+        status = 128 + _Stop.last
+    gc.freeze()  # the last look for garbage takes a seventh of a short run, and what it frees goes with the process
+    sys.exit(status)
+
+
+def _listen(watched: list[int]) -> None:
+    """Take signals as stops; ``watched`` gets those that end the process in any case."""
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:  # a shell's background job ignores it
         signal.signal(signal.SIGINT, _stop)
     for name in ("SIGTERM", "SIGHUP"):
@@ -59,6 +74,10 @@ def main(arguments: list[str] | None = None) -> NoReturn:
             signal.signal(number, _stop)
             watched.append(number)
     _see_to_the_end(watched)
+
+
+def _make_ready(arguments: list[str] | None) -> None:
+    """Set what the whole process goes by."""
     sys.unraisablehook = _once_more
     # pydantic asks every installed package whether it is a plugin of its, which takes as long as a run
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
@@ -72,15 +91,6 @@ def main(arguments: list[str] | None = None) -> NoReturn:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors=_PLAIN)  # names of files need not be text
-    try:
-        status = _status(arguments)
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is done and said: Python's own end takes no more stops
-        for number in watched:  # with a handler of its own, as a process that never ends must go
-            signal.signal(number, lambda *_: None)
-    except KeyboardInterrupt:  # between the command's end and here
-        status = 128 + _Stop.last
-    gc.freeze()  # the last look for garbage takes a seventh of a short run, and what it frees goes with the process
-    sys.exit(status)
 
 
 def _plain(error: UnicodeError) -> tuple[str, int]:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from stribeck.cli import show
+from stribeck.cli.options import said
 from stribeck.cli.text import say
 from stribeck.constants import show as shown
 from stribeck.errors import InputError, refuse_twice
@@ -193,7 +194,7 @@ def _print_choice(choice: Choice) -> None:
         error, whole = row["cross_validated_error"], row["relative_force_error"]
         print(f"{row['law']:{width}}  {percent(error, 3):>9}  {percent(whole, 3):>9}  {row['numbers']}")
     for name, why in choice.failed.items():
-        say(why, 6, f"{name:{width}}  ")
+        say(said(why, "fit"), 6, f"{name:{width}}  ")
     say(f"picked: {choice.picked}: {choice.reason}", 6)
     print()
 

@@ -17,7 +17,7 @@ from stribeck.scenario import parse_assignments
 
 
 def rig(
-    limits: tuple[float, float, float, float | None], simulate: bool, law: str, parameters: str | None,
+    limits: tuple[float, float, float, float | None], simulate: bool, law: str | None, parameters: str | None,
     assignments: list[str], seed: int, out: Path | None, json: bool,
 ) -> int:  # fmt: skip
     """Print the programme, or write it and, where asked for, a synthetic log."""
@@ -28,6 +28,10 @@ def rig(
         raise InputError("--parameters, --set: are for --simulate: the programme depends on the rig's limits only")
     if seed < 0:
         raise InputError(f"--seed: {seed}: must be a whole number >= 0")
+    asked = {"--law": law, "--seed": seed or None}
+    if not simulate and (alone := [f"{name}: {x}" for name, x in asked.items() if x is not None]):
+        raise InputError([f"{each}: goes with --simulate, which is not given" for each in alone])
+    law = law or "lugre"
     given = dict(load(parameters).values) if parameters else {}
     given |= made.numbers(list(parse_assignments(assignments).items()))
     experiment = made.simulated(bounds, law, given, seed) if simulate else None

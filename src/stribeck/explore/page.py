@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import json
 from base64 import b64encode
 from collections.abc import Callable, Iterable, Mapping
 from html import escape
@@ -25,6 +24,7 @@ from stribeck.expressions.pretty import name as symbol_name
 from stribeck.files import write_text
 from stribeck.laws import table
 from stribeck.laws.render import Equation, condition, equations
+from stribeck.report.page import in_script
 from stribeck.scenario import Scenario
 from stribeck.signals import PointsSignal
 from stribeck.simulation.native import EVENT_ROOM
@@ -143,7 +143,7 @@ def _filled(data: Mapping[str, object], sections: Iterable[tuple[str, str]], lib
         "sections": "\n".join(charts),
         "title": escape(name),
         "style": _asset("page.css"),
-        "data": json.dumps(data, allow_nan=False).replace("</", "<\\/"),
+        "data": in_script(data),
         "solver": _asset("solver.js"),
         "script": "\n".join(map(_asset, ("quick.js", "panels.js", "live.js", "keys.js", "machine.js", "explore.js"))),
         "charts": library,

@@ -93,7 +93,7 @@ def export(
         law, scenario = None, law
     if part is None:
         part = "machine" if law is None and scenario is not None and not scenario.rig.single else "law"
-    problems = _problems(target, part, self_test, step, fmi)
+    problems = _problems(target, part, self_test, step, fmi, controller)
     if problems:
         raise InputError(problems)
     chosen = TARGETS[target]
@@ -192,7 +192,9 @@ def _encode(data: str | bytes) -> bytes:
     return data.encode("utf-8") if isinstance(data, str) else data
 
 
-def _problems(target: str, part: str, self_test: bool, step: float | None, fmi: int) -> list[str]:
+def _problems(
+    target: str, part: str, self_test: bool, step: float | None, fmi: int, controller: str | None
+) -> list[str]:  # fmt: skip
     if target not in TARGETS:
         guess = nearest(target, TARGETS) or f" (known: {', '.join(TARGETS)})"
         return [f"{arg('target')}: {target!r}: no such target{guess}"]
@@ -209,6 +211,9 @@ def _problems(target: str, part: str, self_test: bool, step: float | None, fmi: 
         found.append(f"{arg('step')}: {show(step)}: {text}")
     if fmi not in (2, 3):
         found.append(f"{arg('fmi')}: {fmi}: must be 2 or 3")
+    if controller is not None and part in PARTS and part not in ("cascade", *SAMPLED):
+        text = f"must be left out: part '{part}' has no choice of controllers"
+        found.append(f"{arg('controller')}: {show(controller)}: {text}")
     return found
 
 

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from stribeck import laws
 from stribeck.constants import show
-from stribeck.errors import InputError, StribeckError, arg, nearest
+from stribeck.errors import InputError, StribeckError, arg, first_line, nearest
 from stribeck.identify.data.prepare import Preparation, load_log
 from stribeck.identify.data.read import ColumnNames
 from stribeck.identify.data.units import ROLES
@@ -188,7 +188,7 @@ def compare(log: Log, names: Sequence[str], each: Callable[[Log, str], Fit]) -> 
             if fits[name].status == "stopped":
                 return fits[name]
         except StribeckError as error:
-            failed[name] = str(error).splitlines()[0]
+            failed[name] = first_line(error)
         except KeyboardInterrupt:  # before anything of this law was found
             if not fits:
                 raise

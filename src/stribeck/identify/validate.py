@@ -79,7 +79,7 @@ def validate(
     rows = np.all([np.isfinite(x) for x in raw.values()], axis=0)
     raw = {role: x[rows] for role, x in raw.items()}
     time = raw["time"] - raw["time"][0]
-    if len(time) < 2 or np.any(np.diff(time) < 0):
+    if len(time) < 2 or np.any(np.diff(time) < 0) or time[-1] <= 0:
         raise InputError(f"{arg('time')}: must rise, over two rows or more")
     end = time[-1] if "command" in raw else _driven_until(scenario)
     if time[-1] > end:

@@ -129,6 +129,8 @@ def design(
         StribeckError: no gains that were tried are quiet.
     """
     scenario = scenario_of(machine, None, None)
+    if seed < 0:
+        raise InputError(f"{arg('seed')}: {seed}: must be a whole number >= 0")
     if scenario.rig.single:
         vary, tune, map = ([machine_path(x) for x in given] for given in (vary, tune, map))
     loop = loop_of(scenario)

@@ -34,7 +34,7 @@ class Turned:
     high: float
 
     @classmethod
-    def parse(cls, text: str) -> Turned:
+    def parse(cls, text: str, given: str = "vary") -> Turned:
         """``PATH=LOW:HIGH``.
 
         Raises:
@@ -45,10 +45,10 @@ class Turned:
             low, high = (float(x) for x in ends.split(":"))
         except ValueError:
             raise InputError(
-                f"{arg('vary')}: {show(text)}: must be PATH=LOW:HIGH, as controllers.axis.K_p=1:100"
+                f"{arg(given)}: {show(text)}: must be PATH=LOW:HIGH, as controllers.axis.K_p=1:100"
             ) from None
         if not (np.isfinite([low, high]).all() and low < high):
-            raise InputError(f"{arg('vary')}: {show(text)}: LOW must be below HIGH, both finite")
+            raise InputError(f"{arg(given)}: {show(text)}: LOW must be below HIGH, both finite")
         return cls(path, low, high)
 
     def points(self, count: int) -> Array:
@@ -103,8 +103,8 @@ class PathVerdicts:
     mixed: list[Mixed]
 
 
-def known_path(loop: Loop, path: str) -> None:
-    """Refuse a path that is no number of the machine.
+def known_path(loop: Loop, path: str, given: str = "vary") -> None:
+    """Refuse a path that is no number of the machine; ``given`` is the argument that names it.
 
     Raises:
         InputError: with what is like it.
@@ -113,7 +113,7 @@ def known_path(loop: Loop, path: str) -> None:
 
     known = list(machine_places(loop.scenario))
     if path not in known:
-        raise InputError(f"{arg('vary')}: {path}: no number of the machine{nearest(path, known)}")
+        raise InputError(f"{arg(given)}: {path}: no number of the machine{nearest(path, known)}")
 
 
 def line(loop: Loop, turned: Turned, tell: Callable[[float], None] | None = None) -> PathVerdicts:

@@ -67,9 +67,9 @@ def plane_of(loop: Loop, ranges: Sequence[str]) -> tuple[Turned, Turned]:
     """
     if len(ranges) != 2:
         raise InputError(f"{arg('map')}: {len(ranges)} given: must be two, each PATH=LOW:HIGH")
-    across, up = (Turned.parse(text) for text in ranges)
+    across, up = (Turned.parse(text, "map") for text in ranges)
     for each in (across, up):
-        known_path(loop, each.path)
+        known_path(loop, each.path, "map")
     if across.path == up.path:
         raise InputError(f"{arg('map')}: {across.path}: must be two different numbers")
     return across, up

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from stribeck.arrays import Array
 from stribeck.constants import show
-from stribeck.errors import InputError, StribeckError, arg
+from stribeck.errors import InputError, StribeckError, arg, refuse_twice
 from stribeck.files import json_of, write_sealed
 from stribeck.loops.boundary import known_path
 from stribeck.loops.judge import judge
@@ -94,11 +94,14 @@ def paths_of(loop: Loop, controller: str, names: list[str]) -> list[str]:
     """The full path of each name: ``K_p`` is the controller's.
 
     Raises:
-        InputError: there is no such number, or it is 0, which nothing can be a multiple of.
+        InputError: there is no such number, or one is named twice.
     """
+    if "" in names:
+        raise InputError(f"{arg('tune')}: '': must be the name of a number, such as K_p")
     found = [name if "." in name else f"controllers.{controller}.{name}" for name in names]
     for path in found:
-        known_path(loop, path)
+        known_path(loop, path, "tune")
+    refuse_twice(found, arg("tune"))
     return found
 
 

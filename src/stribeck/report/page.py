@@ -52,6 +52,11 @@ class FigureSvg:
         return body.replace("<svg", f'<svg role="img" aria-label="{self.name}"', 1)
 
 
+def in_script(data: object) -> str:
+    """Data as JSON that may stand in a script of HTML: nothing in it ends that, or opens another."""
+    return json.dumps(data, allow_nan=False).replace("<", "\\u003c")
+
+
 @dataclass(frozen=True)
 class LaneCurves:
     """Trajectories that a click on a part of a figure shows: parts whose id ends in ``lane-N`` belong to lane N.
@@ -71,7 +76,7 @@ class LaneCurves:
     @property
     def text(self) -> str:
         """As JSON that may stand in HTML."""
-        return json.dumps(asdict(self), allow_nan=False).replace("</", "<\\/")
+        return in_script(asdict(self))
 
 
 @dataclass(frozen=True)

@@ -255,7 +255,8 @@ class FileSignal(PointsSignal):
             raise InputError([f"{key}: {names[key]!r}: {text.format(count)}" for key, count in empty])
         columns["time"] *= TIME[time_unit]
         columns["value"] *= scale * (known["unit"][unit] if unit is not None else 1.0)
-        if found := cls.problems(columns["time"], columns["value"]):
+        t = columns["time"]
+        if found := cls.problems(t, columns["value"]) or _still(t):
 
             def place(where: str) -> str:
                 key, _, row = where.partition("[")
@@ -264,6 +265,11 @@ class FileSignal(PointsSignal):
 
             raise InputError([f"path: {path}: {place(where)}: {text}" for where, text in found])
         return cls(columns["time"], columns["value"])
+
+
+def _still(t: Array) -> list[tuple[str, str]]:
+    """What is wrong with a recording of which all rows, more than those of a step, have one time."""
+    return [("t", f"{show(float(t[0]))} s in every row: must rise")] if len(t) > 2 and t[0] == t[-1] else []
 
 
 def _some(unit: str | None, known: Mapping[str, float]) -> str:

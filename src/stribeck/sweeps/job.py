@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
 from fnmatch import fnmatch
 from functools import partial
 from hashlib import sha256
@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from stribeck.arrays import Array
 from stribeck.codegen import source
-from stribeck.errors import InputError, arg, needed
+from stribeck.errors import InputError, StribeckError, arg, needed
 from stribeck.scenario import Scenario
 from stribeck.scenario.objects import Machine, VariedMachine, scenario_of
 from stribeck.simulation.ensemble import check_device
@@ -142,9 +142,11 @@ class Sweep:
         return now in self._read
 
     def _digests(self) -> dict[str, str]:
-        """Those that the manifest in the folder holds."""
-        found = read_json(self.place, _MANIFEST).get("sha256", {})
-        return found if isinstance(found, dict) else {}
+        """Those of its parts that the manifest in the folder holds."""
+        found = read_json(self.place, _MANIFEST).get("sha256")
+        if not isinstance(found, dict):
+            return {}
+        return {name: x for name in map(self.name, range(self.parts)) if isinstance(x := found.get(name), str)}
 
     def run(self, threads: int | None = None, progress: Progress | None = None, on: str | None = None) -> int:
         """Write the parts that are missing; how many lanes failed in all.
@@ -156,7 +158,8 @@ class Sweep:
 
         Raises:
             InputError: the folder holds another sweep, or another process is at work in it.
-            StribeckError: the cluster went away, or none of its workers can do it; what was written stays.
+            StribeckError: the cluster went away, none of its workers can do it, or somebody changed a part meanwhile; what
+                was written stays.
         """
         with self.place.alone(), self._workers(on) as workers:
             self._claim()
@@ -174,6 +177,9 @@ class Sweep:
             else:
                 self._here(todo, threads, tell)
             self._note({})  # of two clients of a store that began at once one may have lost what the other noted
+            if changed := self.missing():
+                text = f"{self.name(changed[0])} was changed meanwhile; the same command makes it again"
+                raise StribeckError(f"{arg('folder')}: {str(self.place)!r}: {text}")
             return sum(self._failed(part) for part in range(self.parts))
 
     def _workers(self, on: str | None) -> AbstractContextManager[Workers | None]:
@@ -201,6 +207,8 @@ class Sweep:
     def written(self, part: int, known: str) -> None:
         """Note that a part is written, with the SHA-256 of its file."""
         self._note({self.name(part): known})
+        with suppress(OSError):  # gone already
+            self._read.add((self.name(part), known, *self.place.state(self.name(part))))
 
     def _note(self, digests: Mapping[str, str]) -> None:
         self._made |= digests
@@ -225,11 +233,20 @@ class Sweep:
         """Make the folder this sweep's: write its manifest, or find the same one there."""
         self.place.tidy()
         here = f"{arg('folder')}: {str(self.place)!r}"
-        if _MANIFEST in (names := self.place.names()):
-            if {key: x for key, x in read_json(self.place, _MANIFEST).items() if key != "sha256"} != self.manifest:
+        names = self.place.names()
+        parts = {name for name in names if fnmatch(name, "part-*.*")}
+        if _MANIFEST in names:
+            if not (found := read_json(self.place, _MANIFEST)):
+                raise InputError(
+                    f"{here}: {_MANIFEST} in it is damaged or cannot be read: must be another folder, or emptied"
+                )
+            if {key: x for key, x in found.items() if key != "sha256"} != self.manifest:
                 text = "holds another sweep (another scenario, range or version): must be another folder, or emptied"
                 raise InputError(f"{here}: {text}")
-        elif any(fnmatch(name, "part-*.*") for name in names):
+            if others := sorted(parts.difference(map(self.name, range(self.parts)))):
+                text = "which is no part of this sweep: must be another folder, or one without it"
+                raise InputError(f"{here}: holds {others[0]}, {text}")
+        elif parts:
             raise InputError(f"{here}: holds parts of an unknown sweep: must be another folder")
         else:
             put_json(self.place, _MANIFEST, {**self.manifest, "sha256": {}})

@@ -128,9 +128,9 @@ class Folder:
         return str(self.folder)
 
     def put(self, name: str, write: Write) -> str:
-        """See :class:`Place`. A pipe, a device or a link that leads nowhere makes room for the file."""
+        """See :class:`Place`. A pipe, a device or a link makes room for the file: what it leads to is not this sweep's."""
         path = self.folder / name
-        if os.path.lexists(path) and not path.is_file():
+        if path.is_symlink() or (path.exists() and not path.is_file()):
             path.unlink()
         write_with(path, write)
         return sha256_of(path)

@@ -216,7 +216,9 @@ def rig(
     simulate: Annotated[
         bool, typer.Option("--simulate", help="Write a SYNTHETIC log of the programme too: simulated, not measured.")
     ] = False,
-    law: Annotated[str, typer.Option("--law", metavar="NAME", help="The synthetic rig's friction.")] = "lugre",
+    law: Annotated[
+        str | None, typer.Option("--law", metavar="NAME", help="The synthetic rig's friction; lugre unless given.")
+    ] = None,
     parameters: Annotated[
         str | None, typer.Option("--parameters", metavar="SET", help="Its constants: a set or a file.")
     ] = None,

@@ -125,6 +125,9 @@ int {{ P }}_advance({{ P }} *m, double t)
 {
     bind(m);
     if ({{ P }}_wrong(m)) return {{ P | upper }}_BAD_CONSTANT;
+    int finite = t == t;
+    for (int i = 0; i < N; i++) finite &= m->x[i] - m->x[i] == 0; /* neither infinite nor nan */
+    if (!finite) return {{ P | upper }}_NOT_FINITE;
     take_constants(m);
     m->begun = 1;
     m->run.t_end = t;

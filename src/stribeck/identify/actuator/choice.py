@@ -11,7 +11,7 @@ import numpy as np
 
 from stribeck import laws as known_laws
 from stribeck.constants import show
-from stribeck.errors import InputError, StribeckError, arg, nearest
+from stribeck.errors import InputError, StribeckError, arg, first_line, nearest, with_marks
 from stribeck.identify.actuator.coordinates import MachineCoordinate, paths
 from stribeck.identify.actuator.estimate import BestPoint, estimate
 from stribeck.identify.actuator.larger import OpenLaw, again, doubtful, left_more, mend
@@ -166,13 +166,13 @@ def among_laws(fit: Fitting, laws: Mapping[str, Sequence[str]]) -> Chosen:
                 scenario, fitted, sought, fit.starts, fit.seed, fit.work, fit.kept.load(label), fit.kept.saver(label)
             )
         except StribeckError as error:
-            failed[label] = str(error).splitlines()[0]
+            failed[label] = first_line(error)
             continue
         tried[label] = OpenLaw(scenario, sought, best)
         if best.stopped:
             break
     if not tried:
-        raise InputError([f"law: {label}: {why}" for label, why in failed.items()])
+        raise InputError([f"law: {label}: {with_marks(why)}" for label, why in failed.items()])
     if not any(x.best.stopped for x in tried.values()):
         mend(list(tried.values()), fitted, fit.seed, fit.work)
     rows = [
@@ -292,7 +292,7 @@ def baselines(fit: Fitting, result: MachineFit) -> dict[str, Baseline]:
             errors = [held_out_error(fit, scenario, best, part) for part in (fit.fitted, fit.held)]
             found[label] = {"fitted": errors[0], "held_out": errors[1] if fit.held else None, "numbers": len(sought)}
         except StribeckError as error:
-            found[label] = {"why": str(error).splitlines()[0]}
+            found[label] = {"why": first_line(error)}
     return found
 
 

@@ -34,6 +34,7 @@ from stribeck.identify.statistics.static_intervals import StaticConfidenceInterv
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
 _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
 _SIGN_FROM = 200_000  # rows that tell the force's sign
+_ROUNDING = 1e-13  # of a position: what a filter makes of one that never changes
 _FIFTH = 0.2  # of the way, left out at an end
 _OF_A_LOOP: tuple[str, ...] = ("mass", "delay", "sigma_2")
 _BENDS = 5.0  # k_v times the largest speed: a sign that bends so slowly shows no jump at a reversal
@@ -228,7 +229,8 @@ def check_motion(log: Log) -> None:
     """
     v = log.velocity
     fastest = float(np.max(abs(v)))
-    if fastest <= 0:
+    ways = [float(np.ptp(x)) - _ROUNDING * float(np.max(abs(x))) for x in map(log.position.__getitem__, log.runs())]
+    if fastest <= 0 or max(ways) <= 0:  # of a position that never changes a filter leaves its rounding
         raise InputError(f"{arg('velocity')}: 0 throughout: nothing moves, so there is no friction to fit")
     low, middle, high = np.quantile(v[:: max(len(v) // 1_000_000, 1)], (0.05, 0.5, 0.95))
     if high - low < 2 * _STEADY * abs(middle):
@@ -239,11 +241,9 @@ def check_motion(log: Log) -> None:
     if not np.ptp(log.force) > 0:
         raise InputError(f"{arg('force')}: {log.force[0]:.6g} N throughout: there is no friction to fit")
     every = max(len(log) // _SIGN_FROM, 1)
-    thin = v[::every]
-    rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), np.ones(len(thin))])
-    rough = np.column_stack(
-        [rough, log.position[::every], np.sin(log.position[::every]), np.cos(log.position[::every])]
-    )
+    thin, y = v[::every], log.position[::every]
+    beside = [np.ones(len(thin)), y, np.sin(y), np.cos(y)]
+    rough = np.column_stack([log.acceleration[::every], thin, np.sign(thin), *beside])
     coefficients = np.linalg.lstsq(rough / np.maximum(np.abs(rough).max(0), 1e-300), log.force[::every], rcond=1e-10)[0]
     both = v.min() < -0.1 * fastest and v.max() > 0.1 * fastest
     against = float(np.sum((coefficients[1] * thin / fastest + coefficients[2] * np.sign(thin)) * thin))

@@ -10,7 +10,7 @@ from typing import TypedDict
 import numpy as np
 
 from stribeck import laws
-from stribeck.errors import InputError, StribeckError, arg
+from stribeck.errors import InputError, StribeckError, arg, first_line, with_marks
 from stribeck.identify.details import AddedTerm, Candidate, FitDetails
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.optimise import STOPPED
@@ -97,7 +97,7 @@ def choose(fits: dict[str, Fit], failed: dict[str, str]) -> Choice:
     candidates = {n: f.details["left_out"] for n, f in fits.items() if "left_out" in f.details}
     if not candidates:
         raise InputError(
-            [f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()]
+            [f"{arg('law')}: {name!r}: {with_marks(why)}" for name, why in failed.items()]
             or f"{arg('law')}: no law could be compared"
         )
     picked, reason = crossvalidate.choose(candidates)
@@ -206,9 +206,9 @@ def _law_of(rows: Rows, setting: Setting, tell: Callable[[float], None] | None, 
         try:
             plain[law] = reached.keep(settle(rows, law, _for_law(setting, law)))
         except StribeckError as error:
-            failed[law] = str(error).splitlines()[0]
+            failed[law] = first_line(error)
     if not plain:
-        raise InputError([f"{arg('law')}: {name!r}: {why}" for name, why in failed.items()])
+        raise InputError([f"{arg('law')}: {name!r}: {with_marks(why)}" for name, why in failed.items()])
     start = min(plain, key=lambda n: plain[n].left_out.error)
     best, steps = _forward(rows, start, plain[start], tell, reached, steepness=False)
     best = bounded(best, setting.body)
@@ -220,7 +220,7 @@ def _law_of(rows: Rows, setting: Setting, tell: Callable[[float], None] | None, 
                 at = settle(rows, law, with_terms, [best.shapes, narrow.shapes])
                 wider[law] = at, [_step("(as asked)", narrow), _step(", ".join(best.setting.body), at)]
             except StribeckError as error:
-                failed.setdefault(law, str(error).splitlines()[0])
+                failed.setdefault(law, first_line(error))
     settled = {**plain, **{f"{law}, selected": s for law, (s, _) in wider.items() if _differs(s, plain[law])}}
     picked, reason = crossvalidate.choose({n: s.left_out for n, s in settled.items()})
     fits, plainer = {}, [_row(name, each) for name, each in _plainer(rows, setting).items()]
