@@ -23,6 +23,7 @@ from stribeck.identify.models.dynamic_problem import VelocityProblem
 from stribeck.identify.models.motion_problem import MotionProblem
 from stribeck.identify.models.problem import Problem
 from stribeck.identify.result import Estimate, Profile
+from stribeck.identify.statistics.missed import misses
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
 from stribeck.identify.statistics.sensor_noise import (
     acceleration_of_full_band,
@@ -54,7 +55,6 @@ _CLOSE_IF_CLEAN = (
 )
 _MORE = 1.15  # times the measurement's noise: the residual of a model that follows it
 _MODEL = 1.5  # times the force's noise: the model's own error is seen
-_BEYOND = 3.0  # times what noise explains: a residual that is the model's
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _LONGEST_MEMORY = 50  # samples, of the noise model
 _FRESH_STARTS = 4
@@ -125,21 +125,6 @@ def without(problem: Problem, u: Array, why: str) -> ConfidenceIntervals:
     )
 
 
-def misses(problem: Problem, misfit: Array, noise: Noise) -> str:
-    """Why nothing can be said of a fit, or nothing: it leaves more than noise does, and much of what was measured."""
-    left, whole = float(np.linalg.norm(misfit)), float(np.linalg.norm(problem.measured))
-    deviation = left / np.sqrt(max(len(misfit), 1))
-    if noise.expected <= 0 or deviation <= _BEYOND * noise.expected:
-        return ""
-    share = max(left / whole, noise.farther)
-    text = (
-        f"the fit misses {share:.2g} of what was measured, {deviation / noise.expected:.3g} times what noise explains"
-    )
-    if share > noise.missed:
-        return f"{text}: its numbers say nothing about the machine"
-    return f"{text}, and one start alone led to it: give more starts" if noise.alone else ""
-
-
 @dataclass(frozen=True)
 class _Optimum:
     """A problem at its best point, and what the residual does to the coordinates there.
@@ -198,7 +183,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     slopes, misfit = problem.sensitivities(u), problem.misfit(u)
     if slopes is None or misfit is None:
         return without(problem, u, "the simulation fails beside the best values")
-    if why := misses(problem, misfit, expected):
+    if why := misses(misfit, problem.measured, expected):
         return without(problem, u, why)
     at, notes = _at_optimum(problem, u, slopes, misfit, expected)
     sizes, values = sizes_of(log), problem.values(u)
