@@ -261,11 +261,12 @@ def _dynamic(log: Log, law: str, options: FitOptions, work: Work, compared: bool
 
 def _with_warning(fit: Fit) -> Fit:
     """The fit, with a note where the law explains little of the force."""
+    known = any(e.identifiable for e in {**fit.estimates, **fit.body}.values())
     share = fit.relative_force_error
     if not share > _POOR or "output" in fit.details:  # a fit of the motion is judged by the motion
         return fit
     text = (
         f"the fit misses {share:.0%} of the force: the law or the terms lack something that the data hold (the residuals "
-        "show what), and its numbers, intervals too, say little about the machine"
+        f"show what){', and its numbers, intervals too, say little about the machine' if known else ''}"
     )
     return replace(fit, notes=(text, *fit.notes))

@@ -4,6 +4,10 @@ import numpy as np
 import pytest
 
 from stribeck import fit
+from stribeck.identify.api import read_log
+from stribeck.identify.methods.static import Setting, finished, settle
+from stribeck.identify.models.static_problem import rows_of
+from stribeck.identify.statistics import alike
 
 
 @pytest.mark.parametrize(("way", "told"), [(0.4, False), (3.0, True)])
@@ -28,3 +32,19 @@ def test_a_spring_is_not_told_where_a_weight_does_as_well(way: float, told: bool
     assert any("alike" in note for note in best.notes) is not told
     if told:
         assert best.body[name].low <= 3 <= best.body[name].high
+
+
+def test_a_weight_in_place_of_a_spring_is_settled_once(monkeypatch):
+    """It had been settled again for the verdict."""
+    t = np.arange(0, 12, 4e-3)
+    y, v = 1.5 * np.sin(t), 1.5 * np.cos(t)
+    force = 8 * np.tanh(v / 0.01) + 2 * v + 30 * y + 0.1 * np.random.default_rng(2).standard_normal(len(t))
+    log = read_log({"t": t, "y": y, "F": force}, columns={"time": "t", "position": "y", "force": "F"})
+    rows, settled = rows_of(log), []
+    at = settle(rows, "coulomb_viscous", Setting({}, body=("offset", "stiffness")))
+    monkeypatch.setattr(alike, "settle", lambda *given: settled.append(settle(*given)) or settled[-1])
+    kept, instead = alike.bounded(at, ("offset",))
+    fit = alike.told_apart(finished(rows, kept, profiles=False), kept, ("offset",), instead)
+    assert kept is at
+    assert [each.setting.body for each in settled] == [("offset", "gravity_sin")]
+    assert fit.body["stiffness"].identifiable

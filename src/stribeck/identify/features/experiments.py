@@ -20,7 +20,7 @@ _SLOW_STROKE = 0.1  # of the largest speed
 _STROKES = {
     "F_c": ("middle", "fast"), "F_s": ("slowest", "middle"), "v_s": ("slowest", "fast"), "sigma_2": ("third", "fast"),
     "offset": ("middle", "fast"), "sigma_2_by_direction": ("third", "fast"), "drag": ("third", "fast"),
-    "thinning": ("slowest", "fast"), "k_v": ("slowest", "middle"),
+    "thinning": ("slowest", "fast"), "k_v": ("slowest", "middle"), "F_c_by_direction": ("slowest", "middle"),
 }  # fmt: skip
 _ALONG = ("stiffness", "gravity_sin", "gravity_cos", "ripple_sin", "ripple_cos", "ripple_waves")
 

@@ -24,6 +24,7 @@ _WORDS = {
     "mass": "accelerations at which mass * acceleration exceeds half the friction level ({half}), in both directions",
     "stiffness": "slow strokes over the whole travel, in both directions",
     "sigma_2_by_direction": "at least three constant speeds up to {fast}, the same in both directions",
+    "F_c_by_direction": "constant speeds in both directions from {slowest} to {middle}, the same in both",
     "drag": "constant speeds in both directions, at least five, evenly up to {fast} or more",
     "thinning": "constant speeds in both directions, at least five, evenly in the logarithm up to {fast} or more",
     "ripple_waves": "slow strokes over the whole travel, in both directions",

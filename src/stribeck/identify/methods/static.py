@@ -29,6 +29,7 @@ from stribeck.identify.models.terms import TERMS, column
 from stribeck.identify.result import Estimate, Fit, Prediction
 from stribeck.identify.statistics.crossvalidate import FOLDS, LeftOut, cross_validate
 from stribeck.identify.statistics.linear import linearised
+from stribeck.identify.statistics.loops import of_a_loop
 from stribeck.identify.statistics.static_intervals import StaticConfidenceIntervals, static_intervals
 
 _STEADY = 0.02  # spread of the speed, as a share: less is constant velocity
@@ -36,8 +37,6 @@ _LOOKED_AT = 1_000_000  # rows searched for stretches of constant speed
 _SIGN_FROM = 200_000  # rows that tell the force's sign
 _ROUNDING = 1e-13  # of a position: what a filter makes of one that never changes
 _FIFTH = 0.2  # of the way, left out at an end
-_OF_A_LOOP: tuple[str, ...] = ("mass", "delay", "sigma_2")
-_BENDS = 5.0  # k_v times the largest speed: a sign that bends so slowly shows no jump at a reversal
 _HUBER = 1.345
 _LONGEST_STEP = 0.5  # of a shape's logarithm, in the fit without a part
 
@@ -136,7 +135,7 @@ def finished(
     made, solution, log = settled.model, settled.solution, rows.log
     judged = judged or static_intervals(rows, made, solution, profiles)
     law, values = made.law, solution.values
-    told, of_bristles = _bristles(judged.estimates, values, log)
+    told, of_bristles = of_a_loop(judged.estimates, values, log) if judged.told else (judged.estimates, [])
     estimates = {n: told[n] for n in law.constants() if n in told}
     body = {n: e for n, e in told.items() if n in TERMS}
     body |= _by_direction(estimates, body, judged.names, judged.covariance)
@@ -173,7 +172,7 @@ def finished(
             "decimation": rows.q,
             "segments": _curve(made.whole, values, constant_speed(near), near),
             "left_out": settled.left_out,
-            "levels": levels(rows, made, solution),
+            "levels": levels(rows, made, solution) if judged.told else [],
         },
     )
 
@@ -190,34 +189,6 @@ def _given(made: StaticModel, values: Mapping[str, float]) -> dict[str, float]:
 def _zeros(estimates: Mapping[str, Estimate]) -> list[str]:
     return [
         f"{n}: comes out as 0, at most {e.high:.3g} {e.unit}" for n, e in estimates.items() if e.value == 0.0 and e.high
-    ]
-
-
-def _bristles(
-    estimates: Mapping[str, Estimate], values: Mapping[str, float], log: Log
-) -> tuple[Mapping[str, Estimate], list[str]]:
-    """What a spring may stand for, beside no friction level or one that hardly comes to its end at the speeds measured: the
-    numbers that bend its line to a loop are not known."""
-    spring, level = estimates.get("stiffness"), estimates.get("F_c")
-    if spring is None or level is None or not values["stiffness"] > 0:
-        return estimates, []
-    names: tuple[str, ...] = _OF_A_LOOP
-    found = "no friction level"
-    if level.identifiable:
-        fastest, reach = float(np.max(abs(log.velocity))), float(np.ptp(log.position)) / 2
-        bends = "k_v" in estimates and values["k_v"] * fastest < _BENDS
-        if not bends or values["stiffness"] * reach < values["F_c"]:
-            return estimates, []
-        found, names = "a sign that bends over all speeds measured", (*_OF_A_LOOP, "F_c", "F_s", "v_s")
-    why = f"it may imitate the loop of presliding: there is a spring and {found}"
-    doubted = {
-        n: replace(e, value=None, identifiable=False, why=why, best=e.value)
-        for n, e in estimates.items()
-        if n in names and e.identifiable
-    }
-    return {**estimates, **doubted}, [
-        f"a spring and {found}: if nothing but the contact holds the body, the record is one of presliding, and the "
-        "spring is that of the bristles; a law that has them tells it (lugre, fitted by the method 'presliding')"
     ]
 
 
@@ -290,9 +261,10 @@ def _by_direction(
 ) -> dict[str, Estimate]:
     """Friction forwards and backwards, where the fit tells the two apart."""
     found: dict[str, Estimate] = {}
-    if "sigma_2_by_direction" not in body:
+    if not {"sigma_2_by_direction", "F_c_by_direction"} & set(body):
         return found
-    for name, other in (("F_c", "offset"), ("sigma_2", "sigma_2_by_direction")):
+    level = "F_c_by_direction" if "F_c_by_direction" in names else "offset"
+    for name, other in (("F_c", level), ("sigma_2", "sigma_2_by_direction")):
         if name not in names or other not in names:
             continue
         i, k = names.index(name), names.index(other)

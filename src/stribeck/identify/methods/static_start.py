@@ -86,6 +86,9 @@ def model(
             f"{arg('terms')}: in law '{law.name}' no friction level F_c multiplies the force, so none can vary"
         )
     terms = _told_apart(rows, terms, unseen, notes)
+    if "k_v" in given and "k_v" not in fixed and "F_c_by_direction" in terms:
+        unseen["F_c_by_direction"] = "where the sign changes at once it is an offset: k_v must be fitted too"
+        terms.remove("F_c_by_direction")
     linear = [n for n in wanted if n in sliding.linear and n not in unseen]
     shapes = [_shape(n, law, sizes, rows) for n in wanted if n not in sliding.linear and n not in unseen]
     if "delay" in terms:

@@ -64,6 +64,9 @@ TERMS: dict[str, Term] = {
         "N s^0.5/m^0.5", "friction that grows with the root of the speed: grease that thins",
         lambda log: np.sign(log.velocity) * np.sqrt(abs(log.velocity)), positive=True, friction=True,
     ),
+    "F_c_by_direction": Term(
+        "N", "half of what the friction level is more forwards", lambda log: np.sign(log.velocity), level=True
+    ),
     "F_c_by_position": Term("N/m", "growth of the friction level with position", lambda log: log.position, level=True),
     "F_c_by_load": Term("1", "growth of the friction level with load", lambda log: _get(log.load), True, "load"),
     "F_c_by_pressure": Term("m^2", "growth of the level with pressure", lambda log: _get(log.pressure), True, "pressure"),

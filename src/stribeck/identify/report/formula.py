@@ -11,7 +11,8 @@ from stribeck.laws.render import equations
 FACTORS = {
     "mass": "a", "offset": "1", "stiffness": "y", "gravity_sin": "sin(y)", "gravity_cos": "cos(y)",
     "ripple_sin": "sin(ripple_waves y)", "ripple_cos": "cos(ripple_waves y)", "area": "p", "sigma_2_by_direction": "|v|",
-    "drag": "v |v|", "thinning": "sign(v) sqrt(|v|)", "F_c_by_position": "y", "F_c_by_load": "N", "F_c_by_pressure": "p",
+    "drag": "v |v|", "thinning": "sign(v) sqrt(|v|)", "F_c_by_direction": "sign(v)", "F_c_by_position": "y",
+    "F_c_by_load": "N", "F_c_by_pressure": "p",
     "F_c_by_time": "t",
 }  # fmt: skip
 _MEANING = {

@@ -26,20 +26,21 @@ def too_heavy(at: Settled) -> bool:
     return largest > _HEAVIEST * float(np.max(abs(at.rows.log.force)))
 
 
-def bounded(at: Settled, asked: Sequence[str]) -> Settled:
+def bounded(at: Settled, asked: Sequence[str]) -> tuple[Settled, Settled | None]:
     """What was found, with a weight in place of a spring that was not asked for, where that predicts data left out, and the ends
-    of the way, as well: on a longer way a spring grows without bound, and a weight does not."""
+    of the way, as well: on a longer way a spring grows without bound, and a weight does not. And the other of the two, where
+    there are two."""
     own = [n for n in (_SPRING, *_WEIGHT) if n in (*at.setting.body, *asked, *at.setting.fixed)]
     if _SPRING not in at.setting.body or set(own) & {*asked, *at.setting.fixed} or len(own) > 1:
-        return at
+        return at, None
     instead = _instead(at)
     if instead is None or beyond_chance(at.left_out, instead.left_out):
-        return at
+        return at, instead
     spring, weight = abs(at.solution.values[_SPRING]), abs(instead.solution.values[_WEIGHT[0]])
     if weight > np.pi * spring:  # more than the spring on half a turn: the way lies where a sine is flat
-        return at
+        return at, instead
     ends = [float(np.sum(missed_beyond(each))) for each in (instead, at)]
-    return instead if ends[0] <= _AS_GOOD * ends[1] else at
+    return (instead, at) if ends[0] <= _AS_GOOD * ends[1] else (at, instead)
 
 
 def _instead(at: Settled) -> Settled | None:
@@ -56,18 +57,19 @@ def _instead(at: Settled) -> Settled | None:
         return None
 
 
-def told_apart(fit: Fit, at: Settled, asked: Sequence[str]) -> Fit:
+def told_apart(fit: Fit, at: Settled, asked: Sequence[str], instead: Settled | None = None) -> Fit:
     """The fit; its spring or weight, unless asked for, is not told where the other predicts data left out as well.
 
     Args:
         fit, at: what was found.
         asked: the terms that the user named.
+        instead: the same with a weight in place of the spring, or the other way round, where that was settled.
     """
     body = at.setting.body
     own = [n for n in (_SPRING, *_WEIGHT) if n in body]
     if not own or set(own) & set(asked) or (_SPRING in own and len(own) > 1):
         return fit
-    instead = _instead(at)
+    instead = instead or _instead(at)
     if instead is None:
         return fit
     log, other = at.rows.log, [n for n in (_SPRING, *_WEIGHT) if n in instead.setting.body]

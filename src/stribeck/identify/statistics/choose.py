@@ -14,24 +14,32 @@ from stribeck.errors import InputError, StribeckError, arg, first_line, with_mar
 from stribeck.identify.details import AddedTerm, Candidate, FitDetails
 from stribeck.identify.log import INTEGRAL, Log
 from stribeck.identify.methods.optimise import STOPPED
-from stribeck.identify.methods.static import Setting, Settled, check_motion, finished, missed_beyond, settle
-from stribeck.identify.methods.static_start import unit_of
+from stribeck.identify.methods.static import (
+    Setting,
+    Settled,
+    check_motion,
+    finished,
+    missed_beyond,
+    settle,
+)
 from stribeck.identify.models import play, terms
 from stribeck.identify.models.ripple import range_of, share
 from stribeck.identify.models.static_problem import Rows, rows_of
 from stribeck.identify.models.terms import OF_POSITION, RIPPLE, TERMS
-from stribeck.identify.result import Estimate, Fit
+from stribeck.identify.result import Fit
 from stribeck.identify.statistics import crossvalidate, reversals
 from stribeck.identify.statistics.alike import bounded, told_apart, too_heavy
 from stribeck.identify.statistics.crossvalidate import beyond_chance
 from stribeck.identify.statistics.lacking import beside, open_terms
-from stribeck.identify.statistics.static_intervals import StaticConfidenceIntervals
+from stribeck.identify.statistics.static_intervals import untold
+from stribeck.identify.statistics.suspects import turns
 
 _TRIED = 3  # terms that lower the residual most, whose error on data left out is computed
 _WORTH = 0.01  # of the error: less gain does not pay for another number
 _HALF = 0.5  # of the error on data left out: so much is no chance, however few moments it comes from
 _UNBOUNDED = ("stiffness", "F_c_by_position")  # grow on along a longer way
 _EXPLAINS = 0.82  # of the error: they must leave no more, as hysteresis and backlash look a little like them
+_AS_FAST = 0.7  # of the faster direction's speeds: what the slower one must reach for a slope of its own
 _AT_END = 0.99  # of the longest delay that is tried
 _PAIRED = {"gravity_sin": "gravity_cos", "gravity_cos": "gravity_sin"}  # an angle of unknown zero needs both
 BASELINES = {"least squares": "coulomb_viscous", "tanh-Stribeck": "stribeck_tanh"}
@@ -118,8 +126,8 @@ def select_terms(log: Log, law: str, setting: Setting, tell: Callable[[float], N
     rows, reached = rows_of(log, setting.decimate), _Reached()
     try:
         found, steps = _forward(rows, law, reached.keep(settle(rows, law, setting)), tell, reached)
-        found = bounded(found, setting.body)
-        fit = told_apart(reversals.named(finished(rows, found)), found, setting.body)
+        found, instead = bounded(found, setting.body)
+        fit = told_apart(reversals.named(finished(rows, found)), found, setting.body, instead)
         compared = _compared(fit, rows, setting, found)
     except KeyboardInterrupt:
         return reached.stopped()
@@ -159,13 +167,7 @@ class _Reached:
         """
         if self.best is None:
             raise KeyboardInterrupt
-        made, values = self.best.model, self.best.solution.values
-        names = (*made.whole.wanted, *made.whole.free, *(s.name for s in made.whole.shapes))
-        estimates = {
-            n: Estimate(None, None, None, unit_of(made.law, n), False, _BEFORE_ITS_END, best=values[n]) for n in names
-        }
-        nothing = np.full((len(names), len(names)), np.nan)
-        judged = StaticConfidenceIntervals(estimates, names, nothing, {}, (), {})
+        judged = untold(self.best.model, self.best.solution, _BEFORE_ITS_END)
         fit = finished(self.best.rows, self.best, judged=judged)
         return replace(fit, status="stopped", notes=(STOPPED, *fit.notes))
 
@@ -211,7 +213,7 @@ def _law_of(rows: Rows, setting: Setting, tell: Callable[[float], None] | None, 
         raise InputError([f"{arg('law')}: {name!r}: {with_marks(why)}" for name, why in failed.items()])
     start = min(plain, key=lambda n: plain[n].left_out.error)
     best, steps = _forward(rows, start, plain[start], tell, reached, steepness=False)
-    best = bounded(best, setting.body)
+    best, instead = bounded(best, setting.body)
     wider: dict[str, tuple[Settled, list[AddedTerm]]] = {start: (best, steps)}
     for law, narrow in plain.items():
         if law != start and narrow.setting.body != best.setting.body:
@@ -228,7 +230,7 @@ def _law_of(rows: Rows, setting: Setting, tell: Callable[[float], None] | None, 
         law = name.removesuffix(", selected")
         fit = finished(rows, each, profiles=name == picked)
         if name == picked:
-            fit = told_apart(reversals.named(fit), each, setting.body)
+            fit = told_apart(reversals.named(fit), each, setting.body, instead if each is best else None)
         details: FitDetails = {**fit.details, "candidates": [*plainer, _row("this fit", each)]}
         if name != law:
             details["selection"] = wider[law][1]
@@ -340,7 +342,8 @@ def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
     """The terms that may be added, and k_v where the law has one.
 
     Beside a weight the level is not let grow with the position: it imitates friction that grows with what the arm carries, which
-    comes to an end on the turn where a straight line grows on.
+    comes to an end on the turn where a straight line grows on. A direction that is slower by far has no slope of its own, which
+    would go on beyond its speeds; with a smooth sign levels by direction are no offset.
     """
     log, own = rows.log, laws.find(law).constants()
     there = (*setting.body, *setting.fixed)
@@ -353,8 +356,15 @@ def _open(rows: Rows, law: str, setting: Setting) -> list[str]:
     if "play" not in there and play.range_of(log):
         names.append("play")
     free = setting.free or ()
-    if "k_v" in own and not own["k_v"].required and "k_v" not in setting.fixed and "k_v" not in free:
-        names = ["k_v", *names]
+    slower, faster = sorted((-float(log.velocity.min()), float(log.velocity.max())))
+    if slower < _AS_FAST * faster:
+        names = [n for n in names if n != "sigma_2_by_direction"]
+    if "k_v" not in own or "k_v" in setting.fixed:
+        return names
+    if not own["k_v"].required and "k_v" not in free:
+        return ["k_v", *names]
+    if "F_c" in own and "offset" in there and "F_c_by_direction" not in there and turns(log.velocity):
+        names.append("F_c_by_direction")
     return names
 
 

@@ -51,12 +51,17 @@ class Lacking:
     forms: tuple[dict[str, Array], ...]
     unsteady: bool
 
+    @property
+    def taken(self) -> str:
+        """In words, where there are ``names``."""
+        return f"{', or '.join(self.names)} would take {self.share:.0%} of the squared residual away"
+
 
 def open_terms(log: Log, given: Mapping[str, float] | tuple[str, ...], level: bool) -> list[str]:
     """The terms that may be added to those that are there; ``level``: the law has one, F_c, that may vary."""
     return [
         n for n, t in TERMS.items()
-        if n != "mass" and n not in given and n not in (*RIPPLE, "thinning", "play")
+        if n != "mass" and n not in given and n not in (*RIPPLE, "thinning", "play", "F_c_by_direction")
         and (not t.needs or getattr(log, t.needs) is not None)
         and (not t.level or level)
         and not (n.startswith("gravity") and float(np.ptp(log.position)) < _SHORT)
@@ -186,10 +191,7 @@ def unfitted(
     asked = lacking(rows, model, values, at)
     late, notes = np.zeros(len(names)), []
     if asked.names:
-        notes.append(
-            f"{', or '.join(asked.names)} would take {asked.share:.0%} of the squared residual away: intervals reach farther to "
-            "the side to which that would shift"
-        )
+        notes.append(f"{asked.taken}: intervals reach farther to the side to which that would shift")
     if "delay" in names:
         late = abs(lateness(rows, names.index("delay"), at.slopes, at.misfit))
     there = elsewhere(model, values, at, asked)

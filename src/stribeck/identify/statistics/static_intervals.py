@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from stribeck.arrays import Array
-from stribeck.identify.details import FitDetails
+from stribeck.identify.details import FitDetails, SeenNoise
 from stribeck.identify.features.filtering import smoother_log
 from stribeck.identify.features.guess import sizes_of
 from stribeck.identify.features.rest import held_force
@@ -25,8 +25,9 @@ from stribeck.identify.statistics import clusters
 from stribeck.identify.statistics.at_bounds import at_bounds, to_measure
 from stribeck.identify.statistics.correlated import covariance, noise_memory, supporting_samples
 from stribeck.identify.statistics.effects import at_held_speeds
-from stribeck.identify.statistics.lacking import Lacking, one_sided, unfitted
+from stribeck.identify.statistics.lacking import Lacking, lacking, one_sided, unfitted
 from stribeck.identify.statistics.linear import Linear, linearised
+from stribeck.identify.statistics.missed import static_misses
 
 _HUGE = 1e100
 _NORMAL, _THRESHOLD = 1.959964, 3.841459
@@ -43,7 +44,8 @@ _PROFILED = ("F_c", "F_s", "v_s", "k_v", "delta")
 
 @dataclass(frozen=True)
 class StaticConfidenceIntervals:
-    """Estimates by name, covariance of ``names``, profiles, notes, and ``details`` for a report."""
+    """Estimates by name, covariance of ``names``, profiles, notes, and ``details`` for a report; ``told``: whether anything can
+    be said of the numbers."""
 
     estimates: dict[str, Estimate]
     names: tuple[str, ...]
@@ -51,6 +53,7 @@ class StaticConfidenceIntervals:
     profiles: dict[str, Profile]
     notes: tuple[str, ...]
     details: FitDetails
+    told: bool = True
 
 
 @dataclass(frozen=True)
@@ -72,8 +75,17 @@ class _Reach:
 def static_intervals(
     rows: Rows, model: StaticModel, solution: Minimum, profiles: bool = True
 ) -> StaticConfidenceIntervals:
-    """Intervals and verdicts for everything that was to be fitted."""
+    """Intervals and verdicts for everything that was to be fitted; none where the fit misses much more of the force than its
+    noise."""
     at = linearised(model.whole, solution)
+    if missed := static_misses(rows, model.whole.weight, model.whole.force, at.misfit):
+        share = clusters.misfit_share(rows.log.velocity[rows.kept], at.misfit, rows.weight)
+        asked = lacking(rows, model, solution.values, at)
+        return replace(
+            untold(model, solution, missed),
+            notes=(f"{asked.taken}: terms that a fit of this force may lack",) if asked.names else (),
+            details={"misfit_share": share, "noise": _noise(rows, at)},
+        )
     wide, notes, details = _half_widths(rows, model, solution, at)
     verdicts = {**_moves_away(at, wide), **_verdicts(rows, model, solution, at, wide.widest)}
     curves: dict[str, Profile] = {}
@@ -109,10 +121,26 @@ def static_intervals(
     estimates |= at_bounds(rows, model, solution, at, verdicts, wide.asked.forms if wide.asked else ())
     size = np.where(at.log, at.values, 1.0)
     matrix = np.clip(inner * np.outer(size, size), -(_HUGE**2), _HUGE**2)
-    details["noise"] = {
+    details["noise"] = _noise(rows, at)
+    return StaticConfidenceIntervals(estimates, at.names, matrix, curves, tuple(notes), details)
+
+
+def untold(model: StaticModel, solution: Minimum, why: str) -> StaticConfidenceIntervals:
+    """The best values, and nothing that is known of them, nor of what the data show nothing of."""
+    whole = model.whole
+    names = (*whole.wanted, *whole.free, *(s.name for s in whole.shapes))
+    estimates = {
+        n: Estimate(None, None, None, unit_of(model.law, n), False, why, best=solution.values.get(n))
+        for n in (*names, *model.unseen)
+    }
+    free = linearised(whole, solution).names
+    return StaticConfidenceIntervals(estimates, free, np.full((len(free), len(free)), np.nan), {}, (), {}, told=False)
+
+
+def _noise(rows: Rows, at: Linear) -> SeenNoise:
+    return {
         "standard_deviation": float(np.std(at.misfit[rows.weight > 0])), "memory": len(noise_memory(at.misfit)),
     }  # fmt: skip
-    return StaticConfidenceIntervals(estimates, at.names, matrix, curves, tuple(notes), details)
 
 
 def _relation(at: Linear) -> Array:

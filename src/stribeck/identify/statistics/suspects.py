@@ -59,8 +59,8 @@ def by_load(log: Log, values: Mapping[str, float]) -> Array:
 
 
 def _since_reversals(log: Log) -> tuple[Array, float]:
-    """The way gone since the last reversal, infinite before the first; and the median way between two, 0 where there are
-    none."""
+    """The way gone since the last reversal, infinite before the first; and the way between two that half of all way is made
+    in, or in longer ones, as a body at rest jitters to and fro; 0 where there are none."""
     gone, between = np.full(len(log), np.inf), [0.0]
     for rows in log.runs():
         y, sign = log.position[rows], np.sign(log.velocity[rows])
@@ -73,7 +73,9 @@ def _since_reversals(log: Log) -> tuple[Array, float]:
         last = at[np.searchsorted(at, np.arange(at[0], len(y)), side="right") - 1]
         gone[rows.start + at[0] : rows.stop] = abs(y[at[0] :] - y[last])
         between += abs(np.diff(y[at])).tolist()
-    return gone, float(np.median(between[1:])) if len(between) > 1 else 0.0
+    ways = np.sort(between)
+    made = np.cumsum(ways)
+    return gone, float(ways[np.searchsorted(made, 0.5 * made[-1])])
 
 
 def turns(v: Array) -> bool:

@@ -25,6 +25,7 @@ from stribeck.identify.result import Estimate, Profile
 from stribeck.identify.statistics.correlated import covariance, noise_memory, supporting_samples
 from stribeck.identify.statistics.curves import NO_CURVE, no_curve_seen
 from stribeck.identify.statistics.late import asked
+from stribeck.identify.statistics.missed import misses
 from stribeck.identify.statistics.profiles import THRESHOLD, Lower, profile, straight
 from stribeck.identify.statistics.sensor_noise import (
     acceleration_of_full_band,
@@ -57,7 +58,6 @@ _CLOSE_IF_CLEAN = (
 )
 _MORE = 1.15  # times the measurement's noise: the residual of a model that follows it
 _MODEL = 1.5  # times the force's noise: the model's own error is seen
-_BEYOND = 3.0  # times what noise explains: a residual that is the model's
 _BRISTLES = ("sigma_0", "sigma_1", "z_ba")  # what only presliding tells
 _FRESH_STARTS = 4
 
@@ -129,21 +129,6 @@ def without(problem: Problem, u: Array, why: str) -> ConfidenceIntervals:
     )
 
 
-def misses(problem: Problem, misfit: Array, noise: Noise) -> str:
-    """Why nothing can be said of a fit, or nothing: it leaves more than noise does, and much of what was measured."""
-    left, whole = float(np.linalg.norm(misfit)), float(np.linalg.norm(problem.measured))
-    deviation = left / np.sqrt(max(len(misfit), 1))
-    if noise.expected <= 0 or deviation <= _BEYOND * noise.expected:
-        return ""
-    share = max(left / whole, noise.farther)
-    text = (
-        f"the fit misses {share:.2g} of what was measured, {deviation / noise.expected:.3g} times what noise explains"
-    )
-    if share > noise.missed:
-        return f"{text}: its numbers say nothing about the machine"
-    return f"{text}, and one start alone led to it: give more starts" if noise.alone else ""
-
-
 @dataclass(frozen=True)
 class _Optimum:
     """A problem at its best point, and what the residual does to the coordinates there.
@@ -203,7 +188,7 @@ def _judge(problem: Problem, u: Array, log: Log, profiles: bool, expected: Noise
     if slopes is None or misfit is None:
         return without(problem, u, "the simulation fails beside the best values")
     late = asked(problem, u)
-    if why := misses(problem, misfit, expected):
+    if why := misses(misfit, problem.measured, expected):
         return without(problem, u, f"{why}; {late.told}" if late and late.told else why)
     at, notes = _at_optimum(problem, u, slopes, misfit, expected)
     sizes, values = sizes_of(log), problem.values(u)
