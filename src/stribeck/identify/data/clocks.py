@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from statistics import median_low
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +95,7 @@ def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str] | None:
 
 def on_one_clock(parts: Sequence[Clean]) -> list[Clean]:
     """Files sampled at different steps on the grid of the usual one, each from its own clock."""
-    step = float(np.median([p.step for p in parts]))
+    step = median_low([p.step for p in parts])  # one that a file has, whose noise tells the cut-off
     if all(abs(p.step - step) <= _ALIKE * step for p in parts):
         return list(parts)
     note = (
@@ -129,4 +130,4 @@ def _resampled(part: Clean, step: float) -> Clean:
         runs.append(slice(place, place + len(grid)))
         place += len(grid)
     joined = {name: np.concatenate(x) if x else np.empty(0) for name, x in columns.items()}
-    return Clean(joined, runs, step, True, part.notes)
+    return Clean(joined, runs, step, True, part.notes, resampled=True)

@@ -91,7 +91,7 @@ def _at_its_bound(
     """For residuals of which ten tell a thing once, or as parts of the record tell it, whichever is wider."""
     own = model.weight * model.columns.at(solution.values, model.terms)[name]
     size = max(float(np.linalg.norm(own)), 1e-300)
-    parts = clusters.parts_of(rows.log.rows(rows.kept)).number
+    parts = clusters.parts_of(rows.log.rows(rows.kept))
     best = half = high = other = 0.0
     for k, added in enumerate(({}, *forms)):
         beside = np.column_stack([at.slopes, *added.values()])
@@ -102,7 +102,7 @@ def _at_its_bound(
         rest = at.misfit - slopes @ step
         wide = max(
             float(1.645 * np.std(rest) * np.sqrt(10.0)) / told,
-            float(clusters.half_widths(slopes, rest, parts, True)[-1]),
+            float(clusters.over_parts(slopes, rest, parts)[0][-1]),
         )
         here = float(step[-1])
         if k == 0:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from stribeck.arrays import Array
+from stribeck.identify.data.filters import SETTLED
 from stribeck.identify.features.experiments import advised
 from stribeck.identify.features.guess import Sizes
 from stribeck.identify.features.what_to_measure import Reach
@@ -31,19 +32,23 @@ _RESOLVED = 1e-12  # of a variance, in the information
 class Effect:
     """The standard deviation that the noise would leave with so many samples of the advised motion, inner coordinates, and
     their own noise, N; ``alone``: fitted without the record, what a position of the resolution that is advised keeps of half
-    an interval."""
+    an interval; ``dropped``: how much of each run the motion's filter takes, s."""
 
     deviation: float
     samples: int
     noise: float
     alone: float | None = None
+    dropped: float = 0.0
 
     def told(self, half: float | None, stays: float) -> str:
         """In words, for half an interval now, None where none is told, and what of it no further sample takes away: the
         sensor's and the model's part. Inner coordinates are logarithms where there is no interval."""
         after = _NORMAL * self.deviation + (stays if self.alone is None else self.alone)
         how = "beside this record, with" if self.alone is None else "alone, with such a position and"
-        with_it = f"by {self.samples} samples of it {how} {self.noise:.2g} N of force noise"
+        behind = (
+            f", behind the {self.dropped:.2g} s of each run that the motion's filter drops," if self.dropped else ""
+        )
+        with_it = f"by {self.samples} samples of it{behind} {how} {self.noise:.2g} N of force noise"
         if half is None:
             # beside a record that shows no curve all hangs on numbers that are nowhere
             within = self.alone is not None and after < _KNOWN
@@ -99,7 +104,9 @@ def at_held_speeds(
     found = linearised(model.on(Columns(log, model.columns.sliding, lambda x: x)), solution)
     if found.names != tuple(names):
         return None
-    return _effect(now, found.slopes, list(names).index(name), noise)
+    effect = _effect(now, found.slopes, list(names).index(name), noise)
+    own = model.columns.log.bandwidth
+    return replace(effect, dropped=SETTLED / own) if effect and own else effect
 
 
 def _motion(name: str, log: Log, at: Reach, sizes: Sizes, mass: float, apart: bool) -> Log | None:
