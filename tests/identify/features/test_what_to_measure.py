@@ -83,6 +83,45 @@ def test_a_static_fit_tells_by_how_much_the_advised_strokes_narrow_an_interval()
     assert 0.5 < shrunk / float(told[2]) < 2
 
 
+def test_the_advice_counts_what_the_filter_of_the_motion_drops():
+    """With a measured position 15 times narrower was told of 100 samples a stroke, all of which the filter's start took: the
+    interval stayed what it was, and the strokes beside it made others wider."""
+    draw = np.random.default_rng(3)
+
+    def measured(v, run):
+        found = record(v, run)
+        y = np.concatenate([[0.0], np.cumsum(0.5 * (v[1:] + v[:-1]) * STEP)])
+        del found["v"]
+        return found | {"y": y + 1e-7 * draw.standard_normal(len(v))}
+
+    def estimates(*records):
+        log = {name: np.concatenate([r[name] for r in records]) for name in records[0]}
+        columns = {"time": "t", "position": "y", "force": "F", "run": "run"}
+        return stribeck.fit(log, "stribeck", columns=columns, select=False).estimates
+
+    wave = 0.015 * (0.55 + 0.45 * np.sin(2 * np.pi * 1.1 * np.arange(0, 2.5, STEP)))
+    both = [measured(sign * wave, i) for i, sign in enumerate((1, -1))]
+    before = estimates(*both)["sigma_2"]
+    told = re.search(r"by (\d+) samples of it, behind the ([\d.]+) s of each run .* be ([\d.]+) times", before.experiment)
+    assert told, before.experiment
+    fast = float(re.search(r"up to ([\d.e-]+) m/s", before.experiment)[1])
+    rows = int(told[1]) // 20 + int(float(told[2]) / STEP) + 1
+    held = [np.full(rows, sign * v) for v in np.geomspace(fast / 3, fast, 10) for sign in (1, -1)]
+    after = estimates(*both, *(measured(v, i + 2) for i, v in enumerate(held)))["sigma_2"]
+    shrunk = np.log(before.high / before.low) / np.log(after.high / after.low)
+    assert 0.5 < shrunk / float(told[3]) < 2
+
+
+def test_no_effect_is_told_of_a_bend_at_the_highest_speed():
+    """9.3 times narrower was told of an F_s whose v_s stood at the end of its search, and no interval was left once the
+    strokes were there: there is no optimum whose slopes could tell."""
+    t = np.arange(0, 4, STEP)
+    wave = 0.02 * np.sin(2 * np.pi * 1.1 * t) * (0.75 + 0.25 * np.sin(2.6 * t))
+    found = fitted(record(wave, F_c=7.4, F_s=9.0, v_s=0.0253, sigma_2=7.0))
+    assert found["F_s"].why.startswith("v_s comes out at the highest speed")
+    assert all("times narrower" not in e.experiment for e in found.values())
+
+
 def test_what_comes_out_as_0_has_an_interval_with_the_others_freedom():
     """sigma_2 was told as 0 [0, 0.22] N s/m where 3.1 is true, beside a v_s at the end of its search."""
     t = np.arange(0, 20, STEP)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from statistics import median_low
+from statistics import median_high
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,7 +95,7 @@ def _own_clock(changes: NDArray[np.intp]) -> tuple[Array, str] | None:
 
 def on_one_clock(parts: Sequence[Clean]) -> list[Clean]:
     """Files sampled at different steps on the grid of the usual one, each from its own clock."""
-    step = median_low([p.step for p in parts])  # one that a file has, whose noise tells the cut-off
+    step = median_high([p.step for p in parts])  # a file has it, whose noise tells the cut-off
     if all(abs(p.step - step) <= _ALIKE * step for p in parts):
         return list(parts)
     note = (
