@@ -20,10 +20,10 @@ from stribeck.identify.models.terms import TERMS
 from stribeck.identify.statistics.linear import linearised
 
 _NORMAL = 1.959964
-_WORTH = 1.2
+_WORTH = 1.5
 _KNOWN = 0.7
 # What a filter keeps of half intervals by loops of 20 samples, with a resolution of a hundredth of presliding: measured.
-_KEPT = {"sigma_0": 0.02, "sigma_1": 0.15}
+_KEPT = {"sigma_0": 0.02, "sigma_1": 0.3}
 _MOST = 100.0  # what is more is not told in numbers: the curvature there is not that far away
 _RESOLVED = 1e-12  # of a variance, in the information
 
